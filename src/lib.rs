@@ -11,8 +11,44 @@
 //! assert_eq!((power.path.as_str(), power.offset), ("power", Some(12)));
 //! ```
 //!
-//! [`Build`] writes Rust mirrors and C headers from a build script, [`Buffer`] fills the bytes of
-//! a block by name, [`lock`](mod@lock) and [`diff`](mod@diff) record and compare layouts.
+//! [`Buffer`] holds the bytes of a block and sets them by name:
+//!
+//! ```
+//! use landfall::{Buffer, Options, Source, layout};
+//!
+//! let text = "struct Light { vec3 pos; float power; };
+//!     layout(std140) uniform Lights { Light data[4]; int count; };";
+//! let lights = &layout(&Source::new("lights.frag", text), &Options::default()).blocks[0];
+//! let mut buffer = Buffer::new(lights)?;
+//! buffer.set("data[2].power", 0.5_f32)?;
+//! assert_eq!(buffer.bytes()[44..48], 0.5_f32.to_le_bytes());
+//! # Ok::<(), landfall::BufferError>(())
+//! ```
+//!
+//! [`Build`] generates Rust mirrors and C headers from a build script:
+//!
+//! ```no_run
+//! fn main() -> Result<(), landfall::BuildError> {
+//!     landfall::Build::new().shader("shaders/lights.frag").mirrors("lights.rs").run()
+//! }
+//! ```
+//!
+//! [`diff`](mod@diff) compares two layouts and tells which changes break an upload:
+//!
+//! ```
+//! use landfall::diff::{Class, Side, diff, verdict};
+//! use landfall::{Options, Source, layout};
+//!
+//! let light = |members: &str| {
+//!     let text = format!("layout(std140) uniform Light {{ {members} }};");
+//!     layout(&Source::new("light.frag", text), &Options::default())
+//! };
+//! let (old, new) = (light("vec3 pos; float power;"), light("float power; vec3 pos;"));
+//! let changes = diff(Side::of(&old), Side::of(&new));
+//! assert_eq!(verdict(&changes), Some(Class::Breaking));
+//! ```
+//!
+//! [`lock`](mod@lock) reads and writes the lock files that `landfall check` compares shaders with.
 //!
 //! # Features
 //!

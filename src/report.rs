@@ -1,4 +1,4 @@
-//! What the commands print.
+//! The printed reports of the commands: text for people, JSON, CSV and SARIF for programs.
 
 #[cfg(feature = "exec")]
 pub mod bench;

@@ -1,6 +1,6 @@
-//! Time against error: a table for people, CSV and JSON for programs.
+//! The report of `landfall bench`: time against error, as a table, CSV and JSON.
 //!
-//! Reads the plain data of [`accuracy::bench`](landfall_light::accuracy::bench).
+//! Formats the data of [`accuracy::bench`](landfall_light::accuracy::bench).
 
 use std::fmt::Write as _;
 
@@ -11,12 +11,12 @@ use landfall_layout::format::SCHEMA_VERSION;
 pub use landfall_layout::format::csv::quoted;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
-pub use landfall_layout::format::words;
+pub use landfall_layout::format::phrases;
 use landfall_light::accuracy::bench::{Bench, BenchRow, Machine, Permitted, Runner, Spread, Unit};
 
 pub use crate::report::schema::BENCH_SCHEMA;
 
-/// What heads the lines of [`csv`].
+/// The header line of [`csv`].
 pub const HEADER: &str = "variant,reader,device,clock,\
 ns_per_light,ns_per_light_lower,ns_per_light_upper,ns_per_light_min,\
 ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,rounds,\
@@ -25,11 +25,11 @@ permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
 evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by\n";
 
-/// A table for each runner.
+/// Returns the tables of a bench, one for each runner.
 pub fn text(bench: &Bench, paint: Paint) -> String {
     let mut text = String::new();
     let Bench { subject, truth, unit, fragments, lights, machine, rows, failed } = bench;
-    let (subject, number) = (paint.text(STRONG, subject), words::number(*fragments));
+    let (subject, number) = (paint.text(STRONG, subject), phrases::number(*fragments));
     let _ = write!(text, "{subject}  {number} {}s", unit.name());
     if *lights > 0 {
         let _ = write!(text, ", {lights} lights");
@@ -47,39 +47,41 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         let _ = writeln!(
             text,
             "\n{}  {}",
-            paint.text(HEADING, &runner.reader),
+            paint.text(HEADING, &runner.backend),
             paint.text(PLAIN, &format!("{}; {} time", runner.device, runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
         table(&rows, *unit, paint, &mut text);
     }
     for failed in failed {
-        let said = format!("{} on {}: {}", failed.variant, failed.reader, failed.reason);
-        let _ = writeln!(text, "\n{}", paint.text(CAUTION, &said));
+        let line = format!("{} on {}: {}", failed.variant, failed.backend, failed.reason);
+        let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
     }
     text
 }
 
-/// Where it was measured, and in how many rounds, if in any.
+/// Returns the machine it was measured on and the number of rounds, if rows have rounds.
 fn about(machine: &Machine, rounds: Option<u32>) -> String {
     let Machine { processor, threads, system, load, optimised } = machine;
-    let mut said = format!("{system}, {threads} threads");
+    let mut line = format!("{system}, {threads} threads");
     if let Some(processor) = processor {
-        let _ = write!(said, ", {processor}");
+        let _ = write!(line, ", {processor}");
     }
     if let Some([before, after]) = load {
-        let _ = write!(said, "; load {before} before, {after} after");
+        let _ = write!(line, "; load {before} before, {after} after");
     }
     if let Some(rounds) = rounds {
-        let _ = write!(said, "; {rounds} rounds in turns; medians and quartiles");
+        let _ = write!(line, "; {rounds} interleaved rounds; medians and quartiles");
     }
     if !optimised {
-        said.push_str("; built without optimisation: Rust's own times say little");
+        line.push_str(
+            "; built without optimisation: times of Rust variants are not representative",
+        );
     }
-    said
+    line
 }
 
-/// The error of a variant of which nothing could be compared.
+/// The error cell of a variant without comparable results.
 const NOTHING: &str = "-";
 
 /// A column of a table: its heading and its cells.
@@ -93,10 +95,10 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         heading,
         cells: rows.iter().map(|row| of(row)).collect(),
     };
-    let optional = |value: Option<f64>| value.map(words::figure).unwrap_or_default();
-    // Where there is nothing to compare, there is no error, which is not one of 0.
+    let optional = |value: Option<f64>| value.map(phrases::figure).unwrap_or_default();
+    // Nothing to compare is not an error of 0.
     let steps =
-        |value: Option<f64>| value.map(words::figure).unwrap_or_else(|| NOTHING.to_string());
+        |value: Option<f64>| value.map(phrases::figure).unwrap_or_else(|| NOTHING.to_string());
     let subtracted = rows.iter().any(|row| row.subtracted);
     let time = match (unit, subtracted) {
         (Unit::Fragment, true) => "ns/fragment net",
@@ -106,12 +108,12 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
     };
     let permitted = |row: &BenchRow, of: fn(&Permitted) -> Option<f64>| {
         row.permitted.map_or_else(String::new, |permitted| {
-            of(&permitted).map_or_else(|| "any".to_string(), words::figure)
+            of(&permitted).map_or_else(|| "any".to_string(), phrases::figure)
         })
     };
     let unsure = |permitted: Permitted| match permitted.unsure {
         0 => "0 %".to_string(),
-        n => format!("{} %", words::figure(100.0 * n as f64 / permitted.samples.max(1) as f64)),
+        n => format!("{} %", phrases::figure(100.0 * n as f64 / permitted.samples.max(1) as f64)),
     };
     let columns = [
         column("variant", &|row| row.variant.clone()),
@@ -122,23 +124,23 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         column("max step", &|row| steps(row.errors.max_steps)),
         column("99.9 % step", &|row| steps(row.errors.p999_steps)),
         column("permitted", &|row| permitted(row, |permitted| permitted.max_steps)),
-        column("99.9 %", &|row| permitted(row, |permitted| permitted.p999_steps)),
+        column("permitted 99.9 %", &|row| permitted(row, |permitted| permitted.p999_steps)),
         column("unsure", &|row| row.permitted.map(unsure).unwrap_or_default()),
         column("flips", &|row| {
             let share = row.errors.flip_share();
-            share.map_or_else(String::new, |share| format!("{} %", words::figure(100.0 * share)))
+            share.map_or_else(String::new, |share| format!("{} %", phrases::figure(100.0 * share)))
         }),
-        column("others", &|row| row.errors.differing.map(words::number).unwrap_or_default()),
-        column("no number", &|row| words::number(row.errors.non_finite)),
-        column("undefined", &|row| words::number(row.errors.undefined)),
+        column("differing", &|row| row.errors.differing.map(phrases::number).unwrap_or_default()),
+        column("non-finite", &|row| phrases::number(row.errors.non_finite)),
+        column("undefined", &|row| phrases::number(row.errors.undefined)),
         column("lights", &|row| optional(row.work.evaluations)),
         column("slots", &|row| optional(row.work.slots)),
         column("powers", &|row| optional(row.work.powers)),
         column("operations", &|row| optional(row.work.operations)),
-        column("bytes", &|row| row.work.bytes.map(words::number).unwrap_or_default()),
-        column("better are", &|row| row.dominated_by.join(", ")),
+        column("bytes", &|row| row.work.bytes.map(phrases::number).unwrap_or_default()),
+        column("dominated by", &|row| row.dominated_by.join(", ")),
     ];
-    // A column without anything says nothing.
+    // Empty columns are left out.
     let columns: Vec<&Column> =
         columns.iter().filter(|column| column.cells.iter().any(|cell| !cell.is_empty())).collect();
     let widths: Vec<usize> = columns
@@ -152,9 +154,9 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         let mut line = String::new();
         for ((cell, width), column) in cells.iter().zip(&widths).zip(&columns) {
             let pad = " ".repeat(width - cell.width());
-            // Words are read from the left, numbers from the right.
+            // Text is aligned to the left, numbers to the right.
             match column.heading {
-                "variant" | "better are" => line += &format!("  {cell}{pad}"),
+                "variant" | "dominated by" => line += &format!("  {cell}{pad}"),
                 _ => line += &format!("  {pad}{cell}"),
             }
         }
@@ -174,10 +176,15 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
 
 fn spread(spread: &Spread) -> String {
     let Spread { median, lower, upper, .. } = spread;
-    format!("{} ({} to {})", words::figure(*median), words::figure(*lower), words::figure(*upper))
+    format!(
+        "{} ({} to {})",
+        phrases::figure(*median),
+        phrases::figure(*lower),
+        phrases::figure(*upper)
+    )
 }
 
-/// A line a variant, numbers in full.
+/// Returns a bench as CSV: a line for each variant, numbers in full.
 pub fn csv(bench: &Bench) -> String {
     let mut text = HEADER.to_string();
     for row in &bench.rows {
@@ -190,13 +197,13 @@ pub fn csv(bench: &Bench) -> String {
         };
         let optional = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
         let whole = |number: Option<u64>| number.map_or(String::new(), |n| n.to_string());
-        // Of what may be anything, a number that every reader of tables knows.
+        // An unbounded error is written so that every CSV parser reads it as a number.
         let steps = |of: fn(&Permitted) -> Option<f64>| {
             optional(permitted.map(|permitted| of(&permitted).unwrap_or(f64::INFINITY)))
         };
         let mut cells = vec![
             variant.clone(),
-            runner.reader.clone(),
+            runner.backend.clone(),
             runner.device.clone(),
             runner.clock.name().to_string(),
         ];
@@ -240,7 +247,7 @@ struct Object<'a> {
     bench: &'a Bench,
 }
 
-/// A bench as JSON, as `landfall schema bench` describes it.
+/// Returns a bench as JSON, in the form of `landfall schema bench`.
 pub fn json(bench: &Bench) -> String {
     let object = Object { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, bench };
     format!("{}\n", to_lines(&object, 0))

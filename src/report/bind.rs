@@ -1,6 +1,6 @@
-//! A binding map: a row a member for people, and JSON that may be given back as `--bind`.
+//! The report of a binding map: a table for people, and JSON that `--bind` accepts.
 //!
-//! Reads a [`BindingMap`] of [`light`](landfall_light).
+//! Formats a [`BindingMap`] of [`bind`](landfall_light::bind).
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use unicode_width::UnicodeWidthStr;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint};
 use landfall_light::bind::{BindingMap, Member, Source};
 
-/// A row for each member, texture and input.
+/// Returns a row for each member, texture and input.
 pub fn text(map: &BindingMap, paint: Paint) -> String {
     let mut text = String::new();
     let members = map.members.iter().map(|member| (member.key(), &member.source));
@@ -31,11 +31,11 @@ pub fn text(map: &BindingMap, paint: Paint) -> String {
         let _ = writeln!(text, "{}", paint.text(HEADING, title));
         for (key, source) in rows {
             let pad = " ".repeat(width - key.width());
-            let said = match source {
-                Source::Unknown => paint.text(CAUTION, "zero: nothing is known of it"),
+            let line = match source {
+                Source::Unknown => paint.text(CAUTION, "unknown: filled with zero"),
                 Source::Scene { .. } | Source::Number(_) => paint.text(PLAIN, &source.to_string()),
             };
-            let _ = writeln!(text, "  {key}{pad}  {said}");
+            let _ = writeln!(text, "  {key}{pad}  {line}");
         }
     }
     for note in &map.notes {
@@ -44,8 +44,8 @@ pub fn text(map: &BindingMap, paint: Paint) -> String {
     text
 }
 
-/// What `--bind` takes: an object from members, textures and inputs to quantities; `null` is
-/// what nothing is known of.
+/// Returns the object that `--bind` accepts: from members, textures and inputs to quantities;
+/// `null` for an unknown source.
 pub fn json(map: &BindingMap) -> Value {
     let members = map.members.iter().map(|member| (Member::key(member), &member.source));
     let bound = map.textures.iter().chain(&map.inputs).map(|b| (b.name.clone(), &b.source));

@@ -1,36 +1,36 @@
-//! How far two pictures are apart, for people: what `--compare` prints.
+//! The report of `--compare`: how far two pictures are apart.
 //!
-//! Reads a [`Comparison`] of [`picture`](landfall_light::picture).
+//! Formats a [`Comparison`] of [`picture`](landfall_light::picture).
 
 use std::fmt::Write as _;
 
-pub use landfall_layout::format::words;
+pub use landfall_layout::format::phrases;
 use landfall_light::picture::compare::{Comparison, Psnr};
 
-/// A line a measure.
+/// Returns a line for each measure.
 pub fn human(comparison: &Comparison) -> String {
     let Comparison { pixels, left_out, non_finite, linear, codes, psnr, flip, .. } = comparison;
     let mut text = String::new();
-    let mut row = |name: &str, said: String| {
-        let _ = writeln!(text, "{name:<12} {said}");
+    let mut row = |name: &str, line: String| {
+        let _ = writeln!(text, "{name:<12} {line}");
     };
     let mut compared = format!("{pixels} compared");
     if *left_out > 0 {
         let _ = write!(compared, ", {left_out} left out as undefined");
     }
     row("pixels", compared);
-    let mut said = format!(
+    let mut line = format!(
         "max {} steps, 99.9 % within {}, mean {}",
-        words::figure(linear.max),
-        words::figure(linear.p999),
-        words::figure(linear.mean)
+        phrases::figure(linear.max),
+        phrases::figure(linear.p999),
+        phrases::figure(linear.mean)
     );
     if let Some([x, y]) = linear.at {
-        let _ = write!(said, "; largest at column {x}, row {y}");
+        let _ = write!(line, "; largest at column {x}, row {y}");
     }
-    row("linear", said);
+    row("linear", line);
     if linear.alpha_max > 0.0 {
-        row("alpha", format!("max {} steps", words::figure(linear.alpha_max)));
+        row("alpha", format!("max {} steps", phrases::figure(linear.alpha_max)));
     }
     let [_, one, two, more] = codes.counts;
     row(
@@ -43,7 +43,7 @@ pub fn human(comparison: &Comparison) -> String {
             codes.channels
         ),
     );
-    row("flips", format!("{} % of the codes", words::figure(100.0 * codes.flips)));
+    row("flips", format!("{} % of the codes", phrases::figure(100.0 * codes.flips)));
     row(
         "psnr",
         match psnr {
@@ -52,7 +52,7 @@ pub fn human(comparison: &Comparison) -> String {
             Psnr::Nothing => "nothing to compare".to_string(),
         },
     );
-    row("flip", format!("mean {}, max {}", words::figure(flip.mean), words::figure(flip.max)));
+    row("flip", format!("mean {}, max {}", phrases::figure(flip.mean), phrases::figure(flip.max)));
     row(
         "non-finite",
         match non_finite.pixels {

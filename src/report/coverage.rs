@@ -1,7 +1,7 @@
-//! Which bytes a shader never reads: a row a leaf, a total a block.
+//! The report of read coverage: the bytes of each leaf that a shader reads, with a total per block.
 //!
-//! Reads the plain data of [`run::coverage`](landfall_exec::harness::coverage); part of what
-//! [`verify`](super::verify) prints.
+//! Formats the data of [`harness::coverage`](landfall_exec::harness::coverage); part of the report
+//! of [`verify`](super::verify).
 
 use std::fmt::Write as _;
 
@@ -9,32 +9,32 @@ use unicode_width::UnicodeWidthStr;
 
 use landfall_exec::harness::coverage::{BlockCoverage, LeafCoverage, Verdict};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint};
-pub use landfall_layout::format::words;
+pub use landfall_layout::format::phrases;
 
-/// Ranges of elements that are shown.
+/// The most ranges of elements shown for a leaf.
 const MOST_RANGES: usize = 4;
 
-/// One block, indented to stand below its line.
+/// Returns the lines of one block, indented to stand below its heading.
 pub fn block(coverage: &BlockCoverage, paint: Paint) -> String {
     let mut text = String::new();
     let BlockCoverage { bytes, read, never, leaves, failures, .. } = coverage;
     let mut total = format!("{read} of {bytes} bytes read");
     if *never > 0 {
-        let _ = write!(total, ", {} certain to be never read", never);
+        let _ = write!(total, ", {} certainly never read", never);
     }
     let _ = writeln!(text, "    {total}");
     let paths = leaves.iter().map(|leaf| leaf.path.width()).max().unwrap_or(0);
     let sizes: Vec<String> = leaves.iter().map(|leaf| leaf.bytes.to_string()).collect();
     let digits = sizes.iter().map(|size| size.width()).max().unwrap_or(0);
     for (leaf, size) in leaves.iter().zip(&sizes) {
-        let (style, said) = verdict(leaf);
+        let (style, line) = verdict(leaf);
         let _ = writeln!(
             text,
             "      {}{}  {}{size}  {}",
             leaf.path,
             " ".repeat(paths - leaf.path.width()),
             " ".repeat(digits - size.width()),
-            paint.text(style, &said),
+            paint.text(style, &line),
         );
     }
     for failure in failures {
@@ -49,7 +49,7 @@ fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
         Verdict::Never => (CAUTION, "never read (certain)".to_string()),
         Verdict::Unread => (FAINT, "not read in these runs".to_string()),
         Verdict::Partly => {
-            let mut said = format!("{} read", words::number(leaf.read));
+            let mut line = format!("{} read", phrases::number(leaf.read));
             if leaf.elements > 1 {
                 let mut ranges: Vec<String> = leaf
                     .elements_read
@@ -63,13 +63,13 @@ fn verdict(leaf: &LeafCoverage) -> (anstyle::Style, String) {
                 if leaf.elements_read.len() > MOST_RANGES {
                     ranges.push("…".to_string());
                 }
-                let elements = words::number(leaf.elements);
-                let _ = write!(said, ", in {} of {elements} elements", ranges.join(", "));
+                let elements = phrases::number(leaf.elements);
+                let _ = write!(line, ", in {} of {elements} elements", ranges.join(", "));
             }
             if leaf.never > 0 {
-                let _ = write!(said, "; {} never (certain)", words::number(leaf.never));
+                let _ = write!(line, "; {} never read (certain)", phrases::number(leaf.never));
             }
-            (PLAIN, said)
+            (PLAIN, line)
         }
     }
 }

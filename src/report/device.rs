@@ -1,33 +1,35 @@
-//! The device that ran something, as JSON has it.
+//! The device of a run in JSON.
 
 use serde::Serialize;
 
 use landfall_exec::backend::{BackendKind, Device};
 
-/// A reader and what it ran on.
+/// A backend and its device.
 #[derive(Serialize)]
 pub(super) struct JsonDevice<'a> {
-    reader: &'a str,
+    #[serde(rename = "reader")]
+    backend: &'a str,
     adapter: &'a str,
     driver: &'a str,
     version: &'a str,
     software: bool,
 }
 
-/// A reader that was asked, and what it ran on if it was there.
+/// A requested backend, and its device if available.
 #[derive(Serialize)]
-pub(super) struct JsonAsked<'a> {
-    reader: &'a str,
+pub(super) struct JsonBackend<'a> {
+    #[serde(rename = "reader")]
+    backend: &'a str,
     adapter: Option<&'a str>,
     driver: Option<&'a str>,
     version: Option<&'a str>,
     software: Option<bool>,
 }
 
-impl<'a> JsonAsked<'a> {
-    pub(super) fn new(reader: BackendKind, device: Option<&'a Device>) -> JsonAsked<'a> {
-        JsonAsked {
-            reader: reader.name(),
+impl<'a> JsonBackend<'a> {
+    pub(super) fn new(backend: BackendKind, device: Option<&'a Device>) -> JsonBackend<'a> {
+        JsonBackend {
+            backend: backend.name(),
             adapter: device.map(|device| device.adapter.as_str()),
             driver: device.map(|device| device.driver.as_str()),
             version: device.map(|device| device.version.as_str()),
@@ -39,7 +41,7 @@ impl<'a> JsonAsked<'a> {
 impl<'a> From<&'a Device> for JsonDevice<'a> {
     fn from(device: &'a Device) -> JsonDevice<'a> {
         JsonDevice {
-            reader: device.reader.name(),
+            backend: device.backend.name(),
             adapter: &device.adapter,
             driver: &device.driver,
             version: &device.version,

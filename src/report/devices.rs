@@ -1,7 +1,6 @@
-//! What can run a shader here, as a table or as JSON that
-//! `landfall schema devices` describes.
+//! The report of `landfall devices`: the available backends and devices, as a table or as JSON.
 //!
-//! Fed by [`backend::devices`](landfall_exec::backend::devices).
+//! Formats the data of [`backend::devices`](landfall_exec::backend::devices).
 
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;
@@ -16,7 +15,7 @@ use landfall_layout::format::{Paint, SCHEMA_VERSION};
 
 const COLUMNS: usize = 10;
 const TITLES: [&str; COLUMNS] = [
-    "reader",
+    "backend",
     "kind",
     "adapter",
     "driver",
@@ -27,12 +26,12 @@ const TITLES: [&str; COLUMNS] = [
     "push constants",
     "image side",
 ];
-/// The first column of numbers, which stand to the right.
+/// The first column of numbers, which are aligned to the right.
 const NUMBERS: usize = 6;
-/// Where the reason stands that there is none.
+/// The column in which the failure of a missing device starts.
 const ADAPTER: usize = 2;
 
-/// Columns for the eye, one device a line; sizes are in bytes.
+/// Returns a table with a row for each device; sizes are in bytes.
 pub fn table(found: &[Found], paint: Paint) -> String {
     let rows: Vec<Row<'_>> = found.iter().map(Row::of).collect();
     let mut widths = TITLES.map(str::width);
@@ -43,7 +42,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
             }
         }
     }
-    for (found, width) in found.iter().flat_map(|f| [(f.reader.name(), 0), (f.kind.as_str(), 1)]) {
+    for (found, width) in found.iter().flat_map(|f| [(f.backend.name(), 0), (f.kind.as_str(), 1)]) {
         widths[width] = widths[width].max(found.width());
     }
     let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
@@ -57,7 +56,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
                 }));
             }
             Row::Missing(failure) => {
-                let start = [found.reader.name(), found.kind.as_str()].map(String::from);
+                let start = [found.backend.name(), found.kind.as_str()].map(String::from);
                 let mut start =
                     columns::row(&start, &widths, NUMBERS, |_, cell| paint.text(PLAIN, cell));
                 start.truncate(start.trim_end().len());
@@ -78,7 +77,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
     text
 }
 
-/// JSON, one device a line.
+/// Returns the JSON document, one device a line.
 pub fn json(found: &[Found]) -> String {
     let document = Document {
         schema_version: SCHEMA_VERSION,
@@ -96,7 +95,7 @@ enum Row<'a> {
 }
 
 impl Row<'_> {
-    /// As many cells as there are columns.
+    /// A row with one cell per column.
     fn of(found: &Found) -> Row<'_> {
         let (device, limits) = match &found.outcome {
             Ok(there) => there,
@@ -104,7 +103,7 @@ impl Row<'_> {
         };
         let number = |limit: Option<u64>| limit.map_or("-".to_string(), |limit| limit.to_string());
         Row::There(vec![
-            found.reader.to_string(),
+            found.backend.to_string(),
             if found.kind.is_empty() { "-".to_string() } else { found.kind.clone() },
             device.adapter.clone(),
             device.driver.clone(),
@@ -131,7 +130,8 @@ struct Document<'a> {
 
 #[derive(Serialize)]
 struct Entry<'a> {
-    reader: &'a str,
+    #[serde(rename = "reader")]
+    backend: &'a str,
     kind: Option<&'a str>,
     available: bool,
     #[serde(flatten)]
@@ -167,7 +167,7 @@ impl Entry<'_> {
             Err(failure) => Outcome::Missing { message: &failure.message, log: &failure.log },
         };
         let kind = Some(found.kind.as_str()).filter(|kind| !kind.is_empty());
-        Entry { reader: found.reader.name(), kind, available: found.outcome.is_ok(), outcome }
+        Entry { backend: found.backend.name(), kind, available: found.outcome.is_ok(), outcome }
     }
 }
 
@@ -181,12 +181,12 @@ mod tests {
     #[test]
     fn columns_line_up_and_what_is_missing_says_why() {
         let missing = |kind: &str| Found {
-            reader: BackendKind::Gpu,
+            backend: BackendKind::Gpu,
             kind: kind.to_string(),
             outcome: Err(Failure::missing("no Vulkan adapter", "loader: nothing\n")),
         };
         let mut gl = cpu();
-        (gl.reader, gl.kind) = (BackendKind::Gl, "compat 4.5".to_string());
+        (gl.backend, gl.kind) = (BackendKind::Gl, "compat 4.5".to_string());
         if let Ok((_, limits)) = &mut gl.outcome {
             limits.uniform_block_size = Some(65536);
         }
@@ -194,13 +194,13 @@ mod tests {
         let version = env!("CARGO_PKG_VERSION");
         let expected = format!(
             "\
-reader  kind        adapter    driver    version  runs on    uniform block  storage block  push constants  image side
-cpu     -           evaluator  landfall  {version}    processor              -              -               -           -
-gl      compat 4.5  evaluator  landfall  {version}    processor          65536              -               -           -
-gpu     vulkan      missing: no Vulkan adapter
-                    loader: nothing
-gpu                 missing: no Vulkan adapter
-                    loader: nothing
+backend  kind        adapter    driver    version  runs on    uniform block  storage block  push constants  image side
+cpu      -           evaluator  landfall  {version}    processor              -              -               -           -
+gl       compat 4.5  evaluator  landfall  {version}    processor          65536              -               -           -
+gpu      vulkan      missing: no Vulkan adapter
+                     loader: nothing
+gpu                  missing: no Vulkan adapter
+                     loader: nothing
 "
         );
         assert_eq!(text, expected);

@@ -1,6 +1,6 @@
-//! What the lights of a shader cost, for people and as JSON that [`LIGHTS_SCHEMA`] describes.
+//! The report of `landfall lights`: what lights cost, as text and as JSON of [`LIGHTS_SCHEMA`].
 //!
-//! Fed by [`light::cost`](crate::report::lights::cost).
+//! Formats the data of [`cost`](crate::report::lights::cost).
 
 mod json;
 
@@ -12,12 +12,12 @@ use crate::report::lights::cost::{Found, Light, Report};
 use landfall_ir::analysis::hazards::Bound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
-use landfall_layout::diagnostic::{Label, Severity};
+use landfall_layout::diagnostic::{Diagnostic, Severity};
 pub use landfall_layout::format::columns;
 use landfall_layout::format::diagnostics::human as diagnostics;
-use landfall_layout::format::diagnostics::render::{Drawing, Pen};
+use landfall_layout::format::diagnostics::render::Pen;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
-pub use landfall_layout::format::words::{bytes, number};
+pub use landfall_layout::format::phrases::{bytes, number};
 use landfall_layout::format::{Paint, SCHEMA_VERSION};
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language};
@@ -27,12 +27,13 @@ pub use json::{closing, opening, shader as json};
 
 pub use crate::report::schema::LIGHTS_SCHEMA;
 
-/// One shader's lights for people: a table, the parts of each, then the hazards with excerpts.
+/// Returns the text for one shader: a table of lights, the members of each, then the hazards with
+/// excerpts.
 pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     let mut text = paint.text(HEADING, &escape::name(&shader.path));
     text.push('\n');
     if report.lights.is_empty() {
-        text.push_str("no structure, block or member of a light\n");
+        text.push_str("no lights found in structures, blocks or members\n");
     } else {
         text.push_str(&table(&report.lights, paint));
         for light in &report.lights {
@@ -42,11 +43,11 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     }
     if !report.unfollowed.is_empty() {
         text.push_str(
-            "\nits functions were not followed, so neither loops nor hazards are known:\n",
+            "\nits functions could not be analysed, so loop bounds and hazards are unknown:\n",
         );
         text.push_str(&diagnostics(&report.unfollowed, &shader.files, paint));
     } else if report.cut_short {
-        text.push_str("\nits functions are too long to be followed to the end\n");
+        text.push_str("\nits functions are too long to be analysed to the end\n");
     }
     if !report.hazards.is_empty() {
         text.push('\n');
@@ -57,7 +58,7 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
 
 const TITLES: [&str; 8] =
     ["kind", "light", "block", "bytes", "padding", "slots", "array", "block bytes"];
-/// The first column of numbers, which stand to the right.
+/// The first column of numbers, which are aligned to the right.
 const NUMBERS: usize = 3;
 
 fn table(lights: &[Light], paint: Paint) -> String {
@@ -103,7 +104,7 @@ fn row(light: &Light) -> [String; 8] {
     ]
 }
 
-/// `PointLight data[]`, `LightBlock`, `lightPos, lightColor`.
+/// Returns the name of a light: `PointLight data[]`, `LightBlock`, `lightPos, lightColor`.
 fn name(light: &Light) -> String {
     match light.form {
         Form::Structure if light.structure.is_empty() => light.path.clone(),
@@ -159,16 +160,16 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
         ));
     }
     if !light.others.is_empty() {
-        text.push_str(&format!("  besides: {}\n", light.others.join(", ")));
+        text.push_str(&format!("  other members: {}\n", light.others.join(", ")));
     }
     if let Some(count) = &light.count {
         let at = count.offset.map_or(String::new(), |offset| format!(" at byte {offset}"));
         text.push_str(&format!("  count: {} of {}{at}\n", count.name, count.block));
     } else if light.is_array {
-        text.push_str("  count: no member says how many slots are in use\n");
+        text.push_str("  count: no member holds the number of slots in use\n");
     }
     if !light.bounds.is_empty() {
-        let all: Vec<String> = light.bounds.iter().map(|bound| words(*bound)).collect();
+        let all: Vec<String> = light.bounds.iter().map(|bound| bound_text(*bound)).collect();
         let style = match light.bounds.contains(&Bound::Count) {
             true => CAUTION,
             false => PLAIN,
@@ -179,7 +180,7 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
         let saved = now.saturating_sub(better.bytes);
         let all = light.slots.unwrap_or(1).saturating_mul(saved);
         text.push_str(&format!(
-            "  as {}: {} instead of {now}, {} saved in all\n",
+            "  reordered as {}: {} instead of {now}, {} saved in total\n",
             better.order.join(", "),
             bytes(better.bytes),
             bytes(all),
@@ -188,13 +189,13 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
     text
 }
 
-fn words(bound: Bound) -> String {
+fn bound_text(bound: Bound) -> String {
     match bound {
         Bound::Fixed(index) => format!("constant {index}"),
-        Bound::Constant(n) => format!("a loop to {n}"),
-        Bound::ClampedCount => "a loop to the count, kept within the array".to_string(),
-        Bound::Count => "a loop to the count, which nothing keeps within the array".to_string(),
-        Bound::Length => "a loop to the array's length".to_string(),
+        Bound::Constant(n) => format!("loop to {n}"),
+        Bound::ClampedCount => "loop to the count, clamped to the array".to_string(),
+        Bound::Count => "loop to the count, not clamped to the array".to_string(),
+        Bound::Length => "loop to the array's length".to_string(),
         Bound::Unknown => "not bounded by a loop".to_string(),
     }
 }
@@ -204,19 +205,17 @@ fn hazards(found: &[Found], files: &Files, paint: Paint) -> String {
     let mut text = String::new();
     for hazard in found {
         let finding = &hazard.finding;
-        let labels = [Label { span: hazard.span, text: finding.text.clone() }];
-        let mut notes = finding.notes.clone();
-        notes.push(format!("{}, {}", hazard.hazard.code(), hazard.certainty.name()));
-        text.push_str(&pen.draw(Drawing {
-            severity: Severity::Warning,
-            code: &finding.code,
-            message: &finding.message,
-            origin: None,
-            labels: &labels,
-            notes,
-            listing: None,
-            help: finding.help.as_deref(),
-        }));
+        let note = format!("{}, {}", hazard.hazard.code(), hazard.certainty.name());
+        let mut shown = Diagnostic::new(
+            finding.code.as_str(),
+            Severity::Warning,
+            hazard.span,
+            finding.message.clone(),
+        )
+        .with_text(finding.text());
+        shown.notes = finding.notes.clone();
+        shown.help = finding.help.clone();
+        text.push_str(&pen.draw(&shown.with_note(note), None));
     }
     text
 }

@@ -1,6 +1,6 @@
-//! What a plan of lighting skips, saves and risks: lines for people, JSON for programs.
+//! The report of a plan of lighting: what it skips, saves and risks, as text and JSON.
 //!
-//! Reads the plain data of [`light::skip`](landfall_light::skip).
+//! Formats the data of [`culling`](landfall_light::culling).
 
 use std::fmt::Write as _;
 
@@ -9,12 +9,12 @@ use serde::Serialize;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
-pub use landfall_layout::format::words::number;
-use landfall_light::skip::{Claim, Measured, Plan, Step};
+pub use landfall_layout::format::phrases::number;
+use landfall_light::culling::{Claim, Measured, Plan, Step};
 
 pub use crate::report::schema::PLAN_SCHEMA;
 
-/// What a plan saves, a paragraph each option.
+/// Returns the text: the totals, then a paragraph for each option.
 pub fn text(plan: &Plan, paint: Paint) -> String {
     let savings = &plan.savings;
     let mut text = String::new();
@@ -46,9 +46,9 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             let (a, b) = (number(after), number(before));
             let _ = writeln!(text, "    {a} evaluations instead of {b}{}", times(before, after));
         }
-        if let Some((certain, said)) = claim(&step.error) {
-            let said = if certain { said } else { paint.text(CAUTION, &said) };
-            let _ = writeln!(text, "    {said}");
+        if let Some((certain, line)) = claim(&step.error) {
+            let line = if certain { line } else { paint.text(CAUTION, &line) };
+            let _ = writeln!(text, "    {line}");
         }
         if step.tests > 0 {
             let tests = format!("{} tests of a light against a region", number(step.tests));
@@ -56,18 +56,18 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
         }
     }
     if !savings.compiled.is_empty() {
-        let said = savings.compiled.join(", ");
-        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "compiled with"));
+        let line = savings.compiled.join(", ");
+        let _ = writeln!(text, "  {}  {line}", paint.text(HEADING, "compiled with"));
     }
     if let Some(checked) = &savings.checked {
-        let said = format!(
-            "{} of 255 at most from the light of all lights, on {} fragments by this reader",
+        let line = format!(
+            "at most {} of 255 from the picture with all lights, on {} fragments of this backend",
             steps_of(checked.steps),
             number(checked.fragments)
         );
         let kept = plan.keeps(checked);
-        let said = if kept { said } else { paint.text(CAUTION, &said) };
-        let _ = writeln!(text, "  {}  {said}", paint.text(HEADING, "checked"));
+        let line = if kept { line } else { paint.text(CAUTION, &line) };
+        let _ = writeln!(text, "  {}  {line}", paint.text(HEADING, "checked"));
     }
     for note in &savings.notes {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, note));
@@ -75,14 +75,14 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     text
 }
 
-/// The same as one JSON document.
+/// Returns the plan as a JSON document.
 pub fn json(plan: &Plan) -> String {
     let document =
         Document { schema_version: SCHEMA_VERSION, tool: Tool::LANDFALL, plan: object(plan) };
     format!("{}\n", to_lines(&document, 0))
 }
 
-/// What a larger document holds of it.
+/// Returns the fields of a plan for a larger document.
 pub(super) fn object(plan: &Plan) -> Body<'_> {
     let savings = &plan.savings;
     Body {
@@ -103,7 +103,7 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
     }
 }
 
-/// Whether it is certain, and what it says; nothing of an option that was not applied.
+/// Returns whether the claim is certain, and its text; `None` for an option that was not applied.
 fn claim(error: &Claim) -> Option<(bool, String)> {
     match error {
         Claim::Exact(why) => Some((true, format!("exact: {why}"))),
@@ -126,7 +126,7 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
                 ),
             ))
         }
-        Claim::Unmeasured => Some((false, "nothing bounds its error".to_string())),
+        Claim::Unmeasured => Some((false, "its error is not bounded".to_string())),
         Claim::Unused => None,
     }
 }
@@ -221,7 +221,7 @@ struct MeasuredObject {
 impl MeasuredObject {
     fn of(measured: &Measured) -> MeasuredObject {
         let Measured { steps, codes, of, fragments, every } = *measured;
-        // JSON has no infinity: what is not a number in one picture only.
+        // JSON has no infinity, which a pixel that is finite in only one picture gives.
         let steps = Some(steps).filter(|steps| steps.is_finite());
         MeasuredObject { steps, codes, of, fragments, every }
     }

@@ -1,4 +1,4 @@
-//! What rendering a scene gave besides its picture: lines for people, JSON for programs.
+//! The report of `landfall render`: everything but the picture, as text and JSON.
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -15,75 +15,75 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_light::bind::BindingMap;
+use landfall_light::culling::Plan;
 use landfall_light::picture::Comparison;
 use landfall_light::reference::Model;
 use landfall_light::render::tally::Tally;
 use landfall_light::render::truth::Truth;
-use landfall_light::skip::Plan;
 
 pub use crate::report::schema::RENDER_SCHEMA;
 
-/// What there is to say of a picture.
+/// The facts about a rendered picture.
 #[derive(Clone, Debug)]
 pub struct RenderReport {
-    /// The scene's name.
+    /// The name of the scene.
     pub scene: String,
-    /// The shader; none where the reference made the picture.
+    /// The path of the shader; `None` for the reference.
     pub shader: Option<String>,
-    /// Who ran it.
+    /// The device that rendered it; `None` for the reference.
     pub device: Option<Device>,
-    /// Pixels in a row, and rows.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Pixels that see something.
+    /// Pixels covered by an object.
     pub fragments: u64,
-    /// Pixels of which a channel is NaN or infinite.
+    /// Pixels with a NaN or infinite channel.
     pub non_finite: u64,
     /// Fragments the shader discarded.
     pub discarded: u64,
-    /// Lights of each kind: directional, point, spot.
+    /// The number of directional, point and spot lights.
     pub lights: [usize; 3],
-    /// How often a light was evaluated at a fragment; none of the reference.
+    /// Light evaluations over all fragments; `None` for the reference.
     pub evaluations: Option<u64>,
-    /// Slots without a light that are evaluated all the same.
+    /// Slots without a light that are evaluated anyway.
     pub idle: u64,
-    /// Bytes of blocks that were uploaded.
+    /// Bytes of blocks uploaded.
     pub uploaded: u64,
-    /// How long the reader took.
+    /// The time the backend took.
     pub time: Duration,
-    /// What the evaluator counted, where it ran.
+    /// The counts of the evaluator, where it ran.
     pub tally: Option<Tally>,
-    /// What its members were given.
+    /// The sources of the shader's members.
     pub map: Option<BindingMap>,
-    /// The model of the reference, where that was asked, and whether the model was said.
+    /// The reference's model if a reference was requested, and whether the caller chose it.
     pub model: Option<(Model, bool)>,
-    /// What was skipped.
+    /// The plan of skipped lights.
     pub plan: Option<Plan>,
-    /// What the picture was compared with.
+    /// The comparisons with other pictures.
     pub compared: Vec<Compared>,
-    /// Files that were written.
+    /// The files written.
     pub written: Vec<String>,
-    /// What is worth knowing.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// A comparison of the picture with another.
+/// A comparison of the picture with another one.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// With what: `reference`, a reader, a file.
+    /// The other picture: `reference`, a backend or a file.
     pub with: String,
-    /// How far they are apart.
+    /// The comparison.
     pub comparison: Comparison,
-    /// Fragments without a value, by hazard and what it is, and those at an edge.
+    /// Fragments left out of the comparison: hazard code, description and count.
     pub left_out: Vec<(String, String, u64)>,
 }
 
 impl Compared {
-    /// Fragments that a reference leaves out, by hazard.
+    /// Returns the fragments that a reference leaves out, by hazard.
     pub fn hazards(truth: &Truth) -> Vec<(String, String, u64)> {
         let undefined = truth.undefined.iter().map(|(undef, count)| {
-            let said = undef.to_string();
-            let said = said.split_once(": ").map_or(said.clone(), |(_, said)| said.to_string());
-            (undef.hazard().code().to_string(), said, *count)
+            let line = undef.to_string();
+            let line = line.split_once(": ").map_or(line.clone(), |(_, line)| line.to_string());
+            (undef.hazard().code().to_string(), line, *count)
         });
         let edge = "within rounding of a cone's edge".to_string();
         let edges = (truth.at_edges > 0)
@@ -92,28 +92,28 @@ impl Compared {
     }
 }
 
-/// The report for people.
+/// Returns the report as text.
 pub fn text(report: &RenderReport, paint: Paint) -> String {
     let mut text = String::new();
     let [width, height] = report.size;
     let by = report.shader.as_deref().unwrap_or("the reference");
     let _ = writeln!(text, "{}  {}", paint.text(STRONG, &report.scene), paint.text(FAINT, by));
-    let mut row = |name: &str, said: &str| {
-        let _ = writeln!(text, "  {} {said}", paint.text(HEADING, &format!("{name:<11}")));
+    let mut row = |name: &str, line: &str| {
+        let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<11}")));
     };
     if let Some(device) = &report.device {
-        row(device.reader.name(), &paint.text(PLAIN, &about(device)));
+        row(device.backend.name(), &paint.text(PLAIN, &about(device)));
     }
     row("picture", &format!("{width} by {height}, {} fragments", report.fragments));
     let [directional, point, spot] = report.lights;
     row("lights", &format!("{directional} directional, {point} point, {spot} spot"));
     if let Some(evaluations) = report.evaluations {
         let each = evaluations as f64 / report.fragments.max(1) as f64;
-        row("evaluated", &format!("{evaluations} lights at fragments, {each:.2} at each"));
+        row("evaluated", &format!("{evaluations} light evaluations, {each:.2} per fragment"));
     }
     if report.idle > 0 {
-        let said = format!("{} slots hold no light and are evaluated, as zeros", report.idle);
-        row("idle", &paint.text(CAUTION, &said));
+        let line = format!("{} slots without a light are evaluated as zeros", report.idle);
+        row("idle", &paint.text(CAUTION, &line));
     }
     if report.uploaded > 0 {
         row("uploaded", &format!("{} bytes of blocks", report.uploaded));
@@ -123,8 +123,8 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         row("discarded", &format!("{} fragments", report.discarded));
     }
     if report.non_finite > 0 {
-        let said = format!("{} pixels are NaN or infinite", report.non_finite);
-        row("non-finite", &paint.text(CAUTION, &said));
+        let line = format!("{} pixels are NaN or infinite", report.non_finite);
+        row("non-finite", &paint.text(CAUTION, &line));
     }
     if let Some(tally) = &report.tally {
         let counts = &tally.counts;
@@ -140,15 +140,15 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
             ),
         );
         for (name, count) in &counts.calls {
-            row("called", &format!("{count} times `{name}`"));
+            row("called", &format!("`{name}` {count} times"));
         }
         for found in &tally.undefined {
-            let said = format!("{} times {}, {}", found.count, found.kind, found.place.shown);
-            row("undefined", &paint.text(CAUTION, &said));
+            let line = format!("{} times {}, {}", found.count, found.kind, found.place.shown);
+            row("undefined", &paint.text(CAUTION, &line));
         }
     }
-    if let Some((model, said)) = &report.model {
-        let origin = if *said { "" } else { "; the nearest of those the shader may be" };
+    if let Some((model, chosen)) = &report.model {
+        let origin = if *chosen { "" } else { "; the best match for the shader" };
         row("model", &format!("{}{origin}", model_text(model)));
     }
     for compared in &report.compared {
@@ -156,8 +156,8 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         for line in compare::human(&compared.comparison).lines() {
             let _ = writeln!(text, "  {line}");
         }
-        for (hazard, said, count) in &compared.left_out {
-            let _ = writeln!(text, "  {:<12} {count} fragments: {said}", hazard);
+        for (hazard, line, count) in &compared.left_out {
+            let _ = writeln!(text, "  {:<12} {count} fragments: {line}", hazard);
         }
     }
     for file in &report.written {
@@ -166,7 +166,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     text
 }
 
-/// A model as a scene writes it, only what differs from its family.
+/// Returns a model in the notation of a scene: its family and what differs from it.
 fn model_text(model: &Model) -> String {
     let whole = |model: &Model| serde_json::to_value(model).unwrap_or(Value::Null);
     let (own, family) = (whole(model), whole(&Model::of(model.family)));
@@ -175,9 +175,9 @@ fn model_text(model: &Model) -> String {
     };
     let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
     let differs = own.iter().filter(|(key, value)| family.get(*key) != Some(value));
-    let mut words = vec![text(&own["family"])];
-    words.extend(differs.map(|(key, value)| format!("{key} {}", text(value))));
-    words.join(", ")
+    let mut parts = vec![text(&own["family"])];
+    parts.extend(differs.map(|(key, value)| format!("{key} {}", text(value))));
+    parts.join(", ")
 }
 
 #[derive(Serialize)]
@@ -251,7 +251,7 @@ struct JsonHazard<'a> {
     fragments: u64,
 }
 
-/// The report as [`RENDER_SCHEMA`] describes it.
+/// Returns the report as JSON, in the form of [`RENDER_SCHEMA`].
 pub fn json(report: &RenderReport) -> String {
     let [directional, point, spot] = report.lights;
     let operations = report.tally.as_ref().map(|tally| JsonOperations {

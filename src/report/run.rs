@@ -1,6 +1,6 @@
-//! What calling a function gave: columns for people, JSON for programs.
+//! The report of `landfall run`: the result of a call, as columns and as JSON.
 //!
-//! Reads the plain data of [`run::call`](landfall_exec::harness::call).
+//! Formats the data of [`harness::call`](landfall_exec::harness::call).
 
 use std::fmt::Write as _;
 
@@ -22,7 +22,8 @@ use landfall_layout::text::escape;
 
 pub use crate::report::schema::RUN_SCHEMA;
 
-/// Past this, a difference is worth a second look: twice what a division may be off in Vulkan.
+/// The difference in ULP above which a row is highlighted: twice the error Vulkan allows a
+/// division.
 const FAR: f64 = 5.0;
 
 struct Row {
@@ -33,7 +34,7 @@ struct Row {
     far: bool,
 }
 
-/// One call: a row for each scalar that came back.
+/// Returns the text of one call: a row for each scalar returned.
 pub fn text(report: &CallReport, paint: Paint) -> String {
     let mut text = String::new();
     let _ = writeln!(
@@ -45,8 +46,8 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
     let _ = writeln!(
         text,
         "  {}  {}",
-        paint.text(HEADING, report.reader.reader.name()),
-        paint.text(PLAIN, &about(&report.reader))
+        paint.text(HEADING, report.backend.backend.name()),
+        paint.text(PLAIN, &about(&report.backend))
     );
     let mut rows = Vec::new();
     if let Some(given) = &report.result {
@@ -56,12 +57,12 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
         push(&mut rows, name, given);
     }
     if rows.is_empty() {
-        text.push_str("  it gives nothing back\n");
+        text.push_str("  returns nothing\n");
     } else {
         table(&rows, paint, &mut text);
     }
     if report.discarded {
-        let _ = writeln!(text, "  {}", paint.text(CAUTION, "it met a `discard`"));
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, "executed `discard`"));
     }
     for note in &report.notes {
         let _ = writeln!(text, "  {}", paint.text(FAINT, note));
@@ -84,7 +85,7 @@ fn push(rows: &mut Vec<Row>, name: &str, given: &Given) {
             ulp: match scalar.ulp {
                 Some(ulp) if ulp < 1000.0 => format!("{ulp:.2}"),
                 Some(ulp) => format!("{ulp:.3e}"),
-                None if apart => "apart".to_string(),
+                None if apart => "differs".to_string(),
                 None => String::new(),
             },
             far: apart || scalar.ulp.is_some_and(|ulp| ulp > FAR),
@@ -130,7 +131,8 @@ struct Object<'a> {
     tool: Tool,
     path: &'a str,
     function: &'a str,
-    reader: JsonDevice<'a>,
+    #[serde(rename = "reader")]
+    backend: JsonDevice<'a>,
     result: Option<GivenObject>,
     parameters: Vec<ParameterObject<'a>>,
     discarded: bool,
@@ -158,7 +160,7 @@ struct UndefinedObject<'a> {
     operands: Vec<Value>,
 }
 
-/// One call as JSON, as `landfall schema run` describes it.
+/// Returns one call as JSON, in the form of `landfall schema run`.
 pub fn json(report: &CallReport) -> String {
     let parameters = report.parameters.iter().map(|(name, direction, given)| ParameterObject {
         name,
@@ -187,7 +189,7 @@ pub fn json(report: &CallReport) -> String {
         tool: Tool::LANDFALL,
         path: &report.path,
         function: &report.function,
-        reader: JsonDevice::from(&report.reader),
+        backend: JsonDevice::from(&report.backend),
         result: report.result.as_ref().map(GivenObject::of),
         parameters: parameters.collect(),
         discarded: report.discarded,

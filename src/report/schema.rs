@@ -1,4 +1,4 @@
-//! JSON Schemas (draft 2020-12) of what the commands print and read; in every build.
+//! JSON Schemas (draft 2020-12) of what the commands print and read, in every build.
 
 /// JSON Schema of the JSON output of `bench`.
 pub const BENCH_SCHEMA: &str = include_str!("schema/bench.json");

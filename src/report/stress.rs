@@ -1,6 +1,6 @@
-//! What stressing a function found: a table and findings for people, SARIF; `json` for programs.
+//! The report of `landfall stress`: a table and findings as text, SARIF and JSON.
 //!
-//! Reads the plain data of [`accuracy::stress`](landfall_light::accuracy::stress).
+//! Formats the data of [`accuracy::stress`](landfall_light::accuracy::stress).
 
 mod json;
 
@@ -9,16 +9,18 @@ use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
-pub use landfall_layout::format::words;
+pub use landfall_layout::format::phrases;
 pub use landfall_layout::text::escape;
-use landfall_light::accuracy::stress::words::{figure, number};
-use landfall_light::accuracy::stress::{Odd, ReaderReport, Report, Tally, Verdict, command};
+use landfall_light::accuracy::stress::messages::{figure, number};
+use landfall_light::accuracy::stress::{
+    BackendReport, Disagreement, Report, Tally, Verdict, command,
+};
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
-/// The share of samples the second figure of each error leaves out.
+/// The quantile shown beside the maximum of each error.
 const SHARE: f64 = 0.999;
 
-/// A table of the samples, then the findings with their lines.
+/// Returns the text: a table of the samples, then the findings with their excerpts.
 pub fn text(stressed: &Report, paint: Paint) -> String {
     let mut text = String::new();
     let _ = writeln!(
@@ -33,14 +35,14 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     };
     let ran = match stressed.every {
         Some(1) => "the only input".to_string(),
-        Some(all) => format!("all {} inputs", words::number(all)),
-        None => format!("{} samples", words::number(stressed.total.samples)),
+        Some(all) => format!("all {} inputs", phrases::number(all)),
+        None => format!("{} samples", phrases::number(stressed.total.samples)),
     };
     let _ = writeln!(
         text,
         "  {ran} in {:.1} s, {} a second on {threads}, seed {}{}",
         stressed.seconds,
-        words::number(stressed.rate as u64),
+        phrases::number(stressed.rate as u64),
         stressed.seed,
         if stressed.stopped { ", stopped before the end" } else { "" }
     );
@@ -64,7 +66,7 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
             let _ = writeln!(text, "{}", paint.text(FAINT, &line));
         }
     }
-    stressed.readers.iter().for_each(|reader| driver(reader, paint, &mut text));
+    stressed.backends.iter().for_each(|backend| driver(backend, paint, &mut text));
     for note in &stressed.notes {
         let _ = writeln!(text, "  {}", paint.text(FAINT, note));
     }
@@ -73,35 +75,35 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
     text
 }
 
-/// Characters of a command that people are shown.
+/// The longest command shown as text, in characters.
 const LONG: usize = 600;
 
-/// What a driver made of the samples, below the table.
-fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
-    let name = reader.reader;
-    if let Some(device) = &reader.device {
+/// Appends the results of a driver, below the table.
+fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
+    let name = backend.backend;
+    if let Some(device) = &backend.device {
         let version = format!("{} {}", device.driver, device.version);
-        let rate = match reader.ran() {
-            true => format!(", {} samples a second", words::number(reader.rate as u64)),
+        let rate = match backend.ran() {
+            true => format!(", {} samples a second", phrases::number(backend.rate as u64)),
             false => String::new(),
         };
         let _ = writeln!(text, "  {name}: {}, {}{rate}", device.adapter, version.trim());
     }
-    if let Some(failure) = &reader.failure {
-        let what = if reader.ran() { "stopped" } else { "did not run" };
+    if let Some(failure) = &backend.failure {
+        let what = if backend.ran() { "stopped" } else { "did not run" };
         let line = format!("{name} {what}: {failure}");
         let _ = writeln!(text, "  {}", paint.text(CAUTION, &line));
     }
     let same = |pair: &[_]| matches!(pair, [a, b] if a == b);
-    let arguments: Vec<_> = reader.worst.iter().map(|worst| &worst.case.arguments).collect();
+    let arguments: Vec<_> = backend.worst.iter().map(|worst| &worst.case.arguments).collect();
     let names: &[&str] = match same(&arguments) {
         true => &["largest in ULP and in steps"],
         false => &["largest in ULP", "largest in steps"],
     };
-    for (what, case) in names.iter().zip(&reader.worst) {
+    for (what, case) in names.iter().zip(&backend.worst) {
         let verdict = match case.verdict {
-            Some(Verdict::Permitted) => ", as any conformant adapter may be",
-            Some(Verdict::Wrong) => ", wrong on this adapter",
+            Some(Verdict::Permitted) => ", permitted on any conformant adapter",
+            Some(Verdict::Wrong) => ", not permitted on any conformant adapter",
             None => "",
         };
         let off = case.off().unwrap_or_default();
@@ -116,22 +118,24 @@ fn driver(reader: &ReaderReport, paint: Paint, text: &mut String) {
             })
             .collect();
         let again = match command(&case.case.arguments) {
-            long if long.len() > LONG => "`--format json` has the command that repeats it".into(),
+            long if long.len() > LONG => {
+                "`--format json` prints the command that reproduces it".into()
+            }
             short => short,
         };
         for line in [cut(&given.join("; ")), again] {
             let _ = writeln!(text, "{}", paint.text(FAINT, &format!("    {line}")));
         }
     }
-    let parted = Odd { count: reader.parted, cases: Vec::new() };
-    let odd = [
-        (&reader.not_finite, "not finite where the evaluator is"),
-        (&reader.hidden, "finite where the evaluator is not"),
-        (&reader.apart, "off by more than is asked for where the evaluator is not"),
-        (&parted, "discarded by one of the two"),
+    let parted = Disagreement { count: backend.parted, cases: Vec::new() };
+    let disagreements = [
+        (&backend.not_finite, "not finite where the evaluator is"),
+        (&backend.hidden, "finite where the evaluator is not"),
+        (&backend.apart, "off by more than the threshold where the evaluator is not"),
+        (&parted, "discarded by either the driver or the evaluator, not both"),
     ];
-    for (odd, what) in odd.iter().filter(|(odd, _)| odd.count > 0) {
-        let _ = writeln!(text, "  {name}: {} {what}", times(odd.count));
+    for (found, what) in disagreements.iter().filter(|(found, _)| found.count > 0) {
+        let _ = writeln!(text, "  {name}: {} {what}", times(found.count));
     }
 }
 
@@ -142,7 +146,7 @@ fn times(count: u64) -> String {
     }
 }
 
-/// A page with the map of errors and the findings below it.
+/// Returns an HTML page with the map of errors and the findings below it.
 pub fn page(stressed: &Report, svg: &str) -> String {
     let title = escape::xml(&stressed.function);
     let text = text(stressed, Paint::Plain);
@@ -153,7 +157,7 @@ pub fn page(stressed: &Report, svg: &str) -> String {
     )
 }
 
-/// Longest line of values that is printed.
+/// The longest line of values printed, in characters.
 const LINE: usize = 400;
 
 fn cut(values: &str) -> String {
@@ -163,7 +167,7 @@ fn cut(values: &str) -> String {
     }
 }
 
-/// The findings in a format of `check`.
+/// Returns the findings in a format of `check`.
 pub fn rendered(stressed: &Report, format: ReportFormat, paint: Paint) -> String {
     let lints = stressed.lints();
     let text = |path: &str| -> Option<Arc<str>> {
@@ -172,7 +176,7 @@ pub fn rendered(stressed: &Report, format: ReportFormat, paint: Paint) -> String
     report(&lints, format, &ReportOptions { paint, text: &text, shaders: 1 })
 }
 
-/// The findings as SARIF.
+/// Returns the findings as SARIF.
 pub fn sarif(stressed: &Report) -> String {
     rendered(stressed, ReportFormat::Sarif, Paint::Plain)
 }
@@ -195,8 +199,8 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
         }
     }
     row("all finite inputs", &stressed.total);
-    for reader in stressed.readers.iter().filter(|reader| reader.ran()) {
-        row(&format!("the same on {}", reader.reader), &reader.tally);
+    for backend in stressed.backends.iter().filter(|backend| backend.ran()) {
+        row(&format!("all finite inputs on {}", backend.backend), &backend.tally);
     }
     let widths: Vec<usize> = (0..head.len())
         .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
@@ -210,10 +214,10 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
                 _ => line.push_str(&format!("  {pad}{cell}")),
             }
         }
-        let odd = nth > 0 && (row[2] != "0" || row[3] != "0") && row[0] != "special";
+        let non_finite = nth > 0 && (row[2] != "0" || row[3] != "0") && row[0] != "special";
         let style = if nth == 0 {
             FAINT
-        } else if odd {
+        } else if non_finite {
             CAUTION
         } else {
             PLAIN

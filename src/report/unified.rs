@@ -1,19 +1,19 @@
-//! The unified diff of a change to a file, as `patch -p1` and `git apply` take it.
+//! Unified diffs of a file's changes, for `patch -p1` and `git apply`.
 //!
-//! For `--diff`, of what [`fix`](landfall_lint::fix) would do.
+//! Used by `--diff` to show the edits of [`fix`](landfall_lint::fix).
 
 use landfall_layout::text::escape::is_bidi;
 use similar::{ChangeTag, TextDiff};
 
 pub use landfall_layout::format::paint::{HEADING, PLAIN, Paint, REMOVED, STRONG};
 
-/// Lines around a change.
+/// The lines of context around a change.
 const CONTEXT: usize = 3;
 
-/// What git writes where a last line has no end.
+/// Git's marker for a last line without a newline.
 const NO_NEWLINE: &str = "\\ No newline at end of file\n";
 
-/// The change of the file at `path`; empty when there is none.
+/// Returns the diff of the file at `path`; empty if nothing changed.
 pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
     // Only `\n` ends a line for `patch`: a lone `\r` is a byte like any other.
     let (before, after) = (lines(old), lines(new));
@@ -52,7 +52,7 @@ fn lines(text: &str) -> Vec<&str> {
     text.split_inclusive('\n').collect()
 }
 
-/// First line, from 1, and how many; nothing stands behind the line before it.
+/// Returns the range of a hunk header: the first line, from 1, and the number of lines.
 fn numbers(lines: std::ops::Range<usize>) -> String {
     match lines.len() {
         0 => format!("{},0", lines.start),
@@ -61,7 +61,7 @@ fn numbers(lines: std::ops::Range<usize>) -> String {
     }
 }
 
-/// A path in a header: quoted where git quotes it, and ended by a tab where it has a space.
+/// Returns a path for a header: quoted where git quotes it, followed by a tab if it has a space.
 fn name(side: &str, path: &str) -> String {
     let path = path.trim_start_matches("./").trim_start_matches('/');
     let plain = |c: char| !c.is_control() && !is_bidi(c) && c != '"' && c != '\\';

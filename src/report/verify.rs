@@ -1,6 +1,6 @@
-//! What verifying found: a line a block for people, every element as JSON.
+//! The report of `landfall verify`: a line for each block as text, every element as JSON.
 //!
-//! Reads the plain data of [`run::verify::report`](landfall_exec::harness::verify::report).
+//! Formats the data of [`harness::verify::report`](landfall_exec::harness::verify::report).
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,53 +9,53 @@ use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::JsonAsked;
+use super::device::JsonBackend;
 use landfall_exec::backend::Device;
 use landfall_exec::harness::verify::report::{
-    Attendance, BlockReport, CompiledRun, ElementReport, Form, Outcome, ReaderReport, ShaderReport,
+    BackendReport, BackendStatus, BlockReport, CompiledRun, ElementReport, Outcome, ShaderReport,
 };
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
-pub use landfall_layout::format::words;
+pub use landfall_layout::format::phrases;
 use landfall_layout::text::escape;
 
 pub use crate::report::schema::VERIFY_SCHEMA;
 
-/// Elements of one leaf that are shown where a reader disagrees.
+/// The most elements of one leaf shown where a backend disagrees.
 const MOST_SHOWN: usize = 4;
 
-/// Lines of a compiler's log that are shown.
+/// The most lines shown of a compiler's log.
 const MOST_LOG: usize = 6;
 
-/// Who read, and who could not and why.
-pub fn readers(attendance: &[Attendance], paint: Paint) -> String {
-    let mut text = paint.text(STRONG, "readers");
+/// Returns the backends that ran, and the missing ones with the reason.
+pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
+    let mut text = paint.text(STRONG, "backends");
     text.push('\n');
-    for reader in attendance {
-        let (name, words) = match reader {
-            Attendance::Here(device) => (device.reader, paint.text(PLAIN, &about(device))),
-            Attendance::Missing { reader, failure } => {
-                (*reader, paint.text(CAUTION, &format!("did not run: {}", failure.message)))
+    for backend in statuses {
+        let (name, line) = match backend {
+            BackendStatus::Here(device) => (device.backend, paint.text(PLAIN, &about(device))),
+            BackendStatus::Missing { backend, failure } => {
+                (*backend, paint.text(CAUTION, &format!("did not run: {}", failure.message)))
             }
         };
-        let _ = writeln!(text, "  {} {words}", paint.text(HEADING, &format!("{name:<4}")));
+        let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<4}")));
     }
     text
 }
 
 pub(super) fn about(device: &Device) -> String {
-    let mut words = device.adapter.clone();
+    let mut text = device.adapter.clone();
     if !device.driver.is_empty() {
-        let _ = write!(words, " · {}", device.driver);
+        let _ = write!(text, " · {}", device.driver);
     }
     if !device.version.is_empty() {
-        let _ = write!(words, " {}", device.version);
+        let _ = write!(text, " {}", device.version);
     }
-    words
+    text
 }
 
-/// One shader: a line for each block, and what disagrees or failed below it.
+/// Returns the text of one shader: a line for each block, with mismatches and failures below it.
 pub fn shader(report: &ShaderReport, paint: Paint) -> String {
     let mut text = paint.text(STRONG, &escape::name(&report.path));
     text.push('\n');
@@ -64,7 +64,7 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
     }
     let names: Vec<String> = report.blocks.iter().map(name).collect();
     let width = names.iter().map(|name| name.width()).max().unwrap_or(0);
-    let bytes: Vec<String> = report.blocks.iter().map(|b| words::bytes(b.size)).collect();
+    let bytes: Vec<String> = report.blocks.iter().map(|b| phrases::bytes(b.size)).collect();
     let digits = bytes.iter().map(|bytes| bytes.width()).max().unwrap_or(0);
     for ((block, name), bytes) in report.blocks.iter().zip(&names).zip(&bytes) {
         let pad = " ".repeat(width - name.width());
@@ -77,13 +77,13 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
             block.leaves,
             if block.leaves == 1 { "leaf  " } else { "leaves" },
         );
-        for reader in &block.readers {
+        for backend in &block.backends {
             text.push_str("  ");
-            text.push_str(&verdict(reader, paint));
+            text.push_str(&verdict(backend, paint));
         }
         text.push('\n');
-        for reader in &block.readers {
-            details(reader, paint, &mut text);
+        for backend in &block.backends {
+            details(backend, paint, &mut text);
         }
         if !block.unprobed.is_empty() {
             unprobed(block, paint, &mut text);
@@ -93,26 +93,26 @@ pub fn shader(report: &ShaderReport, paint: Paint) -> String {
         }
     }
     if let Some(run) = &report.compiled {
-        let (style, words) = compiled(run);
-        let _ = writeln!(text, "  {} {}", paint.text(HEADING, "spirv"), paint.text(style, &words));
+        let (style, line) = compiled(run);
+        let _ = writeln!(text, "  {} {}", paint.text(HEADING, "spirv"), paint.text(style, &line));
     }
     text
 }
 
-/// What a user's SPIR-V gave beside our module.
+/// Returns the comparison of a user's SPIR-V with Landfall's module.
 fn compiled(run: &CompiledRun) -> (Style, String) {
-    let CompiledRun { reader, outcome, compared, differing, reason } = run;
-    let compared = words::number(*compared as u64);
+    let CompiledRun { backend, outcome, compared, differing, reason } = run;
+    let compared = phrases::number(*compared as u64);
     let reason = reason.as_deref().unwrap_or("no reason given");
     match outcome {
         Outcome::Confirmed => {
-            (PLAIN, format!("✓ run on {reader}: {compared} words as landfall's module gives them"))
+            (PLAIN, format!("✓ run on {backend}: {compared} words match landfall's module"))
         }
         Outcome::Disagrees => {
-            let message = format!("✗ run on {reader}: {differing} of {compared} words differ");
-            (CAUTION, format!("{message} from what landfall's module gives"))
+            let message = format!("✗ run on {backend}: {differing} of {compared} words differ");
+            (CAUTION, format!("{message} from landfall's module"))
         }
-        Outcome::Failed | Outcome::Skipped => (FAINT, format!("not run on {reader}: {reason}")),
+        Outcome::Failed | Outcome::Skipped => (FAINT, format!("not run on {backend}: {reason}")),
     }
 }
 
@@ -123,42 +123,42 @@ fn name(block: &BlockReport) -> String {
     }
 }
 
-fn verdict(reader: &ReaderReport, paint: Paint) -> String {
-    let wrong = reader.reads.iter().filter(|read| !lands(read)).count();
-    let all = reader.reads.len();
-    let (style, words) = match reader.outcome {
+fn verdict(backend: &BackendReport, paint: Paint) -> String {
+    let wrong = backend.reads.iter().filter(|read| !lands(read)).count();
+    let all = backend.reads.len();
+    let (style, line) = match backend.outcome {
         Outcome::Confirmed => (PLAIN, format!("✓ {all} reads")),
-        Outcome::Disagrees => (CAUTION, format!("✗ {wrong} of {all} reads elsewhere")),
-        Outcome::Failed => (CAUTION, "could not run it".to_string()),
+        Outcome::Disagrees => (CAUTION, format!("✗ {wrong} of {all} reads from other bytes")),
+        Outcome::Failed => (CAUTION, "failed to run".to_string()),
         Outcome::Skipped => (FAINT, "–".to_string()),
     };
-    format!("{} {}", paint.text(FAINT, reader.reader.name()), paint.text(style, &words))
+    format!("{} {}", paint.text(FAINT, backend.backend.name()), paint.text(style, &line))
 }
 
-fn details(reader: &ReaderReport, paint: Paint, text: &mut String) {
-    match reader.outcome {
+fn details(backend: &BackendReport, paint: Paint, text: &mut String) {
+    match backend.outcome {
         Outcome::Confirmed => {}
         Outcome::Skipped | Outcome::Failed => {
-            let reason = reader.reason.as_deref().unwrap_or("no reason given");
-            let _ = writeln!(text, "    {}: {reason}", reader.reader.name());
-            for line in reader.log.lines().filter(|l| !l.trim().is_empty()).take(MOST_LOG) {
+            let reason = backend.reason.as_deref().unwrap_or("no reason given");
+            let _ = writeln!(text, "    {}: {reason}", backend.backend.name());
+            for line in backend.log.lines().filter(|l| !l.trim().is_empty()).take(MOST_LOG) {
                 let _ = writeln!(text, "    {}", paint.text(FAINT, &format!("| {line}")));
             }
         }
         Outcome::Disagrees => {
             let mut leaves: BTreeMap<&str, Vec<&ElementReport>> = BTreeMap::new();
-            for read in reader.reads.iter().filter(|read| !lands(read)) {
+            for read in backend.reads.iter().filter(|read| !lands(read)) {
                 leaves.entry(&read.leaf).or_default().push(read);
             }
             for (leaf, reads) in leaves {
-                elsewhere(reader, leaf, &reads, paint, text);
+                elsewhere(backend, leaf, &reads, paint, text);
             }
         }
     }
 }
 
 fn elsewhere(
-    reader: &ReaderReport,
+    backend: &BackendReport,
     leaf: &str,
     reads: &[&ElementReport],
     paint: Paint,
@@ -175,7 +175,7 @@ fn elsewhere(
         let _ = writeln!(
             text,
             "      {} {}{pad}  {saw}, expected {}  {}",
-            reader.reader.name(),
+            backend.backend.name(),
             read.path,
             read.expected_byte,
             paint.text(FAINT, read.way),
@@ -184,7 +184,7 @@ fn elsewhere(
     if reads.len() > MOST_SHOWN {
         let _ = writeln!(text, "      … and {} more", reads.len() - MOST_SHOWN);
     }
-    if let Some(cause) = reader.causes.iter().find(|cause| cause.leaf == leaf) {
+    if let Some(cause) = backend.causes.iter().find(|cause| cause.leaf == leaf) {
         let _ = writeln!(text, "      {}", paint.text(CAUTION, &cause.cause));
     }
 }
@@ -213,11 +213,11 @@ fn lands(read: &ElementReport) -> bool {
     read.byte_read == Some(read.expected_byte)
 }
 
-/// What a run came to, in one line.
+/// Returns the summary of a run in one line.
 pub fn summary(reports: &Counts) -> String {
     let Counts { shaders, blocks, reads, elsewhere, failed } = *reports;
     let counted = |count: usize, one: &str, many: &str| {
-        format!("{} {}", words::number(count as u64), if count == 1 { one } else { many })
+        format!("{} {}", phrases::number(count as u64), if count == 1 { one } else { many })
     };
     let mut text = format!(
         "{}, {}, {}: ",
@@ -246,30 +246,30 @@ pub fn summary(reports: &Counts) -> String {
     text
 }
 
-/// What a run came to, in numbers.
+/// The totals of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Shaders that were verified.
+    /// Shaders verified.
     pub shaders: usize,
-    /// Their blocks.
+    /// Blocks of those shaders.
     pub blocks: usize,
-    /// Elements read, by all readers.
+    /// Elements read, over all backends.
     pub reads: usize,
-    /// Of them, from other bytes than expected.
+    /// Reads from other bytes than expected.
     pub elsewhere: usize,
     /// Probes that could not be run.
     pub failed: usize,
 }
 
 impl Counts {
-    /// Counts a shader in.
+    /// Adds the counts of a shader.
     pub fn add(&mut self, report: &ShaderReport) {
         self.shaders += 1;
         self.blocks += report.blocks.len();
-        for reader in report.blocks.iter().flat_map(|block| &block.readers) {
-            self.reads += reader.reads.len();
-            self.elsewhere += reader.reads.iter().filter(|read| !lands(read)).count();
-            self.failed += usize::from(reader.outcome == Outcome::Failed);
+        for backend in report.blocks.iter().flat_map(|block| &block.backends) {
+            self.reads += backend.reads.len();
+            self.elsewhere += backend.reads.iter().filter(|read| !lands(read)).count();
+            self.failed += usize::from(backend.outcome == Outcome::Failed);
         }
         if let Some(run) = &report.compiled {
             self.reads += run.compared;
@@ -279,31 +279,31 @@ impl Counts {
 }
 
 #[derive(Serialize)]
-struct ReaderObject<'a> {
+struct BackendObject<'a> {
     #[serde(flatten)]
-    asked: JsonAsked<'a>,
+    asked: JsonBackend<'a>,
     missing: Option<&'a str>,
 }
 
-impl<'a> ReaderObject<'a> {
-    fn of(attendance: &'a Attendance) -> ReaderObject<'a> {
-        let (asked, missing) = match attendance {
-            Attendance::Here(device) => (JsonAsked::new(device.reader, Some(device)), None),
-            Attendance::Missing { reader, failure } => {
-                (JsonAsked::new(*reader, None), Some(failure.message.as_str()))
+impl<'a> BackendObject<'a> {
+    fn of(statuses: &'a BackendStatus) -> BackendObject<'a> {
+        let (asked, missing) = match statuses {
+            BackendStatus::Here(device) => (JsonBackend::new(device.backend, Some(device)), None),
+            BackendStatus::Missing { backend, failure } => {
+                (JsonBackend::new(*backend, None), Some(failure.message.as_str()))
             }
         };
-        ReaderObject { asked, missing }
+        BackendObject { asked, missing }
     }
 }
 
-/// Everything before the first shader.
-pub fn json_opening(attendance: &[Attendance]) -> String {
+/// Returns the document up to the first shader.
+pub fn json_opening(statuses: &[BackendStatus]) -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
-    let readers: Vec<ReaderObject<'_>> = attendance.iter().map(ReaderObject::of).collect();
-    let readers = to_lines(&readers, 0);
+    let backends: Vec<BackendObject<'_>> = statuses.iter().map(BackendObject::of).collect();
+    let backends = to_lines(&backends, 0);
     format!(
-        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"readers\":{readers},\
+        "{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"readers\":{backends},\
          \"shaders\":[\n"
     )
 }
@@ -313,18 +313,7 @@ pub fn json_shader(report: &ShaderReport) -> String {
     format!("  {}", to_lines(report, 0))
 }
 
-/// Everything after the last shader.
+/// Returns the end of the document, given the number of shaders.
 pub fn json_closing(shaders: usize) -> &'static str {
     if shaders == 0 { "]}\n" } else { "\n]}\n" }
-}
-
-/// What was run, in words.
-pub fn form_name(form: Form) -> &'static str {
-    match form {
-        Form::Original => "the text as it is",
-        Form::Ported => "the text ported, its loose uniforms in a block",
-        Form::Module => "a module with landfall's offsets",
-        Form::Naga => "a module as naga makes it",
-        Form::Spirv => "a module of the user's own compiler",
-    }
 }

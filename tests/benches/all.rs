@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use encase::{ShaderType, UniformBuffer};
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{Job, Reader};
+use landfall_exec::backend::{Backend, Job};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
 use landfall_light::accuracy::bench::clock::Start;
@@ -324,10 +324,10 @@ fn evaluator(table: &mut Table) {
     }
     let job = scene::job(&Arc::new(scene::module()), 256);
     let mut cpu = Cpu::new(Settings::default());
-    let spent = |reader: &mut dyn Reader, job: &Job| {
+    let spent = |backend: &mut dyn Backend, job: &Job| {
         let start = Start::now();
         for _ in 0..4 {
-            reader.run(job).expect("the job runs");
+            backend.run(job).expect("the job runs");
         }
         start.passed().time.as_secs_f64()
     };

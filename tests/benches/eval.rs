@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use landfall_exec::backend::{Answer, Job, Reader};
+use landfall_exec::backend::{Backend, Job, JobOutput};
 use landfall_exec::interp::{Cpu, Precision, Settings};
 
 mod measure;
@@ -28,7 +28,7 @@ fn main() {
 
 fn report(name: &str, job: &Job, settings: Settings) {
     let mut cpu = Cpu::new(settings);
-    let run = |cpu: &mut Cpu| -> Answer { cpu.run(job).expect("the job runs") };
+    let run = |cpu: &mut Cpu| -> JobOutput { cpu.run(job).expect("the job runs") };
     let answer = run(&mut cpu);
     let times: Vec<f64> = (0..9).map(|_| measure::seconds(&mut || drop(run(&mut cpu)))).collect();
     let least = times.iter().copied().fold(f64::INFINITY, f64::min);

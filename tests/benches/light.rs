@@ -8,13 +8,13 @@ use std::hint::black_box;
 
 use glam::Vec3;
 use landfall_layout::Buffer;
-use landfall_light::compiled::{
-    Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
-};
+use landfall_light::culling;
+use landfall_light::culling::{Choice, Options, Plan};
 use landfall_light::reference;
 use landfall_light::sample::texels;
-use landfall_light::skip;
-use landfall_light::skip::{Choice, Options, Plan};
+use landfall_light::shading_f32::{
+    Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
+};
 use landfall_light::{Frame, FrameOptions, Upload, scene};
 use measure::{median, round};
 
@@ -173,16 +173,16 @@ fn far_lights() {
 /// One plan: what it saves, what making and executing it takes.
 fn row(lit: &Lit, model: &Model, text: &str) {
     let Lit { upload, frame } = lit;
-    let options = skip::parse(text).expect("good options");
+    let options = culling::parse(text).expect("good options");
     let surfaces = surfaces(frame, upload, model, 0.0);
     let fragments = frame.fragments.len() as f64;
-    let plan = skip::plan(upload, frame, model, &options);
+    let plan = culling::plan(upload, frame, model, &options);
     let run = |plan: &Plan| {
         drop(black_box(execute::<()>(plan, upload, &surfaces, model, ROBUST)));
     };
     let rounds = if plan.evaluations() > 20_000_000 { 2 } else { 9 };
     let made =
-        cpu_median(rounds, || drop(black_box(skip::plan_only(upload, frame, model, &options))));
+        cpu_median(rounds, || drop(black_box(culling::plan_only(upload, frame, model, &options))));
     let lit = cpu_median(rounds, || run(&plan));
     let per = plan.evaluations() as f64 / fragments;
     println!(
@@ -231,7 +231,7 @@ fn uploads() {
             buffer.set_at(&position, [light * 128 / moved], [1.0; 3]).expect("in range");
         }
         let parts = Options::default().costs.call;
-        let (choice, upload) = skip::choose(&buffer, parts);
+        let (choice, upload) = culling::choose(&buffer, parts);
         let many = 2000;
         let ranges = cpu_median(9, || {
             for _ in 0..many {
@@ -324,19 +324,15 @@ fn cpu_median(rounds: usize, mut work: impl FnMut()) -> f64 {
     median((0..rounds).map(|_| cpu(&mut work)).collect())
 }
 
-/// Seconds this thread computes for one call; by the clock where the system does not tell.
+/// Seconds this thread computes for one call.
 fn cpu(work: &mut impl FnMut()) -> f64 {
     let before = on_cpu();
-    let wall = measure::seconds(work);
-    match (before, on_cpu()) {
-        (Some(a), Some(b)) if b > a => (b - a) as f64 * 1e-9,
-        _ => wall,
-    }
+    work();
+    on_cpu() - before
 }
 
-fn on_cpu() -> Option<u64> {
-    // Giving up the processor has the kernel account for what was used so far.
-    std::thread::yield_now();
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split_whitespace().next()?.parse().ok()
+/// Seconds this thread has computed so far.
+fn on_cpu() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -9,7 +9,7 @@ use std::process::{Child, Command, ExitCode};
 
 use landfall::report::bench::text;
 use landfall_layout::format::Paint;
-use landfall_light::accuracy::bench::clock::{Clock, Took};
+use landfall_light::accuracy::bench::clock::{Clock, Elapsed};
 use landfall_light::accuracy::bench::{
     Bench, BenchRow, Errors, Machine, Part, Rounds, Runner, Size, Unit, Work, Workload, measure,
 };
@@ -29,7 +29,7 @@ impl Workload for Multiply {
         part == Part::Whole
     }
 
-    fn run(&mut self, _part: Part) -> Result<Option<Took>, String> {
+    fn run(&mut self, _part: Part) -> Result<Option<Elapsed>, String> {
         let mut product = 1.000_001f64;
         for _ in 0..self.0 {
             product = black_box(product * 1.000_000_1);
@@ -67,7 +67,7 @@ fn bench(subject: &str) -> Bench {
         workloads.iter_mut().map(|workload| workload as &mut dyn Workload).collect();
     let samples = measure(&mut each, &Rounds::default(), &mut |_| {});
     let runner = Runner {
-        reader: "rust".to_string(),
+        backend: "rust".to_string(),
         device: "this program".to_string(),
         clock: Clock::Processor,
     };

@@ -1,4 +1,4 @@
-//! The image that the benches of the evaluator and of the readers compute: a plane lit by a
+//! The image that the benches of the evaluator and of the backends compute: a plane lit by a
 //! sun, four lamps and a torch.
 
 use std::sync::Arc;

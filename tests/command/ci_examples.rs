@@ -4,11 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use landfall_lint::LINTS;
 use landfall_lint::render::read_json;
 
 const CI: &str = include_str!("../../docs/src/ci.md");
-const LINT_TABLE: &str = include_str!("../../docs/src/lints.md");
 const HOOKS: &str = include_str!("../../.pre-commit-hooks.yaml");
 
 /// The command lines of landfall in the examples of a text.
@@ -96,13 +94,4 @@ fn every_hook_succeeds_and_fails_when_a_layout_drifts() {
     for hook in &hooks {
         assert_eq!(run(&folder, hook).status.code(), Some(1), "{hook}");
     }
-}
-
-#[test]
-fn the_book_lists_every_lint() {
-    let row = |code: &str, level: &str, what: &str| format!("| `{code}` | {level} | {what} |\n");
-    let rows: Vec<String> =
-        LINTS.iter().map(|lint| row(lint.code, lint.level.name(), lint.what)).collect();
-    let table = format!("| lint | level | |\n|---|---|---|\n{}", rows.concat());
-    assert!(LINT_TABLE.contains(&table), "the table is:\n\n{table}");
 }

@@ -135,7 +135,7 @@ fn what_is_not_there_is_said_and_the_rest_laid_out() {
     for (argument, words) in [
         ("gone.frag", "`gone.frag` cannot be read: no such file or directory"),
         ("*.wgsl", "`*.wgsl` matches no shader file"),
-        ("empty", "`empty` holds no shader file"),
+        ("empty", "`empty` contains no shader file"),
         ("bin.frag", "`bin.frag` is UTF-16"),
     ] {
         let ran = place.run(&["layout", argument, "a.frag"]);
@@ -237,7 +237,7 @@ fn two_shaders_for_one_file_and_unwritable_places_are_refused() {
     );
     let ran = place.run(&["layout", "s", "-f", "json", "--out", "file"]);
     assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("`file` cannot be made a directory"), "{}", ran.err);
+    assert!(ran.err.contains("`file` cannot be created as a directory"), "{}", ran.err);
     assert_eq!(place.read("file"), "in the way");
 }
 
@@ -324,8 +324,8 @@ fn explain_says_why_a_path_leads_nowhere() {
         ("a.frag", "eye[1].x", "`eye.y` has type `float`"),
         ("a.frag", "data.color", "help: it is an array: write `data[0].color`"),
         ("a.frag", "@6160", "byte 6160 lies in no block"),
-        ("a.frag", "data[", "`data[` is no path: expected `]` at character 6"),
-        ("loose.frag", "eye", "help: `--gather` lays loose uniforms out"),
+        ("a.frag", "data[", "`data[` is not a path: expected `]` at character 6"),
+        ("loose.frag", "eye", "help: `--gather` lays out loose uniforms"),
     ] {
         let ran = place.run(&["explain", file, path]);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{path}");
@@ -356,7 +356,7 @@ struct Lights { n: u32, all: array<Light> }
     }
     let ran = place.run(&["explain", "a.wgsl", "lights.all[2].k"]);
     assert!(ran.out.contains("WGSL §14.4.3: "), "{}", ran.out);
-    assert!(ran.out.contains("size 4, raised to 16 in the text"), "{}", ran.out);
+    assert!(ran.out.contains("size 4, raised to 16 in the shader"), "{}", ran.out);
     assert!(ran.out.contains("all[2].k: bytes 92 to 107, 16 bytes"), "{}", ran.out);
     let ran = place.run(&["explain", "a.wgsl", "@34", "-b", "lights"]);
     assert!(ran.out.contains("padding: tail padding of member all[0].k"), "{}", ran.out);

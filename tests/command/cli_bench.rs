@@ -52,15 +52,15 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
         "tiles=plan:tiles,always",
         "--variant",
         "shader=shaders/seed/six_lights_450.frag",
-        "--reader",
+        "--backend",
         "cpu,gpu",
         "--plot",
         &plot,
     ]);
     assert!(found.failed.is_empty(), "{:?}", found.failed);
-    let row = |variant: &str, reader: &str| {
-        let found = found.rows.iter().find(|r| r.variant == variant && r.runner.reader == reader);
-        found.unwrap_or_else(|| panic!("{variant} on {reader}"))
+    let row = |variant: &str, backend: &str| {
+        let found = found.rows.iter().find(|r| r.variant == variant && r.runner.backend == backend);
+        found.unwrap_or_else(|| panic!("{variant} on {backend}"))
     };
     for name in ["seed", "robust", "tiles"] {
         // f32 at its best is some thousandths of a step off, and no fragment is no number.
@@ -76,8 +76,8 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
     assert!(steps(coarse) < 2.6);
     assert!(coarse.work.powers < row("robust", "rust").work.powers);
     assert_eq!(row("seed", "rust").work.evaluations, Some(6.0));
-    for reader in ["cpu", "gpu"] {
-        let shader = row("shader", reader);
+    for backend in ["cpu", "gpu"] {
+        let shader = row("shader", backend);
         assert!(steps(shader) < 0.01, "{:?}", shader.errors);
         assert!(shader.work.operations.is_some_and(|n| n > 100.0), "{:?}", shader.work);
         // What any device may do is more than what one does.
@@ -97,8 +97,8 @@ fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
 fn lights_of_a_shader_that_counts_them_cost_a_slope() {
     let variant = "all=shaders/light_arrays/all_lights_450.frag";
     let scene = "shaders/scenes/two_of_128.json";
-    let found = bench(&[scene, "--reader", "cpu", "--variant", variant]);
-    let shader = found.rows.iter().find(|row| row.runner.reader == "cpu");
+    let found = bench(&[scene, "--backend", "cpu", "--variant", variant]);
+    let shader = found.rows.iter().find(|row| row.runner.backend == "cpu");
     let shader = shader.unwrap_or_else(|| panic!("{:?}", found.failed));
     assert!(shader.light.is_some_and(|spread| spread.median > 0.0), "{shader:?}");
     // Far below 128 slots: only lights in use are evaluated.
@@ -109,9 +109,9 @@ fn lights_of_a_shader_that_counts_them_cost_a_slope() {
 fn a_light_that_is_skipped_is_not_evaluated() {
     let shader = "shader=shaders/six_lights/phong_450.frag";
     let found =
-        bench(&[SCENE, "--reader", "cpu", "--variant", shader, "--variant", "rust=rust:robust"]);
+        bench(&[SCENE, "--backend", "cpu", "--variant", shader, "--variant", "rust=rust:robust"]);
     let work =
-        |reader: &str| found.rows.iter().find(|row| row.runner.reader == reader).unwrap().work;
+        |backend: &str| found.rows.iter().find(|row| row.runner.backend == backend).unwrap().work;
     // Both skip lights that a fragment faces away from; Rust counts what it computes, of the
     // shader it is seen by marking lights.
     let (shader, rust) = (work("cpu"), work("rust"));
@@ -128,7 +128,7 @@ fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
     let plain = format!("plain={shader}");
     let culled = format!("culled={shader}+plan:tiles");
     let rust = "rust=plan:tiles";
-    let some = ["--size", "24x18", "--rounds", "3", "--format", "json", "--reader", "cpu"];
+    let some = ["--size", "24x18", "--rounds", "3", "--format", "json", "--backend", "cpu"];
     let variants = ["--variant", &plain, "--variant", &culled, "--variant", rust];
     let output = landfall(&[&["bench", scene], &some[..], &variants].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -150,13 +150,13 @@ fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
 #[test]
 fn a_shader_in_half_precision_is_the_evaluators_alone() {
     let variant = "half=shaders/six_lights/phong_450.frag:half";
-    let found = bench(&[SCENE, "--reader", "cpu,gl", "--variant", variant]);
+    let found = bench(&[SCENE, "--backend", "cpu,gl", "--variant", variant]);
     assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
     // f16 has 11 digits: sums of light near 1 are off by more than a tenth of a step.
     assert!(steps(&found.rows[0]) > 0.1, "{:?}", found.rows[0].errors);
     assert_eq!(found.rows[0].permitted, None);
-    assert_eq!(found.failed[0].reader, "gl");
-    assert!(found.failed[0].reason.contains("only the evaluator"), "{:?}", found.failed);
+    assert_eq!(found.failed[0].backend, "gl");
+    assert!(found.failed[0].reason.contains("only backend cpu"), "{:?}", found.failed);
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn a_variant_of_another_model_is_held_against_its_own() {
     let facing = r#"robust={"family": "multi", "specular_gate": "facing"}"#;
     let robust = "robust=shaders/six_lights/phong_450.frag";
     let one = |more: &[&str]| {
-        let found = bench(&[&[SCENE, "--reader", "cpu", "--variant", robust], more].concat());
+        let found = bench(&[&[SCENE, "--backend", "cpu", "--variant", robust], more].concat());
         steps(&found.rows[0])
     };
     // It gates highlights by the side the light is on, which the published model does not.
@@ -189,7 +189,7 @@ fn what_cannot_be_measured_is_refused_by_name() {
         assert!(said.contains(wanted), "{arguments:?}\n{said}");
     };
     refused(&["no_such_scene.json"], "no_such_scene.json");
-    refused(&[SCENE, "--variant", "a=rust:sturdy"], "forms are `seed`, `robust`");
+    refused(&[SCENE, "--variant", "a=rust:sturdy"], "the kernels are `seed`, `robust`");
     refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
     refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
     refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
@@ -197,10 +197,16 @@ fn what_cannot_be_measured_is_refused_by_name() {
     assert_eq!(output.status.code(), Some(2));
     // The name of one would stand for two.
     let twice = ["--variant", "a=rust:seed", "--variant", "a=rust:robust"];
-    refused(&[&[SCENE][..], &twice].concat(), "`--variant a=rust:robust` has the name of `--var");
+    refused(
+        &[&[SCENE][..], &twice].concat(),
+        "`--variant a=rust:robust` repeats the name of `--var",
+    );
     let models = ["--model-of", "a=multi", "--model-of", "a=array"];
-    refused(&[&[SCENE], &twice[..2], &models].concat(), "`--model-of a=array` has the name of");
-    refused(&["shaders/six_lights/phong_450.frag"], "a shader is called with `--fn NAME`");
+    refused(&[&[SCENE], &twice[..2], &models].concat(), "`--model-of a=array` repeats the name of");
+    refused(
+        &["shaders/six_lights/phong_450.frag"],
+        "measure a function of a shader with `--fn NAME`",
+    );
 }
 
 #[test]
@@ -272,14 +278,14 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
     let shown = plot.display().to_string();
     let shader = ["--variant", "s=shaders/six_lights/phong_450.frag", "--adapter", "no such one"];
     let some = [&["bench", SCENE], &SMALL[..], &shader, &["--plot", &shown]].concat();
-    let output = landfall(&[&some[..], &["--reader", "gpu"]].concat());
+    let output = landfall(&[&some[..], &["--backend", "gpu"]].concat());
     let said = text(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("every shader on gpu: "), "{said}");
-    assert!(!said.contains("rounds in turns"), "{said}");
+    assert!(!said.contains("interleaved rounds"), "{said}");
     assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
     // What there is is printed, and drawn.
-    let output = landfall(&[&some[..], &["--reader", "cpu,gpu"]].concat());
+    let output = landfall(&[&some[..], &["--backend", "cpu,gpu"]].concat());
     let said = text(&output.stdout);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("every shader on gpu: ") && said.contains("\n*  s "), "{said}");
@@ -289,7 +295,7 @@ fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
 #[test]
 fn a_reader_that_is_named_twice_measures_once() {
     let variant = "s=shaders/six_lights/phong_450.frag";
-    let found = bench(&[SCENE, "--reader", "cpu,cpu", "--variant", variant]);
+    let found = bench(&[SCENE, "--backend", "cpu,cpu", "--variant", variant]);
     assert_eq!(found.rows.len(), 1, "{:?}", found.rows);
 }
 
@@ -304,7 +310,7 @@ fn what_is_wrong_with_a_scene_is_said_once() {
     let path = folder.join("narrow.json").display().to_string();
     std::fs::write(&path, scene).unwrap();
     let variants = ["a", "b", "c"].map(|name| format!("{name}=shaders/six_lights/phong_450.frag"));
-    let mut arguments = vec!["bench", &path, "--reader", "cpu", "--model-of", "b=multi"];
+    let mut arguments = vec!["bench", &path, "--backend", "cpu", "--model-of", "b=multi"];
     variants.iter().for_each(|variant| arguments.extend(["--variant", variant]));
     let output = landfall(&[&arguments[..], &SMALL].concat());
     let said = text(&output.stderr);
@@ -316,7 +322,7 @@ fn what_is_wrong_with_a_scene_is_said_once() {
 fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
     // Of 128 lights two are there; the published form takes the others too, which are zeros.
     let scene = "shaders/scenes/two_of_128.json";
-    let more = ["--reader", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
+    let more = ["--backend", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
     let variant = "s=shaders/seed/light_arrays_450.frag";
     let output = landfall(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
     let said = text(&output.stdout);

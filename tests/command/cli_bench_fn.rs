@@ -1,4 +1,4 @@
-//! `landfall bench --fn`: functions of any kind on every reader, held against a truth.
+//! `landfall bench --fn`: functions of any kind on every backend, held against a truth.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -49,10 +49,10 @@ fn bench(arguments: &[&str]) -> Bench {
     serde_json::from_value(value).expect("a bench")
 }
 
-fn row<'b>(bench: &'b Bench, variant: &str, reader: &str) -> &'b BenchRow {
+fn row<'b>(bench: &'b Bench, variant: &str, backend: &str) -> &'b BenchRow {
     let mut rows = bench.rows.iter();
-    let found = rows.find(|row| row.variant == variant && row.runner.reader == reader);
-    found.unwrap_or_else(|| panic!("{variant} on {reader}: {:?}", bench.failed))
+    let found = rows.find(|row| row.variant == variant && row.runner.backend == backend);
+    found.unwrap_or_else(|| panic!("{variant} on {backend}: {:?}", bench.failed))
 }
 
 /// The largest error of what gave some number.
@@ -79,7 +79,7 @@ float product(float x) { return (x - 1.0) * (x + 1.0); }";
         "product=#product",
         "--variant",
         &wrong,
-        "--reader",
+        "--backend",
         "cpu",
     ];
     let found = bench(&arguments);
@@ -106,11 +106,11 @@ fn one_correctly_rounded_operation_is_half_a_unit_off_on_every_reader() {
     let folder = Folder::new("rounding");
     let file = folder.file("sum.frag", "float f(float x) { return x + 1.0; }");
     let found = bench(&[&file, "--fn", "f"]);
-    for reader in READERS {
-        let row = row(&found, "as it is", reader);
+    for backend in READERS {
+        let row = row(&found, "as it is", backend);
         let ulp = row.errors.max_ulp.unwrap();
         // Of two thousand sums some are nearly in the middle of two numbers.
-        assert!(ulp > 0.45 && ulp <= 0.5, "{reader}: {ulp}");
+        assert!(ulp > 0.45 && ulp <= 0.5, "{backend}: {ulp}");
         // Rounded either way, as devices may: a unit, and no more.
         let permitted = row.permitted.unwrap();
         assert_eq!(permitted.samples, 2000);
@@ -138,9 +138,9 @@ void shade() { int k; color = vec4(f(Light(FragPos, true, ivec2(0)), 0, k)); }",
     );
     let found = bench(&[&file, "--fn", "f"]);
     assert!(found.failed.is_empty(), "{:?}", found.failed);
-    for reader in READERS {
-        let row = row(&found, "as it is", reader);
-        assert_eq!(row.errors.differing, Some(0), "{reader}");
+    for backend in READERS {
+        let row = row(&found, "as it is", backend);
+        assert_eq!(row.errors.differing, Some(0), "{backend}");
         // Some roundings of numbers up to some hundred.
         assert!(steps(row) > 0.0 && steps(row) < 0.01, "{:?}", row.errors);
         // 20 words of 4 bytes: 3, 1 and 2 of the light, n, 3 of the input, 9 and 1 of the block.
@@ -161,7 +161,7 @@ float above(float x) {{\n    return max(x, 3.0);\n}}"
     let plain = folder.file("plain.frag", &functions(""));
     let said = folder.file("said.frag", &functions("// x in 2..4"));
     let most = |file: &str, more: &[&str]| {
-        let own = [file, "--fn", "f", "--variant", "above=#above", "--reader", "cpu"];
+        let own = [file, "--fn", "f", "--variant", "above=#above", "--backend", "cpu"];
         steps(row(&bench(&[&own[..], more].concat()), "above", "cpu"))
     };
     assert!((125.0..=127.5).contains(&most(&said, &[])));
@@ -173,7 +173,7 @@ float above(float x) {{\n    return max(x, 3.0);\n}}"
 fn a_seed_gives_the_same_errors_again() {
     let file = "shaders/six_lights/phong_450.frag";
     let errors = |seed: &str| {
-        let found = bench(&[file, "--fn", "CalcSpotLight", "--reader", "cpu", "--seed", seed]);
+        let found = bench(&[file, "--fn", "CalcSpotLight", "--backend", "cpu", "--seed", seed]);
         assert!(found.subject.contains(&format!("seed {seed}")), "{}", found.subject);
         found.rows[0].errors
     };
@@ -194,7 +194,7 @@ fn half_precision_is_the_evaluators_alone() {
         "half=:half",
         "--domain",
         domain,
-        "--reader",
+        "--backend",
         "cpu,gl",
     ]);
     // f16 has 11 digits and f32 24: half a unit of the one is 2^12 of the other. The argument
@@ -203,7 +203,10 @@ fn half_precision_is_the_evaluators_alone() {
     assert!(ulp > 2048.0 && ulp <= 4.0 * 4096.0, "{ulp}");
     assert_eq!(row(&found, "half", "cpu").permitted, None);
     assert_eq!(found.failed.len(), 1, "{:?}", found.failed);
-    assert_eq!((found.failed[0].variant.as_str(), found.failed[0].reader.as_str()), ("half", "gl"));
+    assert_eq!(
+        (found.failed[0].variant.as_str(), found.failed[0].backend.as_str()),
+        ("half", "gl")
+    );
 }
 
 #[test]
@@ -219,12 +222,12 @@ fn a_member_that_is_not_read_needs_no_value() {
 float f(float y) { return y * o.gain; }";
     let renamed = format!("c={}", folder.file("renamed.frag", renamed));
     let arguments = [&small, "--fn", "f", "--variant", &large, "--variant", &renamed];
-    let found = bench(&[&arguments[..], &["--reader", "cpu,gl"]].concat());
+    let found = bench(&[&arguments[..], &["--backend", "cpu,gl"]].concat());
     assert!(found.failed.is_empty(), "{:?}", found.failed);
-    for reader in ["cpu", "gl"] {
-        let of = |variant: &str| row(&found, variant, reader).errors;
-        assert!(of("as it is").max_ulp.is_some_and(|ulp| ulp > 0.4 && ulp <= 0.5), "{reader}");
-        assert_eq!((of("b"), of("c")), (of("as it is"), of("as it is")), "{reader}");
+    for backend in ["cpu", "gl"] {
+        let of = |variant: &str| row(&found, variant, backend).errors;
+        assert!(of("as it is").max_ulp.is_some_and(|ulp| ulp > 0.4 && ulp <= 0.5), "{backend}");
+        assert_eq!((of("b"), of("c")), (of("as it is"), of("as it is")), "{backend}");
     }
 }
 
@@ -235,7 +238,7 @@ fn a_member_that_only_a_variant_reads_has_values_too() {
 float f(float x) { return x * u.k; }
 float g(float x) { return x * u.k * u.m / u.m; }";
     let file = folder.file("more.frag", functions);
-    let arguments = [&file, "--fn", "f", "--variant", "g=#g", "--reader", "cpu"];
+    let arguments = [&file, "--fn", "f", "--variant", "g=#g", "--backend", "cpu"];
     let found = bench(&[&arguments[..], &["--domain", r#"{"u.m": [1, 2]}"#]].concat());
     let g = row(&found, "g", "cpu").errors;
     // Three roundings, the first two up to a whole unit of the last's place.
@@ -244,7 +247,7 @@ float g(float x) { return x * u.k * u.m / u.m; }";
     // What no value is there for is refused in words.
     let alone = folder.file("alone.frag", "float f(float x) { return x; }");
     let form = format!("more={file}");
-    let output = landfall(&["bench", &alone, "--fn", "f", "--variant", &form, "--reader", "cpu"]);
+    let output = landfall(&["bench", &alone, "--fn", "f", "--variant", &form, "--backend", "cpu"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     let wanted = "`--variant more` does not fit: it reads `u.k`, and `f(float)`, which it is";
@@ -263,27 +266,27 @@ float two(float x, int n) { return x + float(n); }
 vec2 pair(float x) { return vec2(x); }";
     let file = folder.file("all.frag", functions);
     let refused = |arguments: &[&str], wanted: &str| {
-        let output = landfall(&[&["bench", &file], arguments, &["--reader", "cpu"]].concat());
+        let output = landfall(&[&["bench", &file], arguments, &["--backend", "cpu"]].concat());
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
         assert!(said.contains(wanted), "{arguments:?}\n{said}");
     };
     refused(&["--fn", "writes"], "it writes the buffer `Out`");
-    refused(&["--fn", "nothing"], "gives nothing back");
+    refused(&["--fn", "nothing"], "returns nothing");
     refused(&["--fn", "sampled"], "`image`");
     refused(&["--fn", "ff"], "did you mean `f`?");
     refused(&["--fn", "f", "--variant", "more=#two"], "it reads `n`");
     refused(&["--fn", "f", "--variant", "more=#pair"], "gives 2 floats, and the truth is 1 floats");
     refused(&["--fn", "f", "--variant", "more=#fff"], "no function `fff`");
-    refused(&["--fn", "f", "--domain", r#"{"y": "unit"}"#], "reads no `y`");
+    refused(&["--fn", "f", "--domain", r#"{"y": "unit"}"#], "has no input `y`");
     refused(&["--fn", "f", "--domain", r#"{"x": [2, 1]}"#], "inverted");
-    refused(&["--fn", "f", "--truth", "other"], "is no variant");
-    refused(&["--fn", "f", "--samples", "0"], "a run is 1 to");
+    refused(&["--fn", "f", "--truth", "other"], "is not a variant");
+    refused(&["--fn", "f", "--samples", "0"], "a run has 1 to");
     refused(
         &["--fn", "f", "--variant", "a=#f", "--variant", "a=#two"],
-        "`--variant a=#two` has the name of `--variant a=#f`",
+        "`--variant a=#two` repeats the name of `--variant a=#f`",
     );
-    refused(&["--fn", "f", "--variant", "as it is=#f"], "the name of the function as it is");
+    refused(&["--fn", "f", "--variant", "as it is=#f"], "is the name of the original function");
     refused(&["--fn", "f", "--truth", "other"], "error[bad-request]");
     refused(&["--fn", "f", "--variant", "a=gone.frag"], "error[unreadable-file]");
 }
@@ -295,7 +298,7 @@ fn a_driver_that_refuses_says_what_its_compiler_said() {
     let functions = "float rec(float x) { return x < 1.0 ? x : rec(x - 1.0); }
 float f(float x) { return x; }";
     let file = folder.file("rec.frag", functions);
-    let output = landfall(&["bench", &file, "--fn", "f", "--reader", "gl", "--rounds", "3"]);
+    let output = landfall(&["bench", &file, "--fn", "f", "--backend", "gl", "--rounds", "3"]);
     let said = text(&output.stdout);
     let line = said.lines().find(|line| line.starts_with("as it is on gl: "));
     assert!(line.is_some_and(|line| line.contains("static recursion")), "{said}\n{output:?}");
@@ -316,7 +319,7 @@ fn a_shader_on_stdin_is_read_once_for_all_its_variants() {
         "f",
         "--variant",
         "b=#g",
-        "--reader",
+        "--backend",
     ]);
     command.args(["cpu"]).args(SMALL).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut running = command.stderr(Stdio::piped()).spawn().unwrap();
@@ -349,7 +352,7 @@ float endless(float x) {
     let file = folder.file("slow.frag", functions);
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
     command.args(["bench", &file, "--fn", "f", "--variant", "endless=#endless", "--variant"]);
-    command.args(["again=#f", "--reader", "cpu,gl", "--rounds", "3", "--samples", "131072"]);
+    command.args(["again=#f", "--backend", "cpu,gl", "--rounds", "3", "--samples", "131072"]);
     let command = command.args(["--format", "json"]).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut running = command.spawn().unwrap();
     let parent = running.id();
@@ -378,11 +381,11 @@ float endless(float x) {
     let output = running.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let found: Bench = serde_json::from_slice(&output.stdout).unwrap();
-    for reader in ["cpu", "gl"] {
-        assert!(row(&found, "again", reader).errors.max_ulp.is_some_and(|ulp| ulp <= 0.5));
+    for backend in ["cpu", "gl"] {
+        assert!(row(&found, "again", backend).errors.max_ulp.is_some_and(|ulp| ulp <= 0.5));
     }
-    let failed = |reader: &str| {
-        let found = found.failed.iter().find(|failed| failed.reader == reader);
+    let failed = |backend: &str| {
+        let found = found.failed.iter().find(|failed| failed.backend == backend);
         found.map(|failed| (failed.variant.as_str(), failed.reason.as_str()))
     };
     assert!(matches!(failed("gl"), Some(("endless", why)) if why.contains("SIGABRT")), "{found:?}");

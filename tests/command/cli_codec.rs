@@ -168,9 +168,10 @@ fn the_block_is_asked_for_when_there_are_several() {
     place.write("same.wgsl", same);
     let run = |arguments: &[&str]| place.run_with(&[&["encode"], arguments, &["-"]].concat(), "{}");
     run(&["two.frag"])
-        .refuses("which-block", "say which with `--block`: `PointLightBlock`, `View`");
+        .refuses("which-block", "select one with `--block`: `PointLightBlock`, `View`");
     assert_eq!(run(&["two.frag", "-b", "View"]).bytes.len(), 16);
-    run(&["two.frag", "-b", "Veiw"]).refuses("unknown-block", "there is `PointLightBlock`, `View`");
+    run(&["two.frag", "-b", "Veiw"])
+        .refuses("unknown-block", "available: `PointLightBlock`, `View`");
     run(&["loose.frag"]).refuses("no-bytes", "`--gather` lays them out");
     assert_eq!(run(&["loose.frag", "--gather"]).bytes.len(), 16);
     run(&["same.wgsl", "-b", "L"]).refuses("ambiguous-block", "by its instance: `one`, `two`");
@@ -203,7 +204,7 @@ fn values_that_are_wrong_are_refused_with_their_place() {
     let place = Place::new("values");
     for (json, code, words) in [
         ("", "empty-input", "`<stdin>` is empty"),
-        (" \n", "empty-input", "`{}` makes all of them zero"),
+        (" \n", "empty-input", "`{}` sets all of them to zero"),
         (
             "{\n  \"data\": [1,\n}",
             "json-syntax",
@@ -211,7 +212,7 @@ fn values_that_are_wrong_are_refused_with_their_place() {
         ),
         ("{\"data\": [", "json-syntax", " --> <stdin>:1:10\n"),
         ("{\"a\":1,\"a\":1}", "json-syntax", "`a` is given twice"),
-        ("[]", "wrong-value", "the block: `PointLightBlock` wants an object of its members"),
+        ("[]", "wrong-value", "the block: expected an object of members for `PointLightBlock`"),
         (r#"{"dta":[]}"#, "unknown-member", "help: did you mean `data`?"),
         (r#"{"data":[{"colour":1}]}"#, "unknown-member", "did you mean `data[0].color`?"),
         (r#"{"data[128].pos":1}"#, "index-out-of-range", "index 128 in `data[128].pos`"),
@@ -220,9 +221,13 @@ fn values_that_are_wrong_are_refused_with_their_place() {
             "wrong-count",
             "`data[0].pos`: `vec3` has 3 elements, not 2",
         ),
-        (r#"{"actually_used_count":1.5}"#, "wrong-value", "`int` wants an integer, not 1.5"),
+        (
+            r#"{"actually_used_count":1.5}"#,
+            "wrong-value",
+            "expected an integer for `int`, found 1.5",
+        ),
         (r#"{"actually_used_count":2147483648}"#, "value-out-of-range", "does not fit `int`"),
-        (r#"{"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}"#, "given-twice", "was given before"),
+        (r#"{"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}"#, "given-twice", "is given twice"),
     ] {
         let ran = place.run_with(&["encode", "a.frag", "--out", "v.bin"], json);
         ran.refuses(code, words);
@@ -242,7 +247,7 @@ fn values_that_are_wrong_are_refused_with_their_place() {
         assert!(ran.err.contains(&format!(" --> <stdin>:{at}\n")), "{at} {}", ran.err);
     }
     let strict = ["encode", "a.frag", "--missing", "error"];
-    place.run_with(&strict, "{}").refuses("missing-member", "`data[0].pos` is not given");
+    place.run_with(&strict, "{}").refuses("missing-member", "`data[0].pos` is missing");
     place.run_with(&strict, "{}").refuses("missing-member", "with `--missing zero`");
     place.run_with(&["encode", "a.frag"], b"{\"\xff\"").refuses("unreadable-file", "is not UTF-8");
     assert_eq!(place.names(), ["a.frag"]);
@@ -260,7 +265,7 @@ fn bytes_of_the_wrong_length_are_refused_with_both_numbers() {
     run(&[0; 160], &[]).refuses("wrong-length", words);
     run(&[], &[]).refuses("wrong-length", "has 6160 bytes, but 0 bytes were given");
     run(&[0; 6164], &[]).refuses("wrong-length", "has 6160 bytes, but 6164 bytes were given");
-    run(&[0; 6164], &[]).refuses("wrong-length", "`--offset N` reads the 6160 bytes from byte N");
+    run(&[0; 6164], &[]).refuses("wrong-length", "`--offset N` decodes the 6160 bytes from byte N");
     let mut dump = vec![0xffu8; 7000];
     dump[256..256 + 6160].fill(0);
     assert_eq!(run(&dump, &["--offset", "0x100"]).code, 0);
@@ -303,8 +308,8 @@ fn a_place_that_cannot_be_written_is_left_as_it_was() {
     place.write("file", "in the way");
     fs::create_dir(place.0.join("dir")).unwrap();
     for (out, words) in [
-        ("file/v.bin", "`file` cannot be made a directory"),
-        ("file/deep/v.bin", "cannot be made a directory"),
+        ("file/v.bin", "`file` cannot be created as a directory"),
+        ("file/deep/v.bin", "cannot be created as a directory"),
         ("dir", "`dir` cannot be written"),
     ] {
         let ran = place.run_with(&["encode", "a.frag", "--out", out], "{}");

@@ -98,19 +98,17 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
         (
             "float gamma;",
             "float gain;",
-            &["cosmetic   `gamma` is called `gain` now, in the same place  [Lights::gamma]"],
+            &["cosmetic   `gamma` was renamed to `gain`, in the same place  [Lights::gamma]"],
         ),
         (
             "vec3 pos;",
             "vec3 at;",
-            &["cosmetic   `all[].pos` is called `at` now, in the same place  [Light::pos]"],
+            &["cosmetic   `all[].pos` was renamed to `at`, in the same place  [Light::pos]"],
         ),
         (
             "vec3 pos;",
             "vec3 pos; float range;",
-            &[
-                "compatible `all[].range` (`float`) takes bytes at 12 that were padding  [Light::range]",
-            ],
+            &["compatible `all[].range` (`float`) uses former padding at 12  [Light::range]"],
         ),
         (
             "float gamma;",
@@ -124,7 +122,7 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
             "    float gamma;\n",
             "",
             &[
-                "breaking   `gamma` (`float` at 64) is gone  [Lights::gamma]",
+                "breaking   `gamma` (`float` at 64) was removed  [Lights::gamma]",
                 "compatible shrank from 80 to 64 bytes",
             ],
         ),
@@ -141,7 +139,7 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
             "Light all[2];",
             "Light all[1];",
             &[
-                "breaking   `all` shrank from 2 to 1 elements: the last are gone  [Lights::all]",
+                "breaking   `all` shrank from 2 to 1 elements: the last were removed  [Lights::all]",
                 "breaking   `gamma` moved from 64 to 32  [Lights::gamma]",
                 "compatible shrank from 80 to 48 bytes",
             ],
@@ -157,19 +155,19 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
         (
             "uniform Lights {",
             "uniform Lamps {",
-            &["cosmetic   block `Lights` is called `Lamps` now"],
+            &["cosmetic   block `Lights` was renamed to `Lamps`"],
         ),
         (
             "float gamma;",
             "float gamma[1];",
             &[
-                "cosmetic   `gamma` is `float[1]` now, was `float`: what it had stays in place  [Lights::gamma]",
+                "cosmetic   `gamma` is now `float[1]`, was `float`: its elements stay in place  [Lights::gamma]",
             ],
         ),
         (
             "layout(std140)",
             "layout(std140, binding = 3)",
-            &["compatible binding 3 is declared; until now the host chose it"],
+            &["compatible binding 3 is now declared; before, the host chose it"],
         ),
     ] {
         let (code, out) = tree.change(from, to);
@@ -253,10 +251,10 @@ fn only_breaking_changes_fail_when_asked() {
     assert_eq!(tree.run(&["diff", "new.frag", "old.frag", "--breaking"]).0, 1);
     let (code, _, err) = tree.run(&["diff", "old.frag"]);
     assert_eq!(code, 2);
-    assert!(err.contains("is given 1 of the 2 sides to compare"), "{err}");
+    assert!(err.contains("needs 2 sides to compare, not 1"), "{err}");
     let (code, _, err) = tree.run(&["diff", "old.frag", "gone.frag"]);
     assert_eq!(code, 2);
-    assert!(err.contains("`gone.frag` is not there"), "{err}");
+    assert!(err.contains("`gone.frag` does not exist"), "{err}");
     tree.write("bad.frag", "uniform B { float");
     assert_eq!(tree.run(&["diff", "old.frag", "bad.frag"]).0, 2);
 }
@@ -277,12 +275,12 @@ fn a_lock_is_compared_like_the_shader_it_was_written_from_and_renewed() {
     for sides in [[lock, "shaders/a.frag"], ["shaders/a.frag", lock], ["layouts", "shaders"]] {
         tree.write(lock, &fs::read_to_string(tree.0.join(lock)).unwrap().replace("gain", "gamma"));
         let (code, _, err) = tree.run(&["diff", sides[0], sides[1], "--accept"]);
-        assert_eq!((code, err.as_str()), (0, "renewed layouts/shaders/a.frag.json\n"));
+        assert_eq!((code, err.as_str()), (0, "updated layouts/shaders/a.frag.json\n"));
         assert_eq!(tree.run(&["lock", "shaders", "--check"]).0, 0);
     }
     let (code, _, err) = tree.run(&["diff", "shaders/a.frag", "shaders/a.frag", "--accept"]);
     assert_eq!(code, 2);
-    assert!(err.contains("has no lock to renew"), "{err}");
+    assert!(err.contains("has no lock to update"), "{err}");
     // The output of `layout` is read as well.
     let json = tree.run(&["layout", "shaders", "--format", "json"]).1;
     tree.write("all.json", &json);
@@ -305,13 +303,13 @@ fn directories_are_compared_shader_by_shader() {
         "{out}"
     );
     assert!(
-        out.contains("one/gone.frag: Gone: breaking\n  breaking   block `Gone` is gone\n"),
+        out.contains("one/gone.frag: Gone: breaking\n  breaking   block `Gone` was removed\n"),
         "{out}"
     );
     assert!(out.ends_with("2 blocks changed: 1 breaking, 1 compatible\n"), "{out}");
     let (code, _, err) = tree.run(&["diff", "one", "two/a.frag"]);
     assert_eq!(code, 2);
-    assert!(err.contains("is one shader, and the other side is many"), "{err}");
+    assert!(err.contains("is one shader, but the other side is a directory"), "{err}");
 }
 
 #[test]
@@ -366,10 +364,10 @@ fn what_git_cannot_give_is_said_in_its_words() {
     tree.git(&["add", "."]);
     tree.git(&["commit", "-q", "-m", "one"]);
     for (side, said) in [
-        ("HEAD:b.frag", "`HEAD:b.frag` is not there: the revision has no such file"),
+        ("HEAD:b.frag", "`HEAD:b.frag` does not exist at that revision"),
         ("HEAD~7:a.frag", "`HEAD~7:a.frag` cannot be read by git: not a valid object name head~7"),
         ("--help:a.frag", "unexpected argument"),
-        ("HEAD:../../a.frag", "leads out of the repository"),
+        ("HEAD:../../a.frag", "is outside the repository"),
     ] {
         let (code, _, err) = tree.run(&["diff", side, "a.frag"]);
         assert_eq!(code, 2, "{err}");
@@ -415,8 +413,8 @@ fn loose_uniforms_are_judged_by_their_names() {
     for line in [
         "breaking   `eye` changed from `vec3` to `vec4`",
         "breaking   `w[]` has fewer elements: `[2]`, was `[4]`",
-        "breaking   `n` is gone: a value set by that name goes nowhere",
-        "compatible `m` (`int`) is new, and not set by anybody yet",
+        "breaking   `n` was removed: values set by that name have no effect",
+        "compatible `m` (`int`) is new, and not set yet",
     ] {
         assert!(out.contains(line), "{line}\n{out}");
     }

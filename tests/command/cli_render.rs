@@ -124,7 +124,7 @@ fn a_scene_may_name_its_shader_beside_it() {
     for (shader, code, said) in [
         ("\"lit.frag\"", 0, "lit.frag"),
         (r#"{"path": "lit.frag", "normals": "unit", "define": {"X": 1}}"#, 0, "lit.frag"),
-        (r#"{"path": "lit.frag", "normal": "unit"}"#, 2, "`shader` with `normal`"),
+        (r#"{"path": "lit.frag", "normal": "unit"}"#, 2, "the unknown key `shader.normal`"),
         (r#"{"path": "lit.frag", "normals": "bent"}"#, 2, "`transformed`, `unit`"),
         ("\"gone.frag\"", 2, "gone.frag"),
     ] {
@@ -152,7 +152,7 @@ fn what_cannot_be_rendered_is_named() {
     std::fs::write(&nobody, unnamed()).expect("it is written");
     let small = ["--size", "8x8"];
     for (arguments, messages) in [
-        (vec![nobody.as_str()], &["names no shader to light it", "--shader FILE"][..]),
+        (vec![nobody.as_str()], &["names no shader", "--shader FILE"][..]),
         (vec![SCENE, "--shader", &unlit], &["no block or uniform of", "unlit.frag", "--bind"]),
         (
             vec![&bound, "--shader", SHADER],
@@ -167,11 +167,11 @@ fn what_cannot_be_rendered_is_named() {
         (vec![SCENE, "--shader", SHADER, "--compare", "gone.png"], &["gone.png"]),
         (
             vec![SCENE, "--shader", SHADER, "--bind", r#"{"viewPos": "camera"}"#],
-            &["`viewPos` is to be `camera`, which is no number of a scene"],
+            &["`viewPos` is bound to `camera`, which is not a quantity of a scene"],
         ),
         (
-            vec![SCENE, "--shader", "shaders/six_lights/phong.wgsl", "--reader", "gl"],
-            &["OpenGL takes no WGSL"],
+            vec![SCENE, "--shader", "shaders/six_lights/phong.wgsl", "--backend", "gl"],
+            &["OpenGL does not accept WGSL"],
         ),
     ] {
         let arguments = [&["render"][..], &arguments, &small].concat();

@@ -9,6 +9,9 @@ use landfall_light::reference::Undef;
 use landfall_lint::LINTS;
 use landfall_lint::hazards::lint_of;
 
+/// The page of the book: an introduction, then what `landfall rule` prints in Markdown.
+const PAGE: &str = include_str!("../../docs/src/lints.md");
+
 fn rule(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
     command.arg("rule").args(arguments).output().expect("the command runs")
@@ -114,4 +117,40 @@ fn a_code_of_nothing_is_refused_with_the_nearest() {
     let one = rule(&["narow-cone"]);
     assert_eq!((one.status.code(), one.stdout.is_empty()), (Some(2), true));
     assert!(text(&one.stderr).contains("did you mean `narrow-cone`?"), "{}", text(&one.stderr));
+}
+
+#[test]
+fn the_book_lists_and_explains_every_lint_and_hazard() {
+    let tables = text(&rule(&["--format", "md"]).stdout);
+    let explanations = text(&rule(&["--all", "--format", "md"]).stdout);
+    let printed = format!("{tables}\n{explanations}");
+    let page = &PAGE[PAGE.find("| code |").expect("the page has a table of lints")..];
+    let differ = page.lines().zip(printed.lines()).find(|(book, printed)| book != printed);
+    assert!(
+        page == printed,
+        "docs/src/lints.md is out of date at {differ:?}: after its introduction it is the output \
+         of `landfall rule --format md`, an empty line, and that of \
+         `landfall rule --all --format md`"
+    );
+}
+
+#[test]
+fn lights_gives_each_hazard_the_default_level_of_its_lint() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    let output = command
+        .args(["lights", "shaders", "--format", "json"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the command runs");
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let shaders = report["shaders"].as_array().expect("shaders");
+    let hazards = shaders.iter().flat_map(|shader| shader["hazards"].as_array().expect("hazards"));
+    let mut levels = BTreeSet::new();
+    for hazard in hazards {
+        let code = hazard["code"].as_str().expect("a code");
+        let lint = LINTS.iter().find(|lint| lint.code == code).expect("a lint's code");
+        assert_eq!(hazard["level"], lint.level.name(), "{code}");
+        levels.insert(lint.level.name());
+    }
+    assert_eq!(levels, BTreeSet::from(["allow", "warn"]), "both are among the shaders");
 }

@@ -76,14 +76,14 @@ fn a_third_is_printed_in_both_precisions_with_its_error() {
 #[test]
 fn every_reader_gives_back_out_and_inout_parameters() {
     let path = shader("split.frag", SHADER);
-    for reader in ["cpu", "gl", "gpu"] {
+    for backend in ["cpu", "gl", "gpu"] {
         let data = r#"{"DefaultBlock": {"gain": 2}}"#;
         let arguments = ["--fn", "split", "--args", "[[3, 4, 0], [1, 2, -3]]", "--data", data];
-        let text = ran(&path, &[&arguments[..], &["--reader", reader]].concat());
+        let text = ran(&path, &[&arguments[..], &["--backend", backend]].concat());
         // 3-4-5; and each component times gain 2 times scale 2.5.
-        assert_eq!(row(&text, "len")[..2], ["5.0", "5.0"], "{reader}");
+        assert_eq!(row(&text, "len")[..2], ["5.0", "5.0"], "{backend}");
         for (name, value) in [("dir.x", "5.0"), ("dir.y", "10.0"), ("dir.z", "-15.0")] {
-            assert_eq!(row(&text, name), [value, value, "0.00"], "{reader}");
+            assert_eq!(row(&text, name), [value, value, "0.00"], "{backend}");
         }
     }
 }
@@ -91,25 +91,25 @@ fn every_reader_gives_back_out_and_inout_parameters() {
 #[test]
 fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
     let path = shader("assumed.frag", SHADER);
-    for reader in ["cpu", "gl", "gpu"] {
-        let call = ["--fn", "look", "--args", "[[0, 0]]", "--reader", reader];
+    for backend in ["cpu", "gl", "gpu"] {
+        let call = ["--fn", "look", "--args", "[[0, 0]]", "--backend", backend];
         let text = ran(&path, &call);
-        assert_eq!(row(&text, "result.y")[0], "1.0", "{reader}");
+        assert_eq!(row(&text, "result.y")[0], "1.0", "{backend}");
         assert!(text.contains("`tex` is white"), "{text}");
         let text = ran(&path, &[&call[..], &["--texture", "tex=[1, 0.5, 0.25, 1]"]].concat());
-        assert_eq!(row(&text, "result.y")[0], "0.5", "{reader}");
+        assert_eq!(row(&text, "result.y")[0], "0.5", "{backend}");
         assert!(!text.contains("white"), "{text}");
     }
     let light = r#"[{"color": [1, 2, 3], "power": 2}, [[0, 0], [1, 0]]]"#;
-    for reader in ["cpu", "gl", "gpu"] {
-        let text = ran(&path, &["--fn", "lit", "--args", light, "--reader", reader]);
-        assert_eq!(row(&text, "result.z")[0], "6.0", "{reader}");
-        assert!(text.contains("it reads `v_normal`, which is zero"), "{text}");
+    for backend in ["cpu", "gl", "gpu"] {
+        let text = ran(&path, &["--fn", "lit", "--args", light, "--backend", backend]);
+        assert_eq!(row(&text, "result.z")[0], "6.0", "{backend}");
+        assert!(text.contains("`v_normal` defaults to zero"), "{text}");
     }
-    for reader in ["cpu", "gl", "gpu"] {
-        let input = ["--input", "v_normal=[0, 0, 0.5]", "--reader", reader];
+    for backend in ["cpu", "gl", "gpu"] {
+        let input = ["--input", "v_normal=[0, 0, 0.5]", "--backend", backend];
         let text = ran(&path, &[&["--fn", "lit", "--args", light][..], &input].concat());
-        assert_eq!(row(&text, "result.z")[0], "6.5", "{reader}");
+        assert_eq!(row(&text, "result.z")[0], "6.5", "{backend}");
         assert!(!text.contains("v_normal"), "{text}");
     }
 }
@@ -131,7 +131,7 @@ fn what_does_not_fit_is_said_with_its_place_in_the_json() {
     let path = shader("misfits.frag", SHADER);
     for (function, arguments, words) in [
         ("direktion", "[]", "did you mean `direction`?"),
-        ("direction", "[]", "`direction(vec3)` takes 1 argument, and none is given"),
+        ("direction", "[]", "`direction(vec3)` takes 1 argument, but none was given"),
         ("direction", "[[1, 2]]", "`args[0]`: `vec3` wants an array of 3 numbers"),
         ("direction", "[[1, 2, 1e99]]", "`args[0][2]`: 1e+99 does not fit `float`"),
         ("direction", "[[1, 2", "`--args` is not JSON"),
@@ -167,7 +167,7 @@ fn json_holds_to_its_schema() {
     for arguments in [
         &["--fn", "direction", "--args", "[[0, 0, 0]]"][..],
         &["--fn", "split", "--args", r#"[["nan", "inf", 0], [1, 2, 3]]"#],
-        &["--fn", "third(int)", "--args", "[1]", "--reader", "gl"],
+        &["--fn", "third(int)", "--args", "[1]", "--backend", "gl"],
     ] {
         let text = ran(&path, &[arguments, &["--format", "json"]].concat());
         let value: Value = serde_json::from_str(&text).unwrap();
@@ -185,15 +185,15 @@ fn wgsl_pointers_come_back() {
                 @compute @workgroup_size(1) fn main() { var v: vec2<f32>; _ = twice(v, &v); }\n";
     let path = shader("twice.wgsl", text);
     let data = r#"{"B": {"n": 7, "gain": 0.5}}"#;
-    for reader in ["cpu", "gpu"] {
+    for backend in ["cpu", "gpu"] {
         let text = ran(
             &path,
-            &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--data", data, "--reader", reader],
+            &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--data", data, "--backend", backend],
         );
-        assert_eq!((row(&text, "result")[0], row(&text, "to.y")[0]), ("7", "4.0"), "{reader}");
+        assert_eq!((row(&text, "result")[0], row(&text, "to.y")[0]), ("7", "4.0"), "{backend}");
     }
-    let said = refused(&path, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--reader", "gl"]);
-    assert!(said.contains("OpenGL takes no WGSL"), "{said}");
+    let said = refused(&path, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--backend", "gl"]);
+    assert!(said.contains("OpenGL does not accept WGSL"), "{said}");
 }
 
 #[test]
@@ -205,10 +205,10 @@ float slope(float a, float b) { return dFdx(a) + dFdy(b) + fwidth(uv.x) + 5.0; }
 void main() { colour = vec4(slope(uv.x, uv.y)); }
 ";
     let path = shader("slope.frag", text);
-    for reader in ["cpu", "gl", "gpu"] {
+    for backend in ["cpu", "gl", "gpu"] {
         let call = ["--fn", "slope", "--args", "[3, 7]", "--input", "uv=[3, 7]"];
-        let text = ran(&path, &[&call[..], &["--reader", reader]].concat());
-        assert_eq!(row(&text, "result")[0], "5.0", "{reader}");
+        let text = ran(&path, &[&call[..], &["--backend", backend]].concat());
+        assert_eq!(row(&text, "result")[0], "5.0", "{backend}");
     }
 }
 
@@ -285,8 +285,8 @@ void main() { colour = vec4(few(1.0), grown(1.0), 0, 1); }
         let call: Vec<&str> = grown.into_iter().chain(rounding).collect();
         assert_eq!(row(&ran(&path, &call), "result")[0], product, "{rounding:?}");
     }
-    let said = refused(&path, &[&grown[..], &["--half", "--reader", "gl"]].concat());
-    assert!(said.contains("`--reader gl` runs the text as it is written"), "{said}");
+    let said = refused(&path, &[&grown[..], &["--half", "--backend", "gl"]].concat());
+    assert!(said.contains("`--backend gl` cannot round to f16"), "{said}");
 }
 
 #[test]
@@ -299,13 +299,13 @@ float f(float a) { return a * stage.uv.x + stage.w + 100.0 * bare; }
 void main() { colour = vec4(f(1.0)); }
 ";
     let path = shader("stage.frag", text);
-    for reader in ["cpu", "gl", "gpu"] {
-        let call = ["--fn", "f", "--args", "[2]", "--reader", reader];
+    for backend in ["cpu", "gl", "gpu"] {
+        let call = ["--fn", "f", "--args", "[2]", "--backend", backend];
         let given = ["--input", "Stage.uv=[3, 7]", "--input", "Bare.bare=0.5"];
         let text = ran(&path, &[&call[..], &given].concat());
         // 2 * 3 + 0 + 100 / 2.
-        assert_eq!(row(&text, "result")[0], "56.0", "{reader}");
-        assert!(text.contains("it reads `Stage.w`, which is zero"), "{reader}: {text}");
+        assert_eq!(row(&text, "result")[0], "56.0", "{backend}");
+        assert!(text.contains("`Stage.w` defaults to zero"), "{backend}: {text}");
     }
     let mut landfall = Command::new(env!("CARGO_BIN_EXE_landfall"));
     landfall.arg("stress").arg(&path).args(["--fn", "f", "--samples", "64", "--format", "json"]);
@@ -330,11 +330,11 @@ void main() { colour = vec4(1.0); }
         .replace("return late[0][0] + late[1][1]", "return v.x + v.y");
     for (name, text) in [("alone.frag", without.as_str()), ("late.frag", text)] {
         let path = shader(name, text);
-        for reader in ["cpu", "gl", "gpu"] {
+        for backend in ["cpu", "gl", "gpu"] {
             for (function, expected) in [("plain", "8.0"), ("listed", "14.0")] {
                 let call = ["--fn", function, "--args", "[2]", "--input", "v=[4, 5, 6]"];
-                let text = ran(&path, &[&call[..], &["--reader", reader]].concat());
-                assert_eq!(row(&text, "result")[0], expected, "{name} {function} {reader}");
+                let text = ran(&path, &[&call[..], &["--backend", backend]].concat());
+                assert_eq!(row(&text, "result")[0], expected, "{name} {function} {backend}");
             }
         }
     }
@@ -352,11 +352,11 @@ float a(float x) { return q.pc * x + 1.0; }
 void main() { colour = vec4(a(1.0)); }
 ";
     let path = shader("pushed.frag", text);
-    let call = ["--fn", "a", "--args", "[3]", "--data", r#"{"P": {"pc": 2}}"#, "--reader"];
-    for reader in ["cpu", "gpu"] {
-        let text = ran(&path, &[&call[..], &[reader]].concat());
-        assert_eq!(row(&text, "result")[0], "7.0", "{reader}");
+    let call = ["--fn", "a", "--args", "[3]", "--data", r#"{"P": {"pc": 2}}"#, "--backend"];
+    for backend in ["cpu", "gpu"] {
+        let text = ran(&path, &[&call[..], &[backend]].concat());
+        assert_eq!(row(&text, "result")[0], "7.0", "{backend}");
     }
     let said = refused(&path, &[&call[..], &["gl"]].concat());
-    assert!(said.contains("no push constants to give the values of `P` in"), "{said}");
+    assert!(said.contains("no push constants to hold the values of `P`"), "{said}");
 }

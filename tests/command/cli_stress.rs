@@ -81,9 +81,9 @@ fn a_limit_of_nothing_finds_nothing_in_what_is_exact() {
 fn options_that_mean_nothing_are_refused() {
     let path = shader("options.frag");
     for (options, words) in [
-        (&["--max-ulp", "nan"][..], "a number from 0 on"),
-        (&["--max-ulp", "inf"], "a number from 0 on"),
-        (&["--max-step=-5"], "a number from 0 on"),
+        (&["--max-ulp", "nan"][..], "a finite number of at least 0"),
+        (&["--max-ulp", "inf"], "a finite number of at least 0"),
+        (&["--max-step=-5"], "a finite number of at least 0"),
         (&["--samples", "0"], "--samples"),
         (&["--jobs", "100000"], "--jobs"),
         (&["--map-x", "x"], "--map"),

@@ -93,7 +93,7 @@ const COMMANDS: [&[&str]; 12] = [
     &["check", "--fix", "-W", "all"],
     &["diff", "layouts", "s"],
     &["lights", "."],
-    &["verify", ".", "--reader", "cpu", "--record"],
+    &["verify", ".", "--backend", "cpu", "--record"],
     &["emit", "*.frag", "s", "--lang", "c", "-o", "o/h.h"],
 ];
 

@@ -43,13 +43,13 @@ fn a_value_for_a_constant_that_no_shader_has_is_warned_of() {
         &["explain", "a.frag", "color"],
         &["emit", ".", "--lang", "c"],
         &["encode", "a.frag", "v.json", "--hex"],
-        &["verify", ".", "--reader", "cpu"],
+        &["verify", ".", "--backend", "cpu"],
         &["run", "a.frag", "--fn", "f", "--args", "[[0, 0]]"],
     ];
     for command in commands {
         let with = |value: &str| place.run(&[command, &["-O", value]].concat());
-        warns(&with("nope=3"), "unknown-override", "`-O nope` changes nothing");
-        warns(&with("33=3"), "unknown-override", "`-O 33` changes nothing");
+        warns(&with("nope=3"), "unknown-override", "`-O nope` has no effect");
+        warns(&with("33=3"), "unknown-override", "`-O 33` has no effect");
         for value in ["COUNT=3", "3=3"] {
             assert!(!with(value).err.contains("unknown-override"), "{command:?} {value}");
         }
@@ -69,16 +69,16 @@ fn a_value_for_a_constant_that_no_shader_has_is_warned_of() {
 fn a_folder_of_includes_that_is_none_is_warned_of() {
     let place = project("include");
     for command in ["layout", "check", "lock", "verify"] {
-        let reader = if command == "verify" { &["--reader", "cpu"][..] } else { &[] };
-        let with = |folder: &str| place.run(&[&[command, "-I", folder], reader].concat());
-        warns(&with("nodir"), "no-include-dir", "`nodir` is not there");
-        warns(&with("a.frag"), "no-include-dir", "`a.frag` is no directory");
+        let backend = if command == "verify" { &["--backend", "cpu"][..] } else { &[] };
+        let with = |folder: &str| place.run(&[&[command, "-I", folder], backend].concat());
+        warns(&with("nodir"), "no-include-dir", "`nodir` does not exist");
+        warns(&with("a.frag"), "no-include-dir", "`a.frag` is not a directory");
         assert!(!with(".").err.contains("no-include-dir"));
     }
 }
 
 #[test]
-fn a_misspelt_lint_is_no_macro() {
+fn a_lint_level_is_no_macro_and_a_macro_no_lint_level() {
     let place = project("lint");
     let ran = place.run(&["check", "-D", "vec3array"]);
     refuses(&ran, "unknown-lint", "there is no lint `vec3array`");
@@ -87,22 +87,27 @@ fn a_misspelt_lint_is_no_macro() {
     refuses(&place.run(&["check", "-D", "LIGHTS"]), "unknown-lint", "`LIGHTS`");
     place.write("c.frag", format!("{CLEAN}#ifndef LIGHTS\n#error none\n#endif\n"));
     assert_eq!(place.run(&["check", "c.frag"]).code, 2);
-    for define in [&["--define", "LIGHTS"][..], &["-D", "LIGHTS=1"], &["-DLIGHTS=1"]] {
+    for define in [&["--define", "LIGHTS"][..], &["--define=LIGHTS=1"]] {
         assert_eq!(place.run(&[&["check", "c.frag"], define].concat()).code, 0, "{define:?}");
+    }
+    for level in [&["-D", "LIGHTS=1"][..], &["-DLIGHTS=1"], &["--deny", "LIGHTS=1"]] {
+        let ran = place.run(&[&["check", "c.frag"], level].concat());
+        refuses(&ran, "unknown-lint", "there is no lint `LIGHTS=1`");
+        assert!(ran.err.contains("help: define a macro with `--define LIGHTS=1`"), "{}", ran.err);
     }
 }
 
 #[test]
 fn a_run_that_leaves_every_shader_out_is_an_error() {
     let place = project("exclude");
-    refuses(&place.run(&["check", "--exclude", "*"]), "no-input", "all 2 shaders are left out");
+    refuses(&place.run(&["check", "--exclude", "*"]), "no-input", "all 2 shaders are excluded");
     refuses(&place.run(&["check", "a.frag", "--exclude", "a.*"]), "no-input", "the only shader");
     place.write("landfall.toml", "exclude = [\"*.frag\"]\n");
     refuses(&place.run(&["check"]), "no-input", "`exclude` of the configuration");
     refuses(&place.run(&["lock"]), "no-input", "all 2 shaders");
     // A hook names what changed, and that may be what the configuration leaves out.
-    warns(&place.run(&["check", "a.frag"]), "no-input", "the only shader is left out");
-    warns(&place.run(&["lock", "a.frag"]), "no-input", "the only shader is left out");
+    warns(&place.run(&["check", "a.frag"]), "no-input", "the only shader is excluded");
+    warns(&place.run(&["lock", "a.frag"]), "no-input", "the only shader is excluded");
     assert_eq!(place.run(&["check", "--shard", "1/2", "-f", "json=r.json"]).code, 0);
 }
 
@@ -110,19 +115,23 @@ fn a_run_that_leaves_every_shader_out_is_an_error() {
 fn a_configuration_that_cannot_be_read_is_not_the_same_as_none() {
     let place = project("config");
     let file = place.0.join("landfall.toml");
-    let commands: [&[&str]; 4] =
-        [&["check"], &["lock"], &["diff", "a.frag", "b.frag"], &["verify", ".", "--reader", "cpu"]];
+    let commands: [&[&str]; 4] = [
+        &["check"],
+        &["lock"],
+        &["diff", "a.frag", "b.frag"],
+        &["verify", ".", "--backend", "cpu"],
+    ];
     std::fs::remove_file(&file).unwrap();
     symlink("nowhere.toml", &file).unwrap();
     for command in commands {
-        refuses(&place.run(command), "output", "a link that leads nowhere");
+        refuses(&place.run(command), "output", "is the configuration but a broken link");
         let without = [command, &["--no-config"]].concat();
         assert!(place.run(&without).code < 2, "{without:?}");
     }
     std::fs::remove_file(&file).unwrap();
     assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
     for command in commands {
-        refuses(&place.run(command), "output", "is no file");
+        refuses(&place.run(command), "output", "is the configuration but not a file");
     }
 }
 
@@ -130,12 +139,12 @@ fn a_configuration_that_cannot_be_read_is_not_the_same_as_none() {
 fn nothing_to_verify_is_no_proof() {
     let place = project("verify");
     place.write("e/empty.frag", "#version 450\nvoid main() {}\n");
-    let ran = place.run(&["verify", "e", "--reader", "cpu"]);
+    let ran = place.run(&["verify", "e", "--backend", "cpu"]);
     warns(&ran, "no-blocks", "no blocks to verify in 1 shader");
     assert!(!ran.err.contains("every byte lands"));
-    let ran = place.run(&["verify", "a.frag", "--reader", "cpu", "--block", "nope"]);
+    let ran = place.run(&["verify", "a.frag", "--backend", "cpu", "--block", "nope"]);
     refuses(&ran, "unknown-block", "no block named `nope`");
-    let ran = place.run(&["verify", "e", "a.frag", "--reader", "cpu"]);
+    let ran = place.run(&["verify", "e", "a.frag", "--backend", "cpu"]);
     assert!(ran.err.contains("every byte lands") && !ran.err.contains("no-blocks"), "{}", ran.err);
 }
 
@@ -144,7 +153,7 @@ fn a_plot_has_a_format_that_it_can_have() {
     let place = project("plot");
     for file in ["p.png", "p", "p.html"] {
         let ran = place.run(&["bench", "a.frag", "--fn", "f", "--plot", file]);
-        assert!(ran.code == 2 && ran.err.contains("a plot is .svg"), "{}", ran.err);
+        assert!(ran.code == 2 && ran.err.contains("a plot is an .svg file"), "{}", ran.err);
         assert!(!place.has(file));
     }
 }
@@ -155,7 +164,7 @@ fn a_colour_for_a_texture_that_is_not_there_is_refused() {
     let run = ["run", "a.frag", "--fn", "f", "--args", "[[0, 0]]"];
     let stress = ["stress", "a.frag", "--fn", "f", "--samples", "50"];
     let bench =
-        ["bench", "a.frag", "--fn", "f", "--reader", "cpu", "--rounds", "3", "--samples", "16"];
+        ["bench", "a.frag", "--fn", "f", "--backend", "cpu", "--rounds", "3", "--samples", "16"];
     for command in [&run[..], &stress, &bench] {
         let with = |texture: &str| place.run(&[command, &["--texture", texture]].concat());
         let ran = with("text=[1, 0, 0, 1]");

@@ -121,13 +121,13 @@ fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
         assert!(output.status.success() && output.stderr.is_empty());
         let text = String::from_utf8(output.stdout).unwrap();
         let value = holds(&validator, &text, "devices");
-        let readers: Vec<&str> = value["devices"]
+        let backends: Vec<&str> = value["devices"]
             .as_array()
             .unwrap()
             .iter()
             .filter_map(|d| d["reader"].as_str())
             .collect();
-        assert!(readers.contains(&"cpu") && readers.contains(&"gl") && readers.contains(&"gpu"));
+        assert!(backends.contains(&"cpu") && backends.contains(&"gl") && backends.contains(&"gpu"));
         let vulkan = value["devices"].as_array().unwrap().iter().find(|d| d["kind"] == "vulkan");
         if cfg!(feature = "gpu") {
             assert_eq!(vulkan.unwrap()["available"], drivers.is_none());
@@ -256,8 +256,18 @@ fn scenes_keep_to_their_schema_and_wrong_ones_do_not() {
 #[test]
 fn benches_keep_to_their_schema() {
     let scene = "shaders/scenes/six_lights.json";
-    let arguments =
-        ["bench", scene, "--size", "40x30", "--rounds", "3", "--reader", "cpu", "--format", "json"];
+    let arguments = [
+        "bench",
+        scene,
+        "--size",
+        "40x30",
+        "--rounds",
+        "3",
+        "--backend",
+        "cpu",
+        "--format",
+        "json",
+    ];
     let output = landfall(&arguments);
     let text = String::from_utf8(output.stdout).unwrap();
     let value = holds(&validator("bench"), &text, "bench");
@@ -280,7 +290,7 @@ fn stressed_functions_keep_to_their_schema() {
     for more in [
         &["--against", robust.as_str()][..],
         &["--half"],
-        &["--domain", domain, "--reader", "cpu"],
+        &["--domain", domain, "--backend", "cpu"],
         &["--max-ulp", "1", "--seed", "7"],
     ] {
         let mut arguments = vec!["stress", &lights, "--fn", "attenuation", "--format", "json"];

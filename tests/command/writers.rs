@@ -106,7 +106,7 @@ fn no_output_is_written_over_an_input() {
                 "bend",
                 "--domain",
                 "d.svg",
-                "--reader",
+                "--backend",
                 "cpu",
                 "--rounds",
                 "3",
@@ -175,7 +175,7 @@ fn locks_are_neither_written_over_files_of_others_nor_are_those_removed() {
     place.write("assets/bytes.frag.json", [0xff, 0, 1]);
     let before = files(&place.0.join("assets"));
     let command = ["lock", "--locks", "assets", "--prune"];
-    refused(&place.run(&command), "is no lock of landfall's", &command);
+    refused(&place.run(&command), "is not a landfall lock", &command);
     assert!(files(&place.0.join("assets")) == before);
     // A lock that was cut off, or that git could not merge, is one.
     assert_eq!(place.run(&["lock", "--locks", "assets", "--force"]).code, 0);
@@ -188,7 +188,7 @@ fn locks_are_neither_written_over_files_of_others_nor_are_those_removed() {
     }
     place.write("assets/left.frag.json", &lock);
     assert_eq!(place.run(&["lock", "--locks", "assets", "--prune"]).code, 0);
-    assert!(!place.has("assets/left.frag.json"), "a lock of no shader goes");
+    assert!(!place.has("assets/left.frag.json"), "a lock without a shader is removed");
     assert!(place.has("assets/gone.frag.json") && place.has("assets/bytes.frag.json"));
     let orphans = ["check", "-A", "all", "-W", "lock-orphan", "--locks", "assets", "-f", "short"];
     assert_eq!(place.run(&orphans).out, "", "nor is a file of others an orphan");
@@ -320,7 +320,7 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
     symlink(&away, place.0.join("c")).unwrap();
     place.write("landfall.toml", "cache-dir = \"c\"\n");
     let ran = place.run(&["check"]);
-    assert!(ran.code == 0 && ran.err.contains("nothing is remembered"), "{}", ran.err);
+    assert!(ran.code == 0 && ran.err.contains("the cache is not used"), "{}", ran.err);
     assert!(files(&outside.0) == before);
 }
 
@@ -371,7 +371,7 @@ fn a_closed_stdout_is_an_error_where_a_product_would_be_lost() {
         "port s/old.frag",
         "encode s/a.frag v.json",
         "encode s/a.frag v.json --hex",
-        "verify s/a.frag --reader cpu",
+        "verify s/a.frag --backend cpu",
         "lights s/a.frag",
         "check s",
         "check s -f sarif",

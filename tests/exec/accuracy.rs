@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use landfall::report::bench as print;
-use landfall_light::accuracy::bench::clock::{Clock, Took};
+use landfall_light::accuracy::bench::clock::{Clock, Elapsed};
 use landfall_light::accuracy::bench::rank::{better, dominated};
 use landfall_light::accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Part, Permitted, Results, Rounds, Runner, Samples,
@@ -27,14 +27,14 @@ impl Workload for Scripted {
         self.parts.contains(&part)
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String> {
         self.calls.borrow_mut().push((self.name, part));
         self.called += 1;
         if self.fails_at == Some(self.called) {
             return Err("lost its device".to_string());
         }
         let time = Duration::from_nanos(self.times[(self.called - 1) % self.times.len()]);
-        Ok(Some(Took { time, clock: Clock::Device }))
+        Ok(Some(Elapsed { time, clock: Clock::Device }))
     }
 }
 
@@ -128,17 +128,17 @@ fn quartiles_lie_between_numbers_in_proportion() {
     assert_eq!(Spread::of(&[]), None);
 }
 
-fn runner(reader: &str) -> Runner {
-    Runner { reader: reader.to_string(), device: "a device".to_string(), clock: Clock::Processor }
+fn runner(backend: &str) -> Runner {
+    Runner { backend: backend.to_string(), device: "a device".to_string(), clock: Clock::Processor }
 }
 
 /// A row of so many rounds, or of the same times again until there are enough to be told apart.
-fn row(variant: &str, reader: &str, times: &[f64], max_steps: f64) -> BenchRow {
+fn row(variant: &str, backend: &str, times: &[f64], max_steps: f64) -> BenchRow {
     let times = times.repeat(12usize.div_ceil(times.len()));
-    row_of(variant, reader, &times, max_steps)
+    row_of(variant, backend, &times, max_steps)
 }
 
-fn row_of(variant: &str, reader: &str, times: &[f64], max_steps: f64) -> BenchRow {
+fn row_of(variant: &str, backend: &str, times: &[f64], max_steps: f64) -> BenchRow {
     let samples = Samples {
         clock: Clock::Processor,
         whole: times.iter().map(|t| t * 1e-6).collect(),
@@ -152,7 +152,7 @@ fn row_of(variant: &str, reader: &str, times: &[f64], max_steps: f64) -> BenchRo
         ..Errors::default()
     };
     let size = Size { fragments: 100, lights: 10 };
-    BenchRow::new(variant, runner(reader), &samples, size, errors, Work::default()).unwrap()
+    BenchRow::new(variant, runner(backend), &samples, size, errors, Work::default()).unwrap()
 }
 
 #[test]
@@ -429,7 +429,7 @@ fn bench() -> Bench {
         rows,
         failed: vec![Failed {
             variant: "robust".to_string(),
-            reader: "gl".to_string(),
+            backend: "gl".to_string(),
             reason: "no driver".to_string(),
         }],
     }
@@ -474,7 +474,7 @@ fn csv_has_every_number_in_full() {
     for (line, row) in lines[1..].iter().zip(&bench.rows) {
         assert_eq!(line.len(), header.len());
         assert_eq!(at(line, "variant"), row.variant);
-        assert_eq!(at(line, "reader"), row.runner.reader);
+        assert_eq!(at(line, "reader"), row.runner.backend);
         let number = |name| at(line, name).parse::<f64>().ok();
         assert_eq!(number("ns_per_fragment"), Some(row.fragment.median));
         assert_eq!(number("ns_per_light_min"), row.light.map(|spread| spread.min));
@@ -523,7 +523,7 @@ fn the_table_marks_who_is_not_beaten_and_names_who_beats() {
     assert!(line("seed").starts_with(" ") && line("seed").ends_with("robust"), "{text}");
     assert!(text.contains("243,037 fragments, 6 lights; errors against the reference"), "{text}");
     assert!(text.contains("robust on gl: no driver"), "{text}");
-    assert!(text.contains("; 12 rounds in turns; medians"), "{text}");
+    assert!(text.contains("; 12 interleaved rounds; medians"), "{text}");
     // Where nothing ran, there are no rounds; where nothing is a number, no error and no mark.
     let mut odd = bench.clone();
     odd.rows.truncate(1);
@@ -536,7 +536,9 @@ fn the_table_marks_who_is_not_beaten_and_names_who_beats() {
     let at = read[0].iter().position(|name| name == "err_max_steps").unwrap();
     assert_eq!((read[1][at].as_str(), read[1][at + 1].as_str()), ("", ""));
     odd.rows.clear();
-    assert!(!print::text(&odd, landfall_layout::format::Paint::Plain).contains("rounds in turns"));
+    assert!(
+        !print::text(&odd, landfall_layout::format::Paint::Plain).contains("interleaved rounds")
+    );
     let drawn = drawing(&bench);
     assert!(drawn.marks[0].dominated && !drawn.marks[1].dominated);
     // What gave no number has no error to be drawn at.
@@ -555,10 +557,10 @@ fn the_processor_clock_counts_threads_that_ended() {
     };
     let start = Start::now();
     std::thread::spawn(work).join().unwrap();
-    let Took { time: busy, clock } = start.passed();
+    let Elapsed { time: busy, clock } = start.passed();
     let start = Start::now();
     std::thread::sleep(Duration::from_millis(30));
-    let Took { time: idle, .. } = start.passed();
+    let Elapsed { time: idle, .. } = start.passed();
     assert_eq!(clock, Clock::Processor);
     // Others may have had the processor for most of those 30 ms, and other tests run beside.
     assert!(busy > Duration::from_millis(1), "{busy:?} {idle:?}");

@@ -31,7 +31,7 @@ use jobs::{bound, bytes, output, words};
 use known::known_faults;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{Device, Grid, Reader, ResourceKind, StageCode};
+use landfall_exec::backend::{Backend, Device, Grid, ResourceKind, StageCode};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
@@ -60,10 +60,10 @@ fn module(family: &Family) -> Arc<Module> {
     Arc::new(module.unwrap_or_else(|found| panic!("{found:?}\n{}", family.text())))
 }
 
-/// The results of all cases by one reader; none where it does not take the family's language.
-fn run(reader: &mut dyn Reader, family: &Family, module: &Arc<Module>) -> Option<Vec<u32>> {
+/// The results of all cases by one backend; none where it does not take the family's language.
+fn run(backend: &mut dyn Backend, family: &Family, module: &Arc<Module>) -> Option<Vec<u32>> {
     let glsl = (family.dialect == Dialect::Glsl).then(|| family.text());
-    if reader.device().reader.name() == "gl" && glsl.is_none() {
+    if backend.device().backend.name() == "gl" && glsl.is_none() {
         return None;
     }
     let stage = StageCode {
@@ -78,7 +78,7 @@ fn run(reader: &mut dyn Reader, family: &Family, module: &Arc<Module>) -> Option
     let got = output("Got", 1, invocations * family.result_stride());
     let grid = Grid::Groups([(invocations / 64) as u32, 1, 1]);
     let job = jobs::job(vec![stage], vec![bound("Given", 0, given), got], grid);
-    let answer = reader.run(&job).unwrap_or_else(|failure| panic!("{}: {failure}", family.name));
+    let answer = backend.run(&job).unwrap_or_else(|failure| panic!("{}: {failure}", family.name));
     Some(words(answer.buffers[1].as_ref().expect("the buffer is writable")))
 }
 
@@ -125,19 +125,19 @@ fn name(device: &Device) -> String {
 fn every_builtin_is_within_what_is_permitted() {
     let families = families();
     let modules: Vec<Arc<Module>> = families.iter().map(module).collect();
-    let mut readers: Vec<Box<dyn Reader>> = vec![
+    let mut backends: Vec<Box<dyn Backend>> = vec![
         Box::new(Cpu::new(Settings::default())),
         Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
         Box::new(Gl::open().unwrap_or_else(|failure| panic!("{failure}"))),
     ];
     let mut measured = Vec::new();
     let mut found = Vec::new();
-    for reader in &mut readers {
-        let device = reader.device().clone();
+    for backend in &mut backends {
+        let device = backend.device().clone();
         let mut verdict = Verdict::default();
         for (family, module) in families.iter().zip(&modules) {
-            if let Some(got) = run(&mut **reader, family, module) {
-                judge(&mut verdict, family, &got, device.reader.name() == "cpu");
+            if let Some(got) = run(&mut **backend, family, module) {
+                judge(&mut verdict, family, &got, device.backend.name() == "cpu");
             }
         }
         let known = known_faults(&device);
@@ -146,7 +146,7 @@ fn every_builtin_is_within_what_is_permitted() {
                 let shown = wrong[..wrong.len().min(SHOWN)].join("\n    ");
                 found.push(format!(
                     "{} {case}, {} words:\n    {shown}",
-                    device.reader,
+                    device.backend,
                     wrong.len()
                 ));
             }
@@ -155,7 +155,7 @@ fn every_builtin_is_within_what_is_permitted() {
             found.push(format!("{} {case}: mended, no longer a known fault", name(&device)));
         }
         measured.push(Measured {
-            reader: device.reader.name(),
+            backend: device.backend.name(),
             device: name(&device),
             cases: verdict.largest,
         });

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Shaded};
@@ -12,7 +12,7 @@ use landfall_layout::{Options, Source};
 
 const LIMIT: Duration = Duration::from_secs(120);
 
-fn readers() -> Vec<Box<dyn Reader>> {
+fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
     let gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
@@ -32,7 +32,7 @@ fn values(count: usize, seed: u64) -> Vec<[f32; 4]> {
 }
 
 fn run(
-    reader: &mut dyn Reader,
+    backend: &mut dyn Backend,
     shader: &FragmentShader,
     blocks: &[Vec<u8>],
     inputs: &[Vec<[f32; 4]>],
@@ -41,8 +41,8 @@ fn run(
     let texel = Image { width: 1, height: 1, texels: vec![[0.5, 0.25, 0.75, 1.0]] };
     let textures = vec![texel; shader.textures().count()];
     let batch = Batch { blocks, textures: &textures, inputs, count, limit: LIMIT };
-    let name = reader.device().reader.name();
-    shader.run(reader, &batch, |_, _| {}).unwrap_or_else(|f| panic!("{name}: {f}"))
+    let name = backend.device().backend.name();
+    shader.run(backend, &batch, |_, _| {}).unwrap_or_else(|f| panic!("{name}: {f}"))
 }
 
 /// Texts that give back their inputs: two vectors and a number.
@@ -85,7 +85,7 @@ fn echoes() -> Vec<(&'static str, String)> {
 
 #[test]
 fn inputs_arrive_bit_for_bit_in_every_version_on_every_reader() {
-    let mut readers = readers();
+    let mut backends = backends();
     // More than a row and no multiple of it.
     for count in [1, 7, 64, 1000] {
         for (name, text) in echoes() {
@@ -103,14 +103,14 @@ fn inputs_arrive_bit_for_bit_in_every_version_on_every_reader() {
             let expected: Vec<[f32; 4]> = (0..count)
                 .map(|i| [p[i][0] + q[i][0], p[i][1] + q[i][1], p[i][2], k[i][0]])
                 .collect();
-            for reader in &mut readers {
+            for backend in &mut backends {
                 // Mesa 22.3 ends at GLSL 4.50.
                 let other = name.ends_with("wgsl") || name.starts_with("460");
-                if reader.device().reader.name() == "gl" && other {
+                if backend.device().backend.name() == "gl" && other {
                     continue;
                 }
-                let shaded = run(reader.as_mut(), &shader, &[], &inputs);
-                let who = reader.device().reader.name();
+                let shaded = run(backend.as_mut(), &shader, &[], &inputs);
+                let who = backend.device().backend.name();
                 assert_eq!(shaded.colors, expected, "{name} on {who}, {count} fragments");
                 assert!(shaded.discarded.is_empty());
             }
@@ -154,9 +154,9 @@ void main() {
             ]
         })
         .collect();
-    for mut reader in readers() {
-        let shaded = run(reader.as_mut(), &shader, &[], &inputs);
-        assert_eq!(shaded.colors, expected, "{}", reader.device().reader.name());
+    for mut backend in backends() {
+        let shaded = run(backend.as_mut(), &shader, &[], &inputs);
+        assert_eq!(shaded.colors, expected, "{}", backend.device().backend.name());
     }
 }
 
@@ -179,15 +179,15 @@ fn discarded_fragments_are_marked() {
     let inputs = vec![values(500, 3)];
     let expected: Vec<bool> = inputs[0].iter().map(|value| value[0] < 0.0).collect();
     assert!(expected.contains(&true) && expected.contains(&false));
-    let mut readers = readers();
+    let mut backends = backends();
     for (name, text) in texts {
         let shader = shader(name, text);
-        for reader in &mut readers {
-            let who = reader.device().reader.name();
+        for backend in &mut backends {
+            let who = backend.device().backend.name();
             if who == "gl" && name.ends_with("wgsl") {
                 continue;
             }
-            let shaded = run(reader.as_mut(), &shader, &[], &inputs);
+            let shaded = run(backend.as_mut(), &shader, &[], &inputs);
             assert_eq!(shaded.discarded, expected, "{name} on {who}");
         }
     }
@@ -207,16 +207,16 @@ fn the_pixel_is_given_like_any_other_input() {
         ),
     ];
     let inputs = vec![values(300, 9)];
-    let mut readers = readers();
+    let mut backends = backends();
     for (name, text) in texts {
         let shader = shader(name, text);
         assert_eq!(shader.inputs()[0].location, None);
-        for reader in &mut readers {
-            let who = reader.device().reader.name();
+        for backend in &mut backends {
+            let who = backend.device().backend.name();
             if who == "gl" && name.ends_with("wgsl") {
                 continue;
             }
-            let shaded = run(reader.as_mut(), &shader, &[], &inputs);
+            let shaded = run(backend.as_mut(), &shader, &[], &inputs);
             assert_eq!(shaded.colors, inputs[0], "{name} on {who}");
         }
     }
@@ -228,7 +228,7 @@ fn differences_between_pixels_are_refused() {
         "#version 330\nin vec2 uv; out vec4 c;\nvoid main() { c = vec4(dFdx(uv), 0.0, 1.0); }";
     let source = Source::new("d.frag", text);
     let found = FragmentShader::new(&source, &Options::default(), None).expect_err("no neighbours");
-    assert!(found[0].message.contains("neighbouring pixels"), "{found:?}");
+    assert!(found[0].message.contains("have no neighbours"), "{found:?}");
 }
 
 #[test]
@@ -270,7 +270,7 @@ fn filled(shader: &FragmentShader) -> Vec<Vec<u8>> {
 
 #[test]
 fn the_readers_agree_on_our_lighting_shaders() {
-    let mut readers = readers();
+    let mut backends = backends();
     for folder in ["six_lights", "light_arrays", "casters", "view_space"] {
         let folder = format!("{}/shaders/{folder}", env!("CARGO_MANIFEST_DIR"));
         let mut files: Vec<_> = std::fs::read_dir(&folder)
@@ -289,12 +289,12 @@ fn the_readers_agree_on_our_lighting_shaders() {
             };
             let inputs: Vec<_> = (0..shader.inputs().len() as u64).map(unit).collect();
             let mut first: Option<Shaded> = None;
-            for reader in &mut readers {
-                let who = reader.device().reader.name();
+            for backend in &mut backends {
+                let who = backend.device().backend.name();
                 if who == "gl" && source.path.ends_with("wgsl") {
                     continue;
                 }
-                let shaded = run(reader.as_mut(), &shader, &blocks, &inputs);
+                let shaded = run(backend.as_mut(), &shader, &blocks, &inputs);
                 let some = shaded.colors.iter().flatten().any(|c| *c != 0.0 && *c != 1.0);
                 assert!(some, "{} is black on {who}", source.path);
                 // What is `mediump` is half as wide on some drivers.

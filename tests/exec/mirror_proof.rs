@@ -1,5 +1,5 @@
 //! A generated mirror, filled in Rust and uploaded, is what the shader reads: every member holds
-//! the number its field was given, by every reader. A mirror that is older than the shader is
+//! the number its field was given, by every backend. A mirror that is older than the shader is
 //! caught, and the members that moved are named.
 
 use crate::support::rustc;
@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{Grid, Job, Reader, Resource, ResourceKind, StageCode};
+use landfall_exec::backend::{Backend, Grid, Job, Resource, ResourceKind, StageCode};
 use landfall_exec::interp::Cpu;
 use landfall_ir::Module;
 use landfall_layout::codegen::rust::{RustOptions, Vectors, rust};
@@ -89,7 +89,8 @@ fn main() {
 fn uploaded(name: &str, block: &str) -> Vec<u8> {
     let text = format!("#version 450\n{block}void main() {{}}\n");
     let shader = layout(&Source::new("scene.frag", text.as_str()), &Options::default());
-    let options = RustOptions { vectors: Vectors::Array, ..RustOptions::default() };
+    let mut options = RustOptions::default();
+    options.vectors = Vectors::Array;
     let mirrors = rust(&[&shader], &options);
     assert!(mirrors.diagnostics.is_empty(), "{:?}", mirrors.diagnostics);
     let folder = scratch(name);
@@ -99,14 +100,14 @@ fn uploaded(name: &str, block: &str) -> Vec<u8> {
 }
 
 /// All three; one that is missing fails the test.
-fn every_reader() -> [Box<dyn Reader>; 3] {
+fn every_reader() -> [Box<dyn Backend>; 3] {
     let gl = Gl::open().expect("an OpenGL driver: apt-get install libegl1 libgl1-mesa-dri");
     let gpu = Gpu::open(&Choice::default())
         .expect("a Vulkan driver: apt-get install libvulkan1 mesa-vulkan-drivers");
     [Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
 }
 
-/// The members of which each reader sees another number than was written.
+/// The members of which each backend sees another number than was written.
 fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
     let mut text = format!("#version 450\nlayout(local_size_x = 1) in;\n{block}");
     text.push_str("layout(std430, binding = 1) buffer Seen { uint seen[]; };\nvoid main() {\n");
@@ -143,13 +144,13 @@ fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
         limit: Duration::from_secs(30),
     };
     let mut found = Vec::new();
-    for mut reader in every_reader() {
-        let answer = reader.run(&job).unwrap_or_else(|failure| panic!("{failure}"));
+    for mut backend in every_reader() {
+        let answer = backend.run(&job).unwrap_or_else(|failure| panic!("{failure}"));
         let seen = answer.buffers[1].as_ref().expect("it is writable");
         let words = seen.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap()));
         let members = words.zip(written()).zip(READS);
         let wrong = members.filter(|((seen, written), _)| seen != written);
-        found.push((reader.device().reader.name(), wrong.map(|(_, (name, _))| *name).collect()));
+        found.push((backend.device().backend.name(), wrong.map(|(_, (name, _))| *name).collect()));
     }
     found
 }
@@ -157,8 +158,8 @@ fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
 #[test]
 fn every_field_is_what_the_shader_reads_at_its_member() {
     let bytes = uploaded("proof", BLOCK);
-    for (reader, wrong) in wrong(BLOCK, &bytes) {
-        assert_eq!(wrong, [""; 0], "{reader}");
+    for (backend, wrong) in wrong(BLOCK, &bytes) {
+        assert_eq!(wrong, [""; 0], "{backend}");
     }
 }
 
@@ -167,12 +168,12 @@ fn a_mirror_older_than_its_shader_is_caught_and_the_members_that_moved_are_named
     let bytes = uploaded("stale", BLOCK);
     // A vec4 before `wind` moves it and all that follows by 16; nothing before it moves.
     let changed = BLOCK.replace("    vec2 wind;", "    vec4 fog;\n    vec2 wind;");
-    for (reader, wrong) in wrong(&changed, &bytes) {
-        assert_eq!(wrong, ["wind.y", "count", "weights[1]", "frame[1].z", "on"], "{reader}");
+    for (backend, wrong) in wrong(&changed, &bytes) {
+        assert_eq!(wrong, ["wind.y", "count", "weights[1]", "frame[1].z", "on"], "{backend}");
     }
     // A float after a vec3 fills its gap: nothing moves, and nobody complains.
     let harmless = BLOCK.replace("bool on;", "bool on;\n    float more;");
-    for (reader, wrong) in self::wrong(&harmless, &bytes) {
-        assert_eq!(wrong, [""; 0], "{reader}");
+    for (backend, wrong) in self::wrong(&harmless, &bytes) {
+        assert_eq!(wrong, [""; 0], "{backend}");
     }
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use interval::Interval;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{Grid, Reader, ResourceKind};
+use landfall_exec::backend::{Backend, Grid, ResourceKind};
 use landfall_exec::interp::{Call, Called, Precision, Program, Settings};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
@@ -145,18 +145,18 @@ layout(std430, binding = 1) buffer Got { float got[]; };\n",
         .flat_map(|lane| (0..3).map(move |i| (lane, i)))
         .map(|(lane, i)| inputs[i][lane].to_bits())
         .collect();
-    let mut readers: Vec<Box<dyn Reader>> = vec![
+    let mut backends: Vec<Box<dyn Backend>> = vec![
         Box::new(Gl::open().unwrap_or_else(|failure| panic!("{failure}"))),
         Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
     ];
-    for reader in &mut readers {
-        let name = reader.device().reader.name();
+    for backend in &mut backends {
+        let name = backend.device().backend.name();
         let mut stage = jobs::module(Stage::Compute, "main", &module);
         stage.glsl = Some(text.clone());
         let kind = ResourceKind::Storage { bytes: jobs::bytes(&given), writable: false };
         let resources = vec![jobs::bound("Given", 0, kind), jobs::output("Got", 1, LANES * count)];
         let job = jobs::job(vec![stage], resources, Grid::Groups([LANES as u32 / 64, 1, 1]));
-        let answer = reader.run(&job).unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        let answer = backend.run(&job).unwrap_or_else(|failure| panic!("{name}: {failure}"));
         let got = jobs::words(answer.buffers[1].as_ref().expect("the buffer is writable"));
         let (mut bounded, mut apart, mut outside) = (0, 0, Vec::new());
         for (i, called) in permitted.iter().enumerate() {

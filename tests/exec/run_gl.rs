@@ -10,7 +10,7 @@ use files::shaders;
 use jobs::{bound, bytes, counting, glsl, job, output, storage, uniform, words};
 use landfall_exec::backend::gl::{ContextKind, Gl};
 use landfall_exec::backend::reflection::{ReflectedBlock, ReflectedMember};
-use landfall_exec::backend::{FailureKind, Grid, Job, Reader as _, ResourceKind, Texel};
+use landfall_exec::backend::{Backend as _, FailureKind, Grid, Job, ResourceKind, Texel};
 use landfall_layout::{BlockLayout, Leaf, Options, Source, Stage, layout};
 
 fn open() -> Gl {
@@ -205,7 +205,7 @@ fn a_block_over_the_limit_is_refused_with_both_numbers() {
     let size = usize::try_from(limit).unwrap() + 16;
     job.resources[0].kind = ResourceKind::Uniform(vec![0; size]);
     let expected =
-        format!("the uniform block `Input` has {size} bytes, and this device takes {limit}");
+        format!("the uniform block `Input` has {size} bytes, but this device supports {limit}");
     assert_eq!(refused(&job).0, expected);
 }
 
@@ -214,8 +214,9 @@ fn too_many_workgroups_are_refused_with_both_numbers() {
     let limit = Gl::list().unwrap()[0].outcome.clone().unwrap().1.workgroups.unwrap();
     let groups = u32::try_from(limit + 1).unwrap();
     let job = Job { grid: Grid::Groups([1, groups, 1]), ..copy() };
-    let expected =
-        format!("the dispatch has {groups} workgroups one way, and this device takes {limit}");
+    let expected = format!(
+        "the dispatch has {groups} workgroups in one dimension, but this device supports {limit}"
+    );
     assert_eq!(refused(&job).0, expected);
 }
 
@@ -226,22 +227,25 @@ fn what_is_bound_twice_or_not_at_all_or_too_short_is_named() {
     assert_eq!(refused(&job).0, "`Input` is bound twice in one job");
     let mut job = copy();
     job.resources.remove(0);
-    let message = "the shader reads the uniform block `Input`, and nothing is bound to it";
+    let message = "the shader reads the uniform block `Input`, but nothing is bound to it";
     assert_eq!(refused(&job).0, message);
     let mut job = copy();
     job.resources[0] = uniform("Input", 0, &[0; 12]);
-    let message = "the driver wants 64 bytes in `Input`, and 48 bytes are bound";
+    let message = "the driver requires 64 bytes in `Input`, but 48 bytes are bound";
     assert_eq!(refused(&job).0, message);
     let mut job = copy();
     job.resources.push(bound("push", 0, ResourceKind::PushConstant(vec![0; 4])));
-    assert_eq!(refused(&job).0, "OpenGL has no push constants, and `push` is a block of them");
+    assert_eq!(
+        refused(&job).0,
+        "OpenGL has no push constants, but `push` is a push constant block"
+    );
 }
 
 #[test]
 fn a_job_without_text_or_the_stage_of_its_grid_is_refused() {
     let mut job = copy();
     job.stages[0].glsl = None;
-    assert_eq!(refused(&job).0, "OpenGL takes GLSL, and the compute stage has none");
+    assert_eq!(refused(&job).0, "OpenGL needs GLSL, but the compute stage has none");
     let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
     assert_eq!(refused(&Job { grid, ..copy() }).0, "the job has no fragment stage");
 }
@@ -253,7 +257,7 @@ fn every_kind_of_context_is_listed() {
     assert_eq!(kinds, ContextKind::ALL.map(ContextKind::name));
     for found in found {
         let (device, limits) = found.outcome.unwrap();
-        assert_eq!((found.reader.name(), device.reader.name()), ("gl", "gl"));
+        assert_eq!((found.backend.name(), device.backend.name()), ("gl", "gl"));
         assert!(!device.adapter.is_empty() && !device.version.is_empty());
         // OpenGL 4.6 table 23.64 and ES 3.2 table 21.40 ask for no less.
         assert!(limits.uniform_block_size.unwrap() >= 16384);

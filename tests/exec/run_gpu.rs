@@ -14,7 +14,9 @@ use std::time::Duration;
 
 use jobs::{bound, bytes, counting, job, module, output, storage, uniform, words};
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{FailureKind, Grid, Job, Reader as _, ResourceKind, StageCode, Texel};
+use landfall_exec::backend::{
+    Backend as _, FailureKind, Grid, Job, ResourceKind, StageCode, Texel,
+};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 
@@ -249,19 +251,20 @@ fn what_is_over_a_limit_is_refused_with_both_numbers() {
     let size = usize::try_from(limit).unwrap() + 16;
     job.resources[0].kind = ResourceKind::Uniform(vec![0; size]);
     let expected =
-        format!("the uniform block `Input` has {size} bytes, and this device takes {limit}");
+        format!("the uniform block `Input` has {size} bytes, but this device supports {limit}");
     assert_eq!(refused(&job).0, expected);
     let limit = found.workgroups.unwrap();
     let groups = u32::try_from(limit + 1).unwrap();
-    let expected =
-        format!("the dispatch has {groups} workgroups one way, and this device takes {limit}");
+    let expected = format!(
+        "the dispatch has {groups} workgroups in one dimension, but this device supports {limit}"
+    );
     assert_eq!(refused(&Job { grid: Grid::Groups([1, groups, 1]), ..copy() }).0, expected);
     let limit = found.push_constant_size.unwrap();
     let size = usize::try_from(limit).unwrap() + 4;
     let mut job = copy();
     job.resources.push(bound("P", 0, ResourceKind::PushConstant(vec![0; size])));
     let expected =
-        format!("the push constant block `P` has {size} bytes, and this device takes {limit}");
+        format!("the push constant block `P` has {size} bytes, but this device supports {limit}");
     assert_eq!(refused(&job).0, expected);
 }
 
@@ -274,7 +277,7 @@ fn what_is_bound_twice_or_not_at_all_is_named() {
     let mut job = copy();
     job.resources.remove(0);
     let (message, log) = refused(&job);
-    let expected = "the shader reads `i` (group 0, binding 0), and nothing is bound to it";
+    let expected = "the shader reads `i` (group 0, binding 0), but nothing is bound to it";
     assert_eq!(message, expected, "{log}");
 }
 
@@ -282,7 +285,7 @@ fn what_is_bound_twice_or_not_at_all_is_named() {
 fn what_is_no_spirv_does_not_get_to_the_driver() {
     let mut job = copy();
     job.stages = vec![passed(Stage::Compute, &Arc::from([1, 2, 3, 4, 5, 6]))];
-    let expected = "wgpu refuses the compute shader: the SPIR-V does not begin as SPIR-V does";
+    let expected = "wgpu rejects the compute shader: the SPIR-V has an invalid header";
     assert!(expected.ends_with(&refused(&job).0));
 }
 
@@ -291,7 +294,7 @@ fn an_adapter_that_is_not_there_is_missing_and_those_there_are_named() {
     let choice = Choice { adapter: Some("voodoo".to_string()) };
     let failure = Gpu::open(&choice).err().unwrap();
     assert_eq!(failure.kind, FailureKind::Missing);
-    let start = "no GPU adapter is called `voodoo`; there are ";
+    let start = "no GPU adapter matches `voodoo`; there are ";
     assert!(failure.message.starts_with(start) && failure.message.contains("vulkan"), "{failure}");
     let choice = Choice { adapter: Some("VULKAN".to_string()) };
     assert!(Gpu::open(&choice).is_ok());
@@ -336,7 +339,7 @@ fn a_job_that_takes_too_long_times_out() {
     let mut gpu = open();
     let failure = gpu.run(&job).unwrap_err();
     assert_eq!(failure.kind, FailureKind::TimedOut, "{failure}");
-    assert_eq!(failure.message, "not done after 0.3 s, which is its limit");
+    assert_eq!(failure.message, "timed out after 0.3 s");
     assert_eq!(gpu.run(&copy()).unwrap_err().kind, FailureKind::Died);
 }
 

@@ -16,22 +16,22 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use jobs::{bound, bytes, counting, glsl, job, module, output, storage, uniform, words};
-use landfall_exec::backend::subprocess::{Behind, Launch, Remote, list};
+use landfall_exec::backend::subprocess::{DriverKind, Launch, Subprocess, list};
 use landfall_exec::backend::{
-    Failure, FailureKind, Grid, Job, Reader as _, ResourceKind, StageCode, Texel,
+    Backend as _, Failure, FailureKind, Grid, Job, ResourceKind, StageCode, Texel,
 };
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 
-fn launch(behind: &Behind) -> Launch {
-    Launch::new(env!("CARGO_BIN_EXE_landfall"), behind)
+fn launch(driver_kind: &DriverKind) -> Launch {
+    Launch::new(env!("CARGO_BIN_EXE_landfall"), driver_kind)
 }
 
-fn open(behind: &Behind) -> Remote {
-    Remote::open(launch(behind)).unwrap_or_else(|failure| panic!("{failure}"))
+fn open(driver_kind: &DriverKind) -> Subprocess {
+    Subprocess::open(launch(driver_kind)).unwrap_or_else(|failure| panic!("{failure}"))
 }
 
-const BOTH: [Behind; 2] = [Behind::Gl, Behind::Gpu(None)];
+const BOTH: [DriverKind; 2] = [DriverKind::Gl, DriverKind::Gpu(None)];
 
 fn wgsl(text: &str) -> Arc<Module> {
     let source = Source::new("test.wgsl", text);
@@ -62,8 +62,8 @@ void main() { o.words[gl_LocalInvocationIndex] += i.words[gl_LocalInvocationInde
     job(vec![both(Stage::Compute, text, &code)], resources, Grid::Groups([1, 1, 1]))
 }
 
-fn works(reader: &mut Remote) {
-    let answer = reader.run(&adding()).unwrap_or_else(|failure| panic!("{failure}"));
+fn works(backend: &mut Subprocess) {
+    let answer = backend.run(&adding()).unwrap_or_else(|failure| panic!("{failure}"));
     assert_eq!(words(answer.buffers[1].as_ref().unwrap()), [1008, 1008, 1009, 1010]);
     assert_eq!(answer.buffers[0], None);
 }
@@ -93,12 +93,12 @@ void main() {
 
 #[test]
 fn jobs_run_in_the_other_process_as_in_this_one() {
-    for behind in &BOTH {
-        let mut reader = open(behind);
-        assert_ne!(reader.process().unwrap(), std::process::id());
-        let name = if *behind == Behind::Gl { "gl" } else { "gpu" };
-        assert_eq!(reader.device().reader.name(), name);
-        works(&mut reader);
+    for driver_kind in &BOTH {
+        let mut backend = open(driver_kind);
+        assert_ne!(backend.process().unwrap(), std::process::id());
+        let name = if *driver_kind == DriverKind::Gl { "gl" } else { "gpu" };
+        assert_eq!(backend.device().backend.name(), name);
+        works(&mut backend);
     }
 }
 
@@ -119,10 +119,10 @@ void main() { c = texelFetch(tex, ivec2(0), 0); }";
     let push = ResourceKind::PushConstant(bytes(&[0f32.to_bits()]));
     let resources = vec![bound("tex", 0, texture), bound("add", 0, push)];
     let gpu = job(vec![module(Stage::Fragment, "main", &code)], resources, grid);
-    for (behind, job) in [(Behind::Gl, gl), (Behind::Gpu(None), gpu)] {
-        let answer = open(&behind).run(&job).unwrap_or_else(|failure| panic!("{failure}"));
+    for (driver_kind, job) in [(DriverKind::Gl, gl), (DriverKind::Gpu(None), gpu)] {
+        let answer = open(&driver_kind).run(&job).unwrap_or_else(|failure| panic!("{failure}"));
         let [r, g, _, a] = answer.pixels[0].map(f32::from_bits);
-        assert_eq!([r, g, a], [0.5, -1.0, 3e38], "{behind:?}");
+        assert_eq!([r, g, a], [0.5, -1.0, 3e38], "{driver_kind:?}");
     }
 }
 
@@ -148,17 +148,18 @@ fn nested_and_predeclared() {
     let stages = vec![module(Stage::Compute, "main", &wgsl(&text))];
     let words_in = [2.75f32, 0.0, 0.0, 58.0].map(f32::to_bits);
     let job = job(stages, vec![storage("o", 0, &words_in)], Grid::Groups([1, 1, 1]));
-    let answer = open(&Behind::Gpu(None)).run(&job).unwrap_or_else(|failure| panic!("{failure}"));
+    let answer =
+        open(&DriverKind::Gpu(None)).run(&job).unwrap_or_else(|failure| panic!("{failure}"));
     let out = words(answer.buffers[0].as_ref().unwrap());
     assert_eq!(out[1..].iter().map(|w| f32::from_bits(*w)).collect::<Vec<_>>(), [0.75, 0.1, 158.0]);
 }
 
 #[test]
 fn one_process_runs_hundreds_of_jobs_and_many_modules() {
-    let mut reader = open(&Behind::Gpu(None));
-    let process = reader.process();
+    let mut backend = open(&DriverKind::Gpu(None));
+    let process = backend.process();
     for round in 0..150u32 {
-        works(&mut reader);
+        works(&mut backend);
         // More modules than are kept.
         let code = wgsl(&format!(
             "@group(0) @binding(0) var<storage, read_write> o: u32;
@@ -166,40 +167,40 @@ fn one_process_runs_hundreds_of_jobs_and_many_modules() {
         ));
         let stages = vec![module(Stage::Compute, "main", &code)];
         let job = job(stages, vec![storage("o", 0, &[5])], Grid::Groups([1, 1, 1]));
-        let answer = reader.run(&job).unwrap();
+        let answer = backend.run(&job).unwrap();
         assert_eq!(words(answer.buffers[0].as_ref().unwrap()), [5 + round]);
     }
-    assert_eq!(reader.process(), process);
+    assert_eq!(backend.process(), process);
 }
 
 #[test]
 fn a_shader_that_does_not_end_times_out_and_the_next_job_works() {
-    for behind in &BOTH {
-        let mut reader = open(behind);
-        works(&mut reader);
+    for driver_kind in &BOTH {
+        let mut backend = open(driver_kind);
+        works(&mut backend);
         let limit = Duration::from_millis(700);
         let begun = Instant::now();
-        let failure = reader.run(&Job { limit, ..endless() }).unwrap_err();
-        assert_eq!(failure.kind, FailureKind::TimedOut, "{behind:?}: {failure}");
-        assert_eq!(failure.message, "not done after 0.7 s, which is its limit");
+        let failure = backend.run(&Job { limit, ..endless() }).unwrap_err();
+        assert_eq!(failure.kind, FailureKind::TimedOut, "{driver_kind:?}: {failure}");
+        assert_eq!(failure.message, "timed out after 0.7 s");
         assert!(begun.elapsed() < Duration::from_secs(20), "nobody waits for the driver");
-        assert_eq!(reader.process(), None, "the process is gone");
-        works(&mut reader);
+        assert_eq!(backend.process(), None, "the process is gone");
+        works(&mut backend);
     }
 }
 
 #[test]
 fn the_other_process_says_how_long_it_worked_and_the_device_if_it_is_asked() {
-    for behind in BOTH {
-        let mut driver = open(&behind);
+    for driver_kind in BOTH {
+        let mut driver = open(&driver_kind);
         assert_eq!(driver.processor_time(), None, "no job has run");
         driver.run(&adding()).unwrap();
-        assert!(driver.processor_time().is_some_and(|time| !time.is_zero()), "{behind:?}");
+        assert!(driver.processor_time().is_some_and(|time| !time.is_zero()), "{driver_kind:?}");
         assert_eq!(driver.device_time(), None, "nobody asked for it");
-        let mut timed = Remote::open(Launch { timed: true, ..launch(&behind) }).unwrap();
+        let mut timed = Subprocess::open(Launch { timed: true, ..launch(&driver_kind) }).unwrap();
         timed.run(&adding()).unwrap();
-        // OpenGL's reader has no timestamps.
-        assert_eq!(timed.device_time().is_some(), behind != Behind::Gl);
+        // OpenGL's backend has no timestamps.
+        assert_eq!(timed.device_time().is_some(), driver_kind != DriverKind::Gl);
         // A job that fails leaves none of the last one's.
         let nothing = Job { stages: Vec::new(), ..adding() };
         timed.run(&nothing).unwrap_err();
@@ -209,60 +210,60 @@ fn the_other_process_says_how_long_it_worked_and_the_device_if_it_is_asked() {
 
 #[test]
 fn a_driver_that_crashes_says_by_which_signal_and_the_next_job_works() {
-    for behind in &BOTH {
-        let mut reader = open(behind);
-        let process = reader.process().unwrap().to_string();
+    for driver_kind in &BOTH {
+        let mut backend = open(driver_kind);
+        let process = backend.process().unwrap().to_string();
         let crash = thread::spawn(move || {
             thread::sleep(Duration::from_millis(300));
             let kill = Command::new("kill").args(["-ABRT", &process]).status();
             assert!(kill.unwrap().success());
         });
-        let failure = reader.run(&endless()).unwrap_err();
+        let failure = backend.run(&endless()).unwrap_err();
         crash.join().unwrap();
-        assert_eq!(failure.kind, FailureKind::Died, "{behind:?}: {failure}");
-        let message = "the process of the driver was ended by signal 6 (SIGABRT)";
+        assert_eq!(failure.kind, FailureKind::Died, "{driver_kind:?}: {failure}");
+        let message = "the driver process was ended by signal 6 (SIGABRT)";
         assert_eq!(failure.message, message);
-        works(&mut reader);
+        works(&mut backend);
     }
 }
 
 #[test]
 fn a_process_that_went_between_two_jobs_is_not_missed() {
-    let mut reader = open(&Behind::Gl);
-    works(&mut reader);
-    let process = reader.process().unwrap();
+    let mut backend = open(&DriverKind::Gl);
+    works(&mut backend);
+    let process = backend.process().unwrap();
     let kill = Command::new("kill").args(["-KILL", &process.to_string()]).status();
     assert!(kill.unwrap().success());
-    works(&mut reader);
-    assert_ne!(reader.process(), Some(process));
+    works(&mut backend);
+    assert_ne!(backend.process(), Some(process));
 }
 
 #[test]
 fn a_refused_shader_comes_with_the_drivers_log_and_keeps_the_process() {
-    let mut reader = open(&Behind::Gl);
-    let process = reader.process();
+    let mut backend = open(&DriverKind::Gl);
+    let process = backend.process();
     let mut job = adding();
     job.stages[0].glsl = Some("#version 430\nvoid main() { gone(); }".to_string());
-    let failure = reader.run(&job).unwrap_err();
+    let failure = backend.run(&job).unwrap_err();
     assert_eq!(failure.kind, FailureKind::Refused);
     assert!(failure.log.contains("gone"), "{failure}");
-    works(&mut reader);
-    assert_eq!(reader.process(), process);
+    works(&mut backend);
+    assert_eq!(backend.process(), process);
 }
 
-fn missing(behind: &Behind, name: &str, value: impl Into<OsString>) -> Failure {
-    let mut launch = launch(behind);
+fn missing(driver_kind: &DriverKind, name: &str, value: impl Into<OsString>) -> Failure {
+    let mut launch = launch(driver_kind);
     launch.environment.push((name.into(), value.into()));
-    let failure = Remote::open(launch).err().expect("the driver was taken away");
+    let failure = Subprocess::open(launch).err().expect("the driver was taken away");
     assert_eq!(failure.kind, FailureKind::Missing, "{failure}");
     failure
 }
 
 #[test]
 fn a_machine_without_vulkan_says_what_to_install() {
-    let failure = missing(&Behind::Gpu(None), "VK_DRIVER_FILES", "/nonexistent");
+    let failure = missing(&DriverKind::Gpu(None), "VK_DRIVER_FILES", "/nonexistent");
     let expected = "no Vulkan adapter; the Debian packages `mesa-vulkan-drivers` and \
-        `libvulkan1` have one in software";
+        `libvulkan1` provide a software driver";
     assert_eq!(failure.message, expected);
 }
 
@@ -278,9 +279,9 @@ fn no_egl() -> PathBuf {
 
 #[test]
 fn a_machine_without_egl_says_what_to_install() {
-    let failure = missing(&Behind::Gl, "LD_LIBRARY_PATH", no_egl());
+    let failure = missing(&DriverKind::Gl, "LD_LIBRARY_PATH", no_egl());
     let expected = "no OpenGL driver: libEGL 1.5 cannot be loaded; the Debian packages \
-        `libegl1` and `libgl1-mesa-dri` have one in software";
+        `libegl1` and `libgl1-mesa-dri` provide a software driver";
     assert_eq!(failure.message, expected);
     assert!(failure.log.contains("libEGL"), "{failure}");
 }
@@ -314,9 +315,10 @@ fn script(text: &str) -> Launch {
 
 #[test]
 fn a_process_that_ends_at_once_leaves_its_last_words() {
-    let failure = Remote::open(script("echo noise; echo 'driver: no' >&2; exit 3")).err().unwrap();
+    let failure =
+        Subprocess::open(script("echo noise; echo 'driver: no' >&2; exit 3")).err().unwrap();
     assert_eq!(failure.kind, FailureKind::Died);
-    assert_eq!(failure.message, "the process of the driver ended with exit code 3");
+    assert_eq!(failure.message, "the driver process ended with exit code 3");
     assert_eq!(failure.log, "driver: no");
 }
 
@@ -324,28 +326,29 @@ fn a_process_that_ends_at_once_leaves_its_last_words() {
 fn a_driver_that_hangs_when_it_is_opened_is_not_waited_for() {
     let opening = Duration::from_millis(200);
     let launch = Launch { opening, ..script("exec sleep 600") };
-    let failure = Remote::open(launch).err().unwrap();
+    let failure = Subprocess::open(launch).err().unwrap();
     assert_eq!(failure.kind, FailureKind::TimedOut, "{failure}");
 }
 
 #[test]
 fn a_program_that_is_not_there_is_named() {
     let launch = Launch { program: "/nonexistent/landfall".into(), ..script("") };
-    let failure = Remote::open(launch).err().unwrap();
+    let failure = Subprocess::open(launch).err().unwrap();
     assert_eq!(failure.kind, FailureKind::Missing);
     assert!(failure.message.contains("/nonexistent/landfall"), "{failure}");
 }
 
 #[test]
 fn what_there_is_is_listed_from_there() {
-    for (behind, reader, kinds) in
-        [(Behind::Gl, "gl", &["core", "compat", "es"][..]), (Behind::Gpu(None), "gpu", &["vulkan"])]
-    {
-        let found = list(&launch(&behind)).unwrap();
+    for (driver_kind, backend, kinds) in [
+        (DriverKind::Gl, "gl", &["core", "compat", "es"][..]),
+        (DriverKind::Gpu(None), "gpu", &["vulkan"]),
+    ] {
+        let found = list(&launch(&driver_kind)).unwrap();
         for kind in kinds {
             let found = found.iter().find(|f| f.kind.starts_with(kind)).unwrap();
             let (device, limits) = found.outcome.as_ref().unwrap();
-            assert_eq!((found.reader.name(), device.reader.name()), (reader, reader));
+            assert_eq!((found.backend.name(), device.backend.name()), (backend, backend));
             assert!(limits.uniform_block_size.unwrap() >= 16384);
         }
     }
@@ -353,16 +356,16 @@ fn what_there_is_is_listed_from_there() {
 
 #[test]
 fn opengl_says_from_there_where_members_are() {
-    let mut reader = open(&Behind::Gl);
+    let mut backend = open(&DriverKind::Gl);
     let text = "#version 330\nlayout(std140) uniform B { float a; vec3 b; } i; out vec4 c;
 void main() { c = vec4(i.b, i.a); }";
     let limit = Duration::from_secs(30);
-    let reflection = reader.reflect(&[(Stage::Fragment, text)], limit).unwrap();
+    let reflection = backend.reflect(&[(Stage::Fragment, text)], limit).unwrap();
     let block = &reflection.uniform_blocks[0];
     assert_eq!((block.name.as_str(), block.size), ("B", 32));
     let members: Vec<(&str, u64)> =
         block.members.iter().map(|m| (m.name.as_str(), m.offset)).collect();
     assert_eq!(members, [("a", 0), ("b", 16)]);
-    let failure = reader.reflect(&[(Stage::Fragment, "#version 330\nx")], limit).unwrap_err();
+    let failure = backend.reflect(&[(Stage::Fragment, "#version 330\nx")], limit).unwrap_err();
     assert_eq!(failure.kind, FailureKind::Refused);
 }

@@ -1,19 +1,19 @@
-//! Proof of blocks: every reader sees every leaf where it is laid out, and faults that are
-//! planted are caught and located by every reader that can see them.
+//! Proof of blocks: every backend sees every leaf where it is laid out, and faults that are
+//! planted are caught and located by every backend that can see them.
 
 use crate::support;
-use crate::support::readers;
+use crate::support::backends;
 
+use backends::with_readers;
 use landfall_exec::harness::verify::{
-    Outcome, ReaderReport, ShaderReport, Subject, VerifyOptions, verify,
+    BackendReport, Outcome, ShaderReport, Subject, VerifyOptions, verify,
 };
 use landfall_layout::{BlockLayout, Rules, Source, Stage};
-use readers::with_readers;
 use support::blocks::{Block, Rules as BlockRules, Space, print};
 use support::generate::{Diet, random};
 use support::known::{Subject as Asked, within_the_driver};
 
-/// What the readers here all take: no 8, 16 and 64-bit integers.
+/// What the backends here all take: no 8, 16 and 64-bit integers.
 const DIET: Diet = Diet {
     kinds: &[
         (Space::Uniform, BlockRules::Std140),
@@ -44,16 +44,16 @@ const DIET: Diet = Diet {
 fn verified(source: &Source, options: &VerifyOptions) -> ShaderReport {
     let subject = Subject::new(source, options)
         .unwrap_or_else(|(_, found)| panic!("{}: {found:?}\n{}", source.path, source.text));
-    with_readers(|readers| verify(&subject, options, readers))
+    with_readers(|backends| verify(&subject, options, backends))
 }
 
-/// Every report of a block by a reader, with what it is about.
-fn each(report: &ShaderReport) -> impl Iterator<Item = (&str, &ReaderReport)> {
+/// Every report of a block by a backend, with what it is about.
+fn each(report: &ShaderReport) -> impl Iterator<Item = (&str, &BackendReport)> {
     let blocks = report.blocks.iter();
-    blocks.flat_map(|block| block.readers.iter().map(|reader| (&*block.name, reader)))
+    blocks.flat_map(|block| block.backends.iter().map(|backend| (&*block.name, backend)))
 }
 
-/// Two halves, for two threads and two sets of readers: 300 blocks together.
+/// Two halves, for two threads and two sets of backends: 300 blocks together.
 #[test]
 fn random_blocks_are_read_where_they_are_laid_out() {
     random_blocks_are_confirmed(0..56);
@@ -77,22 +77,22 @@ fn random_blocks_are_confirmed(seeds: std::ops::Range<u64>) {
         let text = declarations(&print(&standing, &made));
         let source = Source::new(format!("seed_{seed}.{extension}"), text.as_str());
         let report = verified(&source, &VerifyOptions::default());
-        for (block, reader) in each(&report) {
+        for (block, backend) in each(&report) {
             assert_eq!(
-                (reader.outcome, reader.stage),
+                (backend.outcome, backend.stage),
                 (Outcome::Confirmed, stage.name()),
                 "seed {seed}, {block}, {}: {:?}\n{}\n{:#?}\n{text}",
-                reader.reader.name(),
-                reader.reason,
-                reader.log,
-                reader
+                backend.backend.name(),
+                backend.reason,
+                backend.log,
+                backend
                     .reads
                     .iter()
                     .filter(|r| r.byte_read != Some(r.expected_byte))
                     .take(5)
                     .collect::<Vec<_>>(),
             );
-            reads += reader.reads.len();
+            reads += backend.reads.len();
         }
         blocks += report.blocks.len();
     }
@@ -131,25 +131,25 @@ fn with_fault(fault: impl Fn(&mut BlockLayout)) -> ShaderReport {
     verified(&source, &VerifyOptions { given: Some(given), ..VerifyOptions::default() })
 }
 
-/// The leaves each reader sees elsewhere, which must be the same for all; with the causes.
+/// The leaves each backend sees elsewhere, which must be the same for all; with the causes.
 fn caught(report: &ShaderReport) -> Vec<(String, String)> {
     let mut all: Vec<(&str, Vec<(String, String)>)> = Vec::new();
-    for (_, reader) in each(report) {
-        let elsewhere = reader.reads.iter().filter(|r| r.byte_read != Some(r.expected_byte));
+    for (_, backend) in each(report) {
+        let elsewhere = backend.reads.iter().filter(|r| r.byte_read != Some(r.expected_byte));
         let mut leaves: Vec<(String, String)> = elsewhere
             .map(|read| {
-                let cause = reader.causes.iter().find(|cause| cause.leaf == read.leaf);
+                let cause = backend.causes.iter().find(|cause| cause.leaf == read.leaf);
                 (read.leaf.clone(), cause.map_or(String::new(), |cause| cause.cause.clone()))
             })
             .collect();
         leaves.sort();
         leaves.dedup();
-        assert_eq!(reader.outcome == Outcome::Disagrees, !leaves.is_empty());
-        all.push((reader.reader.name(), leaves));
+        assert_eq!(backend.outcome == Outcome::Disagrees, !leaves.is_empty());
+        all.push((backend.backend.name(), leaves));
     }
-    assert_eq!(all.len(), 3, "every reader ran");
-    for (reader, leaves) in &all {
-        assert_eq!(leaves, &all[0].1, "{reader} against {}", all[0].0);
+    assert_eq!(all.len(), 3, "every backend ran");
+    for (backend, leaves) in &all {
+        assert_eq!(leaves, &all[0].1, "{backend} against {}", all[0].0);
     }
     all.swap_remove(0).1
 }
@@ -181,10 +181,7 @@ fn a_stride_of_twelve_for_sixteen_is_caught() {
     let found = caught(&with_fault(|block| leaf(block, "weights[][]").strides[1] = 12));
     let [(path, cause)] = &found[..] else { panic!("{found:?}") };
     assert_eq!(path, "weights[][]");
-    assert!(
-        cause.contains("stride of the inner dimension is taken as 16 instead of 12"),
-        "{cause}"
-    );
+    assert!(cause.contains("stride of the inner dimension is 16 instead of 12"), "{cause}");
 }
 
 #[test]
@@ -193,10 +190,7 @@ fn swapped_dimensions_are_caught() {
     let found = caught(&with_fault(|block| leaf(block, "weights[][]").strides[0] = 48));
     let [(path, cause)] = &found[..] else { panic!("{found:?}") };
     assert_eq!(path, "weights[][]");
-    assert!(
-        cause.contains("stride of the outer dimension is taken as 32 instead of 48"),
-        "{cause}"
-    );
+    assert!(cause.contains("stride of the outer dimension is 32 instead of 48"), "{cause}");
 }
 
 #[test]
@@ -204,7 +198,7 @@ fn rows_taken_for_columns_are_caught() {
     let found = caught(&with_fault(|block| leaf(block, "frame").row_major = false));
     let [(path, cause)] = &found[..] else { panic!("{found:?}") };
     assert_eq!(path, "frame");
-    assert!(cause.contains("rows and columns are taken for one another"), "{cause}");
+    assert!(cause.contains("rows and columns are swapped"), "{cause}");
 }
 
 #[test]
@@ -241,11 +235,12 @@ fn a_driver_that_reads_by_its_own_rules_is_told_apart() {
                 void main() {}\n";
     let source = Source::new("shared.frag", text);
     let report = verified(&source, &VerifyOptions::default());
-    let (_, gl) = each(&report).find(|(_, reader)| reader.reader.name() == "gl").expect("gl ran");
+    let (_, gl) =
+        each(&report).find(|(_, backend)| backend.backend.name() == "gl").expect("gl ran");
     assert_eq!(gl.outcome, Outcome::Disagrees);
     let [cause] = &gl.causes[..] else { panic!("{:?}", gl.causes) };
     assert_eq!(cause.leaf, "b[]");
-    assert!(cause.cause.starts_with("this is its place in std430"), "{}", cause.cause);
+    assert!(cause.cause.starts_with("this is its offset in std430"), "{}", cause.cause);
 }
 
 /// Seen in naga 30.0.1: what a program reads that hands such a text to wgpu.
@@ -267,45 +262,45 @@ fn nagas_own_offsets_are_caught() {
     {
         let source = Source::new(name, text);
         let report = verified(&source, &VerifyOptions { naga: true, ..VerifyOptions::default() });
-        for reader in ["cpu", "gpu"] {
+        for backend in ["cpu", "gpu"] {
             let seen =
-                each(&report).find(|(_, seen)| seen.reader.name() == reader).expect("it ran").1;
-            assert_eq!(seen.outcome, Outcome::Disagrees, "{name} {reader}: {:?}", seen.reason);
+                each(&report).find(|(_, seen)| seen.backend.name() == backend).expect("it ran").1;
+            assert_eq!(seen.outcome, Outcome::Disagrees, "{name} {backend}: {:?}", seen.reason);
             // A structure starts at a multiple of 16 in std140, and `@align(16)` says as much.
             let read = seen
                 .reads
                 .iter()
                 .find(|read| read.leaf == leaf && read.expected_byte == expected)
                 .expect("it was read");
-            assert_ne!(read.byte_read, Some(expected), "{name} {reader}");
+            assert_ne!(read.byte_read, Some(expected), "{name} {backend}");
             let cause = seen.causes.iter().find(|cause| cause.leaf == leaf).expect("a cause");
-            assert!(cause.cause.contains("naga puts it"), "{}", cause.cause);
+            assert!(cause.cause.contains("its offset in naga's layout"), "{}", cause.cause);
         }
         let report = verified(&source, &VerifyOptions::default());
         assert!(each(&report).all(|(_, seen)| seen.outcome != Outcome::Disagrees));
     }
 }
 
-/// Every leaf of every shader of the repository, by every reader that takes it.
+/// Every leaf of every shader of the repository, by every backend that takes it.
 #[test]
 fn every_leaf_of_our_shaders_is_confirmed() {
     let mut shaders = 0;
     for path in support::files::shaders() {
         let source = Source::read(&path).expect("a shader of ours is text");
         let report = verified(&source, &VerifyOptions::default());
-        for (block, reader) in each(&report) {
-            let name = format!("{} {block} {}", source.path, reader.reader.name());
-            match reader.outcome {
+        for (block, backend) in each(&report) {
+            let name = format!("{} {block} {}", source.path, backend.backend.name());
+            match backend.outcome {
                 Outcome::Confirmed => {}
                 Outcome::Skipped => {
-                    let reason = reader.reason.as_deref().unwrap_or_default();
-                    assert!(is_known(&source, reader.reader.name(), reason), "{name}: {reason}");
+                    let reason = backend.reason.as_deref().unwrap_or_default();
+                    assert!(is_known(&source, backend.backend.name(), reason), "{name}: {reason}");
                 }
                 Outcome::Disagrees => {
                     // The driver's own rules, as the shader's own comment says.
                     assert!(source.path.ends_with("driver_rules.frag"), "{name}");
                 }
-                Outcome::Failed => panic!("{name}: {:?}\n{}", reader.reason, reader.log),
+                Outcome::Failed => panic!("{name}: {:?}\n{}", backend.reason, backend.log),
             }
         }
         shaders += 1;
@@ -313,15 +308,15 @@ fn every_leaf_of_our_shaders_is_confirmed() {
     assert!(shaders > 60, "{shaders}");
 }
 
-/// What a reader cannot be asked, said in advance.
-fn is_known(source: &Source, reader: &str, reason: &str) -> bool {
+/// What a backend cannot be asked, said in advance.
+fn is_known(source: &Source, backend: &str, reason: &str) -> bool {
     let named = |name: &str| source.path.ends_with(name);
-    match reader {
+    match backend {
         // OpenGL takes neither WGSL nor what is Vulkan's alone.
         "gl" => {
             named(".wgsl")
                 || reason.contains("OpenGL has no")
-                || reason.contains("compiler does not take the text")
+                || reason.contains("compiler rejects the text")
                     && [
                         "buffer_reference.comp",
                         "small_and_large_scalars.comp",
@@ -333,7 +328,7 @@ fn is_known(source: &Source, reader: &str, reason: &str) -> bool {
                     .any(|name| named(name))
                 || named("buffer_reference.comp")
                 // Mesa 22.3.6 takes a member's `readonly` for the whole block.
-                || named("memory_qualifiers.comp") && reason.contains("compiler does not take")
+                || named("memory_qualifiers.comp") && reason.contains("compiler rejects")
         }
         // Addresses, and 8-bit numbers, which naga does not have.
         _ => named("buffer_reference.comp") || named("small_and_large_scalars.comp"),

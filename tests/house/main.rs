@@ -9,6 +9,7 @@
 mod document;
 mod graph;
 mod imports;
+mod paths;
 mod planted;
 mod sizes;
 mod token;

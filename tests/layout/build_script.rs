@@ -100,7 +100,7 @@ fn a_broken_shader_is_shown_with_its_line() {
     let told = text(&build.stderr);
     assert!(!build.status.success());
     for part in [
-        "there is no type `vec5`",
+        "unknown type `vec5`",
         "shaders/include/light.glsl:4:5",
         "vec5 color;    // linear",
         "did you mean `vec2`?",
@@ -119,7 +119,7 @@ fn a_vanished_include_is_named() {
     fs::remove_file(copy.0.join("shaders/include/light.glsl")).expect("the include");
     fs::remove_file(copy.0.join("shaders/particles.comp")).expect("a shader");
     let told = text(&cargo(&copy.0, "build").stderr);
-    assert!(told.contains("`light.glsl` is not found"), "{told}");
+    assert!(told.contains("`light.glsl` not found"), "{told}");
     assert!(told.contains("looked for `shaders/include/light.glsl`"), "{told}");
     assert!(told.contains("`shaders/particles.comp` cannot be read"), "{told}");
 }

@@ -16,9 +16,9 @@ use support::leaf::{OracleBlock, What, differences};
 use support::run::{Batch, ask_glslang};
 
 fn lay_out(path: &str, text: &str) -> ShaderLayout {
-    let read = ReadOptions { target: Some(Target::Vulkan), ..ReadOptions::default() };
+    let read = ReadOptions::default().with_target(Target::Vulkan);
     let layout =
-        landfall_layout::layout(&Source::new(path, text), &Options { read, ..Options::default() });
+        landfall_layout::layout(&Source::new(path, text), &Options::default().with_read(read));
     assert!(!layout.has_errors(), "{path}: {:#?}\n{text}", layout.diagnostics);
     layout
 }
@@ -42,7 +42,7 @@ fn random_blocks(name: &str, seed: u64, count: usize, diet: &Diet) -> (usize, us
     let all = oracle.clone();
     oracle.retain(|block| !misread(&batch, &all, &block.name));
     let layout = lay_out("shaders/random.comp", &batch.text());
-    let options = COptions { file: "blocks.h".to_string(), ..COptions::default() };
+    let options = named("blocks.h", "");
     let output = c(&[&layout], &options);
     assert_eq!(c(&[&layout], &options).text, output.text, "the same header every time");
     let held = hold(&format!("{name}_{seed}"), &output, &oracle);
@@ -156,16 +156,22 @@ fn awkward_blocks_are_filled_where_glslang_reads_them() {
 
 /// Every block of every shader of this repository, loose uniforms gathered: the assertions in the
 /// headers hold sizes and offsets when they compile.
+fn named(file: &str, prefix: &str) -> COptions {
+    let mut options = COptions::default();
+    (options.file, options.prefix) = (file.to_string(), prefix.to_string());
+    options
+}
+
 #[test]
 fn the_shaders_of_this_repository_have_headers_that_compile() {
     let directory = directory("shaders");
-    let options = Options { gather: true, ..Options::default() };
+    let options = Options::default().with_gather(true);
     let mut program = String::new();
     for (at, path) in support::files::shaders().iter().enumerate() {
         let shader =
             landfall_layout::layout(&Source::read(path).expect("a readable shader"), &options);
         let (file, prefix) = (format!("shader{at}.h"), format!("s{at}_"));
-        let output = c(&[&shader], &COptions { file: file.clone(), prefix });
+        let output = c(&[&shader], &named(&file, &prefix));
         std::fs::write(directory.join(&file), output.text).expect("the directory can be written");
         program.push_str(&format!("#include \"{file}\"\n"));
     }
@@ -180,10 +186,10 @@ fn the_shaders_of_this_repository_have_headers_that_compile() {
 /// The example: an engine in C++ that had a table of offsets written by hand.
 #[test]
 fn an_engine_sets_members_by_name() {
-    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/engine");
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cpp_engine");
     let text = std::fs::read_to_string(sources.join("lights.frag")).expect("the example's shader");
-    let layout = lay_out("tests/engine/lights.frag", &text);
-    let options = COptions { file: "lights.h".to_string(), ..COptions::default() };
+    let layout = lay_out("examples/cpp_engine/lights.frag", &text);
+    let options = named("lights.h", "");
     let directory = directory("engine");
     std::fs::write(directory.join("lights.h"), c(&[&layout], &options).text).expect("written");
     std::fs::copy(sources.join("engine.cpp"), directory.join("engine.cpp")).expect("copied");
@@ -219,7 +225,7 @@ fn headers_that_share_a_structure_stand_beside_each_other() {
     );
     let directory = directory("several");
     let write = |file: &str, layouts: &[&ShaderLayout], prefix: &str| {
-        let options = COptions { file: file.to_string(), prefix: prefix.to_string() };
+        let options = named(file, prefix);
         std::fs::write(directory.join(file), c(layouts, &options).text).expect("written");
     };
     write("one.h", &[&one], "");

@@ -102,7 +102,7 @@ fn a_runtime_sized_tail_is_as_long_as_what_is_given() {
     assert_eq!(len("{}"), Ok(32));
     assert_eq!(len(r#"{"l":[]}"#), Ok(32));
     let error = said(&block, r#"{"l[99999999999].i":1}"#);
-    assert!(error.contains("more than can be held"), "{error}");
+    assert!(error.contains("more than can be allocated"), "{error}");
     assert_eq!(decode(&block, &[0; 16 + 48]).unwrap().tail_len(), 3);
     assert_eq!(decode(&block, &[0; 4]).unwrap().tail_len(), 0);
     let longer = [0; 16 + 48 + 5];
@@ -119,7 +119,7 @@ fn missing_members_are_zero_or_an_error_as_asked() {
         encode(&block, &values, Missing::Error).map(|_| ()).map_err(|error| error.to_string())
     };
     let first = |path| {
-        Err(format!("`{path}` is not given\nhelp: give it, or ask for missing members to be zero"))
+        Err(format!("`{path}` is missing\nhelp: add it, or allow missing members to be zero"))
     };
     assert_eq!(missing("{}"), first("s[0].a"));
     assert_eq!(missing(r#"{"s":[{"a":[0,0],"b":0}]}"#), first("s[1].a"));
@@ -146,31 +146,40 @@ fn bad_values_are_refused_with_their_place() {
         ),
         (r#"{"data":[{},{"pos":[1,2]}]}"#, "`data[1].pos`: `vec3` has 3 elements, not 2"),
         (r#"{"data":[{"pos":[1,2,3,4]}]}"#, "`data[0].pos`: `vec3` has 3 elements, not 4"),
-        (r#"{"data":[{"pos":1}]}"#, "`data[0].pos`: `vec3` wants an array of 3 numbers, not 1"),
-        (r#"{"data":{"pos":1}}"#, "`data`: `PointLight[128]` wants an array, not an object"),
+        (
+            r#"{"data":[{"pos":1}]}"#,
+            "`data[0].pos`: expected an array of 3 numbers for `vec3`, found 1",
+        ),
+        (
+            r#"{"data":{"pos":1}}"#,
+            "`data`: expected an array for `PointLight[128]`, found an object",
+        ),
         (
             r#"{"data":[[1]]}"#,
-            "`data[0]`: `PointLight` wants an object of its members, not an array of 1 value",
+            "`data[0]`: expected an object of members for `PointLight`, found an array of 1 value",
         ),
-        (r#"{"data":[null]}"#, "`data[0]`: `PointLight` wants an object of its members, not null"),
-        (r#"{"data[3].pos":[1,"x",3]}"#, "`data[3].pos[1]`: `float` wants a number"),
+        (
+            r#"{"data":[null]}"#,
+            "`data[0]`: expected an object of members for `PointLight`, found null",
+        ),
+        (r#"{"data[3].pos":[1,"x",3]}"#, "`data[3].pos[1]`: expected a number, \"inf\""),
         (r#"{"data[3].pos":[1,1e39,3]}"#, "`data[3].pos[1]`: 1e+39 does not fit `float`"),
         (r#"{"data[3].pos":[1,"nan:0x7f800000",3]}"#, "does not fit `float`"),
-        (r#"{"data[3].pos":[1,true,3]}"#, "wants a number, not true"),
+        (r#"{"data[3].pos":[1,true,3]}"#, "expected a number for `float`, found true"),
         (
             r#"{"actually_used_count":2147483648}"#,
             "`actually_used_count`: 2147483648 does not fit `int`",
         ),
         (
             r#"{"actually_used_count":1.5}"#,
-            "`actually_used_count`: `int` wants an integer, not 1.5",
+            "`actually_used_count`: expected an integer for `int`, found 1.5",
         ),
-        (r#"{"actually_used_count":"1"}"#, "wants an integer, not \"1\""),
+        (r#"{"actually_used_count":"1"}"#, "expected an integer for `int`, found \"1\""),
         (
             r#"{"data":[{"pos":[1,2,3]}],"data[0].pos.x":4}"#,
-            "`data[0].pos.x`: its value was given before",
+            "`data[0].pos.x`: its value is given twice",
         ),
-        ("[]", "the block: `PointLightBlock` wants an object of its members"),
+        ("[]", "the block: expected an object of members for `PointLightBlock`"),
     ];
     for (json, wanted) in cases {
         let error = said(&block, json);

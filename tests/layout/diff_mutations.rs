@@ -85,7 +85,7 @@ fn the_class_of_an_edit_is_the_one_the_oracle_shows() {
                 Edit::Swap
                 | Edit::Retype
                 | Edit::ArraySize
-                | Edit::Majorness
+                | Edit::MatrixLayout
                 | Edit::Offset
                 | Edit::Add
                 | Edit::Remove => {}

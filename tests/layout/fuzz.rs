@@ -135,16 +135,13 @@ fn mutants_neither_panic_nor_hang() {
 /// Lays a mutant out in one of several ways.
 fn lay_out(source: &Source, seed: u64) {
     let rules = [None, Some(Rules::Std140), Some(Rules::Std430), Some(Rules::Scalar)];
-    let options = Options {
-        gather: seed.is_multiple_of(3),
-        rules: rules[(seed % 4) as usize],
-        naga: false,
-        ..Options::default()
-    };
+    let options = Options::default()
+        .with_gather(seed.is_multiple_of(3))
+        .with_rules(rules[(seed % 4) as usize]);
     let shader = layout(source, &options);
     for diagnostic in &shader.diagnostics {
         for label in &diagnostic.labels {
-            shader.files.locate(label.span);
+            shader.files.locate(label.at);
         }
     }
     for block in &shader.blocks {

@@ -31,7 +31,7 @@ fn told(shader: &ShaderLayout) -> Vec<String> {
         .diagnostics
         .iter()
         .map(|d| {
-            let at = shader.files.locate(d.labels.first().expect("a place").span);
+            let at = shader.files.locate(d.labels.first().expect("a place").at);
             format!("{} {}:{}", d.code.name(), at.line, at.column)
         })
         .collect()
@@ -190,6 +190,26 @@ fn sizes_may_be_any_constant_expression() {
 }
 
 #[test]
+fn an_array_without_a_size_is_as_long_as_its_constant_indices_need() {
+    let with = |uses: &str| {
+        format!(
+            "#version 330\n#define LAST N + 1\nconst int N = 6;\nout vec4 c;\n\
+             layout(std140) uniform B {{ float a[]; vec4 tail; }} b;\n\
+             void main() {{ int i = 2; c = b.tail; {uses} }}\n"
+        )
+    };
+    let text = with("c *= b.a[3] * b.a[LAST]; c += b.a[0];");
+    assert_eq!(leaves(&text), [("a[]".to_string(), 0), ("tail".to_string(), 128)]);
+    for (uses, place) in
+        [("", "5:35"), ("c *= b.a[i];", "5:35"), ("c *= b.a[1]; float a[3];", "5:35")]
+    {
+        assert_eq!(findings(&with(uses)), [format!("array-size {place}")], "{uses}");
+    }
+    let es = with("c *= b.a[3];").replace("330", "300 es");
+    assert_eq!(findings(&es), ["array-size 5:35"], "ES has no such arrays");
+}
+
+#[test]
 fn a_specialisation_constant_has_its_default_or_the_given_value() {
     let text = "layout(constant_id = 7) const int N = 4; layout(set = 0) uniform B { vec4 a[N]; };";
     let source = Source::new("a.frag", text);
@@ -293,7 +313,7 @@ fn an_error_in_a_macro_points_at_its_use_and_its_definition() {
     let places: Vec<_> = shader.diagnostics[0]
         .labels
         .iter()
-        .map(|label| shader.files.locate(label.span))
+        .map(|label| shader.files.locate(label.at))
         .map(|at| (at.line, at.column))
         .collect();
     assert_eq!(places, [(3, 5), (1, 13)]);
@@ -315,7 +335,7 @@ fn loose_uniforms_have_no_offsets_until_gathered() {
     assert!(block.leaves.iter().all(|l| l.offset.is_none()) && block.size.is_none());
     assert_eq!(*block.opaque, ["shadow".into()]);
 
-    let options = Options { gather: true, ..Options::default() };
+    let options = Options::default().with_gather(true);
     let gathered = layout(&Source::new("a.frag", text), &options);
     let block = &gathered.blocks[0];
     assert_eq!((block.space, block.rules_declared), (AddressSpace::Uniform, false));
@@ -478,7 +498,7 @@ fn includes_are_found_and_faults_are_told_at_the_directive() {
     assert_eq!(told(&run("b.frag")), ["missing-include 2:4"]);
     let c = run("c.frag");
     assert_eq!(told(&c), ["cyclic-include 2:2"]);
-    let place = c.files.locate(c.diagnostics[0].labels[0].span);
+    let place = c.files.locate(c.diagnostics[0].labels[0].at);
     assert!(place.path.ends_with("loop.glsl"), "{}", place.path);
     std::fs::remove_dir_all(&dir).expect("the test's own directory");
 }

@@ -97,7 +97,7 @@ fn the_shaders_of_the_repository_survive_it_too() {
     for path in shaders() {
         for gather in [false, true] {
             let source = Source::read(&path).expect("a readable shader");
-            holds(&layout(&source, &Options { gather, ..Options::default() }));
+            holds(&layout(&source, &Options::default().with_gather(gather)));
         }
     }
 }
@@ -174,7 +174,7 @@ fn a_lock_that_is_cut_short_is_told_from_one_that_is_no_json() {
     assert_eq!(message, "is not JSON: line 1, column 1 has `v` where a value should be");
     assert!(refusal("\u{1}\u{2}\u{3}").starts_with("is not JSON: line 1, column 1 has `\\u{1}`"));
     let deep = "[".repeat(1 << 22);
-    assert_eq!(refusal(&deep), "is no layout: it nests deeper than any shader, at line 1");
+    assert_eq!(refusal(&deep), "is not a layout: it is nested too deeply, at line 1");
 }
 
 #[test]
@@ -192,14 +192,14 @@ fn a_newer_lock_is_not_guessed_at() {
     let version = env!("CARGO_PKG_VERSION");
     assert_eq!(
         message,
-        format!("is of schema version 7, and this landfall ({version}) reads version 1, at line 2")
+        format!("has schema version 7, but this landfall ({version}) reads version 1, at line 2")
     );
     assert!(lock::is_newer(&text));
     assert!(!lock::is_newer(&write(&lay_out("a.frag", SHADER))));
-    assert_eq!(refusal("{}"), "is no lock: it has no `schema_version`");
+    assert_eq!(refusal("{}"), "is not a lock: it has no `schema_version`");
     assert_eq!(
         refusal("{\"schema_version\": 1}"),
-        "is no lock: it has neither `blocks` nor `shaders`"
+        "is not a lock: it has neither `blocks` nor `shaders`"
     );
 }
 
@@ -276,7 +276,7 @@ fn a_lock_that_contradicts_itself_is_refused() {
             "\"offset\": 60",
             "20: `count` at offset 60 overlaps `all`, which occupies 0 to 63",
         ),
-        ("\"size\": 64, ", "\"size\": 48, ", "16: `all` is 48 bytes, but what is in it takes 64"),
+        ("\"size\": 64, ", "\"size\": 48, ", "16: `all` is 48 bytes, but its contents take 64"),
         (
             "\"strides\": [16]",
             "\"strides\": [12]",
@@ -290,7 +290,7 @@ fn a_lock_that_contradicts_itself_is_refused() {
             "6: `Lights` has `data_size` 124, but its members end at 128",
         ),
         ("\"name\": \"range\"", "\"name\": \"color\"", "18: the member `color` is listed twice"),
-        ("\"matrix_stride\": 16, ", "", "21: `turn` is made of matrices and lacks `matrix_stride`"),
+        ("\"matrix_stride\": 16, ", "", "21: `turn` holds matrices, but lacks `matrix_stride`"),
         (
             "\"offset\": 12,",
             "\"offset\": 8,",
@@ -299,7 +299,7 @@ fn a_lock_that_contradicts_itself_is_refused() {
         (
             "\"align\": 4}\n        ]}",
             "\"align\": 3}\n        ]}",
-            "18: `range` is aligned to 3, which is no power of two",
+            "18: `range` is aligned to 3, which is not a power of two",
         ),
     ] {
         let text = edited(from, to);
@@ -372,19 +372,19 @@ fn layout_drift_says_what_moved_with_both_numbers() {
     let found = drifted(SHADER, &new);
     assert_eq!(found.len(), 1, "{found:#?}");
     let drift = &found[0];
-    assert_eq!((drift.code.as_str(), drift.level), ("layout-drift", Level::Deny));
+    assert_eq!((drift.code.as_str(), drift.level()), ("layout-drift", Level::Deny));
     assert_eq!(drift.about, "Lights");
     assert_eq!(
         drift.message,
-        "`Lights` is not what its lock says: `all` changed its array stride from 16 to 32; \
+        "`Lights` differs from its lock: `all` changed its array stride from 16 to 32; \
          uploads made for the lock's layout are misread"
     );
     assert_eq!(
-        (drift.place.path.as_str(), drift.place.line, drift.place.column),
+        (drift.place().path.as_str(), drift.place().line, drift.place().column),
         ("a.frag", 3, 37)
     );
     assert_eq!(
-        (drift.related[0].place.path.as_str(), drift.related[0].place.line),
+        (drift.related()[0].at.path.as_str(), drift.related()[0].at.line),
         ("layouts/a.frag.json", 6)
     );
     assert!(
@@ -406,13 +406,13 @@ fn drift_that_misreads_nothing_is_said_in_other_words() {
     let found = drifted(SHADER, &SHADER.replace("int count;", "int count, more;"));
     assert_eq!(
         found[0].message,
-        "`Lights` is not what its lock says: `more` (`int`) takes bytes at 68 that were padding; \
+        "`Lights` differs from its lock: `more` (`int`) uses former padding at 68; \
          old uploads still land, but the lock is out of date"
     );
     let found = drifted(SHADER, &SHADER.replace("range", "reach"));
     assert_eq!(
         found[0].message,
-        "`Lights` is not what its lock says: `all[].range` is called `reach` now, in the same place; \
+        "`Lights` differs from its lock: `all[].range` was renamed to `reach`, in the same place; \
          no byte changes, but the lock is out of date"
     );
     assert!(found[0].help.as_deref().is_some_and(|help| help.contains("landfall lock")));
@@ -423,15 +423,18 @@ fn a_shader_without_a_lock_and_a_lock_without_a_shader_are_reported() {
     let shader = lay_out("a.frag", SHADER);
     let found = drift(&shader, "layouts/a.frag.json", None);
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].code.as_str(), found[0].place.path.as_str()), ("lock-missing", "a.frag"));
+    assert_eq!(
+        (found[0].code.as_str(), found[0].place().path.as_str()),
+        ("lock-missing", "a.frag")
+    );
     assert_eq!(found[0].message, "`a.frag` has no lock: changes of its layout go unseen");
     assert!(found[0].notes[0].contains("layouts/a.frag.json"));
     // The good twin has nothing to lock.
     let empty = lay_out("a.frag", "#version 330\nvoid main() {}\n");
     assert!(drift(&empty, "layouts/a.frag.json", None).is_empty());
     let orphan = landfall_lint::drift::orphan("layouts/gone.frag.json");
-    assert_eq!(orphan.message, "`layouts/gone.frag.json` is the lock of no shader");
-    assert_eq!((orphan.code.as_str(), orphan.level), ("lock-orphan", Level::Warn));
+    assert_eq!(orphan.message, "`layouts/gone.frag.json` is a lock without a shader");
+    assert_eq!((orphan.code.as_str(), orphan.level()), ("lock-orphan", Level::Warn));
     assert_eq!(
         lock::path_of(Path::new("layouts"), Path::new("x/a.frag")),
         Path::new("layouts/x/a.frag.json")

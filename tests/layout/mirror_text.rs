@@ -82,7 +82,8 @@ fn the_output_names_no_absolute_path() {
     let shader = laid_out("/home/someone/shaders/a.vert", text);
     let out = rust(&[&shader], &RustOptions::default()).text;
     assert!(out.contains("// From a.vert\n") && !out.contains("/home"), "{out}");
-    let options = RustOptions { inputs: vec!["shaders/a.vert".to_string()], ..Default::default() };
+    let mut options = RustOptions::default();
+    options.inputs = vec!["shaders/a.vert".to_string()];
     let out = rust(&[&shader], &options).text;
     assert!(out.contains("a uniform block of `shaders/a.vert:2`"), "{out}");
 }
@@ -142,7 +143,8 @@ fn an_array_sized_by_an_override_without_a_value_is_refused_by_name() {
 #[test]
 fn the_head_names_the_features_that_are_needed() {
     let head = |text: &str, vectors| {
-        let options = RustOptions { vectors, ..RustOptions::default() };
+        let mut options = RustOptions::default();
+        options.vectors = vectors;
         rust(&[&laid_out("a.frag", text)], &options).text.split("\n\n").next().map(str::to_owned)
     };
     let short = "#version 450\nlayout(std140) uniform U { vec4 a[32]; };\n";
@@ -157,7 +159,8 @@ fn the_head_names_the_features_that_are_needed() {
 #[test]
 fn without_tables_there_are_mirrors_only() {
     let shader = laid_out("a.frag", "#version 450\nlayout(std140) uniform U { vec4 a; };\n");
-    let options = RustOptions { tables: Tables::Without, ..RustOptions::default() };
+    let mut options = RustOptions::default();
+    options.tables = Tables::Without;
     let out = rust(&[&shader], &options).text;
     assert!(out.contains("pub struct U {") && !out.contains("lookup"), "{out}");
 }

@@ -65,7 +65,9 @@ fn mirrors_hold(batch: &Batch, oracle: &[OracleBlock], vectors: Vectors) {
     let text = batch.text();
     let layouts = layout(&Source::new("random.comp", text.as_str()), &Options::default());
     assert!(!layouts.has_errors(), "{:?}", layouts.diagnostics);
-    let output = rust(&[&layouts], &RustOptions { vectors, ..RustOptions::default() });
+    let mut options = RustOptions::default();
+    options.vectors = vectors;
+    let output = rust(&[&layouts], &options);
     assert!(output.diagnostics.is_empty(), "{:?}", output.diagnostics);
 
     let directory = scratch(&format!("{}-{}", batch.name.replace(' ', "-"), vectors.name()));
@@ -145,15 +147,11 @@ fn corpus() -> Vec<ShaderLayout> {
 
 /// Every way of writing, with a name for it.
 fn ways() -> Vec<(&'static str, RustOptions)> {
-    let plain = RustOptions::default;
-    vec![
-        ("glam", plain()),
-        ("array", RustOptions { vectors: Vectors::Array, ..plain() }),
-        (
-            "crate",
-            RustOptions { visibility: Visibility::Crate, tables: Tables::Without, ..plain() },
-        ),
-    ]
+    let mut array = RustOptions::default();
+    array.vectors = Vectors::Array;
+    let mut inside = RustOptions::default();
+    (inside.visibility, inside.tables) = (Visibility::Crate, Tables::Without);
+    vec![("glam", RustOptions::default()), ("array", array), ("crate", inside)]
 }
 
 /// A root file with one module a text.
@@ -209,7 +207,7 @@ fn the_output_has_no_warning_in_any_edition_and_nothing_to_format() {
 /// assertions in it hold sizes and offsets when it compiles.
 #[test]
 fn the_shaders_of_this_repository_have_mirrors_that_compile() {
-    let options = Options { gather: true, ..Options::default() };
+    let options = Options::default().with_gather(true);
     let shaders: Vec<ShaderLayout> = support::files::shaders()
         .iter()
         .map(|path| layout(&Source::read(path).expect("a readable shader"), &options))

@@ -19,8 +19,14 @@ fn fixture(name: &str) -> Source {
     Source::new(name, text)
 }
 
+fn beside(partner: &Source) -> PortOptions {
+    let mut options = PortOptions::default();
+    options.partner = Some(partner.clone());
+    options
+}
+
 fn with_partner(partner: &str) -> PortOptions {
-    PortOptions { partner: Some(fixture(partner)), ..PortOptions::default() }
+    beside(&fixture(partner))
 }
 
 fn ported(source: &Source, options: &PortOptions) -> Ported {
@@ -55,7 +61,7 @@ fn glslang_compiles_what_is_ported_and_lays_it_out_as_gathered() {
         let options = glslang::Options { auto_map: false, reflect: false, ..Default::default() };
         let blocks = glslang::blocks(&ported.source.text, stage, &options)
             .unwrap_or_else(|e| panic!("{}: {e}\n{}", source.path, ported.source.text));
-        let gathered = layout(&source, &Options { gather: true, ..Options::default() });
+        let gathered = layout(&source, &Options::default().with_gather(true));
         let gathered = gathered.blocks.iter().find(|b| &*b.name == "DefaultBlock");
         let gathered = gathered.expect("every fixture has loose uniforms");
         let block = ported.block.as_deref().expect("and so a block");
@@ -189,9 +195,7 @@ fn initial_values_and_new_names_are_reported() {
 /// The picture of a pair, and that of the pair ported: the original with each uniform set by its
 /// name, the ported text with one buffer. The driver is OpenGL's, so `set = N` is taken out.
 fn pictures(driver: &Driver, [vert, frag]: [&Source; 2]) -> [Vec<u32>; 2] {
-    let options =
-        |partner: &Source| PortOptions { partner: Some(partner.clone()), ..PortOptions::default() };
-    let both = [ported(vert, &options(frag)), ported(frag, &options(vert))];
+    let both = [ported(vert, &beside(frag)), ported(frag, &beside(vert))];
     let before = draw(driver, [vert, frag], &[]);
     let renamed: Vec<_> = both.iter().flat_map(|p| p.renamed.clone()).collect();
     let after = draw(driver, [&both[0].source, &both[1].source], &renamed);
@@ -241,11 +245,14 @@ fn porting_twice_changes_nothing_more() {
 #[test]
 fn what_cannot_be_ported_is_refused_by_name() {
     for (source, message) in [
-        ("void main() { gl_FragColor = gl_Color; }", "`gl_Color` belongs to the fixed functions"),
+        (
+            "void main() { gl_FragColor = gl_Color; }",
+            "`gl_Color` is state of the fixed-function pipeline, which Vulkan lacks",
+        ),
         (
             "struct M { sampler2D a; float b; }; uniform M m;\nvoid f(M x) {}\n\
              void main() { M copy = m; f(copy); }",
-            "a copy of `M` would copy the handles in it",
+            "this copies `M`, which contains handles",
         ),
         (
             "#define U uniform vec3\nU eye;\nvoid main() { gl_FragColor = vec4(eye, 1.0); }",
@@ -253,21 +260,21 @@ fn what_cannot_be_ported_is_refused_by_name() {
         ),
         (
             "uniform float a[];\nvoid main() { gl_FragColor = vec4(a[2]); }",
-            "the size of `a` is not written, and a block needs it",
+            "the array `a` has no size, which a block needs",
         ),
         (
             "uniform float a;\nfloat f() { return a; }\nstruct S { float x; };\nuniform S s;\n\
              void main() { gl_FragColor = vec4(f() + s.x); }",
-            "`a` and the others are used before all their types are declared",
+            "`a` is used before the types of all loose uniforms are declared",
         ),
         (
             "void main() { for (int i = 0; i < 2; i++) gl_FragData[i] = vec4(1.0); }",
-            "`gl_FragData` is indexed by what is no number",
+            "`gl_FragData` is not indexed by a literal",
         ),
         (
             "struct M { sampler2D a; }; uniform M m;\n#define A m.a\n\
              void main() { gl_FragColor = texture2D(A, vec2(0.5)); }",
-            "a macro uses `m`, which has handles in it",
+            "a macro uses `m`, which contains handles",
         ),
     ] {
         assert_eq!(text(source), Err(message.to_string()), "{source}");
@@ -307,7 +314,8 @@ fn broken_text_does_no_harm() {
         }
         let broken = Source { text: words.concat().into(), ..source };
         let dialect = if round % 2 == 0 { Dialect::Vulkan } else { Dialect::Naga };
-        let options = PortOptions { dialect, ..PortOptions::default() };
+        let mut options = PortOptions::default();
+        options.dialect = dialect;
         refused += usize::from(port(&broken, &options).is_err());
     }
     assert!(refused > 500 && refused < 3000, "{refused}");

@@ -24,7 +24,8 @@ fn shaders(folders: &[&str]) -> Vec<PathBuf> {
 }
 
 fn ported(source: &Source, dialect: Dialect) -> Result<Source, String> {
-    let options = PortOptions { dialect, ..PortOptions::default() };
+    let mut options = PortOptions::default();
+    options.dialect = dialect;
     port(source, &options).map(|p| p.source).map_err(|mut e| e.swap_remove(0).message)
 }
 
@@ -107,7 +108,7 @@ fn what_would_move_is_refused_by_name() {
                   float g() { return 1.0; }";
     assert_eq!(
         refused(before, Dialect::Naga),
-        "naga does not take the ported text: a function is called before its body; \
+        "naga rejects the ported text: a function is called before its body; \
          move it above its callers"
     );
 }

@@ -27,7 +27,7 @@ fn every_shader(mut check: impl FnMut(&ShaderLayout, &str)) {
 }
 
 fn lay_out(text: &str, target: Target, rules: Option<Rules>) -> ShaderLayout {
-    let mut options = Options { rules, ..Options::default() };
+    let mut options = Options::default().with_rules(rules);
     options.read.target = Some(target);
     layout(&Source::new("random.comp", text), &options)
 }

@@ -107,7 +107,7 @@ fn an_include_in_latin_1_is_read_and_noted_at_its_own_place() {
     assert_eq!(leaves(&shader), ["U.a 0"]);
     let note = shader.diagnostics.iter().find(|found| found.code == "not-utf8").unwrap();
     assert_eq!(note.severity, Severity::Warning);
-    let place = shader.files.locate(note.labels[0].span);
+    let place = shader.files.locate(note.labels[0].at);
     assert!(place.path.ends_with("b.glsl") && (place.line, place.column) == (1, 4), "{place:?}");
     assert_eq!(shader.files.locate(shader.blocks[0].span).line, 2);
 }

@@ -16,7 +16,7 @@ struct Beside {
 
 fn laid_out(path: &str, text: &str) -> (Source, ShaderLayout) {
     let source = Source::new(path, text);
-    let shader = layout(&source, &Options { naga: true, ..Options::default() });
+    let shader = layout(&source, &Options::default().with_naga(true));
     assert!(!shader.has_errors(), "{path}: {:?}", shader.diagnostics);
     (source, shader)
 }
@@ -75,7 +75,7 @@ fn found(lint: &Lint) -> Vec<Finding> {
     let is_rust = lint.code.starts_with("rust-mirror");
     let own = (!is_rust).then(|| laid_out(path(lint.example), lint.example));
     let other = other.map(|(path, text)| laid_out(path, &text));
-    let options = Options { naga: true, ..Options::default() };
+    let options = Options::default().with_naga(true);
     let all: Vec<(Source, ShaderLayout)> = own.into_iter().chain(other).collect();
     let subjects: Vec<Subject<'_>> =
         all.iter().map(|(source, shader)| Subject { source, options: &options, shader }).collect();
@@ -115,9 +115,8 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
             let (_, shader) = laid_out("shaders/a.frag", lint.example);
             let found = shader.diagnostics.iter().filter(|found| found.code == lint.code);
             let finding = |found: &landfall_layout::Diagnostic| {
-                let place = Place::of(&shader.files, found.labels[0].span);
-                let finding =
-                    Finding::new(found.code.name(), "Light", place, found.message.clone());
+                let place = Place::of(&shader.files, found.labels[0].at);
+                let finding = Finding::of(found.code.name(), "Light", place, found.message.clone());
                 Finding { help: found.help.clone(), ..finding }
             };
             found.map(finding).collect()

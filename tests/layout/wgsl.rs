@@ -12,11 +12,8 @@ fn laid_out(text: &str) -> ShaderLayout {
 
 fn with_overrides(text: &str, overrides: &[(&str, &str)]) -> ShaderLayout {
     let overrides = overrides.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
-    let read = ReadOptions { overrides, ..ReadOptions::default() };
-    landfall_layout::layout(
-        &Source::new("test.wgsl", text),
-        &Options { read, ..Options::default() },
-    )
+    let read = ReadOptions::default().with_overrides(overrides);
+    landfall_layout::layout(&Source::new("test.wgsl", text), &Options::default().with_read(read))
 }
 
 /// The only block of a text without findings.
@@ -46,7 +43,7 @@ fn only_finding(text: &str) -> (String, String, String) {
     let shader = laid_out(text);
     assert_eq!(shader.diagnostics.len(), 1, "{text}\n{:#?}", shader.diagnostics);
     let found = &shader.diagnostics[0];
-    let at = shader.files.text(found.labels[0].span).to_string();
+    let at = shader.files.text(found.labels[0].at).to_string();
     (
         format!("{}: {}", found.code.name(), found.message),
         at,

@@ -18,7 +18,7 @@ fn block(text: &str) -> BlockLayout {
 fn findings(text: &str) -> Vec<(&'static str, String)> {
     let shader = laid_out(text);
     let told = shader.diagnostics.iter().map(|d| {
-        let at = d.labels.first().map_or("", |label| shader.files.text(label.span));
+        let at = d.labels.first().map_or("", |label| shader.files.text(label.at));
         (d.code.name(), at.to_string())
     });
     told.collect()
@@ -28,7 +28,7 @@ fn only_finding(text: &str) -> (String, String, String) {
     let shader = laid_out(text);
     assert_eq!(shader.diagnostics.len(), 1, "{text}\n{:#?}", shader.diagnostics);
     let found = &shader.diagnostics[0];
-    let at = shader.files.text(found.labels[0].span).to_string();
+    let at = shader.files.text(found.labels[0].at).to_string();
     (
         format!("{}: {}", found.code.name(), found.message),
         at,
@@ -39,7 +39,7 @@ fn only_finding(text: &str) -> (String, String, String) {
 #[test]
 fn unknown_types_are_named_with_the_nearest_name() {
     let (message, at, help) = only_finding("struct S { a: vec3ff } var<uniform> s: S;");
-    assert_eq!(message, "unknown-type: there is no type `vec3ff`");
+    assert_eq!(message, "unknown-type: unknown type `vec3ff`");
     assert_eq!((at.as_str(), help.as_str()), ("vec3ff", "did you mean `vec3f`?"));
     let (_, _, help) = only_finding("struct Light { a: f32 } var<uniform> s: Ligth;");
     assert_eq!(help, "did you mean `Light`?");
@@ -260,7 +260,7 @@ fn uniform_memory_wants_more_than_the_rules() {
         assert_eq!(shader.blocks.len(), 1, "the layout stands");
         let told = shader.diagnostics.iter().map(|d| {
             assert_eq!((d.code.name(), d.severity), ("uniform-constraints", Severity::Warning));
-            (shader.files.text(d.labels[0].span).to_string(), d.help.clone().unwrap())
+            (shader.files.text(d.labels[0].at).to_string(), d.help.clone().unwrap())
         });
         told.collect::<Vec<_>>()
     };

@@ -189,7 +189,7 @@ fn uniform_constraints_are_those_of_naga_s_validator() {
 }
 
 fn asked(path: &str, text: &str) -> ShaderLayout {
-    let options = Options { naga: true, ..Options::default() };
+    let options = Options::default().with_naga(true);
     landfall_layout::layout(&Source::new(path, text), &options)
 }
 

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::{Buffer, Options, Source};
-use landfall_light::bind::{BindError, BindingMap, Excess, Filler, Lit, guess, overridden};
+use landfall_light::bind::{
+    BindError, BindingMap, BlockWriter, Lit, OverflowPolicy, infer, overridden,
+};
 use landfall_light::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space,
     SpotLight, Surface, Texture,
@@ -19,7 +21,7 @@ fn shader(source: &Source) -> FragmentShader {
 }
 
 fn guessed(source: &Source) -> BindingMap {
-    guess(&shader(source), &source.path, &source.text).unwrap_or_else(|error| panic!("{error}"))
+    infer(&shader(source), &source.path, &source.text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn ours(path: &str) -> Source {
@@ -234,7 +236,7 @@ fn a_shader_without_lights_is_refused_by_name() {
         "flat.frag",
         "#version 330\nuniform vec4 tint; out vec4 c;\nvoid main() { c = tint; }",
     );
-    let error = guess(&shader(&source), &source.path, &source.text).expect_err("it has none");
+    let error = infer(&shader(&source), &source.path, &source.text).expect_err("it has none");
     assert_eq!(error.to_string(), "no block or uniform of `flat.frag` holds a light");
     assert!(error.help().is_some());
 }
@@ -272,7 +274,7 @@ fn what_is_said_stands_over_what_is_guessed() {
         ),
         (
             r#"{"viewPos": "camera.postion"}"#,
-            "`viewPos` is to be `camera.postion`, which is no number of a scene",
+            "`viewPos` is bound to `camera.postion`, which is not a quantity of a scene",
             "did you mean `camera.position`?",
         ),
     ] {
@@ -289,8 +291,8 @@ fn what_is_said_stands_over_what_is_guessed() {
         assert_eq!(error.code(), "wrong-type", "{json}: {error}");
     }
     let one = said(r#"{"viewPos": "point[].position"}"#).expect("it is a quantity");
-    let error = Filler::new(&shader(&source), &one).expect_err("one member, many lights");
-    assert!(error.to_string().contains("one and no array"), "{error}");
+    let error = BlockWriter::new(&shader(&source), &one).expect_err("one member, many lights");
+    assert!(error.to_string().contains("is not in an array"), "{error}");
 }
 
 fn emission(base: f64) -> Emission {
@@ -342,7 +344,7 @@ const ALL: [u32; 4] = [0, 1, 2, 3];
 fn members_hold_what_the_map_says_and_unused_slots_are_zero() {
     let source = ours("view_space/scene_450.frag");
     let shader = shader(&source);
-    let filler = Filler::new(&shader, &guessed(&source)).expect("it fits");
+    let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(3);
     // Two of the three, in another order.
     let lit = Lit { ambient: true, directional: &[0], point: &[2, 0], spot: &[0] };
@@ -375,12 +377,12 @@ fn members_hold_what_the_map_says_and_unused_slots_are_zero() {
 #[test]
 fn more_lights_than_slots_are_refused_with_both_numbers_or_left_out() {
     let source = ours("six_lights/phong_330.frag");
-    let filler = Filler::new(&shader(&source), &guessed(&source)).expect("it fits");
+    let filler = BlockWriter::new(&shader(&source), &guessed(&source)).expect("it fits");
     let upload = upload(6);
-    let error = filler.lights(&upload.lights, Excess::Refuse).expect_err("four slots");
+    let error = filler.lights(&upload.lights, OverflowPolicy::Refuse).expect_err("four slots");
     let BindError::TooManyLights { lights: 6, slots: 4, .. } = error else { panic!("{error}") };
-    assert!(error.to_string().starts_with("the scene has 6 point lights, and `pointLights["));
-    let [_, points, _] = filler.lights(&upload.lights, Excess::LeaveOut).expect("left out");
+    assert!(error.to_string().starts_with("the scene has 6 point lights, but `pointLights["));
+    let [_, points, _] = filler.lights(&upload.lights, OverflowPolicy::LeaveOut).expect("left out");
     assert_eq!(points, ALL);
     let lit = Lit { ambient: true, directional: &[], point: &[0, 1, 2, 3, 4], spot: &[] };
     assert!(filler.blocks(&upload, &lit, &upload.materials[0], None).is_err());
@@ -390,7 +392,7 @@ fn more_lights_than_slots_are_refused_with_both_numbers_or_left_out() {
 fn storage_arrays_are_as_long_as_the_lights() {
     let source = ours("many_lights/windowed_listed_450.frag");
     let shader = shader(&source);
-    let filler = Filler::new(&shader, &guessed(&source)).expect("it fits");
+    let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(4);
     let lit = Lit { ambient: true, directional: &[0], point: &ALL, spot: &[] };
     let blocks = filler.blocks(&upload, &lit, &upload.materials[0], None).expect("there is room");
@@ -431,7 +433,7 @@ fn the_pixel_is_counted_as_the_language_does() {
     for (name, text, row) in [("p.frag", gl.as_str(), 2.5), ("p.wgsl", wgsl, 2.5)] {
         let source = Source::new(name, text);
         let shader = shader(&source);
-        let filler = Filler::new(&shader, &guessed(&source)).expect("it fits");
+        let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
         let inputs = filler.inputs([&fragment].into_iter(), [4, 5]);
         assert_eq!(inputs, [vec![[3.5, row, 0.0, 1.0]]], "{name}");
         let inputs = filler.inputs([&fragment].into_iter(), [4, 8]);

@@ -1,5 +1,5 @@
 //! The hazards of lighting code, H1 to H27, each with inputs that trigger it and what every
-//! reader must make of them.
+//! backend must make of them.
 //!
 //! `hNN.json` has the rows. `cases` are functions of `shaders/` and of small shaders beside the
 //! rows, in the form tutorials print and in the form that holds; `scenes` are whole pictures,
@@ -9,7 +9,7 @@
 //! - `finite`: nothing undefined, and each number within `within` of `value`; `beyond` says
 //!   how far the evaluator's `f32` must be off at least, so that the hazard is one; `drivers`
 //!   is what drivers get instead of `within`. Of pictures they are steps from the reference;
-//! - `refused`: the scene's reader, or the binding, says those codes at those places;
+//! - `refused`: the scene's backend, or the binding, says those codes at those places;
 //! - `taken`: the host takes it, `warned` of no more than that.
 //!
 //! `besides` names operations of another row that the shader has as well.
@@ -24,7 +24,7 @@
 
 mod calls;
 mod host;
-use crate::support::readers;
+use crate::support::backends;
 mod scenes;
 mod thresholds;
 

@@ -3,8 +3,8 @@
 //! exactly zero.
 
 use glam::{DVec3, Vec3};
-use landfall_light::compiled;
-use landfall_light::compiled::{Form, Gates, Lights, Shaded, Work, shade_all};
+use landfall_light::culling::bound::{Kind, bounded};
+use landfall_light::culling::region::Region;
 use landfall_light::reference;
 use landfall_light::reference::{Family, LightId, SpecularGate, Window};
 use landfall_light::sample::texels;
@@ -12,8 +12,8 @@ use landfall_light::scene;
 use landfall_light::scene::{
     Attenuation, Cone, DirectionalLight, Emission, Material, PointLight, Space, SpotLight, Surface,
 };
-use landfall_light::skip::bound::{Kind, bounded};
-use landfall_light::skip::region::Region;
+use landfall_light::shading_f32;
+use landfall_light::shading_f32::{Form, Gates, Lights, Shaded, Work, shade_all};
 use landfall_light::{Fragment, Upload};
 
 struct Random(fastrand::Rng);
@@ -179,7 +179,7 @@ fn no_point_of_a_region_gets_more_of_a_light_than_its_bound() {
         let upload = random.upload();
         let (fragments, region) = random.region(&upload);
         for model in models() {
-            let switches = compiled::Model::of(&model).expect("known");
+            let switches = shading_f32::Model::of(&model).expect("known");
             for light in bounded(&upload, &switches) {
                 let most = light.most(&region, &switches);
                 assert!(light.shape.is_ok(), "{light:?}");
@@ -247,7 +247,7 @@ fn light_whose_bound_is_zero_gives_exactly_zero_in_f32() {
 fn check(upload: &Upload, fragments: &[Fragment], region: &Region) -> usize {
     let mut zero = 0;
     for model in models() {
-        let model = compiled::Model::of(&model).expect("known");
+        let model = shading_f32::Model::of(&model).expect("known");
         for light in bounded(upload, &model) {
             if light.most(region, &model) != DVec3::ZERO {
                 continue;
@@ -261,7 +261,7 @@ fn check(upload: &Upload, fragments: &[Fragment], region: &Region) -> usize {
                 Kind::Spot => alone.spot = all.spot,
             }
             let surfaces: Vec<_> =
-                fragments.iter().map(|f| compiled::surface(f, upload, &model)).collect();
+                fragments.iter().map(|f| shading_f32::surface(f, upload, &model)).collect();
             for form in [Form::Seed, Form::Robust(Gates::NONE), Form::Robust(Gates::ALL)] {
                 let eye = upload.camera.as_vec3();
                 let shaded: Shaded<Work> = shade_all(&surfaces, eye, &alone, &model, form);

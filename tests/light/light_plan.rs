@@ -4,15 +4,15 @@
 use std::path::Path;
 
 use glam::{DMat4, DVec3, Vec3};
-use landfall_light::compiled::{
-    Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
-};
+use landfall_light::culling;
+use landfall_light::culling::{Claim, Measured, Options, Plan, STEP, brute, compare};
 use landfall_light::reference;
 use landfall_light::sample::texels;
 use landfall_light::scene;
 use landfall_light::scene::{Attenuation, Cone, Emission, PointLight, Scene, SpotLight};
-use landfall_light::skip;
-use landfall_light::skip::{Claim, Measured, Options, Plan, STEP, brute, compare};
+use landfall_light::shading_f32::{
+    Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
+};
 use landfall_light::{Fragment, Frame, FrameOptions, Upload};
 
 const ROBUST: Form = Form::Robust(Gates::ALL);
@@ -30,7 +30,7 @@ impl Lit {
     }
 
     fn plan(&self, model: &Model, text: &str) -> Plan {
-        skip::plan(&self.upload, &self.frame, model, &skip::parse(text).expect(text))
+        culling::plan(&self.upload, &self.frame, model, &culling::parse(text).expect(text))
     }
 
     fn lit(&self, model: &Model, plan: &Plan) -> Shaded<Work> {
@@ -72,10 +72,10 @@ const WINDOWED: Model = Model { windowed: true, specular: SpecularTerm::Everywhe
 const DEFAULT: Model = Model {
     windowed: false,
     specular: SpecularTerm::Everywhere,
-    ambient: landfall_light::compiled::AmbientTerm::PerLight,
-    terms: landfall_light::compiled::Terms::Three,
-    cone: landfall_light::compiled::ConeTerm::Ramp,
-    reflectance: landfall_light::compiled::ReflectanceTerm::Ignored,
+    ambient: landfall_light::shading_f32::AmbientTerm::PerLight,
+    terms: landfall_light::shading_f32::Terms::Three,
+    cone: landfall_light::shading_f32::ConeTerm::Ramp,
+    reflectance: landfall_light::shading_f32::ReflectanceTerm::Ignored,
     shininess: None,
 };
 
@@ -448,24 +448,24 @@ fn only_what_changed_is_uploaded_unless_all_is_cheaper() {
         landfall_layout::layout(&source, &landfall_layout::Options::default()).blocks.remove(0);
     let mut buffer = landfall_layout::Buffer::new(&block).expect("a fixed size");
     buffer.clear_dirty();
-    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Nothing);
+    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Nothing);
     let position = buffer.handle::<[f32; 3]>("data[].pos").expect("a vec3");
     buffer.set_at(&position, [3], [1.0; 3]).expect("in range");
-    let (choice, upload) = skip::choose(&buffer, 64);
-    assert_eq!(choice, skip::Choice::Ranges(vec![144..156]));
+    let (choice, upload) = culling::choose(&buffer, 64);
+    assert_eq!(choice, culling::Choice::Ranges(vec![144..156]));
     assert_eq!((upload.bytes, upload.whole), (12, 6160));
     // Every light moved: 128 calls of 12 bytes, or ranges run together, or all at once.
     for light in 0..128 {
         buffer.set_at(&position, [light], [2.0; 3]).expect("in range");
     }
     assert_eq!(
-        skip::choose(&buffer, 0).0,
-        skip::Choice::Ranges((0..128).map(|i| 48 * i..48 * i + 12).collect())
+        culling::choose(&buffer, 0).0,
+        culling::Choice::Ranges((0..128).map(|i| 48 * i..48 * i + 12).collect())
     );
     // Apart from the last light's other members and the count, all of it in one call either way.
-    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Ranges(vec![0..6108]));
+    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Ranges(vec![0..6108]));
     buffer.mark_all();
-    assert_eq!(skip::choose(&buffer, 64).0, skip::Choice::Whole);
+    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Whole);
 }
 
 #[test]
@@ -501,7 +501,7 @@ fn a_plan_is_told_in_lines_and_in_json_by_its_schema() {
 #[test]
 fn an_exact_attenuation_with_a_window_reaches_exactly_its_radius() {
     let lit = many(42, [32, 18]);
-    let upload = skip::radius::windowed(&lit.upload, &DEFAULT, 5.0 / 256.0);
+    let upload = culling::radius::windowed(&lit.upload, &DEFAULT, 5.0 / 256.0);
     for light in &upload.lights.point {
         let Attenuation { constant, linear, quadratic, range } = light.attenuation;
         let d = range.expect("it has one now");

@@ -1,4 +1,4 @@
-//! Plans on a reader: the evaluator gives the same bits by exact plans, by draws or by lists, and
+//! Plans on a backend: the evaluator gives the same bits by exact plans, by draws or by lists, and
 //! little else by far lights interpolated.
 
 use std::path::Path;
@@ -7,13 +7,13 @@ use std::time::Duration;
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Options, Source};
 use landfall_light::bind::Lit;
-use landfall_light::compiled::Model;
+use landfall_light::culling;
+use landfall_light::culling::{Claim, Plan};
 use landfall_light::reference;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene;
 use landfall_light::scene::Scene;
-use landfall_light::skip;
-use landfall_light::skip::{Claim, Plan};
+use landfall_light::shading_f32::Model;
 use landfall_light::{Frame, FrameOptions, Upload};
 
 struct Made {
@@ -54,7 +54,7 @@ fn renderer(shader: &str, options: Options) -> Renderer {
 fn plan(renderer: &Renderer, made: &Made, parts: &str) -> Plan {
     let model = landfall_light::render::truth::likely(&renderer.map);
     let model = Model::of(&model).expect("known");
-    renderer.plan(&made.work(), &model, &skip::parse(parts).expect(parts))
+    renderer.plan(&made.work(), &model, &culling::parse(parts).expect(parts))
 }
 
 fn by_plan(renderer: &Renderer, made: &Made, plan: &Plan) -> Rendered {
@@ -160,7 +160,7 @@ fn a_plan_for_another_model_than_the_shader_has_is_found_out() {
         window: reference::Window::None,
         ..reference::Model::of(windowed.family)
     };
-    let parts = skip::parse("tiles,always").expect("good");
+    let parts = culling::parse("tiles,always").expect("good");
     for (model, holds) in [(windowed, false), (endless, true)] {
         let model = Model::of(&model).expect("known");
         let plan = shader.plan(&made.work(), &model, &parts);

@@ -15,4 +15,4 @@ mod reference;
 mod render;
 mod scene;
 mod stress;
-mod stress_readers;
+mod stress_backends;

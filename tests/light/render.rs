@@ -1,14 +1,14 @@
-//! Scenes lit by our shaders on every reader, held against the reference.
+//! Scenes lit by our shaders on every backend, held against the reference.
 
 use std::path::Path;
 use std::time::Duration;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
 use landfall_exec::interp::Cpu;
 use landfall_layout::{Options, Source};
-use landfall_light::bind::{Excess, Lit};
+use landfall_light::bind::{Lit, OverflowPolicy};
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::picture::{Comparison, Transfer};
 use landfall_light::reference::{Model, Window};
@@ -17,7 +17,7 @@ use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Rendere
 use landfall_light::scene::read_file;
 use landfall_light::{Frame, FrameOptions, Scene, Upload};
 
-fn readers() -> Vec<Box<dyn Reader>> {
+fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
     let gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
@@ -59,14 +59,14 @@ impl Made {
         }
     }
 
-    fn render(&self, renderer: &Renderer, reader: &mut dyn Reader) -> Rendered {
-        let lights = renderer.lights(&self.upload, Excess::Refuse);
+    fn render(&self, renderer: &Renderer, backend: &mut dyn Backend) -> Rendered {
+        let lights = renderer.lights(&self.upload, OverflowPolicy::Refuse);
         let [directional, point, spot] = lights.unwrap_or_else(|error| panic!("{error}"));
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
-        let rendered = renderer.render(reader, &self.work(), &draws, &mut |_, _| {});
-        rendered.unwrap_or_else(|error| panic!("{}: {error}", reader.device().reader.name()))
+        let rendered = renderer.render(backend, &self.work(), &draws, &mut |_, _| {});
+        rendered.unwrap_or_else(|error| panic!("{}: {error}", backend.device().backend.name()))
     }
 
     fn truth(&self, model: &Model) -> Truth {
@@ -80,24 +80,24 @@ fn held(rendered: &Rendered, truth: &Truth) -> Comparison {
     compare(&truth.picture, &rendered.picture, &options).expect("they are of one size")
 }
 
-/// The reader that takes a shader: OpenGL takes no WGSL.
-fn takes(reader: &dyn Reader, shader: &str) -> bool {
-    reader.device().reader.name() != "gl" || !shader.ends_with("wgsl")
+/// The backend that takes a shader: OpenGL does not accept WGSL.
+fn takes(backend: &dyn Backend, shader: &str) -> bool {
+    backend.device().backend.name() != "gl" || !shader.ends_with("wgsl")
 }
 
 #[test]
 fn six_lights_are_the_reference_to_a_step_on_every_reader() {
     let made = Made::new("six_lights.json", [400, 300]);
-    let mut readers = readers();
+    let mut backends = backends();
     for shader in ["phong_330.frag", "phong_450.frag", "phong.wgsl"] {
         let renderer = renderer(&format!("six_lights/{shader}"));
-        for reader in &mut readers {
+        for backend in &mut backends {
             // The modules of both texts are held on the evaluator by the first.
-            let who = reader.device().reader.name();
-            if !takes(reader.as_ref(), shader) || (who == "cpu" && shader == "phong_450.frag") {
+            let who = backend.device().backend.name();
+            if !takes(backend.as_ref(), shader) || (who == "cpu" && shader == "phong_450.frag") {
                 continue;
             }
-            let rendered = made.render(&renderer, reader.as_mut());
+            let rendered = made.render(&renderer, backend.as_mut());
             let model = likely(&renderer.map);
             let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
             let held = held(&rendered, &made.truth(&model));
@@ -117,7 +117,7 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
 
 #[test]
 fn every_scene_is_lit_as_its_reference_says() {
-    let mut readers = readers();
+    let mut backends = backends();
     for (name, shaders, most) in [
         (
             "two_of_128.json",
@@ -133,12 +133,12 @@ fn every_scene_is_lit_as_its_reference_says() {
         let made = Made::new(name, [160, 120]);
         for shader in shaders {
             let renderer = renderer(shader);
-            for reader in &mut readers {
-                let who = reader.device().reader.name();
-                if !takes(reader.as_ref(), shader) {
+            for backend in &mut backends {
+                let who = backend.device().backend.name();
+                if !takes(backend.as_ref(), shader) {
                     continue;
                 }
-                let rendered = made.render(&renderer, reader.as_mut());
+                let rendered = made.render(&renderer, backend.as_mut());
                 let model = likely(&renderer.map);
                 let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
                 let held = held(&rendered, &made.truth(&model));
@@ -170,9 +170,9 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
         let renderer = Renderer::new(&source, &RenderOptions::default());
         let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
         let rendered = made.render(&renderer, &mut Cpu::default());
-        let guess = likely(&renderer.map);
-        assert_eq!(guess.window, Window::Quartic, "the guess goes by the member");
-        let model = nearest(&guess, &made.upload, &made.frame, &rendered.picture);
+        let infer = likely(&renderer.map);
+        assert_eq!(infer.window, Window::Quartic, "the guess goes by the member");
+        let model = nearest(&infer, &made.upload, &made.frame, &rendered.picture);
         assert_eq!(model.window, wanted, "{added}");
         let held = held(&rendered, &made.truth(&model));
         assert!(held.linear.max < 0.01, "{added}: {:?}", held.linear);
@@ -207,7 +207,7 @@ fn a_picture_of_several_draws_is_that_of_one() {
 fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
     let made = Made::new("lights_1024.json", [16, 9]);
     let renderer = renderer("light_arrays/all_lights_330.frag");
-    let error = renderer.lights(&made.upload, Excess::Refuse).expect_err("128 slots");
+    let error = renderer.lights(&made.upload, OverflowPolicy::Refuse).expect_err("128 slots");
     let message = error.to_string();
     assert!(
         message.contains("1024 point lights") && message.contains("slots for 128"),

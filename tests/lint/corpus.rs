@@ -65,7 +65,7 @@ fn every_shader_is_laid_out_without_an_error() {
     for path in shaders {
         let shader = read(&path, &Options::default());
         assert!(!shader.has_errors(), "{}: {:#?}", path.display(), shader.diagnostics);
-        let gathered = read(&path, &Options { gather: true, ..Options::default() });
+        let gathered = read(&path, &Options::default().with_gather(true));
         assert!(!gathered.has_errors(), "{}: {:#?}", path.display(), gathered.diagnostics);
     }
 }
@@ -141,7 +141,7 @@ fn held_against_the_driver(api: Api) -> usize {
 fn gathered_uniforms_lie_as_glslang_gathers_them() {
     let mut compared = 0;
     for path in shaders() {
-        let shader = read(&path, &Options { gather: true, ..Options::default() });
+        let shader = read(&path, &Options::default().with_gather(true));
         let Some(ours) = shader.blocks.iter().find(|b| &*b.name == "DefaultBlock") else {
             continue;
         };

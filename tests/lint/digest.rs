@@ -68,7 +68,7 @@ fn settings(rng: &mut Rng) -> Settings {
 
 #[test]
 fn lints_over_all_shaders_find_the_same_in_those_that_digests_pick() {
-    let options = Options { naga: true, ..Options::default() };
+    let options = Options::default().with_naga(true);
     for seed in 0..TREES {
         let mut rng = Rng::with_seed(seed);
         let (sources, settings) = (tree(&mut rng), settings(&mut rng));

@@ -1,5 +1,6 @@
 //! Numbers that lints state, computed again.
 
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_lint::lint;
 
 fn why(code: &str) -> &'static str {
@@ -93,6 +94,16 @@ fn a_normal_of_another_length_changes_a_highlight_as_its_lint_states() {
     states(code, &format!("20 degrees apart leave {:.2}", highlight(degrees(10.0))));
     states(code, &format!("40 degrees {:.2}", highlight(degrees(20.0))));
     states(code, &format!("10 % too long makes it {:.0} times", highlight(1.1)));
+    let hazard = Hazard::UnnormalisedNormal.info().why;
+    for number in [
+        format!(
+            "20 degrees apart a highlight of exponent 32 falls to {:.2}",
+            highlight(degrees(10.0))
+        ),
+        format!("10 % too long makes it {:.0} times", highlight(1.1)),
+    ] {
+        assert!(hazard.contains(&number), "{number}: {hazard}");
+    }
 }
 
 #[test]

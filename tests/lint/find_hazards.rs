@@ -15,7 +15,7 @@ use landfall_lint::{Settings, Subject, run};
 /// `line code` of all hazards found when every lint is asked for.
 fn found(path: &str, text: &str) -> Vec<String> {
     let findings = findings(path, text, Level::Warn);
-    findings.iter().map(|finding| format!("{} {}", finding.place.line, finding.code)).collect()
+    findings.iter().map(|finding| format!("{} {}", finding.place().line, finding.code)).collect()
 }
 
 /// What the lints of hazards find; those that are off unless asked for are at `off`.

@@ -1,4 +1,4 @@
-//! Reports of findings: each format says what the findings say, in a form its readers take,
+//! Reports of findings: each format says what the findings say, in a form its backends take,
 //! whatever the strings in them are like.
 
 mod github;
@@ -59,9 +59,9 @@ fn places_that_make_no_sense_do_no_harm() {
     for _ in 0..300 {
         let mut findings = sample::findings();
         for finding in &mut findings {
-            let edited = finding.fix.iter_mut().map(|edit| &mut edit.place);
-            let related = finding.related.iter_mut().map(|related| &mut related.place);
-            for place in edited.chain(related).chain([&mut finding.place]) {
+            let edited = finding.fix.iter_mut().map(|edit| &mut edit.at);
+            let shown = finding.labels.iter_mut().map(|label| &mut label.at);
+            for place in edited.chain(shown) {
                 scatter(place, &mut rng);
             }
         }

@@ -13,11 +13,11 @@ fn edit(text: &str, start: usize, end: usize, new: &str) -> Edit {
     let mut files = Files::default();
     let file = files.add(PATH, text.into());
     let place = Place::of(&files, Span { file, start: start as u32, end: end as u32 });
-    Edit { place, new: new.to_string() }
+    Edit { at: place, new: new.to_string() }
 }
 
 fn finding(edits: &[Edit]) -> Finding {
-    let mut finding = Finding::new("x", "", Place::file(PATH), "");
+    let mut finding = Finding::of("x", "", Place::file(PATH), "");
     finding.fix = edits.to_vec();
     finding
 }
@@ -68,7 +68,7 @@ fn a_finding_is_mended_whole_or_not_at_all() {
     let torn = finding(&[edit(text, 0, 3, "X"), edit(text, 1, 2, "Y")]);
     assert_eq!(fixed(text, &[torn]), None);
     let mut elsewhere = edit(text, 0, 1, "X");
-    elsewhere.place.path = "gone.frag".to_string();
+    elsewhere.at.path = "gone.frag".to_string();
     assert_eq!(fixed(text, &[finding(&[edit(text, 0, 1, "Y"), elsewhere])]), None);
 }
 
@@ -78,12 +78,12 @@ fn edits_that_do_not_mean_this_text_are_refused() {
     let moved = edit("\na漢b\nc\n", 7, 8, "X");
     let past = edit("a漢b\nc\nlonger", 8, 12, "X");
     let mut inside = edit(text, 1, 4, "X");
-    inside.place.start = 2;
+    inside.at.start = 2;
     let mut backwards = edit(text, 1, 4, "X");
-    (backwards.place.start, backwards.place.end) = (4, 1);
-    let whole = Edit { place: Place::file(PATH), new: "X".to_string() };
+    (backwards.at.start, backwards.at.end) = (4, 1);
+    let whole = Edit { at: Place::file(PATH), new: "X".to_string() };
     let mut huge = edit(text, 1, 4, "X");
-    huge.place.end = u32::MAX;
+    huge.at.end = u32::MAX;
     for bad in [moved, past, inside, backwards, whole, huge] {
         assert_eq!(fixed(text, &[finding(std::slice::from_ref(&bad))]), None, "{bad:?}");
     }
@@ -109,7 +109,7 @@ fn a_byte_order_mark_stays() {
 fn files_come_back_by_path() {
     let one = |path: &str| {
         let mut edit = edit("abc", 0, 1, "X");
-        edit.place.path = path.to_string();
+        edit.at.path = path.to_string();
         finding(&[edit])
     };
     let all = apply(&[one("b"), one("a"), one("c")], &|path| (path != "c").then(|| "abc".into()));
@@ -127,7 +127,7 @@ fn random(rng: &mut Rng, most: usize) -> String {
 /// The same, slowly: every pair of edits compared, the last edit of the text made first.
 fn naive(text: &str, findings: &[Finding]) -> (String, usize) {
     let apart = |a: &Edit, b: &Edit| {
-        let ((a, b), (c, d)) = ((a.place.start, a.place.end), (b.place.start, b.place.end));
+        let ((a, b), (c, d)) = ((a.at.start, a.at.end), (b.at.start, b.at.end));
         match a == b || c == d {
             true => b < c || d < a,
             false => b <= c || d <= a,
@@ -142,17 +142,17 @@ fn naive(text: &str, findings: &[Finding]) -> (String, usize) {
         });
         if fits {
             for edit in own {
-                let (start, end) = (edit.place.start as usize, edit.place.end as usize);
+                let (start, end) = (edit.at.start as usize, edit.at.end as usize);
                 if !made.contains(&edit) && text[start..end] != edit.new {
                     made.push(edit);
                 }
             }
         }
     }
-    made.sort_by_key(|edit| std::cmp::Reverse((edit.place.start, edit.place.end)));
+    made.sort_by_key(|edit| std::cmp::Reverse((edit.at.start, edit.at.end)));
     let mut result = text.to_string();
     for edit in &made {
-        result.replace_range(edit.place.start as usize..edit.place.end as usize, &edit.new);
+        result.replace_range(edit.at.start as usize..edit.at.end as usize, &edit.new);
     }
     (result, made.len())
 }

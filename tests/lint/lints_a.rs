@@ -55,16 +55,16 @@ fn only(findings: Vec<Finding>) -> Finding {
 
 /// `3:5`.
 fn place(finding: &Finding) -> String {
-    format!("{}:{}", finding.place.line, finding.place.column)
+    format!("{}:{}", finding.place().line, finding.place().column)
 }
 
 /// A file with every edit made.
 fn edited(text: &str, findings: &[Finding]) -> String {
     let mut edits: Vec<_> = findings.iter().flat_map(|finding| &finding.fix).collect();
-    edits.sort_by_key(|edit| std::cmp::Reverse(edit.place.start));
+    edits.sort_by_key(|edit| std::cmp::Reverse(edit.at.start));
     let mut text = text.to_string();
     for edit in edits {
-        text.replace_range(edit.place.start as usize..edit.place.end as usize, &edit.new);
+        text.replace_range(edit.at.start as usize..edit.at.end as usize, &edit.new);
     }
     text
 }

@@ -1,4 +1,4 @@
-//! Jobs for the tests of the readers: short ways to say what is bound and what runs.
+//! Jobs for the tests of the backends: short ways to say what is bound and what runs.
 
 #![allow(dead_code, reason = "each test file uses its own part")]
 

@@ -11,6 +11,8 @@
 
 #![allow(dead_code, reason = "each test binary uses its own part of the harness")]
 
+#[cfg(feature = "full")]
+pub mod backends;
 pub mod blocks;
 pub mod c;
 pub mod driver;
@@ -26,8 +28,6 @@ pub mod leaf;
 pub mod naga_wgsl;
 pub mod pairs;
 pub mod picture;
-#[cfg(feature = "full")]
-pub mod readers;
 pub mod run;
 pub mod rustc;
 pub mod spirv;

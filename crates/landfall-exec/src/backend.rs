@@ -1,7 +1,8 @@
-//! What it is to run a shader once: a job in, an answer out, whoever runs it.
+//! The interface of everything that executes a shader: a [`Job`] in, a [`JobOutput`] or a
+//! [`Failure`] out.
 //!
 //! The interpreter ([`interp`](crate::interp)) and the drivers (`gl`, `gpu`) are the
-//! readers; probes and the functions of a shader are the jobs.
+//! backends; probes and the functions of a shader are the jobs.
 
 pub mod devices;
 #[cfg(feature = "gl")]
@@ -27,60 +28,60 @@ use crate::backend::reflection::Reflection;
 use landfall_ir::Module;
 use landfall_layout::source::Stage;
 
-/// One upload and one run.
+/// A job: shader code, the resources bound to it, and one run.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The programmable stages, in the order of the pipeline.
     pub stages: Vec<StageCode>,
-    /// Everything that is bound.
+    /// The bound resources.
     pub resources: Vec<Resource>,
-    /// How often it runs, and what comes back.
+    /// The invocations, and the kind of output.
     pub grid: Grid,
-    /// A reader that is not done by then has failed.
+    /// The time limit; a backend that exceeds it has failed.
     pub limit: Duration,
 }
 
-/// The code of one stage in every form some reader takes.
+/// The code of one stage in every form that some backend takes.
 #[derive(Clone, Debug)]
 pub struct StageCode {
-    /// Vertex, fragment or compute.
+    /// The stage: vertex, fragment or compute.
     pub stage: Stage,
-    /// Name of the entry point in the module; GLSL's is always `main`.
+    /// The name of the entry point in the module; always `main` in GLSL.
     pub entry: String,
-    /// For the evaluator and wgpu.
+    /// The module for the evaluator and wgpu.
     pub module: Option<Arc<Module>>,
-    /// For OpenGL: the text as its compiler takes it.
+    /// The GLSL text for OpenGL.
     pub glsl: Option<String>,
-    /// For Vulkan: what a compiler of the user's made of it.
+    /// SPIR-V of a third-party compiler, for Vulkan.
     pub spirv: Option<Arc<[u32]>>,
 }
 
-/// How often a job runs, and what comes back besides the writable buffers.
+/// The invocations of a job, and its output besides the writable buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Grid {
-    /// Compute: so many workgroups; the results are in writable buffers.
+    /// Compute workgroups in x, y and z; the results are in writable buffers.
     Groups([u32; 3]),
-    /// Fragment: a triangle over an image of that size; each pixel is four words
-    /// of output location 0. A vertex stage is supplied where the job has none.
+    /// Fragments: a triangle over an image of this size; each pixel is four words of output
+    /// location 0. A vertex stage is supplied if the job has none.
     Image {
-        /// Pixels in a row.
+        /// Width in pixels.
         width: u32,
-        /// Rows.
+        /// Height in pixels.
         height: u32,
-        /// What the output's components are.
+        /// The component type of the output.
         texel: Texel,
     },
-    /// Vertex: so many vertices, drawn as points; the fragment stage of the job carries
-    /// what vertex `i` wrote to pixel `i` of an image one row high.
+    /// Vertices, drawn as points: the job's fragment stage writes the output of vertex `i` to pixel
+    /// `i` of an image one row high.
     Points {
-        /// Vertices.
+        /// The number of vertices.
         count: u32,
-        /// What the fragment stage's components are.
+        /// The component type of the fragment stage's output.
         texel: Texel,
     },
 }
 
-/// What the components of an image are.
+/// The component type of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Texel {
     /// 32-bit floats.
@@ -89,63 +90,63 @@ pub enum Texel {
     Uint,
 }
 
-/// Something a shader reads or writes.
+/// A resource that a shader reads or writes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resource {
-    /// The block's or variable's name: OpenGL binds by it.
+    /// The name of the block or variable, by which OpenGL binds.
     pub name: String,
-    /// Group, or descriptor set, in the module.
+    /// The group (WGSL) or descriptor set (Vulkan) in the module.
     pub group: u32,
-    /// Binding in the module.
+    /// The binding in the module.
     pub binding: u32,
-    /// What it is.
+    /// The kind and contents.
     pub kind: ResourceKind,
 }
 
-/// What is bound.
+/// The kind and contents of a resource.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ResourceKind {
-    /// A uniform buffer of those bytes.
+    /// The bytes of a uniform buffer.
     Uniform(Vec<u8>),
-    /// A storage buffer of those bytes; what is left in it comes back when `writable`.
+    /// A storage buffer; its contents after the run are returned if `writable`.
     Storage {
-        /// Its bytes before the run.
+        /// The contents before the run.
         bytes: Vec<u8>,
         /// Whether the shader may write it.
         writable: bool,
     },
-    /// Push constants, or immediates.
+    /// The bytes of push constants (immediates in wgpu).
     PushConstant(Vec<u8>),
-    /// A two-dimensional image that is sampled: four floats a texel, rows from the first.
+    /// A sampled two-dimensional image: four floats a texel, first row first.
     Texture {
-        /// Texels in a row.
+        /// Width in texels.
         width: u32,
-        /// Rows.
+        /// Height in texels.
         height: u32,
         /// `width * height` texels.
         texels: Vec<[f32; 4]>,
     },
-    /// The sampler beside a texture: nearest, repeating.
+    /// The sampler of a texture: nearest, repeating.
     Sampler,
-    /// OpenGL's uniforms outside of blocks; other readers have them in a block and ignore this.
+    /// OpenGL's uniforms outside blocks; other backends read them from a block and ignore this.
     Loose(Vec<LooseUniform>),
 }
 
-/// A uniform outside of blocks.
+/// A uniform outside blocks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LooseUniform {
-    /// One element as OpenGL spells it: `lights[2].color`.
+    /// The name of one element as OpenGL spells it: `lights[2].color`.
     pub name: String,
-    /// Its components, column by column, 32 bits each.
+    /// The components, column by column, 32 bits each.
     pub words: Vec<u32>,
 }
 
-/// What came back.
+/// The results of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Answer {
-    /// For each resource, what is left in it if it is a writable buffer.
+pub struct JobOutput {
+    /// The contents of each writable buffer after the run, by resource; `None` for the others.
     pub buffers: Vec<Option<Vec<u8>>>,
-    /// The image of a grid that has one: the bits of four words a pixel, rows from the first.
+    /// The image of a grid that has one: the bits of four words a pixel, first row first.
     pub pixels: Vec<[u32; 4]>,
 }
 
@@ -154,7 +155,7 @@ pub struct Answer {
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum BackendKind {
-    /// Landfall's own interpreter.
+    /// Landfall's evaluator.
     Cpu,
     /// The OpenGL driver.
     Gl,
@@ -163,7 +164,7 @@ pub enum BackendKind {
 }
 
 impl BackendKind {
-    /// Every kind.
+    /// All kinds.
     pub const ALL: [BackendKind; 3] = [BackendKind::Cpu, BackendKind::Gl, BackendKind::Gpu];
 
     /// Returns the name on the command line and in reports: `cpu`, `gl`, `gpu`.
@@ -175,12 +176,12 @@ impl BackendKind {
         }
     }
 
-    /// Returns the kind of that name.
+    /// Returns the kind of the given name.
     pub fn from_name(name: &str) -> Option<BackendKind> {
         BackendKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Returns whether it is a driver, which may end, hang or differ from another.
+    /// Returns whether this is a driver, which may crash, hang or differ from another.
     pub fn is_driver(self) -> bool {
         self != BackendKind::Cpu
     }
@@ -192,72 +193,72 @@ impl fmt::Display for BackendKind {
     }
 }
 
-/// Who ran it.
+/// The device that ran a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
-    /// What kind it is.
-    pub reader: BackendKind,
+    /// The kind of backend.
+    pub backend: BackendKind,
     /// The adapter's name, such as `llvmpipe (LLVM 15.0.6, 256 bits)`.
     pub adapter: String,
     /// The driver, such as `Mesa` or `Vulkan`.
     pub driver: String,
-    /// Its version.
+    /// The driver's version.
     pub version: String,
-    /// Whether it computes on the processor.
+    /// Whether it renders in software.
     pub software: bool,
 }
 
-/// Why a job has no answer.
+/// The reason why a job has no result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// What kind of failure.
+    /// The kind of failure.
     pub kind: FailureKind,
-    /// One line for people.
+    /// The message, one line.
     pub message: String,
-    /// What the driver or its compiler said, if anything.
+    /// The log of the driver or its compiler; empty if there is none.
     pub log: String,
 }
 
 /// The kinds of [`Failure`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FailureKind {
-    /// There is no such reader here.
+    /// No such backend on this machine.
     Missing,
-    /// It does not take this shader: its compiler or its limits say no.
+    /// The shader is rejected by the backend's compiler or exceeds its limits.
     Refused,
-    /// The shader is nothing that can be run this way at all.
+    /// The shader cannot be run in this way on any backend.
     Unfit,
-    /// It stopped while it ran: a crash, a lost device.
+    /// The backend stopped during the run: a crash or a lost device.
     Died,
-    /// It was not done within the limit, or the budget of steps.
+    /// The run exceeded the time limit or the budget of steps.
     TimedOut,
 }
 
 impl Failure {
-    /// There is no such reader here.
+    /// Makes a [`FailureKind::Missing`].
     pub fn missing(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Missing, message: message.into(), log: log.into() }
     }
 
-    /// It does not take this shader.
+    /// Makes a [`FailureKind::Refused`].
     pub fn refused(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Refused, message: message.into(), log: log.into() }
     }
 
-    /// It stopped while it ran.
+    /// Makes a [`FailureKind::Died`].
     pub fn died(message: impl Into<String>, log: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Died, message: message.into(), log: log.into() }
     }
 
-    /// It was not done in time.
+    /// Makes a [`FailureKind::TimedOut`].
     pub fn timed_out(limit: Duration) -> Failure {
-        let message = format!("not done after {:.1} s, which is its limit", limit.as_secs_f64());
+        let message = format!("timed out after {:.1} s", limit.as_secs_f64());
         Failure { kind: FailureKind::TimedOut, message, log: String::new() }
     }
 }
 
 impl Failure {
-    /// The message and, on the same line, the first thing the driver said was wrong.
+    /// Returns the message and, on the same line, the first error in the log.
     pub fn brief(&self) -> String {
         let mut lines = self.log.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.clone().next();
@@ -270,7 +271,7 @@ impl Failure {
 }
 
 impl fmt::Display for Failure {
-    /// The message, and below it what the driver said.
+    /// Writes the message, and the log below it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message)?;
         match self.log.trim_end() {
@@ -282,30 +283,31 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Something that runs jobs.
-pub trait Reader {
-    /// Who it is.
+/// A backend: runs jobs.
+pub trait Backend {
+    /// Returns the device.
     fn device(&self) -> &Device;
 
     /// Runs a job.
     ///
     /// # Errors
-    /// Why there is no answer; the reader can be asked again unless it died.
-    fn run(&mut self, job: &Job) -> Result<Answer, Failure>;
+    /// Fails if there is no result. The backend stays usable unless it died.
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure>;
 
-    /// How long the device worked at the last job, by timestamps of its own; `None` where it
-    /// has none or is no device of its own.
+    /// Returns the device's time for the last job by its own timestamps; `None` if it has none or
+    /// is not a separate device.
     fn device_time(&self) -> Option<Duration> {
         None
     }
 
-    /// How long processors worked at the last job where that was in another process; `None` of
-    /// what runs in this one, whose clock has it.
+    /// Returns the processor time of the last job if it ran in another process; `None` for backends
+    /// in this process, whose own clock counts it.
     fn processor_time(&self) -> Option<Duration> {
         None
     }
 
-    /// What its compiler says of texts as they are, within that time; `None` where it has none.
+    /// Compiles texts unchanged within a time limit and returns the driver's reflection; `None` if
+    /// the backend has none.
     fn reflect(
         &mut self,
         _texts: &[(Stage, &str)],

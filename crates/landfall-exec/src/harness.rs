@@ -1,4 +1,4 @@
-//! What is run: probes, functions, fragments, and whole shaders for verification.
+//! Shaders prepared for backends: probes, function calls, fragments, and verification.
 
 mod access;
 pub mod bindings;

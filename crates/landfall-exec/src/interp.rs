@@ -1,14 +1,14 @@
-//! Our own evaluator of naga IR: many invocations at a time, f32 and f64.
+//! The evaluator of naga IR: many invocations at a time, in f32 and f64.
 //!
-//! A [`Module`] is compiled once to a flat [`Program`] (`compile`), which the
-//! `machine` runs over 64 invocations at a time. `call` runs one function,
-//! `stage` an entry point, and [`Cpu`] is the [`Reader`](crate::backend::Reader).
+//! A [`Module`] is compiled once to a flat [`Program`] (`compile`), which the `machine` runs over
+//! 64 invocations at a time. `call` runs one function, `stage` an entry point, and [`Cpu`] is the
+//! [`Backend`](crate::backend::Backend).
 //!
-//! What is computed: `f32` is rounded at each operation; `sin`, `exp`, `pow` and the
-//! like are computed in `f64` and rounded; what WGSL and GLSL define by a formula is
-//! that formula in its order. In double precision every `f32` is an `f64`, except what
-//! is stored in buffers and workgroup variables. Where the specifications leave a
-//! result open, [`UndefinedKind`] lists what is noted.
+//! Results: `f32` is rounded at each operation; `sin`, `exp`, `pow` and the like are computed in
+//! `f64` and rounded; functions that WGSL and GLSL define by a formula follow that formula in its
+//! order. In double precision every `f32` is an `f64`, except for values stored in buffers and
+//! workgroup variables. [`UndefinedKind`] lists the operations that are noted because the
+//! specifications leave their result undefined.
 
 pub mod accuracy;
 mod body;
@@ -16,18 +16,19 @@ mod call;
 mod code;
 mod compile;
 mod counts;
+mod cpu;
 mod drive;
 mod flatten;
 mod interface;
 mod interval;
 mod machine;
+mod numbers;
+mod optimize;
 mod permitted;
 mod pixels;
 mod program;
-mod reader;
 mod real;
 mod stage;
-mod tidy;
 mod trace;
 mod undefined;
 mod value;
@@ -35,11 +36,12 @@ mod value;
 #[cfg(test)]
 mod tests;
 
-pub use call::{Call, Called, Numbers, Words};
+pub use call::{Call, Called};
 pub use counts::Counts;
+pub use cpu::Cpu;
 pub use interface::Port;
+pub use numbers::{Numbers, Words};
 pub use program::{Floats, FunctionSignature, Parameter, Program};
-pub use reader::Cpu;
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
 pub use trace::{Number, Operand, Operation, Source, Step, Trace};
 pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
@@ -50,21 +52,21 @@ use std::path::Path;
 use landfall_ir::Module;
 use landfall_layout::source::{Language, kind_of_path};
 
-/// Bytes of stack for compiling.
+/// Stack size in bytes of the thread that compiles.
 const STACK: usize = 256 << 20;
 
 impl Program {
     /// Compiles a module; `overrides` are values of its pipeline constants by name or id.
     ///
-    /// A function that uses what is not supported (storage textures, cube maps, ray
-    /// queries, subgroup operations) is refused where it is run, by what it uses.
+    /// A function that uses unsupported features (storage textures, cube maps, ray queries,
+    /// subgroup operations) fails when it is run, with the name of the feature.
     pub fn new(module: &Module, overrides: &[(String, f64)]) -> Program {
         Program::rounded(module, overrides, Floats::AsWritten)
     }
 
-    /// The same with floats rounded to less than they are written as.
+    /// Compiles a module with its floats rounded to a lower precision.
     pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
-        // Blocks may nest as deep as the text does; the stack is touched only as far.
+        // Statements may nest deeply; only the used part of the stack is committed.
         let compile = || compile::compile(module, overrides, floats);
         let mut program = std::thread::scope(|scope| {
             let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);

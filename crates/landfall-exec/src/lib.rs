@@ -1,4 +1,4 @@
-//! Executes shaders on the interpreter, OpenGL or wgpu, and checks where they read what.
+//! Runs shaders on an evaluator, OpenGL or wgpu, and verifies the offsets they read.
 
 pub mod backend;
 pub mod harness;

@@ -1,12 +1,12 @@
-//! Time on a processor, of all threads of this process.
+//! Processor time of all threads of a process.
 //!
-//! For [`subprocess`](crate::backend::subprocess), whose driver works in a process of its own, and the clock of
-//! `landfall_light::accuracy::bench`.
+//! Used by [`subprocess`](crate::backend::subprocess), whose driver has a separate process, and by
+//! the clock of `landfall_light::accuracy::bench`.
 
 use std::time::{Duration, Instant};
 
-/// Time on a processor of all threads of this process, those that ended too
-/// (`CLOCK_PROCESS_CPUTIME_ID`), where the system tells it.
+/// Returns the processor time of all threads of this process, ended ones included
+/// (`CLOCK_PROCESS_CPUTIME_ID`); `None` if the system does not report it.
 #[cfg(unix)]
 pub fn time() -> Option<Duration> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
@@ -14,17 +14,19 @@ pub fn time() -> Option<Duration> {
     Some(Duration::new(seconds, u32::try_from(time.tv_nsec).ok()?))
 }
 
-/// Time on a processor of all threads of this process, where the system tells it.
+/// Returns the processor time of all threads of this process; `None` if the system does not report
+/// it.
 #[cfg(not(unix))]
 pub fn time() -> Option<Duration> {
     None
 }
 
-/// Processor time of another process, where the system tells it (`/proc/PID/stat`).
+/// Returns the processor time of another process (`/proc/PID/stat`); `None` if the system does not
+/// report it.
 #[cfg(target_os = "linux")]
 fn time_of(process: u32) -> Option<Duration> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program is in parentheses and may hold anything; fields are counted after it.
+    // The program's name is in parentheses and may hold anything; fields are counted after it.
     let (_, fields) = stat.rsplit_once(')')?;
     let mut fields = fields.split_ascii_whitespace().skip(11);
     let user: u64 = fields.next()?.parse().ok()?;
@@ -33,37 +35,37 @@ fn time_of(process: u32) -> Option<Duration> {
     Some(Duration::from_secs_f64((user + system) as f64 / ticks as f64))
 }
 
-/// Processor time of another process, where the system tells it.
+/// Returns the processor time of another process; `None` if the system does not report it.
 #[cfg(not(target_os = "linux"))]
 fn time_of(_: u32) -> Option<Duration> {
     None
 }
 
-/// A clock for limits: on a busy machine it runs as slowly as the work it watches.
+/// A clock for time limits: on a busy machine it runs as slowly as the work it measures.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
     begun: Instant,
-    /// The process whose time counts; `None` is this one.
+    /// The measured process; `None` is this one.
     process: Option<u32>,
     processor: Option<Duration>,
 }
 
 impl Stopwatch {
-    /// Work that never gets the processor ends all the same, after so many times its limit.
+    /// Ratio of elapsed time to its limit at which work ends even without processor time.
     const PATIENCE: u32 = 10;
 
-    /// A clock for work in this process.
+    /// Starts a clock for work in this process.
     pub fn start() -> Stopwatch {
         Stopwatch { begun: Instant::now(), process: None, processor: time() }
     }
 
-    /// A clock for work in another process.
+    /// Starts a clock for work in another process.
     pub fn start_of(process: u32) -> Stopwatch {
         Stopwatch { begun: Instant::now(), process: Some(process), processor: time_of(process) }
     }
 
-    /// Elapsed time, but no more than the processor time since the start; at least a tenth of
-    /// the elapsed time.
+    /// Returns the smaller of elapsed time and processor time since the start, but at least a tenth
+    /// of the elapsed time.
     pub fn elapsed(&self) -> Duration {
         let elapsed = self.begun.elapsed();
         let now = match self.process {

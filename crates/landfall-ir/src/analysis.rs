@@ -1,6 +1,6 @@
-//! What can be said of a module without running it: numerical hazards, and which structures are lights.
+//! Static analyses of a module: numerical hazards, and the structures that are lights.
 
 pub mod hazard;
 pub mod hazards;
+pub mod identifier;
 pub mod roles;
-pub mod words;

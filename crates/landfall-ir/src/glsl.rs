@@ -1,35 +1,36 @@
-//! GLSL of any version, bodies included, as naga IR with our offsets.
+//! Lowers GLSL of any version, function bodies included, to naga IR with Landfall's offsets.
 //!
-//! A front end of our own: naga's takes neither old versions nor loose uniforms, and lays blocks
-//! out wrongly. Takes the syntax tree and the layout of a shader; [`globals`] and [`blocks`] lower what stands outside functions, [`function`] and what
-//! it calls lower bodies, [`host`], [`place`] and [`memory`] put blocks where our layout says,
-//! [`opaque`] binds textures, [`io`] makes the entry point.
+//! naga's own front end accepts neither old versions nor loose uniforms, and lays some blocks out
+//! wrongly. This one takes the syntax tree and the layout of a shader; [`globals`] and [`blocks`]
+//! lower declarations outside functions, [`function`] and the modules it calls lower bodies,
+//! [`block_types`], [`lvalue`] and [`memory`] access blocks at Landfall's offsets, [`opaque`] binds
+//! textures, [`io`] makes the entry point.
 
+mod block_types;
 mod blocks;
 mod body;
 mod call;
-mod carrier;
 mod constant;
 mod construct;
 mod evaluate;
 mod expression;
 mod function;
 mod globals;
-mod host;
 mod image;
 mod io;
+mod lvalue;
 mod math;
 mod math_expanded;
 mod memory;
+mod name_usage;
 mod opaque;
 mod operators;
-mod place;
 mod precision;
 mod predeclared;
 mod statement;
 mod texture;
 mod types;
-mod uses;
+mod value_types;
 
 use landfall_layout::diagnostic::Code;
 use std::rc::Rc;
@@ -40,18 +41,18 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::module::{
     Bases, Binder, EntryInterface, FunctionInfo, Inputs, LeftOut, ModuleBlock, ModuleHandle,
 };
-use carrier::{Carriers, carrier};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Files, Source, Span, Stage};
 pub use landfall_layout::syntax::glsl::ast;
 use landfall_layout::syntax::glsl::{Texts, parse};
 use landfall_layout::{BlockLayout, Options, Severity, layout_parsed};
 use types::{Structure, Ty};
+use value_types::{ValueTypes, value_type};
 
-/// A result of lowering: what cannot be lowered is said with its place.
+/// The result of lowering; the error is a diagnostic with its span.
 pub(super) type R<T> = Result<T, Box<Diagnostic>>;
 
-/// What lowering a shader gives: naga's module and how its parts are called.
+/// A lowered shader: naga's module and the names of its parts.
 pub struct Lowered {
     pub ir: naga::Module,
     pub blocks: Vec<ModuleBlock>,
@@ -62,16 +63,16 @@ pub struct Lowered {
     pub left_out: Vec<LeftOut>,
     pub files: Files,
     pub bases: Bases,
-    /// What needs no more than `mediump`, in naga's numbering.
+    /// The expressions that need no more than `mediump`, by their spans in naga's positions.
     pub reduced: FxHashSet<(u32, u32)>,
 }
 
-/// What cannot run, and where.
+/// Returns the error for an unsupported construct.
 pub(super) fn refuse(span: Span, message: impl Into<String>) -> Box<Diagnostic> {
     Box::new(Diagnostic::error(Code::CannotRun, span, message))
 }
 
-/// Advice for a refusal.
+/// Adds a help text to a diagnostic.
 pub(super) trait Help {
     fn help(self, text: impl Into<String>) -> Self;
 }
@@ -83,7 +84,7 @@ impl Help for Box<Diagnostic> {
     }
 }
 
-/// The shader as a whole, while it is lowered.
+/// The state of lowering a shader.
 pub struct Lowerer<'a> {
     pub ir: naga::Module,
     pub stage: Option<Stage>,
@@ -95,37 +96,37 @@ pub struct Lowerer<'a> {
     layouts: Vec<BlockLayout>,
     pub blocks: Vec<ModuleBlock>,
     pub memories: Vec<globals::Memory>,
-    /// For each of `blocks`, its memory.
+    /// The memory of each of `blocks`.
     pub block_memory: Vec<usize>,
     pub module_handles: Vec<ModuleHandle>,
     pub bindings: Binder,
     pub handles: FxHashMap<String, opaque::HandlePair>,
     pub globals: Vec<globals::Global<'a>>,
     pub global_names: FxHashMap<&'a str, usize>,
-    /// The language's own variables that are used, by name.
+    /// The built-in variables in use, by name.
     pub predeclared: FxHashMap<String, usize>,
     pub io: Vec<io::Io>,
     structures: FxHashMap<&'a str, Ty>,
-    /// Structures that cannot run, and why.
+    /// Unsupported structures, each with the error.
     broken: FxHashMap<&'a str, Box<Diagnostic>>,
-    /// Structures by where their names stand: so the layout tells which it means.
+    /// Structures by the spans of their names, by which the layout refers to them.
     structures_at: FxHashMap<(u32, u32), Rc<Structure>>,
     next_structure: u32,
-    carriers: Carriers,
+    value_types: ValueTypes,
     pub functions: Vec<function::Entry<'a>>,
     pub function_names: FxHashMap<&'a str, Vec<usize>>,
     /// Names of members and variables that atomic functions change.
     pub atomics: FxHashSet<&'a str>,
-    /// Sizes that arrays of the language's own are declared again with.
+    /// The sizes with which built-in arrays are redeclared.
     pub sizes: FxHashMap<&'a str, u32>,
     pub workgroup_size: [u32; 3],
     pub early_fragment_tests: bool,
     /// Initialisers of global variables, which the entry point runs first.
     initialisers: Vec<(usize, Rc<ast::Declaration<'a>>, usize)>,
     pub left_out: Vec<LeftOut>,
-    /// Levels of functions, statements and expressions that lowering is in.
+    /// The current nesting of functions, statements and expressions.
     pub nesting: u32,
-    /// Expressions of the functions that are done.
+    /// The number of expressions in the finished functions.
     pub expressions: usize,
 }
 
@@ -137,7 +138,7 @@ pub(super) fn lower(
 ) -> Result<Lowered, Vec<Diagnostic>> {
     let texts = Texts::new();
     let mut shader = parse(source, &options.read, &texts, true);
-    let layout_options = Options { gather: true, naga: false, ..options.clone() };
+    let layout_options = options.clone().with_gather(true).with_naga(false);
     let laid_out = layout_parsed(shader.parsed, source, &layout_options);
     let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
     let errors: Vec<Diagnostic> = errors.collect();
@@ -171,10 +172,10 @@ pub(super) fn lower(
         broken: FxHashMap::default(),
         structures_at: FxHashMap::default(),
         next_structure: 0,
-        carriers: FxHashMap::default(),
+        value_types: FxHashMap::default(),
         functions: Vec::new(),
         function_names: FxHashMap::default(),
-        atomics: uses::atomics(&items),
+        atomics: name_usage::atomics(&items),
         sizes: FxHashMap::default(),
         workgroup_size: [1; 3],
         early_fragment_tests: false,
@@ -200,7 +201,7 @@ pub(super) fn lower(
     })
 }
 
-/// A span of naga's as first byte and one past the last.
+/// Returns the first byte of a naga span and the byte after its last.
 fn range(span: naga::Span) -> Option<(u32, u32)> {
     span.to_range().map(|range| (range.start as u32, range.end as u32))
 }
@@ -210,13 +211,15 @@ impl Lowerer<'_> {
         self.bases.to_naga(span)
     }
 
-    /// The naga type that carries values of a type.
-    pub fn carrier(&mut self, ty: &Ty, span: Span) -> R<Handle<naga::Type>> {
-        let Some(found) = carrier(&mut self.ir.types, &mut self.carriers, ty) else {
+    /// Returns the naga type for values of a type.
+    pub fn value_type(&mut self, ty: &Ty, span: Span) -> R<Handle<naga::Type>> {
+        let Some(found) = value_type(&mut self.ir.types, &mut self.value_types, ty) else {
             let message = match ty {
-                Ty::Array(_, None) => format!("`{ty}` has no size, and no value"),
-                Ty::Array(..) | Ty::Struct(_) => format!("values of `{ty}` are too large, or none"),
-                _ => format!("a `{ty}` is no value"),
+                Ty::Array(_, None) => format!("`{ty}` has no size and cannot be used as a value"),
+                Ty::Array(..) | Ty::Struct(_) => {
+                    format!("`{ty}` is too large for a value, or has none")
+                }
+                _ => format!("a `{ty}` cannot be used as a value"),
             };
             return Err(refuse(span, message));
         };

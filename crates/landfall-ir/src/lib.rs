@@ -1,10 +1,10 @@
-//! Lowering of GLSL and WGSL to naga IR with landfall's offsets, and analyses of it.
+//! Lowering of GLSL and WGSL to naga IR with Landfall's offsets, and analyses of the IR.
 
 pub mod analysis;
+pub mod call_graph;
 mod glsl;
 mod lower;
 pub mod module;
-pub mod reach;
 mod stack;
 mod wgsl;
 

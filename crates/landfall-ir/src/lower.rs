@@ -1,4 +1,4 @@
-//! Makes a [`Module`] of a shader's text: calls the front end of its language.
+//! Lowers a shader's text to a [`Module`] with the front end of its language.
 
 use landfall_layout::source::{Language, Source};
 use landfall_layout::{Diagnostic, Options};
@@ -9,21 +9,22 @@ use super::stack::on_a_large_stack;
 use super::{glsl, wgsl};
 
 impl Module {
-    /// Makes a shader runnable. Loose uniforms are one std140 block named `DefaultBlock`.
+    /// Lowers and validates a shader. Loose uniforms become one std140 block named `DefaultBlock`.
     ///
     /// # Errors
-    /// What is wrong with the shader, or what in it cannot run, with its place.
+    /// The errors in the shader, or the constructs that are not supported, with their
+    /// spans.
     pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
         on_a_large_stack(|| Module::made(source, options, Inputs::OfMain)?.validated())
     }
 
-    /// The same for calls: its functions are called by themselves, with the inputs any of them
+    /// Lowers a shader whose functions are called individually, with the inputs that any of them
     /// reads.
     pub fn for_calls(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
         on_a_large_stack(|| Module::made(source, options, Inputs::OfAny)?.validated())
     }
 
-    /// The same without asking naga's validator: for who only reads it.
+    /// Lowers a shader without running naga's validator, for analyses that only read the module.
     pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
         on_a_large_stack(|| Module::made(source, options, Inputs::OfMain))
     }
@@ -51,11 +52,11 @@ impl Module {
         }
     }
 
-    /// The module as naga's own front end makes it, its offsets as naga has them: what a program
-    /// that hands the text to wgpu gets. For proving naga wrong.
+    /// Lowers a shader with naga's own front end and naga's offsets, as wgpu does, to compare naga
+    /// with the specifications.
     ///
     /// # Errors
-    /// What naga, or its validator, says of the text.
+    /// The errors of naga's front end or validator.
     pub fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
         on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
     }

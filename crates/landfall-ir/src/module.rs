@@ -1,7 +1,6 @@
-//! A shader as naga IR whose offsets, array strides and sizes are landfall's, validated.
+//! A shader as naga IR with Landfall's offsets, array strides and sizes.
 //!
-//! Made by `lower` from GLSL of any version and from WGSL. Feeds the interpreter
-//! and the drivers.
+//! `lower` makes it from GLSL of any version and from WGSL; the interpreter and the drivers run it.
 
 use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
@@ -17,18 +16,18 @@ use landfall_layout::Diagnostic;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::{Files, Span, Stage};
 
-/// A runnable shader.
+/// A shader lowered to naga IR.
 #[derive(Clone, Debug)]
 pub struct Module {
     /// The naga module.
     pub ir: naga::Module,
-    /// What naga's validator found out about it.
+    /// The results of naga's validator.
     pub info: ModuleInfo,
-    /// The blocks that are variables of the module.
+    /// The blocks, each a variable of the module.
     pub blocks: Vec<ModuleBlock>,
-    /// The files it is made of: itself, then its includes.
+    /// The files of the shader: its own, then its includes.
     pub files: Files,
-    /// Where each file begins in the numbering of naga's spans.
+    /// The first position of each file in naga's spans.
     pub bases: Vec<u32>,
     pub(crate) handles: Vec<ModuleHandle>,
     pub(crate) functions: Vec<FunctionInfo>,
@@ -37,29 +36,29 @@ pub struct Module {
     pub(crate) left_out: Vec<LeftOut>,
     /// Names of local variables by expression.
     pub locals: Locals,
-    /// The expressions that need no more than `mediump`, by their spans in naga's numbering.
+    /// The spans, in naga's positions, of the expressions that need no more than `mediump`.
     pub reduced: FxHashSet<(u32, u32)>,
 }
 
-/// What a local variable holds before anything is put into it.
+/// The value of a local variable without an initialiser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Locals {
-    /// Zeros: WGSL §7.4.
+    /// Zero: WGSL §7.4.
     Zeros,
-    /// Anything: GLSL 4.60 §4.3.
+    /// Undefined: GLSL 4.60 §4.3.
     Anything,
 }
 
 /// A block of a runnable shader.
 #[derive(Clone, Debug)]
 pub struct ModuleBlock {
-    /// Where its members land.
+    /// The layout of its members.
     pub layout: BlockLayout,
-    /// Its group (descriptor set) in the module; given out where the text has none.
+    /// The group (descriptor set) in the module, assigned if the text has none.
     pub group: u32,
-    /// Its binding in the module; given out where the text has none.
+    /// The binding in the module, assigned if the text has none.
     pub binding: u32,
-    /// Which element of an array of blocks it is, counted through all dimensions.
+    /// The flat index in an array of blocks; `None` for a single block.
     pub element: Option<u32>,
     /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the block's memory by it")]
@@ -69,20 +68,20 @@ pub struct ModuleBlock {
 /// A texture, sampler or image of a runnable shader.
 #[derive(Clone, Debug)]
 pub struct ModuleHandle {
-    /// The way to it in the text: `shadow_map`, `materials[2].diffuse`.
+    /// The path in the text: `shadow_map`, `materials[2].diffuse`.
     pub path: String,
     /// Its group (descriptor set) in the module.
     pub group: u32,
     /// Its binding in the module.
     pub binding: u32,
-    /// What it is. A `sampler2D` of GLSL is a texture and a sampler of one path.
+    /// The kind; a `sampler2D` of GLSL becomes a texture and a sampler with the same path.
     pub kind: HandleKind,
     /// The variable in the naga module.
     #[allow(dead_code, reason = "readers of the IR find the handle by it")]
     pub variable: Handle<GlobalVariable>,
 }
 
-/// What a handle is.
+/// The kind of a handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum HandleKind {
@@ -96,24 +95,24 @@ pub enum HandleKind {
 pub struct EntryPoint {
     /// Its name; GLSL's is `main`.
     pub name: String,
-    /// Vertex, fragment or compute.
+    /// The stage: vertex, fragment or compute.
     pub stage: Stage,
-    /// Invocations in a workgroup of a compute shader.
+    /// The size of a compute shader's workgroup.
     pub workgroup_size: [u32; 3],
 }
 
 /// An input or output of the entry point that has a location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryInterface {
-    /// Its name in the text, with the part of it: `light.color`, `basis[1]`.
+    /// The path in the text: `light.color`, `basis[1]`.
     pub name: String,
     /// Its location in the module.
     pub location: u32,
-    /// The variable it is a part of.
+    /// The variable that contains it.
     pub variable: Handle<GlobalVariable>,
 }
 
-/// Which inputs of the stage a module has.
+/// The inputs of the stage that a module includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inputs {
     /// Those that `main` reaches.
@@ -122,23 +121,23 @@ pub(super) enum Inputs {
     OfAny,
 }
 
-/// A function that is not in a module, as it does not run.
+/// A function that could not be lowered and is not in the module.
 #[derive(Clone, Debug)]
 pub struct LeftOut {
     /// Its name.
     pub function: String,
-    /// Why.
+    /// The reason.
     pub why: Diagnostic,
 }
 
-/// A function of the shader's own.
+/// A function that the shader defines.
 #[derive(Clone, Debug)]
 pub struct FunctionInfo {
     /// Its name.
     pub name: String,
     /// Its parameters in order.
     pub parameters: Vec<Parameter>,
-    /// What it returns, as its language spells it; `None` for nothing.
+    /// The return type in the shader's language; `None` for `void`.
     pub returns: Option<String>,
     /// Its name in the text.
     pub span: Span,
@@ -150,30 +149,31 @@ pub struct FunctionInfo {
 /// A parameter of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name; empty where there is none.
+    /// The name; empty if there is none.
     pub name: String,
-    /// Its type, as its language spells it.
+    /// The type in the shader's language.
     pub ty: String,
-    /// Which way values go.
+    /// The direction of the copy.
     pub direction: Direction,
 }
 
-/// Which way the values of a parameter go.
+/// The direction in which a parameter's value is copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// `in`: a copy.
+    /// `in`: copied in.
     In,
-    /// `out`: back only.
+    /// `out`: copied back.
     Out,
-    /// `inout`, or WGSL's pointer.
+    /// `inout` in GLSL, a pointer in WGSL.
     InOut,
 }
 
 impl Module {
-    /// The module as SPIR-V for Vulkan, names included, overrides with their values in force.
+    /// Returns the module as SPIR-V for Vulkan, with names, and with overrides replaced by their
+    /// values.
     ///
     /// # Errors
-    /// What naga cannot write, in its words.
+    /// naga's error if it cannot write the module.
     #[cfg(feature = "spirv")]
     pub fn spirv(&self) -> Result<Vec<u32>, String> {
         use naga::back::{pipeline_constants::process_overrides, spv};
@@ -187,11 +187,11 @@ impl Module {
         };
         match panic::catch_unwind(AssertUnwindSafe(write)) {
             Ok(words) => words,
-            Err(_) => Err("naga panics when it writes this module".to_string()),
+            Err(_) => Err("naga panicked while writing this module".to_string()),
         }
     }
 
-    /// Its entry points.
+    /// Returns the entry points.
     pub fn entry_points(&self) -> Vec<EntryPoint> {
         let entries = self.ir.entry_points.iter();
         let named = entries.filter_map(|entry| {
@@ -207,42 +207,42 @@ impl Module {
         named.collect()
     }
 
-    /// The functions of the shader's own that can run, in the order of the text.
+    /// Returns the shader's functions that were lowered, in the order of the text.
     pub fn functions(&self) -> &[FunctionInfo] {
         &self.functions
     }
 
-    /// Its blocks; an array of blocks is one an element.
+    /// Returns the blocks, one for each element of an array of blocks.
     pub fn blocks(&self) -> &[ModuleBlock] {
         &self.blocks
     }
 
-    /// Its textures, samplers and images.
+    /// Returns the textures, samplers and images.
     pub fn handles(&self) -> &[ModuleHandle] {
         &self.handles
     }
 
-    /// Inputs of the entry point that have locations; of GLSL only.
+    /// Returns the inputs of the entry point that have locations; empty for WGSL.
     pub fn inputs(&self) -> &[EntryInterface] {
         &self.inputs
     }
 
-    /// Outputs of the entry point that have locations; of GLSL only.
+    /// Returns the outputs of the entry point that have locations; empty for WGSL.
     pub fn outputs(&self) -> &[EntryInterface] {
         &self.outputs
     }
 
-    /// Functions that are not in the module, as nothing its entry point needs.
+    /// Returns the functions that could not be lowered; the entry point does not need them.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 
-    /// The files it is made of: itself, then its includes.
+    /// The files of the shader: its own, then its includes.
     pub fn files(&self) -> &Files {
         &self.files
     }
 
-    /// The place in the user's text that an expression, statement or function came from.
+    /// Returns the span in the source text of an expression, statement or function.
     pub(crate) fn locate(&self, span: naga::Span) -> Option<Span> {
         let range = span.to_range()?;
         let (start, end) = (u32::try_from(range.start).ok()?, u32::try_from(range.end).ok()?);
@@ -255,7 +255,8 @@ impl Module {
         })
     }
 
-    /// Bindings nobody has, in a group that somebody has: adapters have few groups.
+    /// Returns `N` unused bindings in a group that is already used, because adapters support few
+    /// groups.
     pub fn free_places<const N: usize>(&self) -> [(u32, u32); N] {
         let taken = || self.ir.global_variables.iter().filter_map(|(_, global)| global.binding);
         let group = taken().map(|at| at.group).min().unwrap_or(0);
@@ -270,7 +271,7 @@ impl Module {
     /// Validates the module.
     ///
     /// # Errors
-    /// What naga refuses, with places in the text.
+    /// The errors of naga's validator, with their spans in the text.
     pub fn validated(mut self) -> Result<Module, Vec<Diagnostic>> {
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         let ir = &self.ir;
@@ -284,17 +285,18 @@ impl Module {
             Ok(Err(error)) => {
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
-                let message = format!("naga's validator refuses it: {}", chain(error.as_inner()));
+                let message =
+                    format!("naga's validator rejects the module: {}", chain(error.as_inner()));
                 Err(vec![Diagnostic::error(Code::CannotRun, span, message)])
             }
             Err(_) => {
-                let message = "naga's validator gives up on this shader";
+                let message = "naga's validator panicked on this shader";
                 Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
             }
         }
     }
 
-    /// A module that naga has not validated yet.
+    /// Creates a module that naga has not validated yet.
     pub fn unvalidated(ir: naga::Module, files: Files, blocks: Vec<ModuleBlock>) -> Module {
         Module {
             info: ModuleInfo::default(),
@@ -313,7 +315,7 @@ impl Module {
     }
 }
 
-/// What an error says, and what caused it.
+/// Returns the messages of an error and its causes, joined by `: `.
 fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
@@ -325,7 +327,7 @@ fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-/// Where each file begins in the numbering of naga's spans.
+/// The first position of each file in naga's spans.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bases {
     pub starts: Vec<u32>,
@@ -349,13 +351,13 @@ impl Bases {
     }
 }
 
-/// Gives out groups and bindings, each once.
+/// Assigns groups and bindings, each once.
 #[derive(Debug, Default)]
 pub(super) struct Binder {
-    /// Those the text gives to somebody.
+    /// The bindings that the text states.
     reserved: FxHashSet<(u32, u32)>,
     taken: FxHashSet<(u32, u32)>,
-    /// The binding of each group below which none is free: nothing taken or wanted is given back.
+    /// The lowest binding of each group that may be free; bindings are never released.
     lowest: FxHashMap<u32, u32>,
 }
 
@@ -364,7 +366,7 @@ impl Binder {
         self.reserved.insert((group, binding));
     }
 
-    /// The one that is wanted if nobody has it, else one that nobody has or wants.
+    /// Returns the wanted binding if it is free, else one that is neither taken nor reserved.
     pub fn claim(&mut self, group: u32, wanted: Option<u32>) -> (u32, u32) {
         if let Some(binding) = wanted {
             if self.taken.insert((group, binding)) {

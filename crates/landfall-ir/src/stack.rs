@@ -1,13 +1,14 @@
-//! A thread with a stack for what recurses over a shader.
+//! A thread with a large stack, for functions that recurse over a shader.
 
 use landfall_layout::Diagnostic;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Span;
 
-/// Bytes of stack for what recurses over a shader's text; it is touched only as far as it nests.
+/// The size of the stack in bytes; only the part that the nesting needs is touched.
 const STACK: usize = 256 << 20;
 
-/// Runs what recurses over a shader; a text that nests deeply does not end the program.
+/// Runs a function that recurses over a shader, so that a deeply nested text does not overflow the
+/// stack.
 pub(super) fn on_a_large_stack<T: Send>(
     run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
 ) -> Result<T, Vec<Diagnostic>> {
@@ -16,7 +17,7 @@ pub(super) fn on_a_large_stack<T: Send>(
         let message = match thread.map(|thread| thread.join()) {
             Ok(Ok(result)) => return result,
             Ok(Err(_)) => "landfall failed on this shader; please report it",
-            Err(_) => "there is no memory for a thread",
+            Err(_) => "no memory for a thread",
         };
         Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
     })

@@ -1,7 +1,8 @@
-//! Modules by naga's own front ends: WGSL with our offsets put in, and both languages without.
+//! Modules from naga's own front ends: WGSL with Landfall's offsets, and both languages with
+//! naga's.
 //!
-//! Feeds [`module`](super::module). naga 30.0.1 forgets the `@align` of a nested structure's
-//! members (gfx-rs/wgpu#4377), so offsets, strides and sizes are always replaced.
+//! Feeds [`module`](super::module). naga 30.0.1 ignores `@align` on the members of a nested
+//! structure (gfx-rs/wgpu#4377), so offsets, strides and sizes are always replaced.
 
 use landfall_layout::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
@@ -16,9 +17,9 @@ use landfall_layout::source::{Files, Language, Source, Span, Stage};
 use landfall_layout::{BlockLayout, Diagnostic, Options, Severity, layout};
 use landfall_layout::{naga_compare::variable_of, naga_front};
 
-/// A WGSL shader by naga's front end, its blocks where our layout says.
+/// Lowers a WGSL shader with naga's front end and Landfall's layout of its blocks.
 pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-    let laid_out = layout(source, &Options { naga: false, ..options.clone() });
+    let laid_out = layout(source, &options.clone().with_naga(false));
     let errors = laid_out.diagnostics.into_iter().filter(|d| d.severity == Severity::Error);
     let errors: Vec<Diagnostic> = errors.collect();
     if !errors.is_empty() {
@@ -38,10 +39,10 @@ pub(super) fn patched(source: &Source, options: &Options) -> Result<Module, Vec<
     Ok(Module::unvalidated(ir, laid_out.files, blocks))
 }
 
-/// The module as naga makes it.
+/// Returns the module as naga's front end makes it.
 pub(super) fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
     let ir = parse(source, options)?;
-    let laid_out = layout(source, &Options { naga: false, ..options.clone() });
+    let laid_out = layout(source, &options.clone().with_naga(false));
     let mut blocks = Vec::new();
     for block in laid_out.blocks {
         let Some(variable) = variable_of(&ir, &block) else { continue };
@@ -79,7 +80,10 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         Language::Wgsl => naga_front::is_bounded(text),
     };
     if !bounded {
-        return Err(refused(None, "the text is too long or nests too deep for naga".to_string()));
+        return Err(refused(
+            None,
+            "the text is too long or nested too deeply for naga".to_string(),
+        ));
     }
     let result = panic::catch_unwind(AssertUnwindSafe(|| match source.language {
         Language::Wgsl => naga::front::wgsl::parse_str(text).map_err(|error| {
@@ -101,10 +105,10 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         }
     }));
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
-    result.unwrap_or_else(|_| Err(refused(None, "naga panics on this text".to_string())))
+    result.unwrap_or_else(|_| Err(refused(None, "naga panicked on this text".to_string())))
 }
 
-/// Gives overrides the values that `-O` says; what they begin with is what readers take.
+/// Sets the overrides to the values of `-O`, as their initialisers.
 fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
     let handles: Vec<_> = ir.overrides.iter().map(|(handle, _)| handle).collect();
     for handle in handles {
@@ -129,7 +133,7 @@ fn set_overrides(ir: &mut naga::Module, given: &[(String, String)]) {
     }
 }
 
-/// The offsets, strides and sizes that types are to have.
+/// The offsets, strides and sizes for types.
 #[derive(Default)]
 struct Wanted {
     offsets: FxHashMap<Handle<naga::Type>, (Vec<u32>, Option<u32>)>,
@@ -198,7 +202,7 @@ fn collect(
     }
 }
 
-/// Puts the numbers in; a type is replaced where it stands, so that handles keep their meaning.
+/// Replaces the offsets, strides and sizes of types in place, so that handles stay valid.
 fn apply(ir: &mut naga::Module, wanted: &Wanted) {
     let handles: Vec<Handle<naga::Type>> = ir.types.iter().map(|(handle, _)| handle).collect();
     for handle in handles {

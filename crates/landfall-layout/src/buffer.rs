@@ -1,14 +1,14 @@
-//! The bytes of a block, set and read by name.
+//! Buffers for blocks: bytes set and read by member name.
 //!
-//! Reads the [model](crate::layout()). A [`Buffer`] owns the bytes that a uniform or storage
-//! buffer is filled with, knows where each name lies in them and which were written since the
-//! last upload; [`encode`] and [`decode`] turn JSON into such bytes and back.
+//! Reads the [model](crate::layout()). A [`Buffer`] owns the bytes of a uniform or storage buffer,
+//! resolves member names to offsets, and tracks the bytes written since the last upload; [`encode`]
+//! and [`decode`] convert between JSON and such bytes.
 //!
 //! A **path** is a leaf's name as OpenGL spells it, without the block: `data[3].color`. A column
 //! (`view[2]`) or component (`color.x`, `.r`, `.s`, `color[0]`, `view[2].y`) may follow. The
-//! instance's name (`u_lights.data[3].color`, as the shader spells it) or the block's
-//! (`LightBlock.data[3].color`, as OpenGL's queries do) may precede it, where no member has that
-//! name. The full path of a leaf is found fastest.
+//! instance's name (`u_lights.data[3].color`, as in the shader) or the block's
+//! (`LightBlock.data[3].color`, as in OpenGL's queries) may precede it, unless a member has that
+//! name. Full paths of leaves resolve fastest.
 //!
 //! ```
 //! # extern crate landfall_layout as landfall;
@@ -64,15 +64,15 @@ pub use number::{Unfit, bits};
 pub use padding::{Finding, Findings};
 pub use value::{Component, Value};
 
-/// The bytes of one block, and what was written to them.
+/// The bytes of one block, with a record of the bytes written.
 ///
-/// Everything starts as zero, padding included; setting by name never touches padding. A clone
-/// has bytes of its own and shares what is known of the block, so clone one buffer rather than
-/// make many.
+/// All bytes start as zero, padding included; setting by name never writes padding. A clone copies
+/// the bytes and shares the compiled block, so cloning a buffer is cheaper than creating another.
 #[derive(Clone, Debug)]
 pub struct Buffer {
     compiled: Arc<Compiled>,
-    /// What a handle made for it has too: the fingerprint of the block with the tail's length.
+    /// The fingerprint of the block combined with the tail's length; a handle for this buffer has
+    /// the same.
     key: u64,
     bytes: Vec<u8>,
     /// Elements of the runtime-sized array at the end.
@@ -80,7 +80,7 @@ pub struct Buffer {
     dirty: Dirty,
 }
 
-/// What is known of a block, shared by the buffers of it.
+/// A block with its index of paths, shared by clones of a buffer.
 #[derive(Debug)]
 struct Compiled {
     block: BlockLayout,
@@ -89,11 +89,11 @@ struct Compiled {
 }
 
 impl Buffer {
-    /// A buffer for a block of fixed size: [`BlockLayout::size`] bytes.
+    /// Creates a zeroed buffer for a block of fixed size: [`BlockLayout::size`] bytes.
     ///
     /// # Errors
-    /// Loose uniforms, a size that depends on an override without a value, a runtime-sized array
-    /// at the end ([`with_tail`](Buffer::with_tail) takes its length).
+    /// Loose uniforms; a size that depends on an override without a value; a runtime-sized array at
+    /// the end (use [`with_tail`](Buffer::with_tail)).
     pub fn new(block: &BlockLayout) -> Result<Buffer, BufferError> {
         let extent = Extent::of(block)?;
         match extent.tail {
@@ -105,10 +105,11 @@ impl Buffer {
         }
     }
 
-    /// A buffer for a block that ends in a runtime-sized array of that many elements.
+    /// Creates a zeroed buffer for a block that ends in a runtime-sized array of that many
+    /// elements.
     ///
-    /// It is as long as the elements need, and at least [`BlockLayout::size`], which counts one:
-    /// shaders take the array's length from the bytes that are bound.
+    /// Its length is what the elements need, but at least [`BlockLayout::size`], which counts one:
+    /// shaders derive the array's length from the bytes bound.
     ///
     /// # Errors
     /// Those of [`new`](Buffer::new), and a block without such an array.
@@ -120,11 +121,11 @@ impl Buffer {
         Buffer::sized(block, extent, elements)
     }
 
-    /// A buffer that starts with bytes read back from elsewhere; nothing in it is dirty.
+    /// Creates a buffer from existing bytes; nothing in it is dirty.
     ///
     /// # Errors
-    /// Those of [`new`](Buffer::new), and bytes of another length than the block's; a
-    /// runtime-sized array has as many elements as they hold.
+    /// Those of [`new`](Buffer::new), and bytes whose length is not the block's; a runtime-sized
+    /// array has as many elements as fit.
     pub fn from_bytes(block: &BlockLayout, bytes: &[u8]) -> Result<Buffer, BufferError> {
         let extent = Extent::of(block)?;
         let elements = extent.elements(bytes.len());
@@ -147,22 +148,22 @@ impl Buffer {
         Ok(Buffer { compiled, key, bytes, tail, dirty })
     }
 
-    /// The block it holds.
+    /// The block of the buffer.
     pub fn block(&self) -> &BlockLayout {
         &self.compiled.block
     }
 
-    /// Elements of the runtime-sized array at the end; 0 where there is none.
+    /// Elements of the runtime-sized array at the end; 0 if there is none.
     pub fn tail_len(&self) -> usize {
         self.tail
     }
 
-    /// All bytes, as they are to be uploaded.
+    /// All bytes, ready for upload.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// All bytes, without the buffer.
+    /// Returns all bytes, consuming the buffer.
     pub fn into_bytes(self) -> Vec<u8> {
         self.bytes
     }
@@ -170,8 +171,8 @@ impl Buffer {
     /// Sets a scalar, vector or matrix by its path.
     ///
     /// # Errors
-    /// A path that names nothing, or more than one value; an index out of range; a value of
-    /// another type than the shader's. Nothing is converted, except `f32` to a smaller float.
+    /// A path that does not exist or names more than one value; an index out of range; a value
+    /// whose type is not the shader's. Nothing is converted, except `f32` to a smaller float.
     #[inline]
     pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
         match self.compiled.index.find(path, self.tail) {
@@ -180,7 +181,8 @@ impl Buffer {
         }
     }
 
-    /// Sets what [`Index::find`] did not: another spelling, components with gaps, or an error.
+    /// Sets a path that [`Index::find`] did not resolve: another spelling, components with gaps, or
+    /// an error.
     #[inline(never)]
     fn set_resolved<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
         let (offset, grid) = self.leaf::<T>(path)?;
@@ -210,7 +212,7 @@ impl Buffer {
         })
     }
 
-    /// The leaf that a path names, by whatever spelling.
+    /// Resolves a path in any spelling to the offset and grid of a leaf.
     fn leaf<T: Value>(&self, path: &str) -> Result<(usize, Grid), BufferError> {
         let block = self.block();
         let place = resolve(block, self.tail, path, None)?;
@@ -223,7 +225,7 @@ impl Buffer {
         Ok((place.offset as usize, grid))
     }
 
-    /// Writes a value without a gap; `false` when it would end past the buffer.
+    /// Writes a value without gaps; `false` if it would end past the buffer.
     #[inline]
     fn store<T: Value>(&mut self, offset: usize, value: T) -> bool {
         let Some(end) = offset.checked_add(T::BYTES) else { return false };
@@ -237,7 +239,7 @@ impl Buffer {
         true
     }
 
-    /// Writes a value without a gap, marked as written by what its handle knows.
+    /// Writes a value without gaps and marks it dirty with a precomputed mark.
     #[inline]
     fn store_marked<T: Value>(&mut self, offset: u32, mark: Mark, value: T) -> bool {
         let offset = offset as usize;
@@ -248,7 +250,7 @@ impl Buffer {
         true
     }
 
-    /// Writes a value component by component; `false` when it would end past the buffer.
+    /// Writes a value component by component; `false` if it would end past the buffer.
     fn store_cells<T: Value>(&mut self, offset: usize, grid: &Grid, value: T) -> bool {
         let span = grid.span();
         let to = self.bytes.get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
@@ -275,7 +277,7 @@ impl Buffer {
         true
     }
 
-    /// Reads a value; `None` when it would end past the buffer.
+    /// Reads a value; `None` if it would end past the buffer.
     #[inline]
     fn load<T: Value>(&self, offset: usize, grid: &Grid) -> Option<T> {
         let from = self.bytes.get(offset..)?.get(..grid.span())?;
@@ -288,14 +290,14 @@ impl Buffer {
         }))
     }
 
-    /// The bytes written since the last [`clear_dirty`](Buffer::clear_dirty), in order; ranges
-    /// that are at most `gap` bytes apart are one.
+    /// Returns the ranges written since the last [`clear_dirty`](Buffer::clear_dirty), in order;
+    /// ranges at most `gap` bytes apart are merged.
     pub fn dirty(&self, gap: usize) -> Ranges<'_> {
         self.dirty.ranges(gap)
     }
 
-    /// How many bytes, in how many ranges, an upload with that gap would move; with a gap of 0,
-    /// the fewest that do.
+    /// Returns how many bytes in how many ranges an upload with that gap moves; a gap of 0 gives
+    /// the fewest bytes.
     pub fn upload(&self, gap: usize) -> Upload {
         let start = Upload { ranges: 0, bytes: 0, whole: self.bytes.len() };
         self.dirty(gap).fold(start, |sum, range| Upload {
@@ -305,30 +307,30 @@ impl Buffer {
         })
     }
 
-    /// Forgets what was written: it has been uploaded.
+    /// Clears the dirty ranges, after an upload.
     pub fn clear_dirty(&mut self) {
         self.dirty.clear();
     }
 
-    /// Marks everything as written: for a new buffer on the GPU.
+    /// Marks every byte as dirty, for a new buffer on the GPU.
     pub fn mark_all(&mut self) {
         self.dirty.mark(0, self.bytes.len());
     }
 }
 
-/// The zeroed bytes of a block with that many elements in its tail.
+/// Returns the zeroed bytes of a block with that many elements in its tail.
 fn zeroes(block: &BlockLayout, extent: &Extent, tail: usize) -> Result<Vec<u8>, BufferError> {
     let too_large = |bytes: usize| {
         let block = block.name.to_string();
         BufferError::TooLarge { block, bytes: bytes as u64 }
     };
     let bytes = extent.bytes(tail).ok_or_else(|| too_large(usize::MAX))?;
-    // Refused here rather than in the allocation that fetches zeroed pages.
+    // Fails here rather than in the allocation of zeroed pages.
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large(bytes))?;
     Ok(vec![0; bytes])
 }
 
-/// A value of another type than the leaf's.
+/// Returns the error for a value whose type is not the leaf's.
 #[cold]
 fn wrong_type<T: Value>(block: &BlockLayout, path: &str, grid: &Grid) -> BufferError {
     BufferError::WrongType {

@@ -1,4 +1,4 @@
-//! Code written from layouts: Rust mirrors and C headers.
+//! Code generation from layouts: Rust mirrors and C headers.
 
 pub mod c;
 pub mod rust;

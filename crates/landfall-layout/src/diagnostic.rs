@@ -1,10 +1,12 @@
-//! What there is to say about a shader: a finding with its place in the user's text.
+//! Diagnostics: errors, warnings and lint findings with their places in the user's texts.
 //!
-//! Made by every stage of the way through, rendered by [`crate::format`].
+//! Every stage makes them; [`crate::format`] renders them.
 
 mod code;
 
 pub use code::Code;
+
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::source::Span;
@@ -28,108 +30,145 @@ impl Severity {
     }
 }
 
-/// One finding.
+/// An error or warning about a shader, a file or an option.
+///
+/// `At` is how places are given: a [`Span`] while the texts are at hand, or the path, lines and
+/// columns of a [`Finding`](crate::finding::Finding), which stands alone in caches and reports.
+/// `C` is the code: [`Code`] for the diagnostics of this workspace, text for findings, whose
+/// lints are an open set.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Diagnostic {
-    /// The kind of finding.
-    pub code: Code,
+pub struct Diagnostic<At = Span, C = Code> {
+    /// The kind of diagnostic.
+    pub code: C,
     /// How serious it is.
     pub severity: Severity,
     /// One sentence, lower case, names in backticks.
     pub message: String,
     /// The file it is about when no label says so.
     pub path: Option<String>,
+    /// The name of what it is about, which no edit of other lines changes: `PointLightBlock`,
+    /// `Light.color`. Empty where nothing keeps track of it.
+    pub about: String,
     /// Places in the text, the main one first.
-    pub labels: Vec<Label>,
+    pub labels: Vec<Label<At>>,
     /// Facts that explain the message.
     pub notes: Vec<String>,
-    /// The smallest edit that mends it.
+    /// The block's listing, holes included, where it helps to see it.
+    pub listing: Option<String>,
+    /// The smallest edit that fixes it, as a sentence.
     pub help: Option<String>,
+    /// The same edit for `--fix`, where it is mechanical.
+    pub fix: Vec<Edit<At>>,
 }
 
-/// A place in the text with a word on its part in the finding.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Label {
-    /// Where.
-    pub span: Span,
-    /// What about it; may be empty.
+/// A place in the text with a remark.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Label<At = Span> {
+    /// The place.
+    #[serde(rename = "place")]
+    pub at: At,
+    /// The remark; may be empty.
     pub text: String,
 }
 
-impl Diagnostic {
-    /// An error: no layout can be given for what it is about.
-    pub fn error(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+/// A replacement of bytes in a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Edit<At = Span> {
+    /// The bytes that are replaced.
+    #[serde(rename = "place")]
+    pub at: At,
+    /// The replacement.
+    pub new: String,
+}
+
+impl<At, C> Diagnostic<At, C> {
+    /// A diagnostic whose main place is `at`.
+    pub fn new(code: C, severity: Severity, at: At, message: impl Into<String>) -> Self {
+        let labels = vec![Label { at, text: String::new() }];
+        Diagnostic { labels, ..Diagnostic::bare(code, severity, message) }
+    }
+
+    /// A diagnostic without a place: about an option, or the run as a whole.
+    pub fn bare(code: C, severity: Severity, message: impl Into<String>) -> Self {
         Diagnostic {
             code,
-            severity: Severity::Error,
+            severity,
             message: message.into(),
             path: None,
-            labels: vec![Label { span, text: String::new() }],
-            notes: Vec::new(),
-            help: None,
-        }
-    }
-
-    /// A warning: the layout stands, but the reader should know.
-    pub fn warning(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, span, message) }
-    }
-
-    /// An error about a file, an option or nothing that has a place in the text.
-    pub fn about(
-        code: Code,
-        message: impl Into<String>,
-        help: Option<String>,
-        about: impl Into<String>,
-    ) -> Diagnostic {
-        Diagnostic {
-            code,
-            severity: Severity::Error,
-            message: message.into(),
-            path: Some(about.into()),
+            about: String::new(),
             labels: Vec::new(),
             notes: Vec::new(),
-            help,
+            listing: None,
+            help: None,
+            fix: Vec::new(),
         }
     }
 
-    /// The same finding with words at its main place.
-    pub fn with_text(mut self, text: impl Into<String>) -> Diagnostic {
+    /// Sets the remark at the main place.
+    pub fn with_text(mut self, text: impl Into<String>) -> Self {
         if let Some(label) = self.labels.first_mut() {
             label.text = text.into();
         }
         self
     }
 
-    /// The same finding with a further place.
-    pub fn with_label(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label { span, text: text.into() });
+    /// Adds a place.
+    pub fn with_label(mut self, at: At, text: impl Into<String>) -> Self {
+        self.labels.push(Label { at, text: text.into() });
         self
     }
 
-    /// The same finding with a fact that explains it.
-    pub fn with_note(mut self, note: impl Into<String>) -> Diagnostic {
+    /// Adds a fact that explains the message.
+    pub fn with_note(mut self, note: impl Into<String>) -> Self {
         self.notes.push(note.into());
         self
     }
 
-    /// The same finding with advice.
-    pub fn with_help(mut self, help: impl Into<String>) -> Diagnostic {
+    /// Sets a block's listing.
+    pub fn with_listing(mut self, listing: impl Into<String>) -> Self {
+        self.listing = Some(listing.into());
+        self
+    }
+
+    /// Sets the advice.
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
+    }
+
+    /// Adds an edit that fixes it.
+    pub fn with_edit(mut self, at: At, new: impl Into<String>) -> Self {
+        self.fix.push(Edit { at, new: new.into() });
+        self
+    }
+}
+
+impl Diagnostic {
+    /// An error: no layout can be given for what it is about.
+    pub fn error(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(code, Severity::Error, span, message)
+    }
+
+    /// A warning: the layout stands, but the user should know.
+    pub fn warning(code: Code, span: Span, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(code, Severity::Warning, span, message)
+    }
+
+    /// An error about a file, an option or anything else without a place in a text.
+    pub fn about(
+        code: Code,
+        message: impl Into<String>,
+        help: Option<String>,
+        about: impl Into<String>,
+    ) -> Diagnostic {
+        let bare = Diagnostic::bare(code, Severity::Error, message);
+        Diagnostic { path: Some(about.into()), help, ..bare }
     }
 }
 
 impl From<Error> for Diagnostic {
     fn from(error: Error) -> Diagnostic {
-        Diagnostic {
-            code: Code::UnreadableFile,
-            severity: Severity::Error,
-            message: format!("`{}` {}", error.path, error.message),
-            path: Some(error.path),
-            labels: Vec::new(),
-            notes: Vec::new(),
-            help: error.help,
-        }
+        let message = format!("`{}` {}", error.path, error.message);
+        Diagnostic::about(Code::UnreadableFile, message, error.help, error.path)
     }
 }

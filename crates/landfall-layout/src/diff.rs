@@ -1,42 +1,42 @@
-//! What happened between two layouts, in the words of a reviewer, and whether bytes uploaded for
-//! the old one still land where the new shader reads them.
+//! The changes between two layouts, and whether bytes uploaded for the old one still land where
+//! the new shader reads them.
 //!
-//! A pure function over the model: [`diff`] reads [`BlockLayout`]s, gives plain [`Change`]s.
-//! `pair` finds which blocks belong together, `leaves` compares bytes, `describe` folds what it
-//! finds into one line a change, `block` compares the rest. Fed by shaders and
-//! [`locks`](crate::lock); read by [`format`](mod@crate::format) and the lint `layout-drift`.
+//! [`diff`] is a pure function from [`BlockLayout`]s to [`Change`]s. `pair` matches blocks,
+//! `leaves` compares bytes, `describe` groups its facts into one line per change, `block`
+//! compares the rest. Input comes from shaders and [`locks`](crate::lock); output goes to
+//! [`format`](mod@crate::format) and the lint `layout-drift`.
 //!
-//! The classes follow from the bytes alone. Every element of every array of the old block has a
-//! path, a place and a type (matrix stride and majorness with it). It is *in place* when the new
-//! block has at the same place the same type under the same path; or under another one that the
-//! old block did not have, while the old path is not in the new block: then it is renamed.
-//! An old element that is not in place makes the change breaking. A new element that no old one
-//! stands for is compatible as long as it lies in bytes that were padding, or past the end.
+//! The classes follow from the bytes alone. Every array element of the old block has a path, an
+//! offset and a type (with matrix stride and majorness). It is *in place* if the new block has
+//! the same type at the same offset under the same path, or under a path new to it while the old
+//! path is gone: then it is renamed. An old element that is not in place makes the change
+//! breaking. A new element without an old counterpart is compatible if it lies in former padding
+//! or past the end.
 
 mod block;
+mod default_uniforms;
 mod describe;
 mod elements;
 mod leaves;
-mod loose;
 mod pair;
 
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
 use crate::source::Language;
 
-/// What a change does to bytes uploaded for the old layout.
+/// The effect of a change on bytes uploaded for the old layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Class {
     /// No byte changes.
     Cosmetic,
-    /// Old uploads still land; a buffer may have become too small.
+    /// Old uploads are still read correctly; a buffer may be too small.
     Compatible,
     /// Bytes uploaded for the old layout are misread.
     Breaking,
 }
 
 impl Class {
-    /// `cosmetic`, `compatible` or `breaking`.
+    /// The name in JSON: `cosmetic`, `compatible` or `breaking`.
     pub fn name(self) -> &'static str {
         match self {
             Class::Cosmetic => "cosmetic",
@@ -46,14 +46,15 @@ impl Class {
     }
 }
 
-/// The kinds of changes.
+/// The kind of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum Kind {
     Moved,
     Retyped,
     Renamed,
-    /// A member became an array, or an array one of other dimensions, over the same elements.
+    /// The array dimensions changed over the same elements.
     Reshaped,
     Appended,
     Inserted,
@@ -65,7 +66,7 @@ pub enum Kind {
     Shortened,
     ArrayStride,
     MatrixStride,
-    Majorness,
+    MatrixLayout,
     /// The block is larger.
     Grew,
     /// The block is smaller.
@@ -100,7 +101,7 @@ impl Kind {
             Kind::Shortened => "shortened",
             Kind::ArrayStride => "array-stride",
             Kind::MatrixStride => "matrix-stride",
-            Kind::Majorness => "majorness",
+            Kind::MatrixLayout => "majorness",
             Kind::Grew => "grew",
             Kind::Shrank => "shrank",
             Kind::Rules => "rules",
@@ -122,42 +123,42 @@ impl Kind {
 /// One change.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Change {
-    /// What kind of change it is.
+    /// The kind of change.
     pub kind: Kind,
-    /// What it does to bytes uploaded for the old layout.
+    /// The effect on bytes uploaded for the old layout.
     pub class: Class,
-    /// What it is about, as a pattern in the old block, or in the new one when only that has it:
+    /// The path pattern of the member, in the old block, or in the new one if only that has it:
     /// `data[].color`; empty for the block.
     pub path: String,
-    /// What was, in one word: a number, a type, a name.
+    /// The old value: a number, a type, a name.
     pub old: Option<String>,
-    /// What is.
+    /// The new value.
     pub new: Option<String>,
-    /// All of it in one sentence, lower case, names in backticks.
+    /// The description, in one lower-case sentence with names in backticks.
     pub message: String,
 }
 
-/// What happened to one block.
+/// The changes of one block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockDiff {
-    /// Its index among the old blocks; `None` when it is new.
+    /// The index among the old blocks; `None` if it is new.
     pub old: Option<usize>,
-    /// Its index among the new blocks; `None` when it is gone.
+    /// The index among the new blocks; `None` if it was removed.
     pub new: Option<usize>,
-    /// What messages call it: the block's name, `(loose uniforms)`.
+    /// The block's name in messages; `(loose uniforms)` for those.
     pub name: String,
-    /// One at least, the most serious first, those of a class in the order of the block.
+    /// At least one change, the most serious first, those of a class in the order of the block.
     pub changes: Vec<Change>,
 }
 
 impl BlockDiff {
-    /// The class of its most serious change.
+    /// The class of the most serious change.
     pub fn class(&self) -> Class {
         self.changes.iter().map(|change| change.class).max().unwrap_or(Class::Cosmetic)
     }
 }
 
-/// The blocks of one side, and the language their types are spelled in.
+/// The blocks of one side, and the language that spells their types.
 #[derive(Clone, Copy, Debug)]
 pub struct Side<'a> {
     /// The blocks.
@@ -173,8 +174,8 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Everything that changed from one side to the other, block by block in the new side's order,
-/// then the blocks that are gone. Blocks without a change are left out.
+/// Compares two sides. Returns the changed blocks in the new side's order, then the removed ones;
+/// unchanged blocks are left out.
 pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
     let mut found = Vec::new();
     for (before, after) in pair::pairs(old.blocks, new.blocks) {
@@ -190,7 +191,7 @@ pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
         if changes.is_empty() {
             continue;
         }
-        // Stable: changes of a class stay in the order of the block.
+        // A stable sort keeps the changes of a class in the order of the block.
         changes.sort_by_key(|change| std::cmp::Reverse(change.class));
         let name = b.or(a).map(shown_name).unwrap_or_default();
         found.push(BlockDiff { old: before, new: after, name, changes });
@@ -198,12 +199,12 @@ pub fn diff(old: Side<'_>, new: Side<'_>) -> Vec<BlockDiff> {
     found
 }
 
-/// The class of the most serious change; `None` when there is none.
+/// The class of the most serious change; `None` if nothing changed.
 pub fn verdict(blocks: &[BlockDiff]) -> Option<Class> {
     blocks.iter().map(BlockDiff::class).max()
 }
 
-/// A block, and the side it is on.
+/// A block and its side.
 #[derive(Clone, Copy)]
 struct Block<'a> {
     layout: &'a BlockLayout,
@@ -213,7 +214,7 @@ struct Block<'a> {
 fn both(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
     let loose = |block: Block<'_>| block.layout.space == AddressSpace::Default;
     match (loose(old), loose(new)) {
-        (true, true) => loose::changes(old, new),
+        (true, true) => default_uniforms::changes(old, new),
         (false, false) => {
             let facts = leaves::facts(old.layout, new.layout);
             let mut changes = describe::changes(old, new, &facts);
@@ -224,7 +225,7 @@ fn both(old: Block<'_>, new: Block<'_>) -> Vec<Change> {
     }
 }
 
-/// What messages call a block.
+/// The name of a block in messages.
 fn shown_name(block: &BlockLayout) -> String {
     if block.space == AddressSpace::Default {
         return "(loose uniforms)".to_string();

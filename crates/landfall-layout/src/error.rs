@@ -1,26 +1,28 @@
-//! The tool could not do its work: a file that cannot be read or written.
+//! Errors of the tool itself: files that cannot be read or written.
 //!
-//! What is wrong *inside* a shader is a [`Diagnostic`](crate::Diagnostic) instead.
+//! Faults *inside* a shader are [`Diagnostic`](crate::Diagnostic)s instead.
 
 use std::fmt;
 
-/// Why something could not be done, and to which file.
+/// An operation that failed, and the file it failed on.
 #[derive(Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Error {
-    /// The file it happened to.
+    /// The path of the file.
     pub path: String,
-    /// What happened, to be read after the path: `is a directory, not a shader file`.
+    /// The failure, read after the path: `is a directory, not a shader file`.
     pub message: String,
-    /// What to do about it.
+    /// A suggested remedy.
     pub help: Option<String>,
-    /// What kind of thing it is.
+    /// The kind of failure.
     pub kind: ErrorKind,
 }
 
-/// The kinds of [`Error`].
+/// The kind of an [`Error`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ErrorKind {
-    /// A file that cannot be read, or holds no text.
+    /// A file that cannot be read or is not text.
     Unreadable,
     /// Anything else.
     #[default]
@@ -28,17 +30,17 @@ pub enum ErrorKind {
 }
 
 impl Error {
-    /// An error about a file.
+    /// Creates an error about a file, of kind [`ErrorKind::Other`].
     pub fn new(path: impl Into<String>, message: impl Into<String>) -> Error {
         Error { path: path.into(), message: message.into(), help: None, kind: ErrorKind::Other }
     }
 
-    /// The same error as one of a file that cannot be read.
+    /// Returns the error with kind [`ErrorKind::Unreadable`].
     pub fn unreadable(self) -> Error {
         Error { kind: ErrorKind::Unreadable, ..self }
     }
 
-    /// The same error with advice.
+    /// Returns the error with a help text.
     pub fn with_help(self, help: impl Into<String>) -> Error {
         Error { help: Some(help.into()), ..self }
     }
@@ -54,7 +56,7 @@ impl fmt::Display for Error {
     }
 }
 
-/// `main` of a build script prints errors through `Debug`, so it reads like `Display`.
+/// Prints like `Display`, since `main` of a build script prints errors through `Debug`.
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -1,4 +1,4 @@
-//! Blocks built by hand for the tests of everything that reads a layout.
+//! Hand-built blocks for tests.
 
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ pub fn declared(name: &str, rules: Rules, members: Vec<Member>) -> Block {
         group: None,
         binding: None,
         count: vec![],
-        majorness: Majorness::Column,
+        matrix_layout: MatrixLayout::Column,
         members,
         opaque: vec![],
         offset_order: crate::shape::OffsetOrder::Ascending,
@@ -84,8 +84,7 @@ pub fn point_lights() -> BlockLayout {
     .expect("the example is possible")
 }
 
-/// Something of everything that pads: a hole, a `mat3`, a `float` array, arrays of arrays, a
-/// nested structure.
+/// Everything that pads: a hole, a `mat3`, a `float` array, arrays of arrays, a nested structure.
 pub fn padded(rules: Rules) -> BlockLayout {
     let inner = structure("Inner", vec![member("a", float()), member("b", vec(2))]);
     let outer = structure(
@@ -97,13 +96,13 @@ pub fn padded(rules: Rules) -> BlockLayout {
         member("v", vec(3)),
         member("w", array(float(), 7)),
         member("o", array(array(outer, 3), 2)),
-        Member { majorness: Some(Majorness::Row), ..member("r", array(mat(2, 3), 2)) },
+        Member { matrix_layout: Some(MatrixLayout::Row), ..member("r", array(mat(2, 3), 2)) },
         member("end", float()),
     ];
     block(rules, members)
 }
 
-/// Structures whose last element is not padded in scalar.
+/// Structures whose last element has no tail padding under scalar rules.
 pub fn doubles(rules: Rules) -> BlockLayout {
     let wide = Type::Scalar(Scalar::F64);
     let s = structure("Wide", vec![member("d", wide), member("f", float())]);
@@ -147,7 +146,7 @@ pub fn loose() -> BlockLayout {
     .expect("the example is possible")
 }
 
-/// A shader made of those blocks.
+/// A shader with these blocks.
 pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> ShaderLayout {
     let source = Source::new(path, "// nothing but blocks built by hand\n");
     let mut files = Files::default();

@@ -1,7 +1,7 @@
-//! Files read within bounds, and written whole or not at all.
+//! Bounded file reads and atomic file writes.
 //!
-//! For the command and the build script; nothing else touches the file system but
-//! [`source`](crate::source).
+//! For the command and the build script; apart from these only [`source`](crate::source) touches
+//! the file system.
 
 use std::io::Read;
 use std::path::Path;
@@ -13,20 +13,20 @@ mod write;
 
 pub use write::{FileWriter, Written, write_whole};
 
-/// The reason of a failure in the words of the operating system, without its number.
+/// The operating system's message for an error, lower case, without its number.
 pub fn reason(cause: &io::Error) -> String {
     let text = cause.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
-/// Bytes of the largest file that is read unless the caller says otherwise: 64 MiB.
+/// The default limit on the size of files that are read: 64 MiB.
 pub const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads a whole file of at most `most` bytes.
+/// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// The file is a directory, a device, a pipe or a socket, is larger, or cannot be read. A pipe
-/// that the caller was given open, `/dev/stdin` or `/dev/fd/N`, is read.
+/// The file is a directory, a device, a pipe or a socket, is larger, or cannot be read. Pipes that
+/// are already open, `/dev/stdin` and `/dev/fd/N`, are read.
 pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
     let shown = path.display().to_string();
     let failed = |cause: io::Error| {
@@ -42,7 +42,7 @@ pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
         return Err(Error::new(&shown, message).unreadable());
     }
     let mut bytes = Vec::new();
-    // A file may grow while it is read, and those of the system have no size.
+    // A file may grow while it is read, and files in `/proc` report size 0.
     let read = fs::File::open(path)
         .and_then(|file| match found.len() <= most {
             true => file.take(most.saturating_add(1)).read_to_end(&mut bytes),
@@ -69,7 +69,7 @@ pub fn read_stream(name: &str, stream: impl Read, most: u64) -> Result<Vec<u8>, 
 }
 
 fn too_large(shown: &str, most: u64) -> Error {
-    Error::new(shown, format!("is larger than {most} bytes, the most that is read"))
-        .with_help("if it is what was meant, raise the limit with `--max-bytes N`")
+    Error::new(shown, format!("is larger than the limit of {most} bytes"))
+        .with_help("raise the limit with `--max-bytes N`")
         .unreadable()
 }

@@ -1,10 +1,13 @@
-//! One finding of a lint: what, where, how bad, and the edit that mends it.
+//! Findings: diagnostics that stand alone.
 //!
-//! Self-contained: places are paths, lines and columns, so that findings can be
-//! cached, merged from several runs, and rendered without the shader at hand.
+//! Their places are paths, lines and columns, so that findings can be cached, merged from several
+//! runs, and rendered without the shader at hand.
 
-use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::diagnostic::{self, Diagnostic, Label, Severity};
 use crate::source::{Files, Span};
 
 /// How much a lint's findings matter.
@@ -20,6 +23,15 @@ pub enum Level {
 }
 
 impl Level {
+    /// The severity of findings at this level; `None` for `allow`, which reports none.
+    pub fn severity(self) -> Option<Severity> {
+        match self {
+            Level::Allow => None,
+            Level::Warn => Some(Severity::Warning),
+            Level::Deny => Some(Severity::Error),
+        }
+    }
+
     /// `allow`, `warn` or `deny`.
     pub fn name(self) -> &'static str {
         match self {
@@ -30,32 +42,13 @@ impl Level {
     }
 }
 
-/// One finding.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
-    /// The lint's code.
-    pub code: String,
-    /// The level it has here; never `allow`.
-    pub level: Level,
-    /// One sentence, lower case, names in backticks.
-    pub message: String,
-    /// What it is about, the same wherever the lines move: `PointLightBlock`, `Light.color`.
-    pub about: String,
-    /// The main place; a file as a whole has line 0.
-    pub place: Place,
-    /// A word at the main place; may be empty.
-    pub text: String,
-    /// Further places with a word on their part.
-    pub related: Vec<Related>,
-    /// Facts that explain the message.
-    pub notes: Vec<String>,
-    /// The block's listing, holes spelled out, where it helps to see it.
-    pub listing: Option<String>,
-    /// The smallest edit that mends it, in words.
-    pub help: Option<String>,
-    /// The same edit for `--fix`, where it is mechanical.
-    pub fix: Vec<Edit>,
-}
+/// A diagnostic that stands alone: its places are paths, lines and columns, its code is text.
+///
+/// It has at least one label, the main place; a file as a whole has line 0.
+pub type Finding = Diagnostic<Place, String>;
+
+/// A replacement of bytes in a file, by path, line and column.
+pub type Edit = diagnostic::Edit<Place>;
 
 /// A range of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -74,24 +67,6 @@ pub struct Place {
     pub start: u32,
     /// One past the last byte.
     pub end: u32,
-}
-
-/// A further place of a finding.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Related {
-    /// Where.
-    pub place: Place,
-    /// Its part in the finding.
-    pub text: String,
-}
-
-/// A replacement of bytes in a file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Edit {
-    /// The bytes that go.
-    pub place: Place,
-    /// What stands there instead.
-    pub new: String,
 }
 
 impl Place {
@@ -117,61 +92,122 @@ impl Place {
 }
 
 impl Finding {
-    /// A finding of that lint at a place of a shader; its level is set by who asked the lint.
-    pub fn new(
+    /// A finding of a lint at a place of a shader; [`Level`]s are applied later.
+    pub fn of(
         code: &str,
         about: impl Into<String>,
         place: Place,
         message: impl Into<String>,
     ) -> Finding {
-        Finding {
-            code: code.to_string(),
-            level: Level::Warn,
-            message: message.into(),
-            about: about.into(),
-            place,
-            text: String::new(),
-            related: Vec::new(),
-            notes: Vec::new(),
-            listing: None,
-            help: None,
+        let new = Diagnostic::new(code.to_string(), Severity::Warning, place, message);
+        Diagnostic { about: about.into(), ..new }
+    }
+
+    /// The main place.
+    pub fn place(&self) -> &Place {
+        &self.labels[0].at
+    }
+
+    /// The remark at the main place; may be empty.
+    pub fn text(&self) -> &str {
+        &self.labels[0].text
+    }
+
+    /// The further places.
+    pub fn related(&self) -> &[Label<Place>] {
+        &self.labels[1..]
+    }
+
+    /// The level of this severity.
+    pub fn level(&self) -> Level {
+        match self.severity {
+            Severity::Warning => Level::Warn,
+            Severity::Error => Level::Deny,
+        }
+    }
+}
+
+impl Diagnostic {
+    /// The same with places that stand alone. Labels in files that `files` does not hold are
+    /// left out; without any, the place is the file as a whole.
+    pub fn located(&self, files: &Files) -> Finding {
+        let mut labels: Vec<Label<Place>> = self
+            .labels
+            .iter()
+            .filter(|label| files.get(label.at.file).is_some())
+            .map(|label| Label { at: Place::of(files, label.at), text: label.text.clone() })
+            .collect();
+        if labels.is_empty() {
+            let path = self.path.clone().or_else(|| files.get(0).map(|file| file.path.clone()));
+            let at = Place::file(path.unwrap_or_default());
+            labels.push(Label { at, text: String::new() });
+        }
+        Diagnostic {
+            code: self.code.name().to_string(),
+            severity: self.severity,
+            message: self.message.clone(),
+            path: None,
+            // The same whichever shader includes the file.
+            about: labels[0].at.path.clone(),
+            labels,
+            notes: self.notes.clone(),
+            listing: self.listing.clone(),
+            help: self.help.clone(),
             fix: Vec::new(),
         }
     }
+}
 
-    /// The same with a word at the main place.
-    pub fn with_text(mut self, text: impl Into<String>) -> Finding {
-        self.text = text.into();
-        self
+/// A finding as JSON reports and caches hold it.
+#[derive(Serialize, Deserialize)]
+struct Written<'a> {
+    code: Cow<'a, str>,
+    level: Level,
+    message: Cow<'a, str>,
+    about: Cow<'a, str>,
+    place: Cow<'a, Place>,
+    text: Cow<'a, str>,
+    related: Cow<'a, [Label<Place>]>,
+    notes: Cow<'a, [String]>,
+    listing: Option<Cow<'a, str>>,
+    help: Option<Cow<'a, str>>,
+    fix: Cow<'a, [Edit]>,
+}
+
+impl Serialize for Finding {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Written {
+            code: Cow::Borrowed(&self.code),
+            level: self.level(),
+            message: Cow::Borrowed(&self.message),
+            about: Cow::Borrowed(&self.about),
+            place: Cow::Borrowed(self.place()),
+            text: Cow::Borrowed(self.text()),
+            related: Cow::Borrowed(self.related()),
+            notes: Cow::Borrowed(&self.notes),
+            listing: self.listing.as_deref().map(Cow::Borrowed),
+            help: self.help.as_deref().map(Cow::Borrowed),
+            fix: Cow::Borrowed(&self.fix),
+        }
+        .serialize(serializer)
     }
+}
 
-    /// The same with a further place.
-    pub fn with_related(mut self, place: Place, text: impl Into<String>) -> Finding {
-        self.related.push(Related { place, text: text.into() });
-        self
-    }
-
-    /// The same with a fact that explains it.
-    pub fn with_note(mut self, note: impl Into<String>) -> Finding {
-        self.notes.push(note.into());
-        self
-    }
-
-    /// The same with a block's listing.
-    pub fn with_listing(mut self, listing: impl Into<String>) -> Finding {
-        self.listing = Some(listing.into());
-        self
-    }
-
-    /// The same with advice.
-    pub fn with_help(mut self, help: impl Into<String>) -> Finding {
-        self.help = Some(help.into());
-        self
-    }
-
-    /// The same with an edit that mends it.
-    pub fn with_edit(mut self, place: Place, new: impl Into<String>) -> Finding {
-        self.fix.push(Edit { place, new: new.into() });
-        self
+impl<'de> Deserialize<'de> for Finding {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Finding, D::Error> {
+        let read = Written::deserialize(deserializer)?;
+        let main = Label { at: read.place.into_owned(), text: read.text.into_owned() };
+        Ok(Diagnostic {
+            code: read.code.into_owned(),
+            severity: read.level.severity().unwrap_or(Severity::Warning),
+            message: read.message.into_owned(),
+            path: None,
+            about: read.about.into_owned(),
+            labels: std::iter::once(main).chain(read.related.into_owned()).collect(),
+            notes: read.notes.into_owned(),
+            listing: read.listing.map(Cow::into_owned),
+            help: read.help.map(Cow::into_owned),
+            fix: read.fix.into_owned(),
+        })
     }
 }

@@ -1,9 +1,9 @@
-//! Layouts, findings and values as text: one file a format, each reading only the
-//! [model](mod@crate::layout), or the values [decoded](crate::buffer::Decoded) by it.
+//! Text output of layouts, findings and values: one module per format, each reading only the
+//! [model](mod@crate::layout) or [decoded](crate::buffer::Decoded) values.
 //!
-//! A document over many shaders is [`opening`], then each [`shader`] with
-//! [`between`] between them, then [`closing`], so that no more than one shader
-//! need be in memory; [`document`] is all of it for one.
+//! A document of several shaders is [`opening`], each [`shader`] separated by [`between`], then
+//! [`closing`], so that only one shader need be in memory; [`document`] is a whole document of
+//! one shader.
 
 pub mod columns;
 pub mod csv;
@@ -16,10 +16,10 @@ pub mod json;
 mod listing;
 mod markdown;
 pub mod paint;
+pub mod phrases;
 mod place;
 mod table;
 pub mod values;
-pub mod words;
 
 pub use crate::lock::LOCK_SCHEMA;
 pub use expand::MOST_OFFSETS;
@@ -31,42 +31,42 @@ use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;
 use crate::text::escape;
 
-/// Name of the tool in its products, whichever of its crates writes them.
+/// The tool's name in its output, whichever crate writes it.
 pub const NAME: &str = "landfall";
 
 /// The tool in one sentence.
 pub const DESCRIPTION: &str =
     "Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks";
 
-/// Version of the JSON output; a change that could break a reader raises it.
+/// The version of the JSON output, raised by every incompatible change.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// JSON Schema (draft 2020-12) of the JSON output.
+/// The JSON Schema (draft 2020-12) of the JSON output.
 pub const LAYOUT_SCHEMA: &str = include_str!("../schema/layout.json");
 
-/// JSON Schema (draft 2020-12) of a finding in JSON.
+/// The JSON Schema (draft 2020-12) of a finding in JSON.
 pub const DIAGNOSTIC_SCHEMA: &str = include_str!("../schema/diagnostic.json");
 
-/// JSON Schema (draft 2020-12) of the JSON output of `explain`.
+/// The JSON Schema (draft 2020-12) of the JSON output of `explain`.
 pub const EXPLAIN_SCHEMA: &str = include_str!("../schema/explain.json");
 
-/// A form layouts are written in.
+/// An output format of layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Columns for the eye.
+    /// Aligned columns.
     Table,
-    /// The structures in their own language, each member with its place.
+    /// The structures in the shader's language, each member with its offset.
     Listing,
-    /// JSON as [`LAYOUT_SCHEMA`] describes it.
+    /// JSON that follows [`LAYOUT_SCHEMA`].
     Json,
-    /// One row a leaf, RFC 4180.
+    /// CSV (RFC 4180), one row per leaf.
     Csv,
     /// Markdown tables.
     Markdown,
 }
 
 impl Format {
-    /// The extension of files in this format.
+    /// The file extension of this format.
     pub fn extension(self) -> &'static str {
         match self {
             Format::Table | Format::Listing => "txt",
@@ -77,25 +77,27 @@ impl Format {
     }
 }
 
-/// How layouts are written.
+/// Options of the layout output.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct EmitOptions {
-    /// The form.
+    /// The format.
     pub format: Format,
-    /// Every element of every array instead of one pattern; at most [`MOST_OFFSETS`] a block.
+    /// Whether to write every array element instead of one pattern; at most [`MOST_OFFSETS`] per
+    /// block.
     pub expand: bool,
-    /// Colours, where the form has any.
+    /// Colours, in formats that have any.
     pub paint: Paint,
 }
 
 impl EmitOptions {
-    /// That format, patterns, no colours.
+    /// Options for `format`, with patterns and without colours.
     pub fn new(format: Format) -> EmitOptions {
         EmitOptions { format, expand: false, paint: Paint::Plain }
     }
 }
 
-/// What stands before the first shader.
+/// The text before the first shader.
 pub fn opening(options: &EmitOptions) -> String {
     match options.format {
         Format::Table | Format::Listing | Format::Markdown => String::new(),
@@ -104,7 +106,7 @@ pub fn opening(options: &EmitOptions) -> String {
     }
 }
 
-/// What stands between two shaders.
+/// The text between two shaders.
 pub fn between(options: &EmitOptions) -> &'static str {
     match options.format {
         Format::Table | Format::Listing | Format::Markdown => "\n",
@@ -113,7 +115,7 @@ pub fn between(options: &EmitOptions) -> &'static str {
     }
 }
 
-/// What stands after the last shader of `shaders`.
+/// The text after the last of `shaders` shaders.
 pub fn closing(options: &EmitOptions, shaders: usize) -> &'static str {
     match options.format {
         Format::Table | Format::Listing | Format::Markdown | Format::Csv => "",
@@ -134,7 +136,7 @@ pub fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     shown(text, options.paint)
 }
 
-/// A text for people, without anything that a terminal or a log obeys but our own styles.
+/// Escapes control sequences in human-readable text, except landfall's own styles.
 pub fn shown(text: String, paint: Paint) -> String {
     match escape::output(&text, paint.styles()) {
         Cow::Borrowed(_) => text,
@@ -142,7 +144,7 @@ pub fn shown(text: String, paint: Paint) -> String {
     }
 }
 
-/// A whole document about one shader.
+/// A whole document of one shader.
 pub fn document(layouts: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = opening(options);
     text.push_str(&shader(layouts, options));
@@ -150,8 +152,7 @@ pub fn document(layouts: &ShaderLayout, options: &EmitOptions) -> String {
     text
 }
 
-/// Whether a text looks like a [`document`] about a file of that name, so that nothing else is
-/// lost when it is written anew.
+/// Whether `text` looks like a [`document`] of the file `name`, and so may be overwritten.
 pub fn is_document(text: &str, format: Format, name: &str) -> bool {
     let first = text.lines().next().unwrap_or_default();
     match format {
@@ -165,8 +166,8 @@ pub fn is_document(text: &str, format: Format, name: &str) -> bool {
 /// The first columns of a CSV document.
 const CSV_START: &str = "shader,block,instance,";
 
-/// What these options cannot be met for: blocks with more than [`MOST_OFFSETS`] elements to
-/// expand. They are written as patterns.
+/// Errors for blocks with more than [`MOST_OFFSETS`] elements to expand, which are written as
+/// patterns.
 pub fn refused(shader: &ShaderLayout, options: &EmitOptions) -> Vec<Diagnostic> {
     if options.expand { expand::refused(shader) } else { Vec::new() }
 }

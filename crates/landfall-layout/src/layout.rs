@@ -1,7 +1,7 @@
-//! The model in the middle: where every member of every block lands.
+//! The layout model: the offset, size and strides of every member of every block.
 //!
-//! Reads [`shape`](crate::shape), applies [`rules`]; everything that prints,
-//! checks or fills a block reads only this.
+//! Reads [`shape`](crate::shape) and applies [`rules`]; code that prints, checks or fills a block
+//! reads only this model.
 
 pub mod attributes;
 pub mod byte;
@@ -19,132 +19,137 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::shape::{
-    AddressSpace, ArrayLen, Block, Majorness, Member, OffsetOrder, Rules, Struct, Type, Written,
+    AddressSpace, ArrayLen, Block, MatrixLayout, Member, OffsetOrder, Rules, Struct, Type, Written,
 };
 use crate::source::Span;
 pub(crate) use leaves::leaves_of;
 pub use leaves::occupied;
 use rules::{Alignment, Cursor, TooLarge};
 
-/// A block may not be larger than this: offsets are 32 bits wide in every API.
+/// The size limit of a block in bytes: offsets are 32 bits wide in every API.
 pub const LARGEST_BLOCK: u64 = 1 << 32;
 
-/// A block may not have more leaf patterns than this: beyond lies text made to exhaust memory.
+/// The limit on leaf patterns of a block; guards against shaders made to exhaust memory.
 pub const MOST_LEAVES: u64 = 100_000;
 
 /// The layout of one block.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BlockLayout {
-    /// `uniform NAME { … }`; in WGSL the structure's name, or the variable's if it has none.
+    /// The name in `uniform NAME { … }`; in WGSL that of the structure, or of the variable if its
+    /// type is no structure.
     pub name: Arc<str>,
-    /// The variable, where there is one.
+    /// The instance name or variable, if any.
     pub instance: Option<Arc<str>>,
-    /// Where it lives.
+    /// The address space.
     pub space: AddressSpace,
-    /// The rules it is laid out by.
+    /// The layout rules.
     pub rules: Rules,
-    /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
+    /// Whether the text or the language determines the rules; otherwise the driver chooses them.
     pub rules_declared: bool,
-    /// Whether it is the loose uniforms of a GLSL text, which declares no such block; its name is
-    /// `DEFAULT_BLOCK`, as that of a declared block may be.
+    /// Whether the block holds the loose uniforms of a GLSL shader instead of being declared; its
+    /// name is then `DEFAULT_BLOCK`, which a declared block may also have.
     pub gathered: bool,
-    /// `set = N`, `@group(N)`.
+    /// The descriptor set or bind group: `set = N`, `@group(N)`.
     pub group: Option<u32>,
-    /// `binding = N`, `@binding(N)`.
+    /// The binding: `binding = N`, `@binding(N)`.
     pub binding: Option<u32>,
-    /// Dimensions of an array of blocks, outermost first: each element is a buffer of its own.
+    /// Dimensions of an array of blocks, outermost first; each element is a separate buffer.
     pub count: Vec<ArrayLen>,
-    /// Bytes a buffer must hold, as desktop drivers report (OpenGL ES leaves the reported size to
-    /// the implementation), a runtime-sized tail counted with one element.
-    /// std140 rounds up to 16, as drivers report; the others to the block's alignment.
-    /// `None` for loose uniforms.
+    /// Bytes a buffer must hold, counting a runtime-sized tail as one element; `None` for loose
+    /// uniforms.
+    ///
+    /// std140 rounds up to 16, as desktop drivers report (OpenGL ES leaves the reported size to the
+    /// implementation); the other rules round up to the block's alignment.
     pub size: Option<u64>,
     /// End of the last member; `None` for loose uniforms.
     pub data_size: Option<u64>,
     /// Largest alignment of a member (std140: at least 16); `None` for loose uniforms.
     pub align: Option<u64>,
-    /// Its members in the order of the text.
+    /// The members in declaration order.
     pub members: Vec<MemberLayout>,
-    /// Scalars, vectors and matrices at the ends of the tree, one row a pattern.
+    /// The scalars, vectors and matrices in the block, one entry per pattern.
     pub leaves: Vec<Leaf>,
-    /// Members left out because they are opaque (samplers, images): their names.
+    /// Names of the members left out because they are opaque (samplers, images).
     pub opaque: Vec<Arc<str>>,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// The comments right before it.
+    /// The comments directly before the block.
     pub comment: Vec<Span>,
 }
 
 /// The layout of a member of a block or structure.
 #[derive(Clone, Debug)]
 pub struct MemberLayout {
-    /// Its name.
+    /// The name.
     pub name: Arc<str>,
-    /// Its type, array dimensions included.
+    /// The type, array dimensions included.
     pub ty: Type,
-    /// Where it starts in the block or structure it is a member of; `None` for loose uniforms.
+    /// Offset from the start of the enclosing block or structure; `None` for loose uniforms.
     pub offset: Option<u64>,
-    /// Bytes it occupies; `None` when runtime-sized, and for loose uniforms.
+    /// Size in bytes; `None` if runtime-sized and for loose uniforms.
     pub size: Option<u64>,
-    /// Its offset is a multiple of this; `None` for loose uniforms.
+    /// Alignment in bytes; `None` for loose uniforms.
     pub align: Option<u64>,
     /// Array dimensions, outermost first.
     pub dims: Vec<ArrayLen>,
-    /// Distance of elements for each dimension, outermost first; empty for loose uniforms.
+    /// Array stride of each dimension, outermost first; empty for loose uniforms.
     pub strides: Vec<u64>,
-    /// Distance of columns (rows), when it is a matrix or an array of them.
+    /// Distance between columns (rows, if row-major) of a matrix or an array of matrices.
     pub matrix_stride: Option<u64>,
-    /// Whether its matrices are stored by rows.
+    /// Whether matrices are stored row-major.
     pub row_major: bool,
-    /// The members of its structure, offsets from the start of one element.
+    /// Members of the structure, with offsets from the start of one element.
     pub members: Vec<MemberLayout>,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// The comments that belong to it.
+    /// The comments that belong to the member.
     pub comment: Vec<Span>,
 }
 
-/// A scalar, vector or matrix at the end of the tree; arrays on the way are patterns.
+/// A scalar, vector or matrix member, nested members included; `[]` in its path stands for every
+/// element of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leaf {
-    /// `data[].pos`: as OpenGL spells active uniforms, without the block's name.
+    /// The path as OpenGL spells active uniforms, without the block's name: `data[].pos`.
     pub path: String,
     /// The scalar, vector or matrix type.
     pub ty: Type,
-    /// Of its first element, from the start of the block; `None` for loose uniforms.
+    /// Offset of the first element from the start of the block; `None` for loose uniforms.
     pub offset: Option<u64>,
-    /// Every array dimension on the way, outermost first.
+    /// Every array dimension along the path, outermost first.
     pub dims: Vec<ArrayLen>,
-    /// Distance of elements for each dimension; empty for loose uniforms.
+    /// Array stride of each dimension; empty for loose uniforms.
     pub strides: Vec<u64>,
-    /// Bytes of one element; `None` for loose uniforms.
+    /// Size of one element in bytes; `None` for loose uniforms.
     pub size: Option<u64>,
-    /// Distance of columns (rows) of a matrix.
+    /// Distance between columns (rows, if row-major) of a matrix.
     pub matrix_stride: Option<u64>,
-    /// Whether a matrix is stored by rows.
+    /// Whether a matrix is stored row-major.
     pub row_major: bool,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// What naga says, where it was asked, has an answer, and the answer differs.
+    /// naga's placement where it was computed and differs.
     pub naga: Option<NagaPlace>,
 }
 
-/// Where naga, and so wgpu, would read a leaf.
+/// The placement of a leaf by naga, and so by wgpu.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct NagaPlace {
-    /// Of the first element, from the start of the block.
+    /// Offset of the first element from the start of the block.
     pub offset: u64,
-    /// Array dimensions as naga takes them, outermost first.
+    /// Array dimensions, outermost first; `None` where runtime-sized.
     pub dims: Vec<Option<u64>>,
-    /// Distance of elements for each dimension.
+    /// Array stride of each dimension.
     pub strides: Vec<u64>,
 }
 
 /// Lays out a block by its own rules.
 ///
 /// # Errors
-/// What makes the block impossible: explicit offsets that overlap or are
-/// misaligned, a size past [`LARGEST_BLOCK`].
+/// Explicit offsets that overlap or are misaligned, more than [`MOST_LEAVES`] leaves, a size past
+/// [`LARGEST_BLOCK`].
 pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
     if leaves > MOST_LEAVES {
@@ -171,7 +176,7 @@ pub fn lay_out(block: &Block) -> Result<BlockLayout, Vec<Diagnostic>> {
     };
     if block.space == AddressSpace::Default {
         for member in &block.members {
-            result.members.push(loose(member, block.majorness));
+            result.members.push(loose(member, block.matrix_layout));
         }
     } else {
         place_members(block, &mut result)?;
@@ -187,7 +192,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     let is_explicit = block.members.iter().any(|m| m.offset.is_some());
     for member in &block.members {
         let before = cursor.end();
-        let Ok(placed) = cursor.place(member, block.majorness) else {
+        let Ok(placed) = cursor.place(member, block.matrix_layout) else {
             return Err(vec![too_large(block, member)]);
         };
         if let Some(offset) = member.offset {
@@ -196,7 +201,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
         if let Some(size) = placed.extent.size.filter(|&size| size > 0) {
             let end = placed.offset + size;
             if let Some(other) = taken.iter().find(|(s, e, _)| placed.offset < *e && *s < end) {
-                // Only an explicit offset, or a member after one, can reach back.
+                // Only an explicit offset, or a member after one, can lie before earlier members.
                 diagnostics.push(overlap(member, placed.offset, other));
             }
             if is_explicit {
@@ -219,7 +224,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     let size = match block.rules {
         // OpenGL 4.6 §7.6.2.2, end: the data size is rounded up to the alignment of a vec4.
         Rules::Std140 => Alignment::VEC4.round_up(reach),
-        // WGSL §14.4.1: a buffer of no structure has SizeOf its type, 12 for a `vec3f`.
+        // WGSL §14.4.1: a buffer of a non-structure type has SizeOf that type, 12 for a `vec3f`.
         Rules::Wgsl if is_bare_variable(block) => Ok(reach),
         // Rule 9 and WGSL §14.4.2: a structure is padded to its alignment.
         Rules::Std430 | Rules::Wgsl => whole.align.round_up(reach),
@@ -233,13 +238,13 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
     Ok(())
 }
 
-/// Whether the block is a variable of WGSL whose type is no structure.
+/// Whether the block is a WGSL variable whose type is not a structure.
 fn is_bare_variable(block: &Block) -> bool {
     let alone = |member: &Member| member.name == block.name;
     block.instance.is_none() && block.members.len() == 1 && block.members.iter().all(alone)
 }
 
-/// GLSL 4.60 §4.4.5: what an explicit offset must satisfy.
+/// Checks an explicit offset by GLSL 4.60 §4.4.5.
 fn check_offset(
     block: &Block,
     member: &Member,
@@ -248,7 +253,7 @@ fn check_offset(
     before: Option<u64>,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
-    let own = rules::extent(&member.ty, block.rules, placed.majorness)
+    let own = rules::extent(&member.ty, block.rules, placed.matrix_layout)
         .map_or(Alignment::ONE, |extent| extent.align);
     if !own.divides(offset.value) {
         diagnostics.push(
@@ -283,19 +288,19 @@ fn check_offset(
                 ),
             )
             .with_note(
-                "OpenGL wants explicit offsets in ascending order; only Vulkan takes any order",
+                "OpenGL requires explicit offsets in ascending order; only Vulkan allows any order",
             )
             .with_help(format!(
-                "write `offset = {}` or more, or say `--target vulkan`",
+                "write `offset = {}` or more, or pass `--target vulkan`",
                 own.round_up(before).unwrap_or(before)
             )),
         );
     }
 }
 
-/// What OpenGL would refuse in a block that only the text's author knows to be Vulkan's.
-pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
-    if block.offset_order != OffsetOrder::Untold {
+/// Returns warnings about offsets that OpenGL rejects, for a block whose target API is unknown.
+pub(crate) fn order_of_unknown_target(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
+    if block.offset_order != OffsetOrder::Unknown {
         return Vec::new();
     }
     let goes_back = |pair: &[MemberLayout]| {
@@ -312,8 +317,10 @@ pub fn untold_order(block: &Block, layout: &BlockLayout) -> Vec<Diagnostic> {
                 member.offset.unwrap_or(0),
             );
             Diagnostic::warning(Code::OffsetGoesBack, member.span, message)
-                .with_note("Vulkan takes explicit offsets in any order, OpenGL only ascending ones")
-                .with_help("say which it is for with `--target vulkan` or `--target opengl`")
+                .with_note(
+                    "Vulkan allows explicit offsets in any order, OpenGL only ascending ones",
+                )
+                .with_help("pass `--target vulkan` or `--target opengl`")
         })
         .collect()
 }
@@ -334,9 +341,9 @@ fn overlap(member: &Member, at: u64, other: &(u64, u64, &Member)) -> Diagnostic 
 }
 
 fn too_many_leaves(block: &Block, leaves: u64) -> Diagnostic {
-    let message = format!("block `{}` has {leaves} members at the ends of its tree", block.name);
+    let message = format!("block `{}` has {leaves} scalar, vector and matrix members", block.name);
     Diagnostic::error(Code::TooManyMembers, block.span, message)
-        .with_note(format!("landfall lays out at most {MOST_LEAVES} a block"))
+        .with_note(format!("landfall lays out at most {MOST_LEAVES} per block"))
 }
 
 fn too_large(block: &Block, member: &Member) -> Diagnostic {
@@ -358,7 +365,7 @@ fn too_large_block(block: &Block) -> Diagnostic {
     .with_help("use smaller arrays")
 }
 
-/// The layout of a placed member and of everything below it.
+/// Returns the layout of a placed member and of its nested members.
 fn member_layout(
     member: &Member,
     rules: Rules,
@@ -367,12 +374,12 @@ fn member_layout(
     let mut strides = Vec::new();
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
-        let extent = rules::extent(ty, rules, placed.majorness)?;
+        let extent = rules::extent(ty, rules, placed.matrix_layout)?;
         strides.push(extent.array_stride.expect("an array has a stride"));
         ty = element;
     }
     let members = match ty {
-        Type::Struct(s) => struct_members(s, rules, placed.majorness)?,
+        Type::Struct(s) => struct_members(s, rules, placed.matrix_layout)?,
         Type::Scalar(_)
         | Type::Atomic(_)
         | Type::Vector { .. }
@@ -389,7 +396,7 @@ fn member_layout(
         dims: member.ty.dims(),
         strides,
         matrix_stride: placed.extent.matrix_stride,
-        row_major: is_matrix(ty) && placed.majorness == Majorness::Row,
+        row_major: is_matrix(ty) && placed.matrix_layout == MatrixLayout::Row,
         members,
         span: member.span,
         comment: member.comment.clone(),
@@ -399,23 +406,23 @@ fn member_layout(
 fn struct_members(
     s: &Struct,
     rules: Rules,
-    majorness: Majorness,
+    matrix_layout: MatrixLayout,
 ) -> Result<Vec<MemberLayout>, TooLarge> {
     let mut cursor = Cursor::new(rules);
     s.members
         .iter()
         .map(|member| {
-            let placed = cursor.place(member, majorness)?;
+            let placed = cursor.place(member, matrix_layout)?;
             member_layout(member, rules, placed)
         })
         .collect()
 }
 
-/// A loose uniform: a name and a type, no byte.
-fn loose(member: &Member, inherited: Majorness) -> MemberLayout {
-    let majorness = member.majorness.unwrap_or(inherited);
+/// Returns the layout of a loose uniform, which has a name and a type but no offset.
+fn loose(member: &Member, inherited: MatrixLayout) -> MemberLayout {
+    let matrix_layout = member.matrix_layout.unwrap_or(inherited);
     let members = match member.ty.innermost() {
-        Type::Struct(s) => s.members.iter().map(|m| loose(m, majorness)).collect(),
+        Type::Struct(s) => s.members.iter().map(|m| loose(m, matrix_layout)).collect(),
         Type::Scalar(_)
         | Type::Atomic(_)
         | Type::Vector { .. }
@@ -432,7 +439,7 @@ fn loose(member: &Member, inherited: Majorness) -> MemberLayout {
         dims: member.ty.dims(),
         strides: Vec::new(),
         matrix_stride: None,
-        row_major: is_matrix(member.ty.innermost()) && majorness == Majorness::Row,
+        row_major: is_matrix(member.ty.innermost()) && matrix_layout == MatrixLayout::Row,
         members,
         span: member.span,
         comment: member.comment.clone(),
@@ -444,8 +451,8 @@ fn is_matrix(ty: &Type) -> bool {
 }
 
 impl BlockLayout {
-    /// Bytes of the block that hold components; the rest of [`size`](Self::size) is padding.
-    /// A runtime-sized dimension counts once.
+    /// Returns the bytes of the block that hold components; the rest of [`size`](Self::size) is
+    /// padding. A runtime-sized dimension counts as one element.
     pub fn used(&self) -> u64 {
         self.leaves
             .iter()

@@ -1,8 +1,8 @@
-//! Locks: the committed record of a shader's layout, one JSON file a shader.
+//! Locks: committed records of shader layouts, one JSON file per shader.
 //!
-//! [`write()`] makes a lock's text from a [`ShaderLayout`], [`read()`] makes real
-//! [`BlockLayout`]s from a lock or from the output of `layout --format json`, and
-//! the lint `layout-drift` compares a shader with its lock. Files are the command's business.
+//! [`write()`] makes a lock's text from a [`ShaderLayout`], [`read()`] makes [`BlockLayout`]s
+//! from a lock or from the output of `layout --format json`, and the lint `layout-drift`
+//! compares a shader with its lock. The command reads and writes the files.
 
 mod check;
 mod place;
@@ -20,46 +20,46 @@ use crate::source::{Files, Language, Stage, Target};
 pub use read::{is_lock, is_newer, read, read_all};
 pub use write::{renew, write};
 
-/// Version of the form of locks; a change that could break a reader raises it.
+/// The version of the lock format, raised by every incompatible change.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// JSON Schema (draft 2020-12) of a lock.
+/// The JSON Schema (draft 2020-12) of a lock.
 pub const LOCK_SCHEMA: &str = include_str!("../schema/lock.json");
 
 /// A lock, or one shader of the output of `layout --format json`.
 #[derive(Clone, Debug)]
 pub struct Lock {
-    /// The shader's path, where the JSON says it: a lock does not, its own place does.
+    /// The shader's path, if the JSON holds it. A lock does not; its own path implies it.
     pub shader: Option<String>,
-    /// The language of the shader.
+    /// The shader's language.
     pub language: Language,
-    /// Its stage, where the JSON says it.
+    /// The shader's stage, if the JSON holds it.
     pub stage: Option<Stage>,
-    /// Its blocks; their spans are places in the JSON.
+    /// The blocks, with spans in the JSON.
     pub blocks: Vec<BlockLayout>,
-    /// Who has read the blocks back from a GPU and found them so.
+    /// The devices on which the layout was verified.
     pub verified: Vec<Verified>,
-    /// The API the text was read for, where it does not say and its blocks depend on it.
+    /// The API assumed for the shader, if its blocks depend on it and the text does not declare it.
     pub assumed_target: Option<Target>,
-    /// The JSON, so that spans can be turned into lines.
+    /// The JSON text, to resolve spans.
     pub files: Files,
 }
 
-/// Somebody who found the layout to be true.
+/// A device on which the layout was verified.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verified {
-    /// What read the bytes: `gl`, `gpu`.
+    /// The backend that read the bytes: `gl`, `gpu`.
     pub reader: String,
-    /// The adapter as its driver names it.
+    /// The adapter's name, from its driver.
     pub adapter: String,
     /// The driver and its version.
     pub driver: String,
-    /// The version of landfall.
+    /// Landfall's version.
     pub version: String,
 }
 
 impl Lock {
-    /// The lock as a shader's layout, for everything that reads those.
+    /// The lock as a [`ShaderLayout`].
     pub fn layout(&self) -> ShaderLayout {
         let path = self.files.get(0).map(|file| file.path.clone()).unwrap_or_default();
         ShaderLayout {
@@ -79,15 +79,15 @@ impl Lock {
         write::document(&self.layout(), &self.verified)
     }
 
-    /// The lock's text with nothing verified.
+    /// The lock's text without verified devices.
     pub fn bare(&self) -> String {
         write::document(&self.layout(), &[])
     }
 }
 
-/// Where the lock of a shader is: `layouts/lights/point.frag.json` for `lights/point.frag`.
+/// The path of a shader's lock: `layouts/lights/point.frag.json` for `lights/point.frag`.
 ///
-/// A path that leads out of the tree keeps only the names in it.
+/// Roots, `.` and `..` in the shader's path are dropped.
 pub fn path_of(locks: &Path, shader: &Path) -> PathBuf {
     let inside: PathBuf =
         shader.components().filter(|part| matches!(part, Component::Normal(_))).collect();

@@ -1,7 +1,7 @@
-//! naga's answer beside ours: where a wgpu program would read each leaf.
+//! Comparison of naga's layout with landfall's: where a wgpu program would read each leaf.
 //!
-//! naga's numbers are never taken: they are noted on a leaf where they differ.
-//! Its faults as of 30.0.1 are held by the tests below, which fail once one is mended.
+//! naga's numbers are never used as the layout; they are recorded on a leaf where they differ. The
+//! tests below pin the faults of naga 30.0.1 and fail once one is fixed.
 
 pub mod used;
 
@@ -14,14 +14,14 @@ use crate::shape::{AddressSpace, ArrayLen};
 use crate::source::{Language, Source, Span};
 use crate::syntax::wgsl;
 
-/// Notes on every leaf what naga says of it, where it has an answer that differs.
-/// `bodies` are the insides of functions in the text: naga need not understand them.
+/// Records naga's placement on every leaf where it differs. `bodies` are the insides of functions
+/// in the text, which naga need not parse.
 pub(crate) fn ask(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) {
     if blocks.is_empty() {
         return;
     }
     let module = match source.language {
-        // A whole function goes: what it takes and returns does not concern any block.
+        // Whole functions are blanked: their parameters and results do not concern any block.
         Language::Wgsl => wgsl_module(&blanked(&source.text, &wgsl::functions(&source.text))),
         Language::Glsl => glsl_module(&blanked(&source.text, bodies), source.stage),
     };
@@ -36,7 +36,7 @@ pub(crate) fn ask(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) 
     }
 }
 
-/// The text with spaces for everything in those spans but line breaks.
+/// Replaces the text in spans by spaces, except for line breaks.
 fn blanked(text: &str, spans: &[Span]) -> String {
     let mut result = String::with_capacity(text.len());
     let mut at = 0;
@@ -53,7 +53,7 @@ fn blanked(text: &str, spans: &[Span]) -> String {
     result
 }
 
-/// The variable of a block: by its own name, by its type's, or by where it is bound.
+/// Returns the variable of a block: by its own name, by its type's, or by its binding.
 pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<GlobalVariable>> {
     let space = |space: &Space| match block.space {
         AddressSpace::Uniform => matches!(space, Space::Uniform),
@@ -76,7 +76,7 @@ pub fn variable_of(module: &Module, block: &BlockLayout) -> Option<Handle<Global
 
 type Places = FxHashMap<String, NagaPlace>;
 
-/// Where naga puts the leaves of a variable; `None` where it waits for an override.
+/// Returns naga's placement of a variable's leaves; `None` if it depends on an override.
 fn places(
     module: &Module,
     variable: Handle<naga::Type>,
@@ -84,7 +84,7 @@ fn places(
     language: Language,
 ) -> Option<Places> {
     let mut ty = variable;
-    // GLSL's array of blocks is one buffer to naga; WGSL's `binding_array` is none.
+    // naga represents GLSL's array of blocks as one buffer, but not WGSL's `binding_array`.
     for _ in &block.count {
         match module.types[ty].inner {
             TypeInner::Array { base, .. } | TypeInner::BindingArray { base, .. } => ty = base,
@@ -94,7 +94,7 @@ fn places(
     let mut places = Places::default();
     let start = NagaPlace { offset: 0, dims: Vec::new(), strides: Vec::new() };
     let path = match (language, &block.instance) {
-        // A store type that is no structure: its one member is named as the variable.
+        // A store type that is not a structure: its one member has the variable's name.
         (Language::Wgsl, None) => block.name.to_string(),
         (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
     };
@@ -155,7 +155,7 @@ mod tests {
 
     use super::*;
     use crate::layout::lay_out;
-    use crate::shape::{Block, Majorness, Member, Rules, Scalar, Struct, Type};
+    use crate::shape::{Block, MatrixLayout, Member, Rules, Scalar, Struct, Type};
 
     fn member(name: &str, ty: Type) -> Member {
         Member::plain(Arc::from(name), ty, Span::default())
@@ -169,7 +169,7 @@ mod tests {
         Type::Array { element: Arc::new(element), len: ArrayLen::Fixed(length) }
     }
 
-    /// What naga says of block `B` in a GLSL text, where it differs from those members.
+    /// Returns the leaves of block `B` in a GLSL text that naga places elsewhere than `members`.
     fn asked(text: &str, space: AddressSpace, rules: Rules, members: Vec<Member>) -> Vec<Leaf> {
         let block = Block {
             name: Arc::from("B"),
@@ -181,7 +181,7 @@ mod tests {
             group: None,
             binding: None,
             count: Vec::new(),
-            majorness: Majorness::Column,
+            matrix_layout: MatrixLayout::Column,
             members,
             opaque: Vec::new(),
             offset_order: crate::shape::OffsetOrder::Ascending,

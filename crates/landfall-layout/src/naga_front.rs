@@ -1,4 +1,4 @@
-//! Guarded calls of naga's front ends: bounded texts only, and a panic counts as no answer.
+//! Guarded calls of naga's front ends: only bounded texts are parsed, and a panic yields `None`.
 
 use std::panic::{self, AssertUnwindSafe};
 
@@ -7,23 +7,23 @@ use rustc_hash::FxHashMap;
 
 use crate::source::{ExecutableStage, Stage};
 
-/// naga recurses on nested brackets without a bound of its own; deeper text is not handed to it.
+/// The limit on nested brackets: naga recurses on them without a bound of its own.
 const DEEPEST_BRACKETS: u32 = 64;
 
-/// The same for operators whose operands nest: `1 + 1 + 1 + …`, `a ? b : c ? …`.
+/// The limit on chained operators with nested operands: `1 + 1 + 1 + …`, `a ? b : c ? …`.
 const LONGEST_CHAIN: u32 = 200;
 
-/// The same for declarations that may hang on each other.
+/// The limit on declarations, which may depend on each other.
 const MOST_STATEMENTS: usize = 4_000;
 
-/// The same for structures that hold structures several times over: naga 30.0.1 walks every
-/// member of every member when it lays a structure of GLSL out.
+/// The limit on members of nested structures: naga 30.0.1 visits every member of every member when
+/// it lays out a GLSL structure.
 const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
-/// Longer text is not handed to naga.
+/// The limit on the length of a text in bytes.
 const LONGEST_TEXT: usize = 1 << 20;
 
-/// The number of elements of the array type of that name in a WGSL text, if naga takes the text.
+/// Returns the number of elements of the named array type in a WGSL text, if naga accepts the text.
 pub fn array_length(text: &str, name: &str) -> Option<u32> {
     let module = wgsl_module(text)?;
     let mut types = module.types.iter().map(|(_, ty)| ty);
@@ -33,18 +33,18 @@ pub fn array_length(text: &str, name: &str) -> Option<u32> {
     }
 }
 
-/// A WGSL text as a module, if naga takes it.
-pub fn wgsl_module(text: &str) -> Option<Module> {
+/// Parses a WGSL text; `None` if naga rejects it.
+pub(crate) fn wgsl_module(text: &str) -> Option<Module> {
     guarded(text, || naga::front::wgsl::parse_str(text).ok())
 }
 
-/// A GLSL text as a module, if naga takes it.
+/// Parses a GLSL text; `None` if naga rejects it.
 pub fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {
     glsl_whole(text, stage, &[])
 }
 
-/// The same with defines.
-pub fn glsl_whole(
+/// Parses a GLSL text with defines; `None` if naga rejects it.
+pub(crate) fn glsl_whole(
     text: &str,
     stage: Option<Stage>,
     defines: &[(String, String)],
@@ -62,7 +62,7 @@ pub fn glsl_whole(
     guarded(text, || naga::front::glsl::Frontend::default().parse(&options, text).ok())
 }
 
-/// Whether a text is one that naga can be trusted with.
+/// Whether a text is within the limits for naga.
 pub fn is_bounded(text: &str) -> bool {
     text.len() <= LONGEST_TEXT
         && nesting(text) <= DEEPEST_BRACKETS
@@ -70,14 +70,14 @@ pub fn is_bounded(text: &str) -> bool {
         && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS
 }
 
-/// Whether a GLSL text is one that naga can be trusted with.
+/// Whether a GLSL text is within the limits for naga.
 pub fn is_bounded_glsl(text: &str) -> bool {
     is_bounded(text) && nested_members(text) <= MOST_NESTED_MEMBERS
 }
 
-/// About how many members the structures of a text have, those of their members counted again
-/// with each: a word inside the braces of a structure that names an earlier one stands for all
-/// of its members.
+/// Estimates the number of members of a text's structures, counting the members of nested
+/// structures each time: a word inside the braces of a structure that names an earlier one stands
+/// for all of its members.
 fn nested_members(text: &str) -> u64 {
     let mut sizes: FxHashMap<&str, u64> = FxHashMap::default();
     let mut all = 0u64;
@@ -98,7 +98,7 @@ fn nested_members(text: &str) -> u64 {
     all
 }
 
-/// Runs a front end on text it can be trusted with; a panic in it counts as no answer.
+/// Runs a front end on a text within the limits; a panic yields `None`.
 fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module> {
     if !is_bounded(text) {
         return None;
@@ -107,19 +107,19 @@ fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module>
     panic::catch_unwind(AssertUnwindSafe(parse)).ok().flatten()
 }
 
-/// Runs the validator; a panic in it counts as no answer.
-pub fn guarded_validation<T>(validate: impl FnOnce() -> Option<T>) -> Option<T> {
+/// Runs the validator; a panic yields `None`.
+pub(crate) fn guarded_validation<T>(validate: impl FnOnce() -> Option<T>) -> Option<T> {
     panic::catch_unwind(AssertUnwindSafe(validate)).ok().flatten()
 }
 
-/// How deep brackets nest at most; a run of prefix operators nests as well.
+/// Returns the greatest nesting of brackets; a run of prefix operators counts as nesting.
 fn nesting(text: &str) -> u32 {
     let (mut open, mut deepest, mut prefixes) = (0u32, 0u32, 0u32);
     for byte in text.bytes() {
         match byte {
             b'(' | b'[' | b'{' | b'<' => open += 1,
             b')' | b']' | b'}' | b'>' => open = open.saturating_sub(1),
-            // `<` may be a comparison: no template list goes past this.
+            // `<` may be a comparison: no template list extends past this.
             b';' => open = 0,
             b'-' | b'!' | b'~' | b'&' | b'*' => prefixes += 1,
             b' ' | b'\t' | b'\n' | b'\r' => {}
@@ -130,11 +130,12 @@ fn nesting(text: &str) -> u32 {
     deepest
 }
 
-/// Operators in a row at most, no comma or semicolon between: naga recurses on their operands.
+/// Returns the longest run of operators without a comma or semicolon; naga recurses on their
+/// operands.
 fn longest_chain(text: &str) -> u32 {
     let (mut chain, mut longest) = (0u32, 0u32);
     for line in text.lines() {
-        // Banners in comments are no operators.
+        // Lines of symbols in comments are not operators.
         let code = line.split("//").next().unwrap_or(line);
         for byte in code.bytes() {
             match byte {

@@ -1,4 +1,5 @@
-//! Shading languages that are not read: known by a file's name or by what stands in a text.
+//! Detection of shading languages other than GLSL and WGSL, by a file's extension or by tokens of
+//! its text.
 
 use std::path::Path;
 
@@ -12,27 +13,27 @@ const EXTENSIONS: &[(&str, &[&str])] = &[
     ("WESL", &["wesl"]),
 ];
 
-/// The language that a file's name says, if it is one that is not read.
+/// Returns the language of a file by its extension, if it is not GLSL or WGSL.
 pub fn of_path(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     EXTENSIONS.iter().find(|row| row.1.contains(&extension.as_str())).map(|row| row.0)
 }
 
-/// Refuses a file whose name says that it is in another language.
+/// Rejects a file whose extension belongs to another shading language.
 ///
 /// # Errors
 /// The extension is one of HLSL, Slang, Metal or WESL.
 pub fn refuse(path: &Path) -> Result<(), Error> {
     let Some(language) = of_path(path) else { return Ok(()) };
     let help = match language {
-        "WESL" => "link it to WGSL first; if it is WGSL all the same, say `--language wgsl`",
-        _ => "landfall reads GLSL and WGSL; if it is GLSL all the same, say `--language glsl`",
+        "WESL" => "link it to WGSL first; if it is WGSL, pass `--language wgsl`",
+        _ => "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`",
     };
-    let message = format!("is {language} by its name, which landfall does not read");
+    let message = format!("is {language} by its extension, which landfall does not read");
     Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
 }
 
-/// Words that begin a declaration in another language and are none of GLSL's.
+/// Words that begin a declaration in another language and are not keywords of GLSL.
 const WORDS: &[(&str, &[&str])] = &[
     (
         "HLSL",
@@ -65,14 +66,14 @@ const WORDS: &[(&str, &[&str])] = &[
     ("ShaderLab", &["Shader"]),
 ];
 
-/// Whether that word may begin a declaration of another language.
+/// Whether a word may begin a declaration of another language.
 pub(crate) fn may_begin(first: &str) -> bool {
     WORDS.iter().any(|row| row.1.contains(&first))
 }
 
-/// The language in which a declaration begins with that token, the next one behind it.
+/// Returns the language in which a declaration may begin with the tokens `first` and `next`.
 ///
-/// In GLSL most of these words are names, so that the next token has to fit, too.
+/// Most of these words are valid names in GLSL, so the next token must fit as well.
 pub(crate) fn of_words(first: &str, next: &str) -> Option<&'static str> {
     let row = WORDS.iter().find(|row| row.1.contains(&first))?;
     let name = next.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');

@@ -1,21 +1,21 @@
-//! Old GLSL as GLSL 4.50 for Vulkan: loose uniforms gathered into one std140
-//! block, so that what took a call each takes one upload.
+//! Ports old GLSL to GLSL 4.50 for Vulkan, gathering loose uniforms into one std140 block that
+//! takes a single upload.
 //!
-//! The text is edited, not printed anew: comments, macros, blank lines and
-//! everything that need not change stay byte for byte. `outline` finds the
-//! declarations, and each kind of change has a file: `environment` (version,
-//! extensions, conditions), `words`, `hoist` (handles in structures),
-//! `uniforms`, `interface` (locations). `edits` puts them together.
-//! `separate` and `wgsl` take the result on to naga's GLSL and to WGSL.
+//! The text is edited, not reprinted: comments, macros, blank lines and everything unaffected
+//! stay byte for byte. `outline` parses the declarations, and each kind of change has a module:
+//! `environment` (version, extensions, conditions), `reserved`, `hoist` (handles in structures),
+//! `uniforms`, `interface` (locations). `edits` applies them. `separate` and `wgsl` translate
+//! the result to naga's GLSL and to WGSL.
 //!
-//! Clip space is not touched: a vertex shader written for OpenGL's depth range
-//! and upward y still writes those.
+//! Clip space stays as it is: a vertex shader written for OpenGL's depth range and upward y
+//! still writes those.
 
 mod edits;
 mod environment;
 mod hoist;
 mod interface;
 mod outline;
+mod reserved;
 #[cfg(feature = "naga")]
 mod separate;
 mod shader;
@@ -23,11 +23,11 @@ mod site;
 mod uniforms;
 #[cfg(feature = "naga")]
 mod wgsl;
-mod words;
 
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, DEFAULT_BLOCK};
 use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
+use crate::syntax::glsl::ast::Item;
 use crate::syntax::glsl::raw;
 use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 use edits::Edits;
@@ -36,34 +36,36 @@ pub use interface::Direction;
 use shader::Shader;
 use uniforms::{Bindings, Gathered};
 
-/// What reads a ported shader.
+/// The target language of a ported shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Dialect {
-    /// Vulkan's GLSL 4.50, samplers as they were.
+    /// Vulkan's GLSL 4.50, with combined samplers.
     #[default]
     Vulkan,
-    /// GLSL 4.50 as naga, and so wgpu, takes it: textures and samplers apart. Held against naga.
+    /// GLSL 4.50 for naga and wgpu, with separate textures and samplers, checked with naga.
     Naga,
-    /// WGSL, where its rules put every member at the same offset.
+    /// WGSL, if its rules put every member at the same offset.
     Wgsl,
 }
 
-/// How a shader is ported.
+/// Options of [`port`].
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PortOptions {
-    /// What is to read the result.
+    /// The target language.
     pub dialect: Dialect,
-    /// How its text is read.
+    /// The options for reading the shader.
     pub read: ReadOptions,
-    /// The name of the block its loose uniforms become.
+    /// The name of the block of loose uniforms.
     pub block: String,
-    /// The descriptor set of everything that has none.
+    /// The descriptor set of everything without one.
     pub set: u32,
-    /// The first binding given out; the block of loose uniforms has it if it is free.
+    /// The first binding to assign; the block of loose uniforms gets it if it is free.
     pub first_binding: u32,
-    /// The stage before or after it in the same program, to agree with on locations.
+    /// The preceding or following stage of the same program, to match locations with.
     pub partner: Option<Source>,
-    /// Locations by name, for what is to have another one than it would be given.
+    /// Locations by name, which override the assigned ones.
     pub locations: Vec<(String, u32)>,
 }
 
@@ -81,76 +83,71 @@ impl Default for PortOptions {
     }
 }
 
-/// A ported shader, and what a program that used the original has to know.
+/// A ported shader, and the changes that matter to its host program.
 #[derive(Clone, Debug)]
 pub struct Ported {
     /// The new text.
     pub source: Source,
-    /// The block the loose uniforms are in, where there were any.
+    /// The name of the block of loose uniforms, if there were any.
     pub block: Option<String>,
-    /// Sets and bindings, the block of the loose uniforms first.
+    /// Sets and bindings, that of the block of loose uniforms first.
     pub bindings: Vec<Binding>,
-    /// Locations of inputs and outputs.
+    /// The locations of inputs and outputs.
     pub locations: Vec<Location>,
-    /// Values that `uniform float x = 2.0;` gave, and that have to be uploaded now.
+    /// Initial values, as of `uniform float x = 2.0;`, which the host must now upload.
     pub values: Vec<InitialValue>,
-    /// Names that had to change, old and new: keywords, and handles out of structures.
+    /// Renames as old and new names: keywords, and handles moved out of structures.
     pub renamed: Vec<(String, String)>,
 }
 
 impl Ported {
-    /// The path a member of the block has now: `sample.rate` may be `sample_.rate`; or a sampler
-    /// that was one of a structure: `materials[2].diffuse` is `materials_diffuse[2]`.
+    /// The new path of a member of the block (`sample.rate` may become `sample_.rate`) or of a
+    /// sampler in a structure (`materials[2].diffuse` becomes `materials_diffuse[2]`).
     pub fn new_path(&self, path: &str) -> String {
-        let split = |part: &str| -> (String, String) {
-            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
-            (name.to_string(), brackets.to_string())
+        fn split(part: &str) -> (&str, &str) {
+            part.split_at(part.find('[').unwrap_or(part.len()))
+        }
+        let (names, brackets): (Vec<&str>, Vec<&str>) = path.split('.').map(split).unzip();
+        let renamed = |name: &str| {
+            let row = self.renamed.iter().find(|(old, _)| old == name);
+            row.map(|(_, new)| new.as_str())
         };
-        let (names, brackets): (Vec<String>, Vec<String>) = path.split('.').map(split).unzip();
-        let whole = names.join(".");
-        if let Some((_, own)) =
-            self.renamed.iter().find(|(old, _)| names.len() > 1 && *old == whole)
-        {
+        if let Some(own) = renamed(&names.join(".")).filter(|_| names.len() > 1) {
             return format!("{own}{}", brackets.concat());
         }
-        let new = |name: &str| {
-            let found = self.renamed.iter().find(|(old, _)| old == name);
-            found.map_or(name.to_string(), |(_, new)| new.clone())
-        };
-        let parts = path.split('.').map(|part| {
-            let (name, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
-            format!("{}{brackets}", new(name))
-        });
+        let parts = names.iter().zip(brackets);
+        let parts =
+            parts.map(|(name, brackets)| format!("{}{brackets}", renamed(name).unwrap_or(name)));
         parts.collect::<Vec<_>>().join(".")
     }
 }
 
-/// Where something is bound.
+/// A binding of a block or variable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// A block's name, or a variable's.
+    /// The name of the block or variable.
     pub name: String,
-    /// Descriptor set.
+    /// The descriptor set.
     pub set: u32,
-    /// Binding.
+    /// The binding.
     pub binding: u32,
 }
 
-/// Where something passes between stages.
+/// The location of an input or output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
-    /// Its name.
+    /// The variable's or block's name.
     pub name: String,
-    /// Which way.
+    /// The direction.
     pub direction: Direction,
-    /// Its first location.
+    /// The first location.
     pub location: u32,
 }
 
-/// The value a loose uniform had before it was set.
+/// The initial value of a loose uniform.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InitialValue {
-    /// Its name.
+    /// The uniform's name.
     pub name: String,
     /// The expression as written.
     pub value: String,
@@ -159,8 +156,8 @@ pub struct InitialValue {
 /// Ports a GLSL shader to GLSL 4.50 for Vulkan.
 ///
 /// # Errors
-/// What cannot be ported, each with its place: the fixed functions' state, copies of structures
-/// with samplers in them, declarations in macros or includes, uniform arrays without a size.
+/// Returns an error for each construct that cannot be ported: fixed-function state, copies of
+/// structures that contain samplers, declarations in macros or includes, unsized uniform arrays.
 pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let mut options = options.clone();
     options.read.target = options.read.target.or_else(|| target_of(source));
@@ -172,11 +169,11 @@ pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagno
     }
 }
 
-/// Without naga nothing can be checked against it, nor written by it.
+/// Rejects dialects that need naga in builds without it.
 #[cfg(not(feature = "naga"))]
 fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let path = &ported.source.path;
-    let message = format!("`{path}` needs naga to be ported further, and this build is without it");
+    let message = format!("porting `{path}` to this dialect needs naga, which this build lacks");
     let diagnostic = Diagnostic::error(Code::NotPortable, Span::default(), message);
     Err(vec![diagnostic.with_help("enable landfall's feature `naga`")])
 }
@@ -199,7 +196,7 @@ fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec
     Ok(ported)
 }
 
-/// OpenGL for versions there were before Vulkan, even if the text speaks of Vulkan.
+/// OpenGL for versions older than Vulkan, even if the text mentions Vulkan.
 fn target_of(source: &Source) -> Option<Target> {
     let raw = raw::read(source, &ReadOptions::default());
     (raw.version < 400).then_some(Target::OpenGl)
@@ -208,7 +205,7 @@ fn target_of(source: &Source) -> Option<Target> {
 fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     if source.language != Language::Glsl {
         let message =
-            format!("`{}` is {}, only GLSL is ported", source.path, source.language.name());
+            format!("`{}` is {}, but only GLSL can be ported", source.path, source.language.name());
         return Err(vec![Diagnostic::error(Code::NotPortable, Span::default(), message)]);
     }
     let shader = Shader::new(&source.text, raw::read(source, &options.read));
@@ -217,16 +214,16 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
         return Err(problems);
     }
     let Some(stage) = source.stage.or_else(|| stage_of(&shader)) else {
-        let message = "the stage is not known from the file's name";
+        let message = "the file name does not tell the shader's stage";
         let problem = Diagnostic::error(Code::NotPortable, Span::default(), message);
         return Err(vec![
-            problem.with_help("name it `.vert`, `.frag` and so on, or say `--stage`"),
+            problem.with_help("name the file `.vert`, `.frag` and so on, or pass `--stage`"),
         ]);
     };
     let mut edits = Edits::default();
-    words::refuse(&shader, &mut problems);
+    reserved::refuse(&shader, &mut problems);
     environment::adapt(&shader, &mut edits);
-    let mut renamed = words::rename(&shader, &mut edits);
+    let mut renamed = reserved::rename(&shader, &mut edits);
     let output = interface::fragment_output(&shader, &mut edits, &mut problems);
 
     let handles = Handles::new(&shader);
@@ -271,7 +268,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
     let partner =
         options.partner.as_ref().map_or(Vec::new(), |partner| partner_passed(partner, options));
     let mut locations =
-        interface::locate(&shader, stage, &passed, &partner, &options.locations, &mut problems);
+        interface::locate(stage, &passed, &partner, &options.locations, &mut problems);
     interface::write(&shader, stage, &passed, &locations, &mut edits);
     locations.extend(output.map(|(_, location)| location));
     if !problems.is_empty() {
@@ -288,16 +285,16 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
     })
 }
 
-/// What stands in the way before anything is changed.
+/// Errors that prevent porting, found before any edit.
 fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<Diagnostic> {
     let parsed = crate::syntax::parse(source, &options.read, false);
     let mut problems = parsed.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     let found: Vec<&str> = shader
         .variables()
-        .filter(|variables| shader.has_word(variables, "uniform"))
-        .flat_map(|variables| &variables.declarators)
-        .map(|declarator| shader.code[declarator.name].text)
+        .filter(|variables| shader.has_word(&variables.qualifiers, "uniform"))
+        .flat_map(|variables| &variables.names)
+        .map(|declarator| declarator.name.text)
         .collect();
     let loose = parsed.shape.blocks.iter().filter(|block| block.space == AddressSpace::Default);
     for member in loose.flat_map(|block| &block.members) {
@@ -305,7 +302,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             let message = format!("`{}` is declared by a macro or in an include", member.name);
             problems.push(
                 Diagnostic::error(Code::NotPortable, member.span, message)
-                    .with_note("the text of one file is edited, macros and includes are left alone")
+                    .with_note("only one file is edited; macros and includes stay as they are")
                     .with_help("write the declaration out in the shader itself"),
             );
         }
@@ -318,7 +315,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             ["uniform", "varying", "attribute", "texture2D", "gl_FragColor", "gl_FragData"];
         let mut words = file.text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
         if let Some(word) = words.find(|word| legacy.contains(word)) {
-            let message = format!("`{}`, which is included, has `{word}` in it", file.path);
+            let message = format!("the included file `{}` uses `{word}`", file.path);
             let span = Span { file: index as u32, start: 0, end: 0 };
             problems.push(
                 Diagnostic::error(Code::NotPortable, span, message)
@@ -326,17 +323,17 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             );
         }
     }
-    for declaration in &shader.declarations {
-        let outline::Declaration::Other(tokens) = declaration else { continue };
+    for item in &shader.items {
+        let Item::Other(tokens) = item else { continue };
         let words = &shader.code[tokens.clone()];
         let passes = ["uniform", "buffer", "attribute", "varying", "in", "out"];
         let edited = words.iter().take(6).any(|token| passes.contains(&token.text));
-        // `in vec4 gl_FragCoord;` and `buffer NAME;` ahead of a buffer reference stay.
+        // `in vec4 gl_FragCoord;` and the forward declaration of a buffer reference stay.
         let builtin = words
             .iter()
             .any(|token| token.text.starts_with("gl_") || token.text == "buffer_reference");
         if edited && !builtin {
-            let message = "this declaration is not understood";
+            let message = "cannot parse this declaration";
             let problem = Diagnostic::error(Code::NotPortable, shader.span(tokens.start), message);
             problems.push(problem.with_help("write it without macros"));
         }
@@ -349,7 +346,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
     problems
 }
 
-/// The stage a text without a telling name is written for.
+/// The stage of a shader, from the words it uses.
 fn stage_of(shader: &Shader<'_>) -> Option<Stage> {
     let has = |word: &str| shader.code.iter().any(|token| token.text == word);
     if has("gl_Position") || has("attribute") {
@@ -359,8 +356,8 @@ fn stage_of(shader: &Shader<'_>) -> Option<Stage> {
     fragment.into_iter().any(has).then_some(Stage::Fragment)
 }
 
-/// The name of the block: with a partner, one of this stage's own, since the stages hold
-/// different members.
+/// The name of the block of loose uniforms, including the stage if there is a partner, since the
+/// stages have different members.
 fn block_name(shader: &Shader<'_>, options: &PortOptions, stage: Stage) -> String {
     let mut name = options.block.clone();
     if options.partner.is_some() {
@@ -377,7 +374,7 @@ fn block_text(
     bindings: &mut Bindings,
 ) -> String {
     let (set, binding) = bindings.give(block);
-    // A default for blocks must not reach the gathered ones, which no layout ever touched.
+    // A default `row_major` for blocks never applied to loose uniforms.
     let row_major = shader.code.iter().any(|token| token.text == "row_major");
     let major = if row_major { ", column_major" } else { "" };
     format!(
@@ -386,7 +383,7 @@ fn block_text(
     )
 }
 
-/// Bindings the stage before has, so that both can be in one pipeline.
+/// The number of bindings of the preceding stage, so that both fit one pipeline.
 fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32 {
     let Some(partner) = options.partner.as_ref().filter(|_| stage != Stage::Vertex) else {
         return 0;
@@ -403,11 +400,16 @@ fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32
 fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::Passed> {
     let shader = Shader::new(&partner.text, raw::read(partner, &options.read));
     let stage = partner.stage.or_else(|| stage_of(&shader));
-    stage.map_or(Vec::new(), |stage| interface::passed(&shader, partner, stage, &options.read))
+    let Some(stage) = stage else { return Vec::new() };
+    let mut passed = interface::passed(&shader, partner, stage, &options.read);
+    for passed in &mut passed {
+        passed.span = Span::default(); // the partner's text is not among the shader's files
+    }
+    passed
 }
 
-/// Holds the result against the original: the gathered uniforms have the layout the original's
-/// would have, and nothing loose is left.
+/// Checks that the gathered uniforms have the layout of the original's, and that no loose uniform
+/// is left.
 fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(), Vec<Diagnostic>> {
     let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
     let before = layout(source, &read(true));
@@ -427,10 +429,11 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
     let moved = leaves(block, &str::to_string);
     let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
     if problems.is_empty() && (gathered != moved || loose) {
-        let message = "the ported text does not hold the uniforms of the original";
+        let message =
+            "the ported text lacks uniforms of the original, or lays them out differently";
         problems.push(
             Diagnostic::error(Code::NotPortable, Span::default(), message)
-                .with_note("this is a limit of landfall, not a fault of the shader"),
+                .with_note("this is a limitation of landfall, not an error in the shader"),
         );
     }
     if problems.is_empty() { Ok(()) } else { Err(problems) }

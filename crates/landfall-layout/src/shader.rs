@@ -1,4 +1,4 @@
-//! The layouts of one shader: its text read, its blocks laid out, findings collected.
+//! Layout of one shader: parses its text, lays out its blocks, collects diagnostics.
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::layout::{BlockLayout, targets};
@@ -6,43 +6,91 @@ use crate::shape::{Override, Rules};
 use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
 use crate::syntax::Parsed;
 
-/// How a shader is laid out.
+/// The options of laying out a shader.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Options {
-    /// How its text is read.
+    /// How the text is read.
     pub read: ReadOptions,
-    /// Lay every block out by these rules instead of its own.
+    /// Rules that replace those of every block.
     pub rules: Option<Rules>,
-    /// Gather loose uniforms into one std140 block named `DefaultBlock`.
+    /// Whether to gather loose uniforms into one std140 block named `DefaultBlock`.
     pub gather: bool,
-    /// Ask naga too, and note on each leaf where its answer differs.
+    /// Whether to compare with naga and record on each leaf where naga's placement differs.
     pub naga: bool,
 }
 
-/// The layouts of one shader, and all there is to say about it.
+impl Options {
+    /// Returns the options with other read options.
+    #[must_use]
+    pub fn with_read(self, read: ReadOptions) -> Options {
+        Options { read, ..self }
+    }
+
+    /// Returns the options with rules that replace those of every block, or with none.
+    #[must_use]
+    pub fn with_rules(self, rules: Option<Rules>) -> Options {
+        Options { rules, ..self }
+    }
+
+    /// Returns the options with gathering of loose uniforms on or off.
+    #[must_use]
+    pub fn with_gather(self, gather: bool) -> Options {
+        Options { gather, ..self }
+    }
+
+    /// Returns the options with the comparison with naga on or off.
+    #[must_use]
+    pub fn with_naga(self, naga: bool) -> Options {
+        Options { naga, ..self }
+    }
+}
+
+/// The block layouts and diagnostics of one shader.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ShaderLayout {
     /// The path as messages print it.
     pub path: String,
-    /// The language it is written in.
+    /// The language.
     pub language: Language,
-    /// The stage it is written for, where known.
+    /// The stage, if known.
     pub stage: Option<Stage>,
-    /// Its blocks in the order of the text; loose uniforms come last.
+    /// The blocks in declaration order; loose uniforms come last.
     pub blocks: Vec<BlockLayout>,
-    /// Specialisation constants and overrides that sizes depend on.
+    /// The specialisation constants and overrides that sizes depend on.
     pub overrides: Vec<Override>,
-    /// The files it is made of: itself, then its includes.
+    /// The shader's file, then its includes.
     pub files: Files,
     /// Errors and warnings in the order they were found.
     pub diagnostics: Vec<Diagnostic>,
-    /// The API a GLSL text was read for, where nothing says which and it has other blocks for
-    /// the other one.
+    /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
+    /// name one and the blocks differ between the two.
     pub assumed_target: Option<Target>,
 }
 
 impl ShaderLayout {
-    /// Whether any finding is an error: then some block may be missing.
+    /// Returns the layout of one block on its own, without path, files and diagnostics.
+    pub fn of_block(&self, block: &BlockLayout) -> ShaderLayout {
+        let empty = ShaderLayout::empty(String::new(), self.language, self.stage);
+        ShaderLayout { blocks: vec![block.clone()], ..empty }
+    }
+
+    /// Returns a layout without blocks.
+    pub fn empty(path: String, language: Language, stage: Option<Stage>) -> ShaderLayout {
+        ShaderLayout {
+            path,
+            language,
+            stage,
+            blocks: Vec::new(),
+            overrides: Vec::new(),
+            files: Files::default(),
+            diagnostics: Vec::new(),
+            assumed_target: None,
+        }
+    }
+
+    /// Whether any diagnostic is an error; blocks may then be missing.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|d| d.severity == Severity::Error)
     }
@@ -53,7 +101,8 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
     layout_parsed(crate::syntax::parse(source, &options.read, options.gather), source, options)
 }
 
-/// Lays out every block of a shader that is parsed already, its loose uniforms gathered or not.
+/// Lays out every block of a shader parsed before; whether loose uniforms were gathered is up to
+/// the parse.
 pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> ShaderLayout {
     let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
     let mut shader = placed(source, options, parsed);
@@ -61,7 +110,7 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
         compare_targets(source, options, &mut shader, target);
     }
     #[cfg(feature = "naga")]
-    // naga is not asked about a text that is refused here: it panics on some of those.
+    // naga panics on some texts that are rejected here, so it only gets texts without errors.
     if options.naga && !shader.has_errors() {
         crate::naga_compare::ask(source, &bodies, &mut shader.blocks);
     }
@@ -70,14 +119,14 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     shader
 }
 
-/// Lays a text out for the other API as well, and notes what differs in `shader`.
+/// Lays out the shader for the other API as well, and records the differences in `shader`.
 fn compare_targets(source: &Source, options: &Options, shader: &mut ShaderLayout, target: Target) {
     let read = ReadOptions { target: Some(targets::other(target)), ..options.read.clone() };
     let options = Options { read, naga: false, ..options.clone() };
     let parsed = crate::syntax::parse(source, &options.read, options.gather);
     let there = placed(source, &options, parsed);
     if there.has_errors() {
-        return; // what cannot be read for the other API is not written for it
+        return; // a text invalid for the other API is not written for it
     }
     if let Some(mut found) = targets::compare(&shader.blocks, &there.blocks, target) {
         shader.assumed_target = Some(target);
@@ -85,7 +134,7 @@ fn compare_targets(source: &Source, options: &Options, shader: &mut ShaderLayout
     }
 }
 
-/// Lays out what was read of a shader.
+/// Lays out the blocks of a parsed shader.
 pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> ShaderLayout {
     let mut diagnostics = parsed.diagnostics;
     let mut blocks = Vec::with_capacity(parsed.shape.blocks.len());
@@ -107,7 +156,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
                     let found = crate::layout::uniform_constraints::check(&block);
                     extend_once(&mut diagnostics, found);
                 }
-                diagnostics.extend(crate::layout::untold_order(&block, &layout));
+                diagnostics.extend(crate::layout::order_of_unknown_target(&block, &layout));
                 blocks.push(layout);
             }
             Err(mut found) => diagnostics.append(&mut found),
@@ -125,7 +174,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
     }
 }
 
-/// Two blocks of one structure have the same things said about it.
+/// Adds diagnostics that are not present yet: two blocks of one structure have the same ones.
 fn extend_once(diagnostics: &mut Vec<Diagnostic>, found: Vec<Diagnostic>) {
     for diagnostic in found {
         if !diagnostics.contains(&diagnostic) {

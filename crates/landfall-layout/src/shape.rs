@@ -1,6 +1,6 @@
-//! Declared types with no byte in them: what a shader's text says a block holds.
+//! Declared types and blocks, before offsets are assigned.
 //!
-//! Made by [`parse`](mod@crate::syntax), read by [`layout`](crate::layout()).
+//! Produced by [`parse`](mod@crate::syntax), read by [`layout`](crate::layout()).
 
 mod spelled;
 
@@ -10,7 +10,7 @@ use crate::source::{Language, Span};
 pub use spelled::Spelled;
 pub(crate) use spelled::wgsl_scalar;
 
-/// What a component is.
+/// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum ScalarKind {
@@ -18,20 +18,20 @@ pub enum ScalarKind {
     Sint,
     Uint,
     Float,
-    /// The 16-bit format with the exponent of a 32-bit float.
+    /// bfloat16: 16 bits with the exponent range of a 32-bit float.
     Bfloat,
-    /// The 8-bit format with 5 bits of exponent.
+    /// 8-bit float with 5 exponent bits.
     FloatE5m2,
-    /// The 8-bit format with 4 bits of exponent.
+    /// 8-bit float with 4 exponent bits.
     FloatE4m3,
 }
 
 /// A component type: kind and width in bytes (a bool in a buffer is 4 bytes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Scalar {
-    /// What it is.
+    /// The kind.
     pub kind: ScalarKind,
-    /// Bytes it occupies: 1, 2, 4 or 8.
+    /// Size in bytes: 1, 2, 4 or 8.
     pub width: u8,
 }
 
@@ -46,14 +46,14 @@ impl Scalar {
     pub const U64: Scalar = Scalar { kind: ScalarKind::Uint, width: 8 };
 }
 
-/// A type that can stand in a block.
+/// The type of a member of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Type {
-    /// One component.
+    /// A scalar.
     Scalar(Scalar),
     /// WGSL `atomic<T>`: laid out as its component.
     Atomic(Scalar),
-    /// 2 to 4 components.
+    /// A vector of 2 to 4 components.
     Vector {
         /// Component type.
         scalar: Scalar,
@@ -73,7 +73,7 @@ pub enum Type {
     Address(Arc<str>),
     /// A structure.
     Struct(Arc<Struct>),
-    /// An array; of arrays when its element is one.
+    /// An array; its element may be an array.
     Array {
         /// Element type.
         element: Arc<Type>,
@@ -85,36 +85,37 @@ pub enum Type {
 /// Number of elements of an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ArrayLen {
-    /// Known from the text.
+    /// A length the text determines.
     Fixed(u32),
-    /// `T a[]` or `array<T>`: as many as the buffer holds.
+    /// A runtime-sized array: `T a[]` or `array<T>`.
     Runtime,
-    /// A specialisation constant or override that has no default and was given no value: its name.
+    /// A length given by the named specialisation constant or override, which has no default and
+    /// was given no value.
     Override(Arc<str>),
 }
 
 /// A structure: its name and members.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Struct {
-    /// Its name; empty for GLSL's `struct { … }` without one.
+    /// The name; empty for GLSL's `struct { … }` without one.
     pub name: Arc<str>,
-    /// Its members in the order of the text, without opaque ones (samplers, images).
+    /// Members in declaration order, without opaque ones (samplers, images).
     pub members: Vec<Member>,
-    /// Members left out because they are opaque: their names.
+    /// Names of the members left out because they are opaque.
     pub opaque: Vec<Arc<str>>,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// Leaf patterns below it, each array counted once.
+    /// Number of leaf patterns, each array counted once.
     leaves: u64,
-    /// Structures and array dimensions on the way down to its deepest leaf.
+    /// Number of nested structures and array dimensions down to the deepest leaf.
     depth: u32,
 }
 
-/// Structures and arrays may nest this deep; deeper text is refused by the parsers.
+/// The limit on nested structures and arrays; the parsers reject deeper types.
 pub const DEEPEST_NESTING: u32 = 128;
 
 impl Struct {
-    /// A structure of those members.
+    /// Creates a structure from its members.
     pub fn new(name: Arc<str>, members: Vec<Member>, opaque: Vec<Arc<str>>, span: Span) -> Struct {
         let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
         let depth = members.iter().map(|m| m.ty.depth()).max().unwrap_or(0) + 1;
@@ -122,10 +123,10 @@ impl Struct {
     }
 }
 
-/// How a matrix is stored.
+/// The storage order of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
-pub enum Majorness {
+pub enum MatrixLayout {
     Column,
     Row,
 }
@@ -135,38 +136,39 @@ pub enum Majorness {
 pub struct Written {
     /// The value.
     pub value: u64,
-    /// Where it stands.
+    /// The span in the source text.
     pub span: Span,
 }
 
 /// A member of a structure or block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Its name.
+    /// The name.
     pub name: Arc<str>,
-    /// Its type, array dimensions included.
+    /// The type, array dimensions included.
     pub ty: Type,
     /// `row_major` or `column_major` on the member itself.
-    pub majorness: Option<Majorness>,
+    pub matrix_layout: Option<MatrixLayout>,
     /// GLSL `layout(offset = N)`.
     pub offset: Option<Written>,
     /// GLSL `layout(align = N)` or WGSL `@align(N)`.
     pub align: Option<Written>,
     /// WGSL `@size(N)`.
     pub size: Option<Written>,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// The comments that belong to it: on the lines before it and at the end of its own line.
+    /// The comments that belong to the member: on the lines before it and at the end of its own
+    /// line.
     pub comment: Vec<Span>,
 }
 
 impl Member {
-    /// One of which the text says no more than its name and its type.
+    /// Creates a member with a name and a type but no qualifiers or attributes.
     pub fn plain(name: Arc<str>, ty: Type, span: Span) -> Member {
         Member {
             name,
             ty,
-            majorness: None,
+            matrix_layout: None,
             offset: None,
             align: None,
             size: None,
@@ -176,7 +178,9 @@ impl Member {
     }
 }
 
-/// Where a block lives.
+/// The address space of a block.
+///
+/// Exhaustive: every use of a block decides for each address space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AddressSpace {
     /// `uniform` block, `var<uniform>`.
@@ -185,16 +189,16 @@ pub enum AddressSpace {
     Storage,
     /// `layout(push_constant)`, `var<immediate>`.
     PushConstant,
-    /// `layout(buffer_reference) buffer`: a type to point at.
+    /// `layout(buffer_reference) buffer`: a type of pointees.
     BufferReference,
     /// `layout(shaderRecordEXT) buffer`.
     ShaderRecord,
-    /// GLSL's loose uniforms: set one by one, they have no offsets.
+    /// GLSL's loose uniforms, which are set individually and have no offsets.
     Default,
 }
 
 impl AddressSpace {
-    /// The name used in messages and JSON.
+    /// Returns the name used in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             AddressSpace::Uniform => "uniform",
@@ -207,12 +211,14 @@ impl AddressSpace {
     }
 }
 
-/// The rules a block is laid out by.
+/// The layout rules of a block.
+///
+/// Exhaustive: sizes and paddings depend on the rules everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rules {
-    /// OpenGL 4.6 §7.6.2.2.
+    /// OpenGL 4.6 §7.6.2.2, std140.
     Std140,
-    /// The same without rounding arrays and structures up to 16.
+    /// OpenGL 4.6 §7.6.2.2, std430: std140 without rounding arrays and structures up to 16.
     Std430,
     /// `GL_EXT_scalar_block_layout`.
     Scalar,
@@ -221,7 +227,7 @@ pub enum Rules {
 }
 
 impl Rules {
-    /// The name used in messages, JSON and `--rules`.
+    /// Returns the name used in messages, JSON and `--rules`.
     pub fn name(self) -> &'static str {
         match self {
             Rules::Std140 => "std140",
@@ -231,7 +237,7 @@ impl Rules {
         }
     }
 
-    /// The rules of that name.
+    /// Returns the rules with that name.
     pub fn from_name(name: &str) -> Option<Rules> {
         [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl]
             .into_iter()
@@ -239,15 +245,16 @@ impl Rules {
     }
 }
 
-/// Whether an explicit offset may be smaller than the end of the member before it.
+/// Whether an explicit offset may be smaller than the end of the preceding member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum OffsetOrder {
-    /// No: OpenGL, GLSL 4.60 §4.4.5.
+    /// Not allowed: OpenGL, GLSL 4.60 §4.4.5.
     Ascending,
-    /// Yes: Vulkan.
+    /// Allowed: Vulkan.
     Any,
-    /// The text does not tell which of the two it is for.
-    Untold,
+    /// The text does not show which API it is for.
+    Unknown,
 }
 
 /// The name of the block that loose uniforms are gathered into.
@@ -256,61 +263,63 @@ pub const DEFAULT_BLOCK: &str = "DefaultBlock";
 /// A block as declared.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// `uniform NAME { … }`; in WGSL the structure's name, or the variable's if it has none.
+    /// The name in `uniform NAME { … }`; in WGSL that of the structure, or of the variable if its
+    /// type is no structure.
     pub name: Arc<str>,
-    /// The variable, where there is one: `uniform U { … } INSTANCE;`.
+    /// The instance name or variable, if any: `uniform U { … } INSTANCE;`.
     pub instance: Option<Arc<str>>,
-    /// Where it lives.
+    /// The address space.
     pub space: AddressSpace,
-    /// The rules it is laid out by.
+    /// The layout rules.
     pub rules: Rules,
-    /// Whether the text, or the language itself, says these rules; if not, they are the driver's.
+    /// Whether the text or the language determines the rules; otherwise the driver chooses them.
     pub rules_declared: bool,
-    /// Whether it is the loose uniforms of a GLSL text, which declares no such block; its name is
-    /// [`DEFAULT_BLOCK`], as that of a declared block may be.
+    /// Whether the block holds the loose uniforms of a GLSL shader instead of being declared; its
+    /// name is then [`DEFAULT_BLOCK`], which a declared block may also have.
     pub gathered: bool,
-    /// `set = N`, `@group(N)`.
+    /// The descriptor set or bind group: `set = N`, `@group(N)`.
     pub group: Option<u32>,
-    /// `binding = N`, `@binding(N)`.
+    /// The binding: `binding = N`, `@binding(N)`.
     pub binding: Option<u32>,
-    /// Dimensions of an array of blocks, outermost first: each element is a buffer of its own.
+    /// Dimensions of an array of blocks, outermost first; each element is a separate buffer.
     pub count: Vec<ArrayLen>,
-    /// Matrix storage of members that do not say their own.
-    pub majorness: Majorness,
-    /// Members in the order of the text, without opaque ones.
+    /// Matrix storage of members that do not declare their own.
+    pub matrix_layout: MatrixLayout,
+    /// Members in declaration order, without opaque ones.
     pub members: Vec<Member>,
-    /// Members left out because they are opaque: their names.
+    /// Names of the members left out because they are opaque.
     pub opaque: Vec<Arc<str>>,
     /// Whether explicit offsets may go back.
     pub offset_order: OffsetOrder,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
-    /// The comments right before it.
+    /// The comments directly before the block.
     pub comment: Vec<Span>,
 }
 
 /// A specialisation constant or override that the layout depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Override {
-    /// Its name in the text.
+    /// The name.
     pub name: Arc<str>,
-    /// `constant_id = N`, `@id(N)`.
+    /// The number: `constant_id = N`, `@id(N)`.
     pub id: Option<u32>,
-    /// The value in force: the default, or what `-O` set.
+    /// The value in effect: the default, or the one set with `-O`.
     pub value: Option<i64>,
 }
 
-/// Everything in a shader that has, or could have, a layout.
+/// The blocks of a shader and the constants their sizes depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Shape {
-    /// Blocks in the order of the text; the loose uniforms of GLSL come last.
+    /// The blocks in declaration order; GLSL's loose uniforms come last.
     pub blocks: Vec<Block>,
-    /// Specialisation constants and overrides used as array sizes.
+    /// The specialisation constants and overrides used as array sizes.
     pub overrides: Vec<Override>,
 }
 
 impl Type {
-    /// The innermost type below array dimensions.
+    /// Returns the innermost element type of an array, or the type itself.
     pub fn innermost(&self) -> &Type {
         let mut ty = self;
         while let Type::Array { element, .. } = ty {
@@ -319,7 +328,7 @@ impl Type {
         ty
     }
 
-    /// Array dimensions, outermost first.
+    /// Returns the array dimensions, outermost first.
     pub fn dims(&self) -> Vec<ArrayLen> {
         let mut dims = Vec::new();
         let mut ty = self;
@@ -330,7 +339,7 @@ impl Type {
         dims
     }
 
-    /// Leaf patterns below it, each array counted once.
+    /// Returns the number of leaf patterns, each array counted once.
     pub fn leaves(&self) -> u64 {
         match self.innermost() {
             Type::Struct(s) => s.leaves,
@@ -343,7 +352,7 @@ impl Type {
         }
     }
 
-    /// Structures and array dimensions on the way down to its deepest leaf.
+    /// Returns the number of nested structures and array dimensions down to the deepest leaf.
     pub fn depth(&self) -> u32 {
         let mut depth = 0;
         let mut ty = self;
@@ -357,7 +366,7 @@ impl Type {
         }
     }
 
-    /// The type as its language spells it: `PointLight[128]`, `array<vec3<f32>, 4>`.
+    /// Returns the type in a language's spelling: `PointLight[128]`, `array<vec3<f32>, 4>`.
     pub fn spelled(&self, language: Language) -> Spelled<'_> {
         Spelled { ty: self, language }
     }

@@ -1,7 +1,7 @@
-//! A shader's text as the user has it: path, language, stage, and the map from
-//! a byte back to file, line and column.
+//! Shader sources: path, language, stage and text, and the map from a byte offset to file, line and
+//! column.
 //!
-//! Feeds [`parse`](mod@crate::syntax). Nothing here looks inside the text.
+//! Feeds [`parse`](mod@crate::syntax); nothing here parses the text.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -9,7 +9,9 @@ use std::sync::{Arc, OnceLock};
 use crate::error::Error;
 use crate::file::{MOST_BYTES, read_whole};
 
-/// The language a shader is written in.
+/// The language of a shader.
+///
+/// Exhaustive: a new language has to be handled everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Language {
     /// GLSL: desktop 1.10 to 4.60, ES 1.00 to 3.20, and the Vulkan flavour.
@@ -19,7 +21,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// The name used in messages and JSON: `glsl` or `wgsl`.
+    /// Returns the name used in messages and JSON: `glsl` or `wgsl`.
     pub fn name(self) -> &'static str {
         match self {
             Language::Glsl => "glsl",
@@ -28,7 +30,9 @@ impl Language {
     }
 }
 
-/// The pipeline stage a GLSL file is written for.
+/// The pipeline stage of a GLSL shader.
+///
+/// Exhaustive: a new stage has to be handled everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Stage {
@@ -48,7 +52,7 @@ pub enum Stage {
     Callable,
 }
 
-/// Every stage with its name in messages and JSON and the file extensions that mean it.
+/// Every stage, its name in messages and JSON, and the file extensions that imply it.
 const STAGES: &[(Stage, &str, &[&str])] = &[
     (Stage::Vertex, "vertex", &["vert", "vs", "vsh", "vertex", "vshader"]),
     (Stage::TessellationControl, "tess_control", &["tesc", "tcs", "cont"]),
@@ -66,11 +70,11 @@ const STAGES: &[(Stage, &str, &[&str])] = &[
     (Stage::Callable, "callable", &["rcall"]),
 ];
 
-/// File extensions that say "a shader" without saying which stage.
+/// Extensions of shader files that do not imply a stage.
 const STAGELESS: &[&str] = &["glsl", "glslinc", "glslh", "shader"];
 
 impl Stage {
-    /// The name used in messages and JSON, such as `fragment`.
+    /// Returns the name used in messages and JSON, such as `fragment`.
     pub fn name(self) -> &'static str {
         STAGES
             .iter()
@@ -79,19 +83,19 @@ impl Stage {
             .expect("every stage has a row in STAGES")
     }
 
-    /// The stage of that name or extension: `fragment` and `frag` are the same stage.
+    /// Returns the stage with that name or extension: `fragment` and `frag` are the same stage.
     pub fn from_name(name: &str) -> Option<Stage> {
         let name = name.to_ascii_lowercase();
         STAGES.iter().find(|row| row.1 == name || row.2.contains(&name.as_str())).map(|row| row.0)
     }
 
-    /// Every name [`Stage::from_name`] knows as a stage's own.
+    /// Returns the name of every stage, as [`Stage::name`] does.
     pub fn names() -> impl Iterator<Item = &'static str> {
         STAGES.iter().map(|row| row.1)
     }
 }
 
-/// A stage that runs here.
+/// A stage that landfall can execute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ExecutableStage {
     /// Vertex stage.
@@ -103,7 +107,7 @@ pub enum ExecutableStage {
 }
 
 impl ExecutableStage {
-    /// It, if it runs.
+    /// The executable stage, if supported.
     pub fn of(stage: Stage) -> Option<ExecutableStage> {
         match stage {
             Stage::Vertex => Some(ExecutableStage::Vertex),
@@ -134,33 +138,34 @@ impl From<ExecutableStage> for Stage {
     }
 }
 
-/// One shader: what it is called, what it is written in, and its text.
+/// A shader source: its path, language, stage and text.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// The path as messages print it; need not exist.
     pub path: String,
-    /// The text, without a byte-order mark.
+    /// The text, without a byte-order mark and with LF for a lone CR.
     pub text: Arc<str>,
-    /// The language, from the extension unless set.
+    /// The language; taken from the extension unless set.
     pub language: Language,
-    /// The stage, from the extension unless set; WGSL has none.
+    /// The stage; taken from the extension unless set. WGSL has none.
     pub stage: Option<Stage>,
-    /// Bytes of the file that are not UTF-8 and were read as Latin-1.
+    /// Bytes of the file that are not UTF-8, read as Latin-1.
     pub foreign: Option<Foreign>,
 }
 
-/// Bytes of a file that are not UTF-8, which GLSL takes in comments (4.60 §3.1). Each is read as
-/// the character of Latin-1 that has its number.
+/// Bytes of a file that are not UTF-8, which GLSL allows in comments (4.60 §3.1). Each is read as
+/// the Latin-1 character of the same value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Foreign {
-    /// Where the first of them is in the text.
+    /// Offset of the first in the text.
     pub first: u32,
-    /// How many there are.
+    /// Number of such bytes.
     pub count: u32,
 }
 
 impl Source {
-    /// A shader from text in memory; language and stage come from the path's extension.
+    /// Creates a source from text in memory; language and stage come from the path's extension.
     pub fn new(path: impl Into<String>, text: impl Into<Arc<str>>) -> Source {
         let path = path.into();
         let (language, stage) = kind_of_path(Path::new(&path)).unwrap_or((Language::Glsl, None));
@@ -168,10 +173,10 @@ impl Source {
         Source { path, text: normalized(text), language, stage, foreign: None }
     }
 
-    /// A shader from the bytes of a file.
+    /// Creates a source from the bytes of a file.
     ///
     /// # Errors
-    /// The bytes are UTF-16, or one of them is zero.
+    /// The bytes are UTF-16 or contain a zero byte.
     pub fn from_bytes(path: impl Into<String>, bytes: Vec<u8>) -> Result<Source, Error> {
         let path = path.into();
         let (text, foreign) = decode_shader(&path, bytes)?;
@@ -188,8 +193,8 @@ impl Source {
     }
 }
 
-/// A text without its byte-order mark and with LF for every lone CR, byte for byte in its place:
-/// whoever looks for the ends of lines needs to know one character.
+/// Removes the byte-order mark and replaces every lone CR by LF, so that line ends are found by one
+/// character; other bytes keep their offsets.
 pub(crate) fn normalized(text: Arc<str>) -> Arc<str> {
     let lone = |text: &str, at: usize| text.as_bytes().get(at + 1) != Some(&b'\n');
     let rest = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -201,7 +206,7 @@ pub(crate) fn normalized(text: Arc<str>) -> Arc<str> {
     if rest.len() < text.len() { Arc::from(rest) } else { text }
 }
 
-/// What a path's extension says of a file: `None` when it is no shader's.
+/// Returns the language and stage implied by a path's extension; `None` if it is not a shader's.
 pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     if extension == "wgsl" {
@@ -211,7 +216,7 @@ pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
         return Some((Language::Glsl, Some(stage)));
     }
     if STAGELESS.contains(&extension.as_str()) {
-        // `light.frag.glsl`: the inner extension says the stage; `shaders/fs.glsl`: the stem may.
+        // `light.frag.glsl`: the inner extension gives the stage; `shaders/fs.glsl`: the stem may.
         let stem = Path::new(path.file_stem()?);
         let inner = stem.extension().or(Some(stem.as_os_str()))?.to_str()?;
         return Some((Language::Glsl, stage_of_extension(&inner.to_ascii_lowercase())));
@@ -223,10 +228,10 @@ fn stage_of_extension(extension: &str) -> Option<Stage> {
     STAGES.iter().find(|row| row.2.contains(&extension)).map(|row| row.0)
 }
 
-/// Reads the bytes of a shader.
+/// Reads the bytes of a shader, at most `most` ([`MOST_BYTES`] if `None`).
 ///
 /// # Errors
-/// As [`read_whole`].
+/// Those of [`read_whole`].
 pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
     read_whole(path, most.unwrap_or(MOST_BYTES)).map_err(|error| match path.is_dir() {
         true => {
@@ -237,10 +242,10 @@ pub fn read_bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, Error> {
     })
 }
 
-/// The text of a shader's bytes: UTF-8, and what is not read as Latin-1.
+/// Decodes a shader's bytes as UTF-8; bytes that are not UTF-8 are read as Latin-1.
 ///
 /// # Errors
-/// UTF-16 and binary data are named.
+/// The bytes are UTF-16 or contain a zero byte.
 pub(crate) fn decode_shader(
     path: &str,
     bytes: Vec<u8>,
@@ -259,7 +264,7 @@ pub(crate) fn decode_shader(
             text.push(char::from(byte));
         }
     }
-    // Places are counted without a byte-order mark.
+    // Offsets do not count the byte-order mark.
     if let (Some(found), true) = (&mut foreign, text.starts_with('\u{feff}')) {
         found.first -= '\u{feff}'.len_utf8() as u32;
     }
@@ -270,10 +275,10 @@ fn starts_as_utf16(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])
 }
 
-/// The text of a file's bytes: UTF-8, with or without a byte-order mark.
+/// Decodes a file's bytes as UTF-8, with or without a byte-order mark.
 ///
 /// # Errors
-/// UTF-16, binary data and other encodings are named, with line and column of the first bad byte.
+/// UTF-16, a zero byte, or bytes that are not UTF-8, with line and column of the first.
 pub fn decode(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     decoded(path, bytes).map_err(Error::unreadable)
 }
@@ -305,7 +310,7 @@ fn decoded(path: &str, bytes: Vec<u8>) -> Result<String, Error> {
     Ok(text)
 }
 
-/// A place in one of the files a shader is made of: a byte range.
+/// A byte range in one of a shader's files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Span {
     /// Index into [`Files`].
@@ -317,7 +322,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// From the start of `self` to the end of `other`, when both are in one file.
+    /// Extends `self` to the end of `other`, if both are in one file.
     pub fn to(self, other: Span) -> Span {
         if self.file == other.file && other.end >= self.start {
             Span { end: other.end, ..self }
@@ -327,14 +332,14 @@ impl Span {
     }
 }
 
-/// A file that took part in a shader: the shader itself is the first, its includes follow.
+/// A file of a shader: its own file comes first, then its includes.
 #[derive(Clone, Debug)]
 pub struct File {
     /// The path as messages print it.
     pub path: String,
     /// The text.
     pub text: Arc<str>,
-    /// Where its lines start, found when first asked for.
+    /// Offsets of the line starts, computed on first use.
     lines: OnceLock<Vec<u32>>,
 }
 
@@ -349,13 +354,13 @@ impl File {
     }
 }
 
-/// The files of one shader, and the way from a [`Span`] to line and column.
+/// The files of one shader; maps a [`Span`] to line and column.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     files: Vec<File>,
 }
 
-/// A place as people read it. Line and column count from 1; the column counts characters.
+/// A line and column, both from 1; the column counts characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     /// The path as messages print it.
@@ -373,24 +378,24 @@ impl Files {
         self.files.len() as u32 - 1
     }
 
-    /// The file of that index.
+    /// Returns the file with that index.
     pub fn get(&self, file: u32) -> Option<&File> {
         self.files.get(file as usize)
     }
 
-    /// All files, the shader first.
+    /// Returns all files, the shader's own first.
     pub fn iter(&self) -> impl Iterator<Item = &File> {
         self.files.iter()
     }
 
-    /// The text a span covers.
+    /// Returns the text of a span.
     pub fn text(&self, span: Span) -> &str {
         self.get(span.file)
             .and_then(|file| file.text.get(span.start as usize..span.end as usize))
             .unwrap_or("")
     }
 
-    /// Line and column of a span's first byte.
+    /// Returns the line and column of a span's first byte.
     pub fn locate(&self, span: Span) -> Location {
         let Some(file) = self.get(span.file) else {
             return Location { path: String::new(), line: 0, column: 0 };
@@ -405,7 +410,9 @@ impl Files {
     }
 }
 
-/// Which API a GLSL text is meant for, where its own text does not say.
+/// The API that a GLSL shader targets.
+///
+/// Exhaustive: a new API has to be handled everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// OpenGL and OpenGL ES: `VULKAN` is not defined, block rules default to `shared`.
@@ -414,17 +421,32 @@ pub enum Target {
     Vulkan,
 }
 
-/// What a shader is read with besides its own text.
+/// Options of reading a shader.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct ReadOptions {
-    /// Macros defined before the first line: name and text, as `-D NAME=TEXT`.
+    /// Macros defined before the first line, as name and text: `-D NAME=TEXT`.
     pub defines: Vec<(String, String)>,
-    /// Directories searched for `#include`, in order, as `-I DIR`.
+    /// Directories searched for `#include`, in order: `-I DIR`.
     pub include_dirs: Vec<PathBuf>,
-    /// Values of specialisation constants and overrides by name or number, as `-O NAME=VALUE`.
+    /// Values of specialisation constants and overrides by name or number: `-O NAME=VALUE`.
     pub overrides: Vec<(String, String)>,
-    /// The API a GLSL text is meant for; `None` decides by the text.
+    /// The API a GLSL shader targets; `None` infers it from the text.
     pub target: Option<Target>,
-    /// Bytes of the largest file that is read; [`MOST_BYTES`] unless set.
+    /// The size limit of a file in bytes; [`MOST_BYTES`] unless set.
     pub max_bytes: Option<u64>,
+}
+
+impl ReadOptions {
+    /// Returns the options with values of specialisation constants and overrides.
+    #[must_use]
+    pub fn with_overrides(self, overrides: Vec<(String, String)>) -> ReadOptions {
+        ReadOptions { overrides, ..self }
+    }
+
+    /// Returns the options with the API that GLSL shaders target.
+    #[must_use]
+    pub fn with_target(self, target: Target) -> ReadOptions {
+        ReadOptions { target: Some(target), ..self }
+    }
 }

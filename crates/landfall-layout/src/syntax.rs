@@ -1,4 +1,4 @@
-//! From text to [`Shape`]: the declarations of a shader, function bodies passed over.
+//! Parsing: from shader text to [`Shape`]. Function bodies are skipped.
 
 pub mod constant;
 pub mod glsl;
@@ -8,24 +8,26 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
 
-/// What was read of a shader.
+/// The result of parsing a shader.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct Parsed {
-    /// Its blocks and the types in them.
+    /// The blocks and the types in them.
     pub shape: Shape,
-    /// The files it is made of: itself, then its includes.
+    /// The shader's file, then its includes.
     pub files: Files,
-    /// What is wrong with it.
+    /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
     /// Function bodies in the shader's own file: from after `{` to before `}`.
     pub bodies: Vec<Span>,
-    /// The API a GLSL text that asks for `VULKAN` was read for, where nothing says which.
+    /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
+    /// name one.
     pub assumed: Option<Target>,
-    /// Whether a WGSL text requires `uniform_buffer_standard_layout`.
+    /// Whether a WGSL shader requires `uniform_buffer_standard_layout`.
     pub standard_uniforms: bool,
 }
 
-/// Reads the declarations of a shader. With `gather`, loose uniforms become one std140 block.
+/// Parses the declarations of a shader. With `gather`, loose uniforms become one std140 block.
 pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     match source.language {
         Language::Glsl => glsl::read(source, options, gather),

@@ -1,5 +1,4 @@
-//! Helpers on text: JSON with spans, the nearest known name to a misspelt one, and text of others
-//! made safe for what reads it.
+//! Text utilities: JSON with spans, suggestions for misspelt names, and escaping of untrusted text.
 
 pub mod edit_distance;
 pub mod escape;

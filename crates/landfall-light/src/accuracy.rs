@@ -1,9 +1,9 @@
-//! Fast and accurate, measured: how wrong a shader's arithmetic gets, and what it costs.
+//! Measures the accuracy and the run time of shader functions and lighting.
 //!
-//! [`inputs`] says what a function may be called with; [`stress`] looks for those at which it
-//! breaks; [`bench`](mod@bench) measures variants on readers against the reference and ranks them;
-//! [`plot`] draws what was found. Everything here runs on [`run`](landfall_exec) and is printed by
-//! the reports of the command.
+//! [`inputs`] samples the arguments of a function; [`stress`] searches for those at which it
+//! breaks; [`bench`](mod@bench) measures variants on backends against the reference and ranks them;
+//! [`plot`] draws the results. All of it runs on [`landfall_exec`] and is printed by the reports of
+//! the command.
 
 pub mod bench;
 pub mod inputs;

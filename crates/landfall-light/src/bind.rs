@@ -1,83 +1,82 @@
-//! The binding map: which number of a scene goes to which member of a shader.
+//! The binding map: the source in a scene of each member of a shader.
 //!
-//! `guess` finds it from the names, types and nesting of any shader with lights in its blocks,
-//! `read` lets a scene or a file say otherwise, `fill` writes an
-//! [`Upload`](super::Upload) by it. Numbers have the names of [`quantity`]. Feeds
-//! [`render`](super::render).
+//! `infer` derives it from the names, types and nesting of any shader with lights in its blocks;
+//! `read` applies the overrides of a scene or a file; `fill` writes an [`Upload`](super::Upload) by
+//! it. Sources have the names of [`quantity`]. Used by [`render`](super::render).
 
 mod fill;
-mod guess;
+mod infer;
 pub mod quantity;
 mod read;
 
 use landfall_layout::diagnostic::Code;
 use std::fmt;
 
-pub use fill::{Excess, Filler, Lit, Tiles};
-pub use guess::{guess, members};
+pub use fill::{BlockWriter, Lit, OverflowPolicy, Tiles};
+pub use infer::{infer, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};
 pub use read::overridden;
 
-/// Which number goes where.
+/// The sources of a shader's members, textures and inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BindingMap {
-    /// Members of blocks and loose uniforms that the shader may read.
+    /// The members of blocks, and loose uniforms, that the shader may read.
     pub members: Vec<Member>,
-    /// Textures, in the order of the shader.
+    /// The textures, in the order of the shader.
     pub textures: Vec<Bound>,
-    /// Inputs, in the order of the shader.
+    /// The inputs, in the order of the shader.
     pub inputs: Vec<Bound>,
-    /// What is worth knowing of the guess.
+    /// Notes on the inference.
     pub notes: Vec<String>,
 }
 
-/// A member of a block and what it is given.
+/// A member of a block and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// Number of the block in the shader.
+    /// The index of the block in the shader.
     pub block: usize,
-    /// The block's name.
+    /// The name of the block.
     pub name: String,
-    /// Whether the block is the loose uniforms.
+    /// Whether the block holds the loose uniforms.
     pub gathered: bool,
-    /// The way to the leaf, arrays as patterns: `data[].pos`.
+    /// The path of the leaf, arrays as patterns: `data[].pos`.
     pub path: String,
-    /// What it is given.
+    /// The source.
     pub source: Source,
 }
 
-/// A texture or input and what it is given.
+/// A texture or input and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
-    /// Its name in the shader.
+    /// The name in the shader.
     pub name: String,
-    /// What it is given.
+    /// The source.
     pub source: Source,
 }
 
-/// What something is given.
+/// The source of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A number of the scene, negated or not.
+    /// A quantity of the scene.
     Scene {
-        /// Which.
+        /// The quantity.
         quantity: Quantity,
-        /// Whether its negative is given: the way towards a light for the way it travels.
+        /// Whether its negative is used: towards a light instead of the direction it travels in.
         negated: bool,
     },
-    /// These numbers.
+    /// Constant numbers.
     Number(Vec<f64>),
-    /// Zero, since nothing is known of it.
+    /// Unknown; filled with zero.
     Unknown,
 }
 
 impl Source {
-    /// A number of the scene as it is.
+    /// A quantity of the scene, not negated.
     pub fn plain(quantity: Quantity) -> Source {
         Source::Scene { quantity, negated: false }
     }
 
-    /// The number of the scene it is given, if any.
+    /// Returns the quantity of the scene, if it is one.
     pub fn quantity(&self) -> Option<Quantity> {
         match self {
             Source::Scene { quantity, .. } => Some(*quantity),
@@ -87,7 +86,7 @@ impl Source {
 }
 
 impl fmt::Display for Source {
-    /// As it is written in a scene's `bind`; `unknown` for what is zero.
+    /// Writes the notation of a scene's `bind`; `unknown` for an unknown source.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Source::Scene { quantity, negated } => {
@@ -103,20 +102,20 @@ impl fmt::Display for Source {
 }
 
 impl BindingMap {
-    /// Whether any light of a kind is given somewhere.
+    /// Whether any light of a kind is bound.
     pub fn has(&self, kind: Kind) -> bool {
         self.members.iter().any(|member| {
             matches!(member.source.quantity(), Some(Quantity::Light { kind: k, .. }) if k == kind)
         })
     }
 
-    /// Whether any light is given somewhere, the one from everywhere counted.
+    /// Whether any light is bound, the ambient one included.
     pub fn lights(&self) -> bool {
         let ambient = |m: &Member| matches!(m.source.quantity(), Some(Quantity::Ambient(_)));
         Kind::ALL.into_iter().any(|kind| self.has(kind)) || self.members.iter().any(ambient)
     }
 
-    /// What nothing is known of: paths of members with their blocks, textures and inputs.
+    /// Returns the names with an unknown source: members with their blocks, textures and inputs.
     pub fn unknown(&self) -> Vec<String> {
         let unknown = |source: &Source| *source == Source::Unknown;
         let members = self.members.iter().filter(|m| unknown(&m.source));
@@ -126,7 +125,7 @@ impl BindingMap {
 }
 
 impl Member {
-    /// As it is written in a scene's `bind`: loose uniforms by their own path.
+    /// Returns the key in a scene's `bind`: loose uniforms by their path alone.
     pub fn key(&self) -> String {
         match self.gathered {
             true => self.path.clone(),
@@ -135,52 +134,52 @@ impl Member {
     }
 }
 
-/// Why nothing can be bound.
+/// An error of a binding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BindError {
-    /// The shader has no member that is a light's.
+    /// The shader has no member of a light.
     NoLights {
-        /// The shader.
+        /// The path of the shader.
         shader: String,
     },
     /// A scene has more lights than the shader has slots.
     TooManyLights {
-        /// Of which kind.
+        /// The kind of light.
         kind: Kind,
-        /// Lights of the scene.
+        /// The lights of the scene.
         lights: usize,
-        /// Slots of the shader.
+        /// The slots of the shader.
         slots: usize,
         /// The member that holds them, if any.
         member: Option<String>,
     },
-    /// A name in a binding map that is nothing of the shader's.
+    /// A key of a binding map that the shader does not have.
     UnknownTarget {
-        /// It.
+        /// The key.
         key: String,
-        /// One that is near.
+        /// The most similar key.
         nearest: Option<String>,
     },
-    /// A word in a binding map that is no number of a scene.
+    /// A value of a binding map that is not a quantity of a scene.
     UnknownQuantity {
-        /// What was to be given it.
+        /// The key.
         key: String,
-        /// The word.
+        /// The value.
         word: String,
-        /// One that is near.
+        /// The most similar quantity.
         nearest: Option<String>,
     },
-    /// A number that does not fit where it is to go.
+    /// A value that does not fit its member.
     Misfit {
-        /// Where.
+        /// The key.
         key: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
 }
 
 impl BindError {
-    /// The code of the finding.
+    /// Returns the code of the diagnostic.
     pub fn code(&self) -> Code {
         match self {
             BindError::NoLights { .. } => Code::NoLights,
@@ -191,8 +190,9 @@ impl BindError {
         }
     }
 
-    /// Where in the scene it is, as [`Reading::place`](crate::scene::Reading::place) takes
-    /// it: the first light without a slot, or the entry of the binding.
+    /// Returns the path of the cause in the scene, for
+    /// [`Reading::place`](crate::scene::Reading::place): the first light without a slot, or the
+    /// entry of the binding.
     pub fn at(&self) -> Option<String> {
         match self {
             BindError::NoLights { .. } => None,
@@ -205,15 +205,15 @@ impl BindError {
         }
     }
 
-    /// What mends it.
+    /// Returns the help text.
     pub fn help(&self) -> Option<String> {
         match self {
             BindError::NoLights { .. } => Some(
-                "say which member is what with `--bind`: {\"Block.place\": \"point[0].position\"}"
+                "bind the members with `--bind`: {\"Block.place\": \"point[0].position\"}"
                     .to_string(),
             ),
             BindError::TooManyLights { .. } => {
-                Some("`--leave-out` lights by those that fit".to_string())
+                Some("leave out the lights without a slot with `--leave-out`".to_string())
             }
             BindError::UnknownTarget { nearest, .. }
             | BindError::UnknownQuantity { nearest, .. } => {
@@ -235,11 +235,11 @@ impl fmt::Display for BindError {
                 match member {
                     Some(member) => write!(
                         f,
-                        "the scene has {lights} {kind} lights, and `{member}` has slots for {slots}"
+                        "the scene has {lights} {kind} lights, but `{member}` has slots for {slots}"
                     ),
                     None => write!(
                         f,
-                        "the scene has {lights} {kind} lights, and the shader has slots for {slots}"
+                        "the scene has {lights} {kind} lights, but the shader has slots for {slots}"
                     ),
                 }
             }
@@ -247,7 +247,7 @@ impl fmt::Display for BindError {
                 write!(f, "the shader has no member, texture or input `{key}`")
             }
             BindError::UnknownQuantity { key, word, .. } => {
-                write!(f, "`{key}` is to be `{word}`, which is no number of a scene")
+                write!(f, "`{key}` is bound to `{word}`, which is not a quantity of a scene")
             }
             BindError::Misfit { key, why } => write!(f, "`{key}` {why}"),
         }

@@ -1,8 +1,8 @@
-//! The fragments of a scene's picture: what a rasteriser hands to a fragment shader.
+//! The fragments of a scene's picture, as a rasteriser passes them to a fragment shader.
 //!
-//! Made in `f64` from a [`Scene`] and rounded once, so that every reader and the reference start
-//! from the same bits and every picture has the same edges. `vertices` moves corners to where
-//! they are seen and lit, `raster` finds what covers each pixel.
+//! Computed in `f64` from a [`Scene`] and rounded once, so that every backend and the reference
+//! start from the same bits and every picture has the same edges. `vertices` transforms corners to
+//! view and lighting space, `raster` finds the triangle at each pixel.
 
 mod raster;
 mod vertices;
@@ -13,60 +13,59 @@ use vertices::Corners;
 /// The fragments of a picture.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Frame {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: u32,
-    /// Rows, from the top.
+    /// The height in pixels.
     pub height: u32,
-    /// What is seen, in the order of the pixels; a pixel without fragment shows the background.
+    /// The fragments, in pixel order from the top; other pixels show the background.
     pub fragments: Vec<Fragment>,
 }
 
-/// What one pixel sees, in the space of the lighting.
+/// The surface point at one pixel, in lighting space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
-    /// Its pixel: `row * width + column`.
+    /// The pixel: `row * width + column`.
     pub pixel: u32,
-    /// Number of the material.
+    /// The index of the material.
     pub material: u32,
-    /// Number of the object.
+    /// The index of the object.
     pub object: u32,
-    /// Where the surface is.
+    /// The position.
     pub position: [f32; 3],
     /// The interpolated normal, of any length.
     pub normal: [f32; 3],
-    /// Texture coordinates.
+    /// The texture coordinates.
     pub uv: [f32; 2],
 }
 
-/// How a frame is made.
+/// The options of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct FrameOptions {
-    /// What the vertex shader does to normals.
+    /// The treatment of normals by the vertex shader.
     pub normals: VertexNormals,
 }
 
-/// What a vertex shader does to a mesh's normals before they are interpolated.
+/// The treatment of a mesh's normals by a vertex shader, before interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum VertexNormals {
-    /// Times the inverse transpose of the upper 3 by 3 of the transform: right, of any length.
+    /// Times the inverse transpose of the upper 3 by 3 of the transform: correct, of any length.
     #[default]
     Transformed,
-    /// The same, then each of unit length.
+    /// The same, then normalised.
     Unit,
-    /// `normalize(transpose(inverse(m)) * vec4(normal, 0)).xyz`: a bug that is published. The
-    /// fourth component is of no meaning but takes part in the length, so corners are weighted
-    /// differently and what is interpolated from them bends.
+    /// `normalize(transpose(inverse(m)) * vec4(normal, 0)).xyz`: a published bug. The fourth
+    /// component is meaningless but counts in the length, so corners get different weights and the
+    /// interpolated normal bends.
     UnitOfFour,
 }
 
 impl Frame {
-    /// What each pixel of a scene sees.
+    /// Rasterises a scene.
     ///
-    /// A pixel is covered where its centre is, by the nearest triangle of either side between
-    /// the near and the far plane, the first drawn where two are as near; of two triangles that
-    /// share an edge, the one to its right or below it has the centres on it. Attributes are
-    /// interpolated with perspective. All of it is in `f64` and the same on any number of
-    /// threads.
+    /// A pixel shows the nearest triangle at its centre, front or back, between the near and the
+    /// far plane; the first drawn of two equally near; of two triangles sharing an edge, the one to
+    /// its right or below it has the centres on it. Attributes are interpolated with perspective.
+    /// All of it is in `f64` and the same on any number of threads.
     pub fn new(scene: &Scene, options: &FrameOptions) -> Frame {
         let [width, height] = scene.size;
         let corners = Corners::new(scene, options.normals);

@@ -1,13 +1,13 @@
-//! Scenes of lights: what a shader's buffers are for.
+//! Scenes of lights, and everything that lights them.
 //!
-//! A [`Scene`] is read from JSON (`scene`) and made two things in double precision: the
-//! [`Frame`], the fragments of its picture, and the [`Upload`], its lights and materials as a
-//! shader gets them, in `f32`. A shader lights the fragments on some reader; the `reference`
-//! does it in `f64` from the same bits.
+//! A [`Scene`] is read from JSON (`scene`) and converted in double precision to the [`Frame`], the
+//! fragments of its picture, and the [`Upload`], its lights and materials in `f32`, as a shader
+//! gets them. A shader lights the fragments on some backend; the `reference` lights them in `f64`
+//! from the same bits.
 
 pub mod accuracy;
 pub mod bind;
-pub mod compiled;
+pub mod culling;
 pub mod frame;
 pub mod picture;
 pub mod plan;
@@ -15,7 +15,7 @@ pub mod reference;
 pub mod render;
 pub mod sample;
 pub mod scene;
-pub mod skip;
+pub mod shading_f32;
 mod splitmix64;
 pub mod upload;
 

@@ -1,8 +1,8 @@
-//! A picture in floats: what a reader or the reference gave, to be written, compared, drawn.
+//! Pictures in floats: written, read, compared and drawn.
 //!
-//! [`light`](crate) makes it. [`code`] rounds it to what a screen is given, [`compare`](mod@compare)
-//! says how far two are apart, [`flip`] how visible that is, [`difference`] draws it; the files
-//! are [`png`], [`exr`] and [`pfm`], bytes in and bytes out.
+//! [`code`] rounds a picture to 8 bits, [`compare`](mod@compare) measures how far two are apart,
+//! [`flip`] how visible that is, [`difference`] draws it; the file formats are [`png`], [`exr`] and
+//! [`pfm`], from and to bytes.
 
 pub mod code;
 pub mod color_map;
@@ -19,17 +19,17 @@ pub use code::{Codes, Transfer};
 pub use compare::{Comparison, compare};
 pub use error::PictureError;
 
-/// Most pixels a file may have: 1 GiB of floats.
+/// The most pixels of a file: 1 GiB of floats.
 pub const MOST_PIXELS: u64 = 1 << 26;
 
-/// Pixels of four floats.
+/// A picture of four floats per pixel.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: u32,
-    /// Rows, from the top.
+    /// The height in pixels.
     pub height: u32,
-    /// Red, green, blue, alpha, linear; `width * height` of them.
+    /// Linear red, green, blue and alpha, from the top; `width * height` of them.
     pub pixels: Vec<[f32; 4]>,
 }
 
@@ -39,12 +39,12 @@ impl Picture {
         Picture { width, height, pixels: vec![pixel; width as usize * height as usize] }
     }
 
-    /// Pixels of which a channel is NaN or infinite.
+    /// Returns the number of pixels with a NaN or infinite channel.
     pub fn non_finite(&self) -> u64 {
         self.pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() as u64
     }
 
-    /// That there is a pixel, one for each place.
+    /// Checks that the picture has pixels, as many as its size.
     ///
     /// # Errors
     /// No pixels, or more or fewer than `width * height`.
@@ -58,10 +58,10 @@ impl Picture {
     }
 }
 
-/// Pixels of a picture of this size.
+/// Returns the number of pixels of a size.
 ///
 /// # Errors
-/// There are none, or more than [`MOST_PIXELS`].
+/// None, or more than [`MOST_PIXELS`].
 fn size(width: u32, height: u32) -> Result<usize, PictureError> {
     let pixels = u64::from(width) * u64::from(height);
     match pixels {

@@ -1,8 +1,8 @@
-//! A plan: which fragments are lit by which lights, and what that saves. Plain data.
+//! Plans of lighting: the lights of each fragment, and the savings.
 //!
-//! Made by [`skip::plan`](crate::skip::plan()); executed by the [compiled models](crate::compiled)
-//! and by [`render`](crate::render), which uploads each draw's lights next to each other; printed
-//! by the report of `render --skip`.
+//! Built by [`culling::plan`](crate::culling::plan()); executed by the [compiled
+//! models](crate::shading_f32) and by [`render`](crate::render), which uploads the lights of each
+//! draw; printed by the report of `render --skip`.
 
 use std::ops::Range;
 
@@ -17,178 +17,177 @@ pub use settings::{Compiled, Place, Setting, Value};
 
 use crate::Fragment;
 
-/// Which fragments are lit by which lights.
+/// A plan of lighting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Each fragment of the frame is in exactly one of them.
+    /// The draws; each fragment of the frame is in exactly one.
     pub draws: Vec<Draw>,
-    /// Places where far lights are evaluated instead of at each fragment, parents first.
+    /// The grids where far lights are evaluated instead of at each fragment, parents first.
     pub grids: Vec<Grid>,
-    /// The same lists as buffers, a tile each, where the frame was divided in tiles.
+    /// The light lists as buffers, if the frame was divided into tiles.
     pub tiles: Option<TileLists>,
-    /// What a shader need not hold for these lights.
+    /// What a shader must hold for these lights.
     pub compiled: Compiled,
-    /// What it saves, at what error.
+    /// The savings and errors.
     pub savings: Savings,
 }
 
 /// Fragments lit by the same lights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Draw {
-    /// Their numbers in the frame, ascending.
+    /// The indices of fragments in the frame, ascending.
     pub fragments: Vec<u32>,
-    /// The lights evaluated at each.
+    /// The lights evaluated at each fragment.
     pub lights: LightSet,
-    /// Number of the grid whose interpolated light is added.
+    /// The index of the grid whose interpolated light is added.
     pub grid: Option<u32>,
 }
 
-/// Lights by their numbers in the upload, ascending: the order they are added in.
+/// Indices of lights in the upload, ascending, in the order of the sum.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightSet {
-    /// Whether the light from everywhere is added.
+    /// Whether ambient light is added.
     pub ambient: bool,
-    /// Suns.
+    /// The directional lights.
     pub directional: Vec<u32>,
-    /// Lamps.
+    /// The point lights.
     pub point: Vec<u32>,
-    /// Lamps with a cone.
+    /// The spotlights.
     pub spot: Vec<u32>,
 }
 
 impl LightSet {
-    /// How many there are, the light from everywhere not counted.
+    /// Returns the number of lights, the ambient one not counted.
     pub fn len(&self) -> usize {
         self.directional.len() + self.point.len() + self.spot.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no lights, the ambient one not counted.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Places on a plane where lights are evaluated, for the fragments between them.
+/// Points on a plane where lights are evaluated, for the fragments between them.
 ///
-/// Its nodes are the Chebyshev points of a rectangle. What a fragment gets is the polynomial
-/// through them; a parent's polynomial, of the same degree, is added to its children's nodes, so
-/// that a fragment evaluates one however many grids it lies in. See
-/// [`interpolate`].
+/// The nodes are the Chebyshev points of a rectangle. A fragment gets the polynomial through them;
+/// a parent's polynomial, of the same degree, is added to its children's nodes, so that a fragment
+/// evaluates only one. See [`interpolate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Row by row, `side * side`.
+    /// The nodes, row by row, `side * side`.
     pub nodes: Vec<Fragment>,
-    /// Nodes in a row.
+    /// The nodes in a row.
     pub side: u32,
-    /// The lights evaluated there, never the light from everywhere.
+    /// The lights evaluated at the nodes, never the ambient one.
     pub lights: LightSet,
-    /// Number of the grid around it; less than its own.
+    /// The index of the grid around it; less than its own.
     pub parent: Option<u32>,
-    /// The middle of the rectangle.
+    /// The centre of the rectangle.
     pub center: DVec3,
-    /// Unit vectors along its sides.
+    /// The unit vectors along its sides.
     pub axes: [DVec3; 2],
-    /// Half its length along each.
+    /// Half its length along each side.
     pub half: [f64; 2],
 }
 
-/// Which point lights each tile of a frame has.
+/// The point lights of each tile of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileLists {
-    /// Pixels along a tile's side.
+    /// The side of a tile in pixels.
     pub size: u32,
-    /// Tiles in a row: tile `row * columns + column` holds the pixels from
-    /// `(column * size, row * size)`, rows counted from the top.
+    /// The tiles in a row: tile `row * columns + column` holds the pixels from `(column * size, row
+    /// * size)`, rows counted from the top.
     pub columns: u32,
-    /// Rows of tiles.
+    /// The rows of tiles.
     pub rows: u32,
-    /// Of each tile, the first of its entries in `indices`, and how many they are.
+    /// The start of each tile's list in `indices`, and its length.
     pub tiles: Vec<[u32; 2]>,
-    /// Numbers of point lights, ascending in each tile. Never empty: no shader language knows
-    /// an empty buffer.
+    /// The indices of point lights, ascending in each tile. Never empty, since no shader language
+    /// has empty buffers.
     pub indices: Vec<u32>,
 }
 
-/// What a plan saves.
+/// The savings of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Savings {
-    /// Fragments of the frame.
+    /// The fragments of the frame.
     pub fragments: u64,
-    /// Light evaluations of the plain loop: over every slot the shader has.
+    /// The light evaluations of the plain loop over every slot of the shader.
     pub before: u64,
-    /// Light evaluations of the plan, those at nodes included.
+    /// The light evaluations of the plan, those at nodes included.
     pub after: u64,
-    /// What each option did, in the order they were applied.
+    /// The effect of each option, in the order applied.
     pub steps: Vec<Step>,
-    /// How far the picture is from that of all lights, by the reader that made it.
+    /// The measured difference from the picture with all lights, on the same backend.
     pub checked: Option<Measured>,
-    /// Constants the shader was compiled with for it, as `NAME=VALUE`.
+    /// The constants the shader was compiled with, as `NAME=VALUE`.
     pub compiled: Vec<String>,
-    /// What is worth a warning: lights without a bound, lights that no slot is left for.
+    /// Warnings: lights without a bound, lights without a slot.
     pub notes: Vec<String>,
 }
 
-/// What one option did.
+/// The effect of one option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// The option as it is asked for.
+    /// The option in the notation of `--skip`.
     pub option: String,
-    /// What it did, with numbers.
+    /// A description of the effect, with numbers.
     pub did: String,
-    /// Light evaluations before and after, where it changes them.
+    /// The light evaluations before and after, where it changes them.
     pub evaluations: Option<[u64; 2]>,
-    /// What it may change in the picture.
+    /// The error in the picture.
     pub error: Claim,
-    /// Lights held against regions to make it.
+    /// The tests of a light against a region.
     pub tests: u64,
 }
 
-/// What a skip may change in the picture; steps are 1/255.
+/// The error of an option in the picture; steps are 1/255.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Claim {
-    /// Nothing: what is left out gives exactly zero.
+    /// No error: the lights dropped contribute exactly zero.
     Exact(String),
-    /// At most that, by a proof whose preconditions were checked.
+    /// A proven bound whose preconditions were checked.
     Proven {
-        /// The most that a channel can be too dark by.
+        /// The largest darkening of a channel.
         steps: f64,
-        /// By what.
+        /// The proof.
         by: String,
     },
-    /// That much on this frame; on another it may be more.
+    /// The error on this frame; on others it may be larger.
     Measured(Measured),
-    /// Nothing bounds it and it was not measured.
+    /// Neither bounded nor measured.
     Unmeasured,
-    /// Nothing, since it was not applied.
+    /// None, since the option was not applied.
     Unused,
 }
 
-/// A difference that was measured.
+/// A measured difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The largest of any channel, in steps of linear light.
+    /// The maximum of any channel, in steps of linear light.
     pub steps: f64,
-    /// Codes of 8 bits that differ.
+    /// The 8-bit codes that differ.
     pub codes: u64,
-    /// Of how many.
+    /// The codes compared.
     pub of: u64,
-    /// Fragments it was measured at.
+    /// The fragments measured.
     pub fragments: u64,
-    /// That many of the frame's fragments for each of them.
+    /// The interval between measured fragments of the frame.
     pub every: u64,
 }
 
 impl Plan {
-    /// Everything lit by everything.
+    /// The plan of lighting all fragments with all of the lights.
     pub fn whole(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: numbers(0..fragments), lights, grid: None };
         Plan { draws: vec![draw], ..Plan::default() }
     }
 
-    /// Whether a difference from the light of all lights, measured on a reader, is what the
-    /// plan's steps say; if not, the shader computes another model than it was made for.
+    /// Whether the difference from the picture with all lights, measured on a backend, is within
+    /// the plan's errors; if not, the shader computes another model than the plan assumes.
     ///
-    /// Interpolation is given twice what was measured of it: another sample, another form.
+    /// Interpolation may differ by twice its measured error, on other samples or in another form.
     pub fn keeps(&self, checked: &Measured) -> bool {
         let most = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Exact(_) | Claim::Unused => 0.0,
@@ -196,11 +195,11 @@ impl Plan {
             Claim::Measured(measured) => 2.0 * measured.steps,
             Claim::Unmeasured => f64::INFINITY,
         });
-        // What rounding may differ by where lights are added in another order.
+        // The rounding error of adding lights in another order.
         checked.steps <= most.sum::<f64>() + 1e-2
     }
 
-    /// Light evaluations it takes.
+    /// Returns the number of light evaluations.
     pub fn evaluations(&self) -> u64 {
         let product = |a: usize, b: &LightSet| a as u64 * b.len() as u64;
         let draws = self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights));

@@ -1,12 +1,13 @@
-//! The reference of lighting: what a fragment's light is, in `f64`, from the bits uploaded.
+//! The reference of lighting: the light of a fragment in `f64`, from the uploaded bits.
 //!
-//! A [`Model`] says which lighting; [`shade`] lights a fragment of a
-//! [`Frame`](super::Frame) by the lights of an [`Upload`](super::Upload), [`see`] lets one ask
-//! light by light, [`view_normal`] gives a vertex's normal. What is undefined is an [`Undef`] with the hazard's id, never a number.
+//! A [`Model`] selects the lighting; [`shade`] lights a fragment of a [`Frame`](super::Frame) with
+//! the lights of an [`Upload`](super::Upload), [`see`] gives the contribution of each light,
+//! [`view_normal`] a vertex's normal. An undefined result is an [`Undef`] with the hazard's id,
+//! never a number.
 //!
 //! Directions of an upload are those in which light travels, also for shaders that take the
-//! opposite; a scene's lights are all counted, whatever a shader's arrays hold; normals are as
-//! the fragment has them, which is where a model's normal transform was.
+//! opposite; all lights of a scene count, whatever the length of a shader's arrays; normals are
+//! those of the fragment, after the model's normal transform.
 
 mod form;
 mod light;

@@ -1,9 +1,8 @@
-//! A scene lit by a shader on a reader: a picture.
+//! Renders a scene with a shader on a backend.
 //!
-//! A [`Renderer`] is a shader, its binding map and what they compile to. [`Renderer::light`] lights
-//! a list of fragments by a list of lights, [`Renderer::render`] makes a picture of several such
-//! lists, which is what a plan that skips is. [`truth`] is the same by the reference, and
-//! [`tally`] what the evaluator counted.
+//! A [`Renderer`] is a compiled shader with its binding map. [`Renderer::light`] lights a list of
+//! fragments with a list of lights, [`Renderer::render`] makes a picture of several such draws, as
+//! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the evaluator's counts.
 
 pub mod planned;
 pub mod tally;
@@ -16,11 +15,12 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::bind::{
-    BindError, BindingMap, Excess, Filler, Kind, Lit, Quantity, Tiles, guess, overridden,
+    BindError, BindingMap, BlockWriter, Kind, Lit, OverflowPolicy, Quantity, Tiles, infer,
+    overridden,
 };
 use super::{Fragment, Frame, Upload};
 use crate::picture::Picture;
-use landfall_exec::backend::{Failure, Reader};
+use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Shaded};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
@@ -30,92 +30,91 @@ use landfall_layout::{Diagnostic, Options};
 pub struct Renderer {
     /// The shader.
     pub shader: FragmentShader,
-    /// What its members are given.
+    /// The binding map.
     pub map: BindingMap,
-    filler: Filler,
+    filler: BlockWriter,
 }
 
-/// What a renderer is made of besides the shader.
+/// The options of a renderer.
 #[derive(Clone, Debug, Default)]
 pub struct RenderOptions<'a> {
-    /// How the shader's text is read and laid out.
+    /// The options for parsing and laying out the shader.
     pub layout: Options,
-    /// Which fragment entry point, where there are several.
+    /// The fragment entry point, if there are several.
     pub entry: Option<&'a str>,
-    /// What is said of the binding, the last said over the first.
+    /// Overrides of the binding; later ones replace earlier ones.
     pub bind: Vec<&'a Map<String, Value>>,
 }
 
 /// Fragments lit by the same lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Draw<'a> {
-    /// Their numbers among the frame's, in any order.
+    /// The indices of the fragments in the frame, in any order.
     pub fragments: &'a [u32],
     /// The lights.
     pub lights: Lit<'a>,
-    /// Which point lights each tile has, for shaders that ask.
+    /// The point lights of each tile, for shaders that use them.
     pub tiles: Option<Tiles<'a>>,
 }
 
-/// What a picture is made of.
+/// The input of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
     /// The lights and materials.
     pub upload: &'a Upload,
     /// The fragments.
     pub frame: &'a Frame,
-    /// Colour where nothing is seen.
+    /// The colour of pixels without a fragment.
     pub background: DVec3,
-    /// A reader that takes longer for one job has failed.
+    /// The time limit of a backend for one job.
     pub limit: Duration,
 }
 
-/// What is bound for fragments of one material.
+/// The bindings for fragments of one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prepared {
     /// The bytes of each block.
     pub blocks: Vec<Vec<u8>>,
     /// The textures.
     pub textures: Vec<Image>,
-    /// Values of each input, one a fragment.
+    /// The values of each input, one for each fragment.
     pub inputs: Vec<Vec<[f32; 4]>>,
-    /// How many fragments.
+    /// The number of fragments.
     pub count: usize,
 }
 
 impl Prepared {
-    /// It as the shader takes it.
+    /// Returns the batch for the shader.
     pub fn batch(&self, limit: Duration) -> Batch<'_> {
         let Prepared { blocks, textures, inputs, count } = self;
         Batch { blocks, textures, inputs, count: *count, limit }
     }
 }
 
-/// A picture and what it took.
+/// A rendered picture with its counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     /// The picture.
     pub picture: Picture,
-    /// Fragments that were lit.
+    /// The fragments lit.
     pub fragments: u64,
-    /// Fragments that the shader discarded: they show the background.
+    /// The fragments discarded by the shader, which show the background.
     pub discarded: u64,
-    /// How often a light was evaluated at a fragment, slots that a loop has no count for
-    /// included.
+    /// The light evaluations over all fragments, including empty slots of loops without a count.
     pub evaluations: u64,
-    /// Bytes of blocks that were uploaded.
+    /// The bytes of blocks uploaded.
     pub uploaded: u64,
 }
 
-/// Why there is no picture.
+/// The reason there is no picture.
 #[derive(Clone, Debug)]
 pub enum RenderError {
-    /// Something is wrong with the shader.
+    /// An error in the shader.
     Shader(Vec<Diagnostic>),
-    /// The scene does not go into it.
+    /// The scene does not fit the shader.
     Bind(BindError),
-    /// The reader refuses or fails.
-    Reader(Failure),
+    /// The backend refused or failed.
+    Backend(Failure),
 }
 
 impl From<BindError> for RenderError {
@@ -126,7 +125,7 @@ impl From<BindError> for RenderError {
 
 impl From<Failure> for RenderError {
     fn from(failure: Failure) -> RenderError {
-        RenderError::Reader(failure)
+        RenderError::Backend(failure)
     }
 }
 
@@ -138,7 +137,7 @@ impl fmt::Display for RenderError {
                 f.write_str(&each.join("\n"))
             }
             RenderError::Bind(error) => error.fmt(f),
-            RenderError::Reader(failure) => failure.fmt(f),
+            RenderError::Backend(failure) => failure.fmt(f),
         }
     }
 }
@@ -146,47 +145,53 @@ impl fmt::Display for RenderError {
 impl std::error::Error for RenderError {}
 
 impl Renderer {
-    /// Makes a shader ready to light scenes.
+    /// Compiles a shader for lighting scenes.
     ///
     /// # Errors
-    /// A shader that cannot run so, that holds no light, or a binding that does not fit it.
+    /// A shader that cannot run, has no lights, or does not fit a binding.
     pub fn new(source: &Source, options: &RenderOptions<'_>) -> Result<Renderer, RenderError> {
         let made = FragmentShader::new(source, &options.layout, options.entry);
         let shader = made.map_err(RenderError::Shader)?;
-        let guessed = guess(&shader, &source.path, &source.text);
+        let guessed = infer(&shader, &source.path, &source.text);
         let no_lights = guessed.as_ref().err().cloned();
         let mut map = guessed.unwrap_or_else(|_| crate::bind::members(&shader));
         for given in &options.bind {
             map = overridden(map, given)?;
         }
-        // Nothing guessed is no matter where all is said.
+        // A missing inference does not matter if all lights are bound explicitly.
         if let Some(error) = no_lights.filter(|_| !map.lights()) {
             return Err(error.into());
         }
-        let filler = Filler::new(&shader, &map)?;
+        let filler = BlockWriter::new(&shader, &map)?;
         Ok(Renderer { shader, map, filler })
     }
 
-    /// The numbers of the lights of each kind that the shader has slots for.
+    /// Returns the indices of the lights of each kind for which the shader has slots.
     ///
     /// # Errors
-    /// More lights than slots, unless those are to be left out.
-    pub fn lights(&self, upload: &Upload, excess: Excess) -> Result<[Vec<u32>; 3], BindError> {
+    /// More lights than slots, unless the policy leaves them out.
+    pub fn lights(
+        &self,
+        upload: &Upload,
+        excess: OverflowPolicy,
+    ) -> Result<[Vec<u32>; 3], BindError> {
         self.filler.lights(&upload.lights, excess)
     }
 
-    /// Slots of the shader for lights of a kind; `usize::MAX` where its buffer says.
+    /// Returns the slots of the shader for lights of a kind; `usize::MAX` for a runtime-sized
+    /// array.
     pub fn slots(&self, kind: Kind) -> usize {
         self.filler.slots(kind)
     }
 
-    /// Lights that the shader evaluates at a fragment: of a kind without a count, every slot.
+    /// Returns the lights the shader evaluates at a fragment: for a kind without a count, every
+    /// slot.
     pub fn evaluated(&self, lit: &Lit<'_>) -> u64 {
         Kind::ALL.into_iter().map(|kind| self.walked(kind, lit)).sum()
     }
 
-    /// Slots of a kind that the shader looks at for a fragment, whether it evaluates what is in
-    /// them or not: of a kind without a count, every one.
+    /// Returns the slots of a kind that the shader visits for a fragment, evaluated or not: for a
+    /// kind without a count, every one.
     pub fn walked(&self, kind: Kind, lit: &Lit<'_>) -> u64 {
         let lights = match kind {
             Kind::Directional => lit.directional.len(),
@@ -198,26 +203,26 @@ impl Renderer {
         if counted { lights as u64 } else { slots as u64 }
     }
 
-    /// The same with the colours of the light in a slot no numbers, so that fragments that it
-    /// reaches show it; none where the shader is given no colours of such lights.
+    /// Returns the bindings with NaN as the colours of the light in a slot, so that the fragments
+    /// it reaches show it; `None` for a shader without colours of such lights.
     pub fn marked(&self, prepared: &Prepared, kind: Kind, slot: usize) -> Option<Prepared> {
         let mut marked = prepared.clone();
         self.filler.mark(&mut marked.blocks, kind, slot).then_some(marked)
     }
 
-    /// Whether the shader is told how many lights of a kind there are.
+    /// Whether the shader has a count of the lights of a kind.
     fn counts(&self, kind: Kind) -> bool {
         let count = Some(Quantity::Count(kind));
         self.map.members.iter().any(|member| member.source.quantity() == count)
     }
 
-    /// Slots that have no light and that nothing tells the shader to leave out.
+    /// Returns the slots without a light that the shader evaluates anyway.
     pub fn idle(&self, lit: &Lit<'_>) -> u64 {
         let lights = lit.directional.len() + lit.point.len() + lit.spot.len();
         self.evaluated(lit).saturating_sub(lights as u64)
     }
 
-    /// What of the materials the shader cannot be given as it is.
+    /// Returns notes on material properties that the shader cannot represent.
     pub fn notes(&self, upload: &Upload) -> Vec<String> {
         let mut notes: Vec<String> = self.map.notes.clone();
         notes.extend(upload.materials.iter().flat_map(|material| self.filler.notes(material)));
@@ -225,13 +230,13 @@ impl Renderer {
         notes
     }
 
-    /// Lights fragments of one material. `after` is told, after each job, how many are done.
+    /// Lights fragments of one material. `after` receives the fragments done after each job.
     ///
     /// # Errors
-    /// More lights than slots, or what the reader says.
-    pub fn light<R: Reader + ?Sized>(
+    /// More lights than slots, or a failure of the backend.
+    pub fn light<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         fragments: &[&Fragment],
         draw: &Draw<'_>,
@@ -251,11 +256,11 @@ impl Renderer {
             count: fragments.len(),
             limit: work.limit,
         };
-        let shaded = self.shader.run(reader, &batch, |reader, done| after(reader, done))?;
+        let shaded = self.shader.run(backend, &batch, |backend, done| after(backend, done))?;
         Ok((shaded, blocks.iter().map(|bytes| bytes.len() as u64).sum()))
     }
 
-    /// What lighting fragments of one material binds, made once to be run often.
+    /// Returns the bindings for lighting fragments of one material, to be run repeatedly.
     ///
     /// # Errors
     /// More lights than slots.
@@ -277,13 +282,13 @@ impl Renderer {
         })
     }
 
-    /// Makes the picture of those draws; a fragment of none of them shows the background.
+    /// Renders the picture of the draws; fragments in none of them show the background.
     ///
     /// # Errors
-    /// More lights than slots, or what the reader says.
-    pub fn render<R: Reader + ?Sized>(
+    /// More lights than slots, or a failure of the backend.
+    pub fn render<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         draws: &[Draw<'_>],
         after: &mut dyn FnMut(&mut R, usize),
@@ -296,10 +301,10 @@ impl Renderer {
         for draw in draws {
             let found = draw.fragments.iter().filter_map(|n| fragments.get(*n as usize));
             let mut found: Vec<&Fragment> = found.collect();
-            // Stable: the caller's order stays within a material.
+            // A stable sort keeps the caller's order within a material.
             found.sort_by_key(|fragment| fragment.material);
             for same in found.chunk_by(|a, b| a.material == b.material) {
-                let (shaded, bytes) = self.light(reader, work, same, draw, after)?;
+                let (shaded, bytes) = self.light(backend, work, same, draw, after)?;
                 rendered.fragments += same.len() as u64;
                 rendered.evaluations += same.len() as u64 * self.evaluated(&draw.lights);
                 rendered.uploaded += bytes;
@@ -318,7 +323,7 @@ impl Renderer {
     }
 }
 
-/// The background as a pixel.
+/// Returns the background as a pixel.
 pub(super) fn background(color: DVec3) -> [f32; 4] {
     let [r, g, b] = color.as_vec3().to_array();
     [r, g, b, 1.0]

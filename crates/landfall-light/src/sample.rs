@@ -1,24 +1,24 @@
-//! Texels of a surface: nearest, repeating, 8 bits a channel.
+//! Texture sampling: nearest texel, repeating, 8 bits per channel.
 //!
-//! Reads a [`Material`] at texture coordinates; the reference computes
-//! from the texels and a renderer uploads [`color`]s, so that both see the same ones.
+//! Samples a [`Material`] at texture coordinates; the reference computes with the texels and a
+//! renderer uploads [`color`]s, so that both use the same ones.
 
 use glam::DVec3;
 
 use super::scene::{Material, Surface, Texture};
 
-/// The colours of a material at one point, each full scale at 1.
+/// The colours of a material at a point, with full scale 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texels {
-    /// Of ambient reflection.
+    /// The colour of ambient reflection.
     pub ambient: DVec3,
-    /// Of diffuse reflection.
+    /// The colour of diffuse reflection.
     pub diffuse: DVec3,
-    /// Of specular reflection.
+    /// The colour of specular reflection.
     pub specular: DVec3,
 }
 
-/// A material's colours at texture coordinates.
+/// Returns a material's colours at texture coordinates.
 pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     Texels {
         ambient: surface(&material.ambient, uv),
@@ -27,7 +27,7 @@ pub fn texels(material: &Material, uv: [f32; 2]) -> Texels {
     }
 }
 
-/// A surface's colour at texture coordinates.
+/// Returns a surface's colour at texture coordinates.
 pub fn surface(surface: &Surface, uv: [f32; 2]) -> DVec3 {
     match surface {
         Surface::Constant(color) => *color,
@@ -38,20 +38,20 @@ pub fn surface(surface: &Surface, uv: [f32; 2]) -> DVec3 {
     }
 }
 
-/// The number of the texel at texture coordinates; none of an empty texture.
+/// Returns the index of the texel at texture coordinates; `None` for an empty texture.
 ///
-/// The first texel's first corner is (0, 0). Coordinates that are no number read the first.
+/// The first texel's first corner is (0, 0). Coordinates that are not finite select the first.
 pub fn index(texture: &Texture, uv: [f32; 2]) -> Option<usize> {
     let place = |coordinate: f32, size: u32| {
         let x = f64::from(coordinate);
-        // `as` takes a NaN to 0; the product rounds to the size where x is just below a whole.
+        // `as` converts NaN to 0; the product rounds to the size if x is just below an integer.
         (((x - x.floor()) * f64::from(size)) as usize).min((size as usize).saturating_sub(1))
     };
     let at = place(uv[1], texture.height) * texture.width as usize + place(uv[0], texture.width);
     (at < texture.texels.len()).then_some(at)
 }
 
-/// A texel's colour, linear.
+/// Returns a texel's linear colour.
 pub fn color(texel: [u8; 3], srgb: bool) -> DVec3 {
     let channel = |code: u8| {
         let x = f64::from(code) / 255.0;

@@ -1,9 +1,9 @@
-//! What a scene is: a camera, lights, materials and objects, as written.
+//! Scenes: a camera, lights, materials and objects.
 //!
-//! Read from JSON by [`read()`], its meshes made by formula or from OBJ files, lamps by seed if it
-//! says so; [`frame`](super::frame) makes fragments of it, [`upload`](super::upload) what is
-//! uploaded. Lengths are in the scene's own unit, colours linear with 1 full scale,
-//! directions those in which light travels.
+//! Read from JSON by [`read()`], with meshes by formula or from OBJ files and optional random
+//! lights; [`frame`](super::frame) rasterises it, [`upload`](super::upload) converts it for
+//! shaders. Lengths are in the scene's own unit, colours linear with full scale 1, directions those
+//! in which light travels.
 
 mod generate;
 mod mesh;
@@ -18,81 +18,81 @@ pub use mesh::{cube, plane, sphere};
 pub use obj::{ObjFault, ObjMesh, read_obj};
 pub use read::{MOST_PIXELS, Open, Reading, read, read_file};
 
-/// Largest coordinate or length: the square of what is larger has no `f32`.
+/// The largest coordinate or length: squares of larger ones overflow an `f32`.
 const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;
 
 /// A camera, lights, materials and objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What people call it.
+    /// The name of the scene.
     pub name: String,
-    /// Pixels in a row, and rows.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Colour where nothing is seen.
+    /// The colour of pixels without a fragment.
     pub background: DVec3,
-    /// Who looks.
+    /// The camera.
     pub camera: Camera,
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
-    /// What surfaces are made of.
+    /// The materials.
     pub materials: Vec<Material>,
-    /// What is seen.
+    /// The objects.
     pub objects: Vec<Object>,
-    /// The space lighting is computed in.
+    /// The space in which lighting is computed.
     pub space: Space,
-    /// The shader to light it, as the scene says: a path from the scene's folder, or an object
-    /// that the renderer reads.
+    /// The shader in the scene's JSON: a path relative to the scene's folder, or an object for the
+    /// renderer.
     pub shader: Option<Value>,
-    /// The lighting model the reference is to compute, as the scene says.
+    /// The lighting model of the reference, in the scene's JSON.
     pub model: Option<Value>,
-    /// Which number of the scene goes to which member of the shader, as the scene says.
+    /// The sources of the shader's members, in the scene's JSON.
     pub bind: Option<Map<String, Value>>,
 }
 
-/// The space in which a shader is given positions and directions.
+/// The space of the positions and directions that a shader gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Space {
-    /// The scene's own.
+    /// The scene's own space.
     #[default]
     World,
-    /// The camera at the origin, looking along -z, y up.
+    /// The camera is at the origin, looking along -z, y up.
     View,
-    /// The scene's axes with the camera at the origin: exact far from the origin.
+    /// The scene's axes with the camera at the origin: exact far from the scene's origin.
     CameraRelative,
 }
 
-/// A camera with a perspective.
+/// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it is.
+    /// The position.
     pub position: DVec3,
-    /// Where it looks: a unit vector.
+    /// The viewing direction, a unit vector.
     pub front: DVec3,
-    /// What is up; not along `front`.
+    /// The up direction; not parallel to `front`.
     pub up: DVec3,
-    /// Vertical field of view in degrees.
+    /// The vertical field of view in degrees.
     pub fov: f64,
-    /// Distance of the near plane.
+    /// The distance of the near plane.
     pub near: f64,
-    /// Distance of the far plane.
+    /// The distance of the far plane.
     pub far: f64,
 }
 
 /// The lights of a scene.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Lights {
-    /// Light from everywhere.
+    /// The ambient light.
     pub ambient: Option<Ambient>,
-    /// Suns.
+    /// The directional lights.
     pub directional: Vec<DirectionalLight>,
-    /// Lamps.
+    /// The point lights.
     pub point: Vec<PointLight>,
-    /// Lamps with a cone.
+    /// The spotlights.
     pub spot: Vec<SpotLight>,
 }
 
 impl Camera {
-    /// The turn from the scene's axes to the camera's: x right, y up, -z where it looks.
+    /// Returns the rotation from the scene's axes to the camera's: x right, y up, -z ahead.
     pub fn turn(&self) -> glam::DMat3 {
         let front = self.front.normalize();
         let right = front.cross(self.up).normalize();
@@ -100,17 +100,17 @@ impl Camera {
     }
 }
 
-/// Where the axes of a lighting space are in the scene.
+/// The axes of a lighting space in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// Its origin.
+    /// The origin.
     pub origin: DVec3,
-    /// The turn from the scene's axes to its own.
+    /// The rotation from the scene's axes.
     pub turn: glam::DMat3,
 }
 
 impl Space {
-    /// Its axes, for what that camera sees.
+    /// Returns the axes of this space for a camera.
     pub fn axes(self, camera: &Camera) -> Axes {
         match self {
             Space::World => Axes { origin: DVec3::ZERO, turn: glam::DMat3::IDENTITY },
@@ -121,18 +121,18 @@ impl Space {
 }
 
 impl Axes {
-    /// Where a point of the scene is in this space. The origin is taken away first, so that
-    /// nothing is lost far from it.
+    /// Converts a point of the scene to this space. The origin is subtracted first, which is exact
+    /// far from the scene's origin.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.turn * (point - self.origin)
     }
 
-    /// A direction of the scene in this space, as long as it was.
+    /// Converts a direction of the scene to this space, keeping its length.
     pub fn direction(&self, direction: DVec3) -> DVec3 {
         self.turn * direction
     }
 
-    /// A transform into the scene, into this space instead.
+    /// Converts a transform to the scene into one to this space.
     pub fn transform(&self, transform: &glam::DMat4) -> glam::DMat4 {
         let linear = self.turn * glam::DMat3::from_mat4(*transform);
         let place = self.point(transform.w_axis.truncate());
@@ -142,153 +142,153 @@ impl Axes {
     }
 }
 
-/// Light from everywhere, counted once.
+/// Ambient light, counted once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// Its colour.
+    /// The colour.
     pub color: DVec3,
-    /// What its colour is multiplied with.
+    /// The factor of the colour.
     pub intensity: f64,
 }
 
-/// What a light sends out. Shaders take either a colour for each term, or one colour and an
-/// intensity; a scene that gives one of them has the other derived.
+/// The emission of a light. Shaders take either a colour for each term, or one colour and an
+/// intensity; a scene gives one form and the other is derived.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
-    /// Colour of its own ambient term, counted once a light.
+    /// The colour of its own ambient term, counted once for each light.
     pub ambient: DVec3,
-    /// Colour of the diffuse term.
+    /// The colour of the diffuse term.
     pub diffuse: DVec3,
-    /// Colour of the specular term.
+    /// The colour of the specular term.
     pub specular: DVec3,
-    /// The one colour.
+    /// The single colour.
     pub color: DVec3,
-    /// What the one colour is multiplied with.
+    /// The factor of the single colour.
     pub intensity: f64,
 }
 
-/// Light of one direction.
+/// A directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
-    /// Where it travels: a unit vector as far as `f64` goes, or what the scene says if told not
-    /// to normalise.
+    /// The direction of travel: a unit vector in `f64`, or the scene's vector if it turns
+    /// normalisation off.
     pub direction: DVec3,
-    /// What it sends.
+    /// The emission.
     pub emission: Emission,
 }
 
-/// Light from a point.
+/// A point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
-    /// Where it is.
+    /// The position.
     pub position: DVec3,
-    /// What it sends.
+    /// The emission.
     pub emission: Emission,
-    /// How it weakens.
+    /// The attenuation.
     pub attenuation: Attenuation,
 }
 
-/// `1 / (constant + linear d + quadratic d^2)`, with a window where there is a range.
+/// `1 / (constant + linear d + quadratic d^2)`, with a window if there is a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attenuation {
-    /// Per nothing.
+    /// The constant coefficient.
     pub constant: f64,
-    /// Per distance.
+    /// The linear coefficient.
     pub linear: f64,
-    /// Per distance squared.
+    /// The quadratic coefficient.
     pub quadratic: f64,
-    /// Where a windowed model ends the light, `(1 - (d / range)^4)^2`; other models ignore it.
+    /// The range, where windowed models end the light by `(1 - (d / range)^4)^2`; others ignore it.
     pub range: Option<f64>,
 }
 
-/// Light from a point, inside a cone.
+/// A spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
-    /// The lamp.
+    /// The point light.
     pub lamp: PointLight,
-    /// Where it points.
+    /// The direction of its axis.
     pub direction: DVec3,
-    /// How wide it is.
+    /// The cone.
     pub cone: Cone,
 }
 
 /// A cone by its half angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Cosine of the angle inside which the light is whole; not below `outer_cos`.
+    /// The cosine of the angle up to which the light has full intensity; not below `outer_cos`.
     pub inner_cos: f64,
-    /// Cosine of the angle outside which there is none.
+    /// The cosine of the angle beyond which there is no light.
     pub outer_cos: f64,
-    /// Both angles in degrees, inner first, where the scene gave angles.
+    /// Both angles in degrees, inner first, if the scene gives angles.
     pub degrees: Option<[f64; 2]>,
 }
 
-/// What a surface is made of.
+/// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// The name objects use.
+    /// The name by which objects refer to it.
     pub name: String,
-    /// Colour of ambient reflection.
+    /// The colour of ambient reflection.
     pub ambient: Surface,
-    /// Colour of diffuse reflection.
+    /// The colour of diffuse reflection.
     pub diffuse: Surface,
-    /// Colour of specular reflection.
+    /// The colour of specular reflection.
     pub specular: Surface,
-    /// The power of the highlight.
+    /// The exponent of the highlight.
     pub shininess: f64,
-    /// What some models multiply or gate the highlight with.
+    /// The factor or gate of the highlight in some models.
     pub reflectance: f64,
 }
 
 /// A colour over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
-    /// The same everywhere.
+    /// The same colour everywhere.
     Constant(DVec3),
-    /// From an image of 8 bits a channel, nearest texel, repeating.
+    /// An image of 8 bits per channel, nearest texel, repeating.
     Texture(Texture),
 }
 
 /// A small image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Texels in a row.
+    /// The texels in a row.
     pub width: u32,
-    /// Rows, from the first.
+    /// The rows.
     pub height: u32,
-    /// Red, green, blue; `width * height` of them.
+    /// Red, green and blue; `width * height` of them.
     pub texels: Vec<[u8; 3]>,
     /// Whether the bytes are sRGB codes; else linear.
     pub srgb: bool,
 }
 
-/// A mesh at its place.
+/// A mesh with a material and a transform.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Its triangles.
+    /// The triangles.
     pub mesh: Mesh,
-    /// Number of its material.
+    /// The index of its material.
     pub material: usize,
-    /// From the mesh's space to the scene's.
+    /// The transform from the mesh's space to the scene's.
     pub transform: glam::DMat4,
 }
 
 /// Triangles with positions, normals and texture coordinates at their corners.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Mesh {
-    /// Corners.
+    /// The corners.
     pub vertices: Vec<Vertex>,
-    /// Three corners a triangle, counter-clockwise seen from outside.
+    /// Three corners for each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 /// A corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
-    /// Where it is.
+    /// The position.
     pub position: DVec3,
-    /// Its normal; need not be of unit length.
+    /// The normal, not necessarily of unit length.
     pub normal: DVec3,
-    /// Texture coordinates.
+    /// The texture coordinates.
     pub uv: glam::DVec2,
 }

@@ -4,10 +4,10 @@
 //! `x ^= x >> 30; x *= 0xbf58476d1ce4e5b9; x ^= x >> 27; x *= 0x94d049bb133111eb; x ^= x >> 31`.
 //! A number from 0 to 1 is its upper 53 bits over 2^53.
 
-/// By how much the state grows.
+/// The increment of the state.
 pub(crate) const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A stream of random numbers by its state.
+/// A stream of random numbers, by its state.
 #[derive(Clone, Debug)]
 pub(crate) struct SplitMix64(pub u64);
 
@@ -20,7 +20,7 @@ impl SplitMix64 {
         mixed ^ (mixed >> 31)
     }
 
-    /// From 0 to just below 1.
+    /// Returns a number from 0 to 1, exclusive.
     pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -1,7 +1,7 @@
-//! A scene's numbers as a shader gets them: in the space of its lighting, rounded to `f32`.
+//! The numbers of a scene for a shader: in lighting space, rounded to `f32`.
 //!
-//! Made from a [`Scene`]; the binding map writes it to blocks and the reference
-//! computes from it, so that rounding an upload is charged to neither.
+//! Made from a [`Scene`]; the binding map writes it to blocks and the reference computes from it,
+//! so that neither is charged with the rounding of the upload.
 
 use glam::DVec3;
 
@@ -12,15 +12,15 @@ use super::scene::{
 
 /// Lights and materials as uploaded: every number is an `f32`, widened.
 ///
-/// Only the angles of a [`Cone`] in degrees stay as the scene says them: no shader is given
-/// them, and what is computed from them instead of from their cosines is rounded by itself.
-/// Directions stay those in which light travels; a shader that wants the one towards the light
-/// is given the negative, which rounds nothing.
+/// Only the angles of a [`Cone`] in degrees stay as in the scene: no shader gets them, and values
+/// computed from them instead of from their cosines have a rounding of their own. Directions stay
+/// those in which light travels; a shader that needs the opposite gets the negative, which is
+/// exact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Upload {
-    /// The space its positions and directions are in.
+    /// The space of its positions and directions.
     pub space: Space,
-    /// Where the camera is in that space.
+    /// The position of the camera in that space.
     pub camera: DVec3,
     /// The lights in that space.
     pub lights: Lights,
@@ -29,7 +29,7 @@ pub struct Upload {
 }
 
 impl Upload {
-    /// Moves lights into the space of the scene's lighting, in `f64`, and rounds once.
+    /// Converts a scene to the space of its lighting, in `f64`, and rounds once.
     pub fn new(scene: &Scene) -> Upload {
         let axes = scene.space.axes(&scene.camera);
         let lights = &scene.lights;

@@ -1,8 +1,8 @@
 //! `// landfall: allow(code)` and `allow-file(code)` in the comments of a shader and its includes.
 //!
-//! Read from the texts behind a [`ShaderLayout`](landfall_layout::ShaderLayout); obeyed by
-//! [`run`](super::run). Plain data with paths and lines, so that what a comment
-//! suppressed can be cached, and gathered from several runs.
+//! Read from the files of a [`ShaderLayout`](landfall_layout::ShaderLayout) and applied by
+//! [`run`](super::run). Stored with paths and lines, so that suppressions can be cached and merged
+//! from several runs.
 
 use std::ops::Range;
 
@@ -18,24 +18,24 @@ use landfall_layout::text::edit_distance::nearest;
 /// The lint that reports comments without effect.
 const UNUSED: &str = "unused-allow";
 
-/// One code of one comment.
+/// One code in one comment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Allow {
-    /// The lint's code; what was written instead when the comment is not understood.
+    /// The lint's code; the text of the comment if it is malformed.
     pub code: String,
-    /// The code in the text.
+    /// The place of the code.
     pub place: Place,
-    /// What goes when this code goes: it alone, or the comment, or the comment's line.
+    /// The text to remove with this code: the code alone, the comment, or the comment's line.
     pub removal: Place,
-    /// Lines it holds for, first and last; `None` for the whole file.
+    /// The first and last line that it applies to; `None` for the whole file.
     pub lines: Option<(u32, u32)>,
-    /// Whether the comment says neither `allow(…)` nor `allow-file(…)`.
+    /// Whether the comment is malformed: neither `allow(…)` nor `allow-file(…)`.
     pub garbled: bool,
-    /// Whether it suppressed something.
+    /// Whether it suppressed a finding.
     pub used: bool,
 }
 
-/// The allow comments of a shader and its includes.
+/// Returns the allow comments of a shader and its includes.
 pub fn allows(files: &Files, language: Language) -> Vec<Allow> {
     let mut found = Vec::new();
     let marker = memchr::memmem::Finder::new("landfall:");
@@ -51,7 +51,7 @@ pub fn allows(files: &Files, language: Language) -> Vec<Allow> {
     found
 }
 
-/// Leaves out the findings that a comment allows, and marks the comments that did.
+/// Removes the findings that a comment allows, and marks those comments as used.
 pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
     if allows.is_empty() {
         return;
@@ -66,16 +66,16 @@ pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
     });
 }
 
-/// What is to be said about comments that suppressed nothing. `asked` says whether a lint was
-/// asked by this run: about one that was not, nothing is known.
+/// Returns the findings of comments that suppressed nothing. `asked` returns whether this run
+/// included a lint; comments for other lints are not reported.
 ///
-/// An include is seen by several shaders: its comment is used when it was for one of them.
+/// A comment in an include is used if it suppressed a finding for any shader.
 pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> bool) -> Vec<Finding> {
     let level = level_of(UNUSED, settings);
     if level == Level::Allow {
         return Vec::new();
     }
-    // An earlier spelling is reported whether its comment is needed or not.
+    // An earlier spelling is reported whether its comment is used or not.
     let is_idle = |a: &&Allow| (!a.used && a.code != UNUSED) || renamed(&a.code).is_some();
     let mut idle: Vec<&Allow> = allows.iter().filter(is_idle).collect();
     idle.sort_by(|a, b| a.place.cmp(&b.place));
@@ -85,7 +85,7 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     let mut findings: Vec<Finding> =
         idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
     for finding in &mut findings {
-        finding.level = level;
+        finding.severity = level.severity().unwrap_or(finding.severity);
     }
     findings.retain(|finding| {
         !allows.iter().any(|allow| allow.code == UNUSED && allow.covers(finding))
@@ -95,18 +95,18 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
 
 impl Allow {
     fn covers(&self, finding: &Finding) -> bool {
-        let line = finding.place.line;
+        let line = finding.place().line;
         !self.garbled
             && renamed(&self.code).unwrap_or(&self.code) == finding.code
-            && self.place.path == finding.place.path
+            && self.place.path == finding.place().path
             && self.lines.is_none_or(|(first, last)| (first..=last).contains(&line))
     }
 
     fn idle(&self, settings: &Settings, asked: impl Fn(&str) -> bool) -> Option<Finding> {
         let finding =
-            |message: String| Finding::new(UNUSED, &*self.code, self.place.clone(), message);
+            |message: String| Finding::of(UNUSED, &*self.code, self.place.clone(), message);
         if self.garbled {
-            let message = format!("`landfall: {}` is not understood", self.code);
+            let message = format!("malformed comment `landfall: {}`", self.code);
             return Some(finding(message).with_help(
                 "write `landfall: allow(CODE)` for the next line, or `landfall: allow-file(CODE)`",
             ));
@@ -116,7 +116,7 @@ impl Allow {
             return Some(finding(message).with_edit(self.place.clone(), now));
         }
         if lint(&self.code).is_none() {
-            let message = format!("`{}` is no lint, so nothing is allowed", self.code);
+            let message = format!("unknown lint `{}`: the comment allows nothing", self.code);
             let near = nearest(&self.code, LINTS.iter().map(|lint| lint.code));
             return Some(match near {
                 Some(near) => finding(message)
@@ -155,7 +155,7 @@ impl Text<'_> {
         Place::of(self.files, span)
     }
 
-    /// What a comment allows.
+    /// Reads the codes of a comment.
     fn read(&self, comment: Range<usize>, found: &mut Vec<Allow>) {
         let whole = &self.text[comment.clone()];
         let body = whole.strip_suffix("*/").unwrap_or(whole);
@@ -214,22 +214,22 @@ impl Text<'_> {
         }
     }
 
-    /// The line that holds a byte, without its end.
+    /// Returns the line that contains a byte, without its line end.
     fn line(&self, at: usize) -> Range<usize> {
         let start = self.text[..at].rfind('\n').map_or(0, |i| i + 1);
         let end = self.text[at..].find('\n').map_or(self.text.len(), |i| at + i);
         start..end
     }
 
-    /// Whether nothing but the comment is in its lines.
+    /// Returns whether the comment is alone in its lines.
     fn is_alone(&self, comment: &Range<usize>) -> bool {
         let before = self.line(comment.start).start..comment.start;
         let after = comment.end..self.line(comment.end).end;
         self.text[before].trim().is_empty() && self.text[after].trim().is_empty()
     }
 
-    /// The line a comment begins in, and the last it holds for: a comment alone holds for the
-    /// next line that is no such comment itself.
+    /// Returns the line a comment begins in, and the last line it applies to: a comment alone in
+    /// its line applies to the next line that is not an allow comment.
     fn lines(&self, comment: &Range<usize>) -> (u32, u32) {
         let own = self.place(comment.start..comment.start).line;
         let last = self.place(comment.end..comment.end).line;
@@ -244,7 +244,7 @@ impl Text<'_> {
         (own, last + 1 + more.count() as u32)
     }
 
-    /// What goes with a comment: the spaces before it, or its whole line.
+    /// Returns the text to remove with a comment: the spaces before it, or its whole line.
     fn around(&self, comment: &Range<usize>) -> Range<usize> {
         if self.is_alone(comment) {
             let end = self.line(comment.end).end;
@@ -256,7 +256,7 @@ impl Text<'_> {
     }
 }
 
-/// The comments of a text, their marks included.
+/// Returns the comments of a text, including their delimiters.
 fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
     let bytes = text.as_bytes();
     let mut found = Vec::new();
@@ -281,7 +281,7 @@ fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
     found
 }
 
-/// Where a block comment ends; in WGSL they nest.
+/// Returns the end of a block comment; in WGSL they nest.
 fn closing(bytes: &[u8], start: usize, language: Language) -> usize {
     let nests = match language {
         Language::Wgsl => true,

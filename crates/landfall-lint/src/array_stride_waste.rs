@@ -1,4 +1,4 @@
-//! `array-stride-waste`: arrays whose elements are a quarter or half of their distance.
+//! `array-stride-waste`: arrays whose elements fill a quarter or half of their stride.
 
 use std::sync::Arc;
 
@@ -9,16 +9,17 @@ use super::walk::{Visit, declared, members};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::occupied;
 use landfall_layout::layout::rules::extent;
-use landfall_layout::shape::{ArrayLen, Majorness, Type};
+use landfall_layout::shape::{ArrayLen, MatrixLayout, Type};
 
 pub(super) const LINT: Lint = Lint {
     code: "array-stride-waste",
     // It costs memory, not correctness, and packing costs an index.
     level: Level::Allow,
-    what: "an array of scalars or small vectors that could be packed into larger ones",
-    why: "std140 puts the elements of every array 16 bytes apart: a `float[64]` is 1024 bytes, \
-          three quarters of them padding, of the 16384 a uniform block is sure to have. Packed \
-          into `vec4 w[16]` it is 256. Allowed unless asked for: it is a waste, not a fault.",
+    what: "an array of scalars or small vectors that could be packed into larger vectors",
+    why: "std140 places the elements of every array 16 bytes apart: a `float[64]` takes 1024 \
+          bytes, three quarters of them padding, of the 16384 that every implementation guarantees \
+          for a uniform block. Packed into `vec4 w[16]` it takes 256. Allowed by default, because \
+          it wastes memory but is correct.",
     example: "\
 #version 330 core
 layout(std140) uniform Kernel {
@@ -26,7 +27,7 @@ layout(std140) uniform Kernel {
 };
 void main() {}
 ",
-    fix: "declare `vec4 w[16]` and read `w[i / 4][i % 4]`",
+    fix: "Declare `vec4 w[16]` and read `w[i / 4][i % 4]`.",
     check: Check::Shader(check),
 };
 
@@ -36,7 +37,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 }
 
 fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
-    // Where the driver decides, no number is sure.
+    // Where the driver chooses the layout, no offset is certain.
     if !visit.block.rules_declared {
         return None;
     }
@@ -49,7 +50,7 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
         return None;
     }
     let new = with_last_dimension(&member.ty, &packed)?;
-    let extent = extent(&new, visit.block.rules, Majorness::Column).ok()?;
+    let extent = extent(&new, visit.block.rules, MatrixLayout::Column).ok()?;
     let language = subject.shader.language;
     let spelled = element.spelled(language);
     let declaration = declared(&member.name, &new, language);
@@ -84,15 +85,15 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     )
 }
 
-/// A larger vector, and how many elements it takes in.
+/// A larger vector, and the number of elements it holds.
 struct Packing {
     vector: Type,
     count: u32,
-    /// Components of one element.
+    /// The number of components of one element.
     rows: u8,
 }
 
-/// The vector of up to 16 bytes that takes in several elements.
+/// Returns the vector of up to 16 bytes that holds several elements.
 fn packing(element: &Type) -> Option<Packing> {
     let (scalar, rows) = match *element {
         Type::Scalar(scalar) => (scalar, 1u8),
@@ -113,7 +114,7 @@ fn packing(element: &Type) -> Option<Packing> {
     })
 }
 
-/// The same array with its innermost dimension packed; `None` where the text gives no length.
+/// Returns the array with its innermost dimension packed; `None` if its length is an override.
 fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
     let Type::Array { element, len } = ty else { return None };
     if let Type::Array { .. } = &**element {
@@ -130,7 +131,8 @@ fn with_last_dimension(ty: &Type, packed: &Packing) -> Option<Type> {
     Some(Type::Array { element: Arc::new(packed.vector.clone()), len })
 }
 
-/// How an element is read: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw` ``.
+/// Returns the expression that reads an element: `` `w[i / 4][i % 4]` ``, `` `w[i / 2].xy` or `.zw`
+/// ``.
 fn reading(name: &str, old: usize, new: usize, packed: &Packing) -> String {
     let outer = ["[i]", "[j]", "[k]"].iter().cycle().take(old - 1).copied().collect::<String>();
     let index = ["i", "j", "k"][(old - 1) % 3];

@@ -1,4 +1,4 @@
-//! `block-mismatch`: copies of one block, in stages or files of one run, that are not the same.
+//! `block-mismatch`: copies of one block that differ between stages or files of one run.
 
 mod compare;
 mod mirrors;
@@ -19,32 +19,33 @@ use program::{Program, program};
 pub(super) const LINT: Lint = Lint {
     code: "block-mismatch",
     level: Level::Deny,
-    what: "one block is declared differently in two stages or files",
-    why: "Both copies read one buffer, so one of them reads other members' bytes, or the program \
-          does not link. Two declarations are taken to be copies of one block in three cases. \
-          Stages of one program (same directory, same file name but for the stage): blocks of one \
-          name, and uniform blocks of one group and binding that read a byte differently. Files \
-          of one directory: blocks of one name, slot and rules that share at least three members \
-          and two thirds of all, by name and type; fewer are two blocks that happen to be called `Params`. Mirror \
-          groups of the configuration: whatever it names, wherever it is. A copy that declares \
-          only the first members of another is fine between programs, and in Vulkan, but does \
-          not link in OpenGL. Blocks of one name in different directories are not compared: \
-          collections of samples are full of them.",
+    what: "a block declared differently in two stages or files",
+    why: "Both declarations read one buffer, so that one of them reads other members' bytes, or \
+          the program does not link. Two declarations count as copies of one block in three cases. \
+          Stages of one program (same directory, same file name except for the stage): blocks of \
+          one name, and uniform blocks of one group and binding that read a byte differently. \
+          Files of one directory: blocks of one name, slot and layout rules that share at least \
+          three members and two thirds of all members, by name and type; with fewer in common they \
+          are two blocks that happen to be called `Params`. Mirror groups of the configuration: \
+          the blocks they name, in any file. A copy that declares only the first members of \
+          another is accepted between programs, and in Vulkan, but does not link in OpenGL. Blocks \
+          of one name in different directories are not compared: collections of samples are full \
+          of them.",
     example: "#version 330 core\n\
               // The vertex shader next to it declares `color` before `position`.\n\
               layout(std140) uniform Light { vec3 position; vec3 color; } u_light;\n\
               out vec4 shade;\n\
               void main() { shade = vec4(u_light.color, 1.0); }\n",
     fix: "Declare the block once, in a file that every stage includes, or copy the declaration \
-          that the uploading code was written for. Blocks that only share a name are told apart by \
-          another name or binding.",
+          that the uploading code was written for. If two blocks only share a name, change one's \
+          name or binding.",
     check: Check::Tree(check),
 };
 
-/// Differences that are named; the rest are counted.
+/// The number of differences listed; the rest are counted.
 const MOST_NAMED: usize = 4;
 
-/// Further copies that are listed; the rest are counted.
+/// The number of further copies listed; the rest are counted.
 const MOST_COPIES: usize = 3;
 
 /// One declaration of a block.
@@ -66,8 +67,8 @@ fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     found.extend(mirrors::check(subjects, settings));
     let mut kept: Vec<Finding> = Vec::new();
     for finding in found {
-        // Two stages of one program are in one directory too, and may be in one mirror group.
-        let told = kept.iter().any(|k| k.place == finding.place && k.about == finding.about);
+        // Two stages of one program may also be in one directory and in one mirror group.
+        let told = kept.iter().any(|k| k.place() == finding.place() && k.about == finding.about);
         if !told {
             kept.push(finding);
         }
@@ -75,11 +76,11 @@ fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     kept
 }
 
-/// The declarations that are looked at: of buffers that several shaders may read.
+/// Returns the declarations that are compared: those of buffers that several shaders may read.
 fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
     subjects.iter().flat_map(|subject| {
         let blocks = subject.shader.blocks.iter();
-        // Push constants are a range of each stage's own; the others are no bound buffers.
+        // Each stage has its own range of push constants; the others are not bound buffers.
         let bound = |block: &&BlockLayout| match block.space {
             AddressSpace::Uniform | AddressSpace::Storage => !block.gathered,
             AddressSpace::PushConstant
@@ -91,7 +92,7 @@ fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
     })
 }
 
-/// What a block has in common with every block it may be compared with.
+/// Returns the keys that a block shares with every block it may be compared with.
 pub(super) fn keys<'a>(
     shader: &'a ShaderLayout,
     block: &'a BlockLayout,
@@ -131,7 +132,7 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
         let (here, there) = (a.view(), b.view());
         let found = differences(&here, &there);
         let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
-        // Names are not looked at in Vulkan, slots are, and a stage may declare fewer members.
+        // Vulkan matches blocks by slot, not by name, and a stage may declare fewer members.
         let vulkan = may_be_vulkan(a.subject) && may_be_vulkan(b.subject);
         let fine = is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
         match vulkan {
@@ -144,7 +145,7 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut found: Vec<Finding> =
         named.values().flat_map(|copies| odd_ones_out(copies, links)).collect();
     let reads = |a: &Copy<'_>, b: &Copy<'_>| {
-        // Within one stage two blocks of one slot are two views of a buffer, made on purpose.
+        // Within one stage two blocks of one slot are two views of a buffer, which is intended.
         let one_stage = std::ptr::eq(a.subject, b.subject);
         match one_stage || a.block.name == b.block.name || !collide(&a.view(), &b.view()) {
             true => Relation::Same,
@@ -188,7 +189,7 @@ fn by_directory(subjects: &[Subject<'_>]) -> Vec<Finding> {
     groups.values().flat_map(|copies| odd_ones_out(copies, relation)).collect()
 }
 
-/// What two declarations are to each other.
+/// The relation of two declarations.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Relation {
     /// Copies that agree.
@@ -199,13 +200,13 @@ enum Relation {
     None,
 }
 
-/// Ways of declaring one block; a name that is declared in more is no block's in particular.
+/// The most ways of declaring one block; a name with more is not one block's name.
 const MOST_WAYS: usize = 8;
 
-/// Blocks of one name in one place that have nothing to do with each other.
+/// The most unrelated blocks of one name in one place.
 const MOST_FAMILIES: usize = 8;
 
-/// A finding for each way of declaring a block that does not agree with the most common one.
+/// Returns a finding for each way of declaring a block that differs from the most common one.
 fn odd_ones_out<'a>(
     copies: &[Copy<'a>],
     relation: impl Fn(&Copy<'a>, &Copy<'a>) -> Relation,
@@ -260,14 +261,13 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
         ),
     };
     let at = all.first().and_then(|d| d.here).unwrap_or(block.span);
-    let mut finding =
-        Finding::new(LINT.code, block.name.as_ref(), place(here.subject, at), message);
+    let mut finding = Finding::of(LINT.code, block.name.as_ref(), place(here.subject, at), message);
     let other_at = all.first().and_then(|d| d.there).unwrap_or(other.span);
-    finding = finding.with_related(place(there.subject, other_at), "the other copy");
+    finding = finding.with_label(place(there.subject, other_at), "the other copy");
     finding = with_differences(finding, &all);
     for copy in way.iter().skip(1).take(MOST_COPIES) {
         let text = "declared the same way as here";
-        finding = finding.with_related(place(copy.subject, copy.block.span), text);
+        finding = finding.with_label(place(copy.subject, copy.block.span), text);
     }
     if way.len() > 1 + MOST_COPIES {
         let more = way.len() - 1 - MOST_COPIES;
@@ -280,7 +280,7 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
     ))
 }
 
-/// The first difference, in words for the message.
+/// Returns the first difference for the message, and the number of others.
 fn first(all: &[Difference]) -> String {
     match all {
         [] => "they are laid out differently".to_string(),
@@ -291,7 +291,7 @@ fn first(all: &[Difference]) -> String {
     }
 }
 
-/// The differences after the first as notes.
+/// Adds the differences after the first as notes.
 fn with_differences(mut finding: Finding, all: &[Difference]) -> Finding {
     for difference in all.iter().skip(1).take(MOST_NAMED) {
         finding = finding.with_note(difference.text.clone());

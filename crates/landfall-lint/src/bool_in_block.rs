@@ -1,4 +1,4 @@
-//! `bool-in-block`: a truth value of four bytes.
+//! `bool-in-block`: a `bool` of four bytes.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -10,11 +10,12 @@ pub(super) const LINT: Lint = Lint {
     code: "bool-in-block",
     // Legal GLSL with one layout; wrong only if the copy is.
     level: Level::Allow,
-    what: "a `bool` in a block: it is 4 bytes there, and 1 on the CPU",
-    why: "A `bool` in a GLSL block is as large as a `uint`, true for every value but 0. A `bool` \
-          in Rust, C and C++ is 1 byte: everything after it is read from the wrong byte, and the \
-          3 bytes beside it decide whether it is true. WGSL has none in buffers, and naga 30 \
-          takes it for 1 byte. Allowed unless asked for, because the layout is defined.",
+    what: "a `bool` in a block, which takes 4 bytes there and 1 byte on the CPU",
+    why: "A `bool` in a GLSL block has the size of a `uint` and is true for every value but 0. A \
+          `bool` in Rust, C and C++ is 1 byte: everything after it is read from the wrong byte, \
+          and the 3 bytes beside it decide whether it is true. WGSL does not allow `bool` in \
+          buffers, and naga 30 lays it out as 1 byte. Allowed by default, because the layout is \
+          defined.",
     example: "\
 #version 330 core
 layout(std140) uniform Fog {
@@ -23,7 +24,7 @@ layout(std140) uniform Fog {
 };
 void main() {}
 ",
-    fix: "declare a `uint` and compare it with 0; in a copy, write a 32-bit 0 or 1",
+    fix: "Declare a `uint` and compare it with 0; in a copy on the CPU, write a 32-bit 0 or 1.",
     check: Check::Shader(check),
 };
 
@@ -49,7 +50,7 @@ fn truth(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     };
     let language = subject.shader.language;
     let message = format!(
-        "`{}` is a `{}` of {} bytes: on the CPU it is {components}",
+        "`{}` is a `{}` of {} bytes, where the CPU has {components}",
         member.name,
         member.ty.innermost().spelled(language),
         4 * components,

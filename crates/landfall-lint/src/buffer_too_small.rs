@@ -1,4 +1,4 @@
-//! `buffer-too-small`: sizes and offsets somebody wrote down by hand, held against the layout.
+//! `buffer-too-small`: hand-written sizes and offsets that do not fit the layout.
 
 use super::definition::{Check, Lint, Subject};
 use super::glob;
@@ -13,12 +13,12 @@ use landfall_layout::text::edit_distance::nearest;
 pub(super) const LINT: Lint = Lint {
     code: "buffer-too-small",
     level: Level::Deny,
-    what: "a size or offset written down in the configuration is not what the layout says",
+    what: "a buffer size or offset in the configuration that does not fit the layout",
     why: "Host code that computes a buffer's size by hand (`48 * 128 + 4`) leaves out the padding \
-          behind the last member, and the driver refuses the buffer or reads past its end; a \
-          table of names and offsets goes stale when a member moves, and every upload after it \
-          lands on other members. A larger buffer than needed is fine. A table that names no \
-          block or no member any more is reported too: it guards nothing.",
+          after the last member, and the driver refuses the buffer or reads past its end. A table \
+          of names and offsets goes stale when a member moves, and later uploads overwrite other \
+          members. A buffer larger than needed is accepted. A table that names a block or member \
+          that does not exist is reported too, because it no longer checks anything.",
     example: "#version 330 core\n\
               // Checked with the table `PointLightBlock`, size 48 * 128 + 4.\n\
               struct PointLight { vec3 pos; vec3 color; float intensity; vec3 fade; };\n\
@@ -28,7 +28,7 @@ pub(super) const LINT: Lint = Lint {
               } u_lights;\n\
               out vec4 shade;\n\
               void main() { shade = vec4(u_lights.data[0].color, 1.0); }\n",
-    fix: "Write the number the layout says, both in the host code and in the table.",
+    fix: "Write the number from the layout, both in the host code and in the table.",
     check: Check::Tree(check),
 };
 
@@ -53,13 +53,13 @@ fn held_against(table: &Table, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut found: Vec<Finding> = Vec::new();
     for (subject, block) in meant {
         let wrong_rows = table.offsets.iter().filter_map(|row| wrong(subject, block, table, row));
-        for finding in too_small(subject, block, table).into_iter().chain(wrong_rows) {
+        for mut finding in too_small(subject, block, table).into_iter().chain(wrong_rows) {
             // Each stage declares the block again; the table is wrong once.
             let told =
-                found.iter_mut().find(|f| f.place == finding.place && f.about == finding.about);
+                found.iter_mut().find(|f| f.place() == finding.place() && f.about == finding.about);
             match told {
                 Some(told) if told.message == finding.message => {
-                    told.related.extend(finding.related);
+                    told.labels.extend(finding.labels.drain(1..));
                 }
                 Some(_) | None => found.push(finding),
             }
@@ -76,7 +76,7 @@ fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'
             format!("no shader that matches `{}` has a block `{}`", table.file, table.block)
         }
     };
-    let finding = Finding::new(LINT.code, table.block.as_str(), table.place.clone(), message);
+    let finding = Finding::of(LINT.code, table.block.as_str(), table.place.clone(), message);
     match nearest(&table.block, names) {
         Some(name) => finding.with_help(format!("did you mean `{name}`?")),
         None => finding,
@@ -92,14 +92,14 @@ fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Optio
         block.name,
         bytes(size)
     );
-    let mut finding = Finding::new(
+    let mut finding = Finding::of(
         LINT.code,
         format!("{} size", block.name),
         or(&figure.place, &table.place),
         message,
     )
     .with_text(format!("{} too few", bytes(size - figure.bytes)))
-    .with_related(place(subject, block.span), format!("{} by {}", bytes(size), block.rules.name()));
+    .with_label(place(subject, block.span), format!("{} by {}", bytes(size), block.rules.name()));
     if let Some(tail) = tail(block).filter(|tail| size - figure.bytes <= tail.size) {
         finding = finding.with_note(format!(
             "the last member ends at byte {}; {} of tail padding belong to the block",
@@ -111,7 +111,7 @@ fn too_small(subject: &Subject<'_>, block: &BlockLayout, table: &Table) -> Optio
     Some(finding.with_help(format!("write {size}")))
 }
 
-/// The padding behind the last member.
+/// Returns the padding after the last member.
 fn tail(block: &BlockLayout) -> Option<Tail> {
     let (size, end) = (block.size?, block.data_size?);
     (size > end).then_some(Tail { offset: end, size: size - end })
@@ -129,8 +129,8 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         Ok(found) => found,
         Err(fault) => {
             let message = format!("{}: {}", table.block, fault.kind);
-            let finding = Finding::new(LINT.code, about, at, message)
-                .with_related(place(subject, block.span), "the block");
+            let finding = Finding::of(LINT.code, about, at, message)
+                .with_label(place(subject, block.span), "the block");
             return Some(match fault.kind.help() {
                 Some(help) => finding.with_help(help),
                 None => finding,
@@ -141,23 +141,23 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         return None;
     }
     let message = format!(
-        "`{}` of block `{}` is written down at offset {}, but it is at {}",
+        "`{}` of block `{}` is listed at offset {}, but it is at {}",
         row.path,
         block.name,
         written(&row.offset),
         found.offset
     );
-    let mut finding = Finding::new(LINT.code, about, at, message)
+    let mut finding = Finding::of(LINT.code, about, at, message)
         .with_text(format!("the shader reads it from byte {}", found.offset))
-        .with_related(place(subject, block.span), format!("laid out by {}", block.rules.name()))
+        .with_label(place(subject, block.span), format!("laid out by {}", block.rules.name()))
         .with_help(format!("write {}", found.offset));
     finding.listing = listing(subject.shader, block);
     Some(finding)
 }
 
-/// `48 * 128 + 4 = 6148 bytes are made`.
+/// Returns a figure for a message: `48 * 128 + 4 = 6148 bytes are allocated`.
 fn spelled(figure: &Figure, unit: &str) -> String {
-    format!("{} {unit} are made", written(figure))
+    format!("{} {unit} are allocated", written(figure))
 }
 
 fn written(figure: &Figure) -> String {
@@ -168,7 +168,7 @@ fn written(figure: &Figure) -> String {
     }
 }
 
-/// A figure's own place, or the table's where it has none.
+/// Returns a figure's own place, or the table's if it has none.
 fn or(own: &Place, table: &Place) -> Place {
     if own.path.is_empty() { table.clone() } else { own.clone() }
 }

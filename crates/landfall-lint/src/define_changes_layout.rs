@@ -1,7 +1,7 @@
-//! `define-changes-layout`: a block that is laid out otherwise under other macros.
+//! `define-changes-layout`: a block whose layout changes with macros.
 //!
-//! The only lint that lays a shader out again: once for each permutation in the
-//! settings that names a macro its files mention.
+//! The only lint that lays a shader out again: once for each permutation in the settings that names
+//! a macro occurring in its files.
 
 use rustc_hash::FxHashMap;
 
@@ -12,16 +12,16 @@ use landfall_layout::finding::{Finding, Level, Place};
 pub use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::source::{Language, Span};
-use landfall_layout::{Options, Severity, ShaderLayout};
+use landfall_layout::{Severity, ShaderLayout};
 
 pub(super) const LINT: Lint = Lint {
     code: "define-changes-layout",
-    // Silent until permutations are configured; whoever does that wants to know.
+    // Silent until permutations are configured.
     level: Level::Warn,
     what: "a block whose layout changes under the macros of a permutation",
-    why: "One shader is compiled with several sets of macros, one buffer is filled for all of \
+    why: "One shader is compiled with several sets of macros, but one buffer is filled for all of \
           them: if an `#ifdef` adds a member or changes an array's length, every variant but one \
-          reads from the wrong byte. A block that is there in one variant only is no finding: it \
+          reads from the wrong byte. A block that only one variant declares is not reported: it \
           has its own buffer.",
     example: "\
 #version 330 core
@@ -34,8 +34,8 @@ layout(std140) uniform Light {
 };
 void main() {}
 ",
-    fix: "declare the member in every variant, or move members that come and go to the end or \
-          into a block of their own",
+    fix: "Declare the member in every variant, or move the members that only some variants declare \
+          to the end or into a block of their own.",
     check: Check::Shader(check),
 };
 
@@ -47,7 +47,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
     for macros in settings.permutations.iter().filter(|macros| mentioned(subject, macros)) {
         let name = permutation_name(macros);
-        let mut options = Options { naga: false, ..subject.options.clone() };
+        let mut options = subject.options.clone().with_naga(false);
         // Of two definitions of one name the later holds, as with `-D`.
         options.read.defines.retain(|(name, _)| macros.iter().all(|(other, _)| other != name));
         options.read.defines.extend(macros.iter().cloned());
@@ -72,7 +72,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     findings
 }
 
-/// Whether any file of the shader has a word that is one of the macros.
+/// Returns whether any file of the shader contains one of the macros as a word.
 fn mentioned(subject: &Subject<'_>, macros: &[(String, String)]) -> bool {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let in_text = |text: &str, name: &str| {
@@ -85,7 +85,7 @@ fn mentioned(subject: &Subject<'_>, macros: &[(String, String)]) -> bool {
     })
 }
 
-/// `SHADOWS`, `LIGHTS=8 SHADOWS`.
+/// Returns a permutation as a message names it: `SHADOWS`, `LIGHTS=8 SHADOWS`.
 fn permutation_name(macros: &[(String, String)]) -> String {
     let one = |(name, text): &(String, String)| match text.as_str() {
         "" | "1" => name.clone(),
@@ -96,11 +96,11 @@ fn permutation_name(macros: &[(String, String)]) -> String {
 
 /// The first difference of two layouts of one block.
 struct Change {
-    /// What, with both numbers.
+    /// The difference, with both numbers.
     text: String,
-    /// The member it shows at.
+    /// The span of the member that differs.
     span: Option<Span>,
-    /// The other layout, to look at.
+    /// The listing of the other layout.
     listing: Option<String>,
 }
 
@@ -174,18 +174,18 @@ fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<String> {
 fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &str) -> Finding {
     let files = &subject.shader.files;
     let message =
-        format!("block `{}` is laid out otherwise under `{name}`: {}", block.name, change.text);
+        format!("the layout of block `{}` changes under `{name}`: {}", block.name, change.text);
     let place = Place::of(files, change.span.unwrap_or(block.span));
-    let mut finding = Finding::new(LINT.code, &*block.name, place, message)
+    let mut finding = Finding::of(LINT.code, &*block.name, place, message)
         .with_text(change.text.clone())
         .with_note(sizes(block, name))
         .with_help(
-            "declare the same members in every variant, or move those that come and go into a \
-             block of their own",
+            "declare the same members in every variant, or move those that only some have into \
+             a block of their own",
         );
     finding.listing = change.listing.clone();
     if change.span.is_some() {
-        finding = finding.with_related(Place::of(files, block.span), "the block");
+        finding = finding.with_label(Place::of(files, block.span), "the block");
     }
     finding
 }
@@ -197,16 +197,16 @@ fn sizes(block: &BlockLayout, name: &str) -> String {
     }
 }
 
-/// A permutation the shader does not survive.
+/// Returns the finding of a permutation under which the shader has no layout.
 fn refused(subject: &Subject<'_>, other: &ShaderLayout, name: &str) -> Finding {
     let fault = other.diagnostics.iter().find(|found| found.severity == Severity::Error);
     let place = match fault.and_then(|fault| fault.labels.first()) {
-        Some(label) => Place::of(&other.files, label.span),
+        Some(label) => Place::of(&other.files, label.at),
         None => Place::file(&subject.shader.path),
     };
     let why = fault.map_or("", |fault| fault.message.as_str());
     let message = format!("under `{name}` the shader cannot be laid out: {why}");
-    let finding = Finding::new(LINT.code, format!("under {name}"), place, message);
+    let finding = Finding::of(LINT.code, format!("under {name}"), place, message);
     match fault.and_then(|fault| fault.help.clone()) {
         Some(help) => finding.with_help(help),
         None => finding,

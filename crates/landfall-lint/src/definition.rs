@@ -1,4 +1,4 @@
-//! A lint: its code, its level, what it is for, and the function that checks a shader for it.
+//! A lint: its code, its level, its explanation, and the function that checks a shader for it.
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::{Finding, Level};
@@ -12,22 +12,22 @@ use super::settings::Settings;
 pub struct Lint {
     /// Kebab-case name: `stale-comment`.
     pub code: &'static str,
-    /// The level it has unless somebody says otherwise.
+    /// The default level.
     pub level: Level,
-    /// What it reports, in one sentence.
+    /// The construct that it reports, as a noun phrase without a full stop.
     pub what: &'static str,
-    /// What goes wrong if it is left.
+    /// The consequences of leaving it.
     pub why: &'static str,
-    /// A small shader it reports.
+    /// A small shader with a finding.
     pub example: &'static str,
-    /// How it is mended.
+    /// The edit that resolves a finding.
     pub fix: &'static str,
-    /// How it is found.
+    /// The function that finds it.
     pub check: Check,
 }
 
 impl Lint {
-    /// Returns the hazards that the code it reports may meet.
+    /// Returns the hazards that the reported code may cause.
     pub fn hazards(&self) -> &'static [Hazard] {
         match self.check {
             Check::Hazard(kind) => kind.hazards(),
@@ -36,26 +36,27 @@ impl Lint {
     }
 }
 
-/// How the findings of a lint are found.
+/// The input from which a lint computes its findings.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
-    /// In one shader.
+    /// One shader.
     Shader(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
-    /// By looking at all shaders of a run.
+    /// All shaders of a run.
     Tree(fn(&[Subject<'_>], &Settings) -> Vec<Finding>),
-    /// In one shader that has lights, with all others of this kind at once.
+    /// One shader with lights; all lints of this variant share one analysis.
     Hazard(landfall_ir::analysis::hazards::Kind),
-    /// By comparing with a lock, or with what `verify` found.
+    /// A lock, a report of `verify`, or another source outside this crate's lint functions.
     Elsewhere,
 }
 
-/// A shader that lints look at.
+/// A shader that lints check.
 #[derive(Clone, Copy, Debug)]
 pub struct Subject<'a> {
-    /// Its text.
+    /// The text.
     pub source: &'a Source,
-    /// How it was laid out; naga was asked too where [`naga_disagrees::wanted`](crate::naga_disagrees::wanted) says so.
+    /// The options of its layout; they include the comparison with naga if
+    /// [`naga_disagrees::wanted`](crate::naga_disagrees::wanted).
     pub options: &'a Options,
-    /// Its layout; it has no errors.
+    /// The layout, which has no errors.
     pub shader: &'a ShaderLayout,
 }

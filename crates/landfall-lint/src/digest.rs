@@ -1,8 +1,7 @@
-//! What lints over all shaders need to know of each before any two are compared: a few numbers a
-//! block.
+//! Summaries of blocks, by which lints over all shaders find the shaders that they have to compare.
 //!
-//! Made from [`ShaderLayout`]s; kept in caches and shards' reports, so that only shaders with
-//! blocks that differ, or that the settings name, are laid out again.
+//! Computed from [`ShaderLayout`]s and stored in caches and shards' reports, so that only shaders
+//! with blocks that differ, or that the settings name, are laid out again.
 
 use std::fmt::{self, Write as _};
 
@@ -15,23 +14,24 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;
 use landfall_layout::{Language, ShaderLayout};
 
-/// One block in a few numbers.
+/// The hashes of one block.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BlockDigest {
-    /// What it has in common with every block that it should agree with.
+    /// The hashes of the keys it shares with every block that it is compared with.
     pub keys: Vec<u32>,
-    /// What the settings may call it: its own name, its instance's, its structures' and members'.
+    /// The hashes of the names that the settings may use for it: its own, its instance's, its
+    /// structures' and its members'.
     pub names: Vec<u32>,
-    /// All that two declarations of it may differ in.
+    /// The hash of its layout, names and types included.
     pub layout: u64,
 }
 
-/// The blocks of a shader.
+/// Returns the digests of a shader's blocks.
 pub fn digest(shader: &ShaderLayout) -> Vec<BlockDigest> {
     shader.blocks.iter().map(|block| of_block(shader, block)).collect()
 }
 
-/// The shaders, by their numbers, that lints over all shaders may have something to say about.
+/// Returns the indices of the shaders about which lints over all shaders may report something.
 pub fn concerned(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec<usize> {
     let mut layouts: FxHashMap<u32, u64> = FxHashMap::default();
     let mut differing: FxHashSet<u32> = FxHashSet::default();
@@ -57,7 +57,7 @@ pub fn concerned(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec
     (0..shaders.len()).filter(|&i| is_concerned[i]).collect()
 }
 
-/// What the settings name, and in which shaders: the first name of each path.
+/// Returns the names in the settings, the first of each path, each with the glob of its shaders.
 fn named(settings: &Settings) -> FxHashSet<(String, u32)> {
     let groups = settings.mirror_groups.iter().flat_map(|group| &group.copies);
     let copies = groups.map(|copy| (copy.file.clone(), copy.block.clone()));
@@ -140,7 +140,7 @@ fn short(name: &str) -> u32 {
     (long ^ (long >> 32)) as u32
 }
 
-/// FNV-1a, 64 bits: written out, because shards and caches rest on its never changing.
+/// FNV-1a with 64 bits, implemented here because shards and caches depend on its values.
 pub fn fnv(bytes: &[u8]) -> u64 {
     let mut hash = Fnv::new();
     hash.bytes(bytes);

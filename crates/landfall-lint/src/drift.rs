@@ -1,25 +1,25 @@
-//! A shader held against its lock: the findings of `layout-drift`, `lock-missing` and
+//! Compares a shader with its lock: the findings of `layout-drift`, `lock-missing` and
 //! `lock-orphan`.
 //!
-//! Compares by [`landfall_layout::diff`], the lock being the old side; the lints of those codes say what
-//! they are about.
+//! Uses [`landfall_layout::diff`] with the lock as the old side.
 
 use landfall_layout::ShaderLayout;
+use landfall_layout::diagnostic::Severity;
 use landfall_layout::diff::{BlockDiff, Class, Side, diff};
-use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::Paint;
 use landfall_layout::format::diff::{Compared, Width};
 use landfall_layout::lock::{Lock, write};
 use landfall_layout::shape::AddressSpace;
 
-/// Changes that a finding spells out beside the most serious one.
+/// The number of changes that a finding lists after the most serious one.
 const MOST_NOTES: usize = 8;
 
-/// Columns of the listing that a finding carries.
+/// The width of a finding's listing, in columns.
 const COLUMNS: Width = Width::Columns(96);
 
-/// What there is to say about a shader and its lock: `layout-drift` for every block that is not
-/// what the lock says, or `lock-missing` when there is none.
+/// Returns the findings about a shader and its lock: `layout-drift` for every block whose layout
+/// differs from the lock, or `lock-missing` if there is no lock.
 ///
 /// A shader without blocks and loose uniforms needs no lock.
 pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec<Finding> {
@@ -35,7 +35,7 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
     let compared = Compared { name: &shader.path, old: &old, new: shader, blocks: &changed };
     let mut found: Vec<Finding> = changed.iter().map(|block| of_block(&compared, block)).collect();
     if found.is_empty() && lock.bare() != write(shader) {
-        let message = format!("`{lock_path}` records the same bytes in other words");
+        let message = format!("`{lock_path}` records the same layout with other names");
         found.push(
             drifted(&shader.path, Place::file(&shader.path), message)
                 .with_help("renew the lock with `landfall lock`, or `landfall check --accept`"),
@@ -44,28 +44,24 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
     found
 }
 
-/// A lock whose shader is gone.
+/// Returns the finding of a lock whose shader does not exist.
 pub fn orphan(lock_path: &str) -> Finding {
-    let message = format!("`{lock_path}` is the lock of no shader");
-    let mut found = Finding::new("lock-orphan", lock_path, Place::file(lock_path), message)
+    let message = format!("`{lock_path}` is a lock without a shader");
+    Finding::of("lock-orphan", lock_path, Place::file(lock_path), message)
         .with_note("its shader was removed, renamed, or is left out of this run")
-        .with_help("remove it with `landfall lock --prune`");
-    found.level = Level::Warn;
-    found
+        .with_help("remove it with `landfall lock --prune`")
 }
 
 fn missing(shader: &ShaderLayout, lock_path: &str) -> Finding {
     let message = format!("`{}` has no lock: changes of its layout go unseen", shader.path);
-    let mut found = Finding::new("lock-missing", &shader.path, Place::file(&shader.path), message)
-        .with_note(format!("it would be `{lock_path}`"))
-        .with_help("write it with `landfall lock`, and commit it");
-    found.level = Level::Warn;
-    found
+    Finding::of("lock-missing", &shader.path, Place::file(&shader.path), message)
+        .with_note(format!("its lock would be `{lock_path}`"))
+        .with_help("write it with `landfall lock`, and commit it")
 }
 
 fn drifted(about: &str, place: Place, message: String) -> Finding {
-    let mut found = Finding::new("layout-drift", about, place, message);
-    found.level = Level::Deny;
+    let mut found = Finding::of("layout-drift", about, place, message);
+    found.severity = Severity::Error;
     found
 }
 
@@ -74,7 +70,7 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
     let now = block.new.map(|at| &compared.new.blocks[at]);
     let was = block.old.map(|at| &compared.old.blocks[at]);
     let (place, text) = match now {
-        Some(new) => (Place::of(&compared.new.files, new.span), "not what its lock says"),
+        Some(new) => (Place::of(&compared.new.files, new.span), "differs from its lock"),
         None => (Place::file(&compared.new.path), ""),
     };
     let loose = now.or(was).is_some_and(|block| block.space == AddressSpace::Default);
@@ -85,11 +81,10 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
         (Class::Compatible, true) => "old values still arrive, but the lock is out of date",
         (Class::Cosmetic, _) => "no byte changes, but the lock is out of date",
     };
-    let message =
-        format!("`{}` is not what its lock says: {}; {effect}", block.name, worst.message);
+    let message = format!("`{}` differs from its lock: {}; {effect}", block.name, worst.message);
     let mut found = drifted(&block.name, place, message).with_text(text);
     if let Some(old) = was {
-        found = found.with_related(Place::of(&compared.old.files, old.span), "what is locked");
+        found = found.with_label(Place::of(&compared.old.files, old.span), "locked declaration");
     }
     for change in block.changes.iter().skip(1).take(MOST_NOTES) {
         found = found.with_note(format!("{}: {}", change.class.name(), change.message));

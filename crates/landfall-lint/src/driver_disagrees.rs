@@ -17,10 +17,11 @@ pub(super) const LINT: Lint = Lint {
     code: "driver-disagrees",
     // Seen on a machine, not computed: wherever that driver runs, the upload is misread.
     level: Level::Deny,
-    what: "leaves that a driver reads from another byte than the rules say",
-    why: "`verify` fills a block with known words and asks the driver what it sees. Where that is \
-          another word, either the driver is wrong or the rules are its own (`shared`, `packed`, \
-          or none at all): every upload made by the rules is misread there.",
+    what: "members that a driver reads from another byte than the layout rules give",
+    why: "`verify` fills a block with known values and compares them with what the driver reads. \
+          Where they differ, either the driver is wrong or the block has no portable layout \
+          (`shared`, `packed`, or no qualifier at all): every upload that follows the rules is \
+          misread there.",
     example: "\
 #version 330 core
 uniform Light { // no std140: where `intensity` is, is up to the driver
@@ -29,8 +30,8 @@ uniform Light { // no std140: where `intensity` is, is up to the driver
 };
 void main() {}
 ",
-    fix: "declare std140 or std430; where they are declared, work around the construct that the \
-          driver gets wrong, and report it",
+    fix: "Declare std140 or std430; where the block declares one of them, work around the \
+          construct that the driver gets wrong, and report it.",
     check: Check::Elsewhere,
 };
 
@@ -55,7 +56,7 @@ struct Block {
     readers: Vec<Reader>,
 }
 
-/// What one reader saw of a block.
+/// What one backend saw of a block.
 #[derive(Debug, Deserialize)]
 struct Reader {
     /// `gl`, `gpu`, `cpu`.
@@ -74,11 +75,11 @@ struct Read {
     leaf: String,
     /// Where the layout puts it, from the start of the block.
     expected_byte: u64,
-    /// Where the reader found what it read; `None` when nothing of the upload was read.
+    /// Where the backend found what it read; `None` when nothing of the upload was read.
     byte_read: Option<u64>,
 }
 
-/// What the reader takes to be the reason.
+/// What the backend takes to be the reason.
 #[derive(Debug, Deserialize)]
 struct Cause {
     leaf: String,
@@ -92,7 +93,7 @@ impl Report {
     }
 
     /// The disagreements about the shaders whose layouts are known, one finding for each leaf and
-    /// reader.
+    /// backend.
     pub fn findings<'s>(&self, known: &dyn Fn(&str) -> Option<&'s ShaderLayout>) -> Vec<Finding> {
         let mut findings = Vec::new();
         for shader in &self.shaders {
@@ -122,7 +123,7 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
     }
     let refused = |cause: serde_json::Error| {
         Error::new(path, format!("is no report of `landfall verify`: {cause}"))
-            .with_help("write it anew with `landfall verify --format json`")
+            .with_help("write it again with `landfall verify --format json`")
     };
     let Version { schema_version } = serde_json::from_str(text).map_err(refused)?;
     if schema_version > SCHEMA_VERSION {
@@ -134,7 +135,7 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
     serde_json::from_str(text).map_err(refused)
 }
 
-/// What one reader read elsewhere of one leaf.
+/// What one backend read elsewhere of one leaf.
 struct Elsewhere<'r> {
     reader: &'r Reader,
     reads: Vec<&'r Read>,
@@ -174,15 +175,15 @@ fn finding(
     let leaf: Option<&Leaf> = layout.leaves.iter().find(|leaf| leaf.path == first.leaf);
     let place = Place::of(&shader.files, leaf.map_or(layout.span, |leaf| leaf.span));
     let about = format!("{}.{} in {who}", block.name, first.leaf);
-    let mut finding = Finding::new(LINT.code, about, place, message);
+    let mut finding = Finding::of(LINT.code, about, place, message);
     finding.listing = full_listing(shader, layout);
     if !layout.rules_declared {
         finding = finding
-            .with_note("the block declares no rules: its offsets are the driver's")
+            .with_note("the block declares no layout rules: the driver chooses its offsets")
             .with_help(format!("declare `layout({})`", layout.rules.name()));
     }
     if reader.form == "naga" {
-        finding = finding.with_note("what was run is the module that naga makes of the text");
+        finding = finding.with_note("the driver ran naga's translation of the text");
     }
     if elsewhere.reads.len() > 1 {
         let (values, are) = match elsewhere.reads.len() - 1 {

@@ -1,6 +1,7 @@
-//! Edits of findings made: the texts they lead to, everything outside an edit byte for byte.
+//! Applies the edits of findings to texts, leaving every byte outside an edit unchanged.
 //!
-//! Pure: the command writes what comes out, checks it again, and asks for the next round.
+//! Reads and writes no files: the command writes the results, checks them again and applies the
+//! next round of edits.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,26 +9,26 @@ use std::sync::Arc;
 use landfall_layout::finding::{Edit, Finding};
 use landfall_layout::source::{Files, Span};
 
-/// A file with edits made.
+/// A file with its edits applied.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fixed {
-    /// The path as findings spell it.
+    /// The path as in the findings.
     pub path: String,
-    /// Its text before.
+    /// The text before the edits.
     pub old: Arc<str>,
-    /// Its text after; never the same.
+    /// The text after the edits; always different.
     pub new: String,
-    /// Edits that were made.
+    /// The number of edits applied.
     pub edits: usize,
 }
 
-/// Applies every edit that does not touch another; findings whose edits overlap wait for the
-/// next round.
+/// Applies every edit that does not touch another, and returns the changed files sorted by path.
 ///
-/// Earlier findings go first, each with all of its edits or none. An edit whose bytes are no
-/// longer at its line and column is not made; the same edit of two findings is made once.
-/// `text` is asked for each file once; a byte order mark it begins with counts no byte, as for
-/// lints, and stays. The files that change come back sorted by path.
+/// Earlier findings take precedence, each with all of its edits or none; findings whose edits
+/// overlap an applied one are left for the next round. An edit whose bytes are no longer at its
+/// line and column is skipped; an edit that two findings share is applied once. `text` is called
+/// once for each file; a byte order mark at the start of a file is kept and, as in lints, not
+/// counted.
 pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> Vec<Fixed> {
     let mut targets: BTreeMap<&str, Option<Target<'_>>> = BTreeMap::new();
     for finding in findings {
@@ -36,19 +37,19 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
             if !edits.contains(&edit) {
                 edits.push(edit);
             }
-            let path = edit.place.path.as_str();
+            let path = edit.at.path.as_str();
             targets.entry(path).or_insert_with(|| text(path).map(|text| Target::new(path, text)));
         }
         let fits = edits.iter().enumerate().all(|(i, edit)| {
             let alone = edits[..i].iter().all(|other| !touch(edit, other));
-            let target = targets.get(edit.place.path.as_str()).and_then(Option::as_ref);
+            let target = targets.get(edit.at.path.as_str()).and_then(Option::as_ref);
             alone && target.is_some_and(|target| target.takes(edit))
         });
         if !fits {
             continue;
         }
         for edit in edits {
-            if let Some(Some(target)) = targets.get_mut(edit.place.path.as_str()) {
+            if let Some(Some(target)) = targets.get_mut(edit.at.path.as_str()) {
                 target.put(edit);
             }
         }
@@ -56,16 +57,16 @@ pub fn apply(findings: &[Finding], text: &dyn Fn(&str) -> Option<Arc<str>>) -> V
     targets.into_values().flatten().filter_map(Target::fixed).collect()
 }
 
-/// What a text may begin with that is none of it.
+/// The byte order mark.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A file and the edits to make in it.
+/// A file and the edits to apply to it.
 struct Target<'a> {
-    /// All of it.
+    /// The whole file.
     old: Arc<str>,
-    /// Its text as lints see it.
+    /// The text without a byte order mark.
     files: Files,
-    /// By their first byte; an insertion comes before what is replaced there.
+    /// The edits by their first byte; an insertion comes before a replacement at the same byte.
     edits: BTreeMap<(u32, u32), &'a Edit>,
 }
 
@@ -84,9 +85,9 @@ impl<'a> Target<'a> {
         &self.files.get(0).expect("added when the target was made").text
     }
 
-    /// Whether an edit means this text and leaves those of other findings alone.
+    /// Returns whether an edit matches this text and touches no edit of other findings.
     fn takes(&self, edit: &Edit) -> bool {
-        let place = &edit.place;
+        let place = &edit.at;
         let (start, end) = (place.start, place.end);
         let text = self.text();
         let inside = start <= end && text.get(start as usize..end as usize).is_some();
@@ -97,7 +98,7 @@ impl<'a> Target<'a> {
         let stays = inside
             && at(start) == (place.line, place.column)
             && at(end) == (place.end_line, place.end_column);
-        // Those made do not touch one another, so only the nearest on either side can.
+        // Accepted edits do not touch one another, so only the nearest on either side can touch it.
         let before = self.edits.range(..=(start, u32::MAX)).next_back();
         let after = self.edits.range((start, 0)..).next();
         let near = before.into_iter().chain(after).map(|(_, other)| *other);
@@ -105,7 +106,7 @@ impl<'a> Target<'a> {
     }
 
     fn put(&mut self, edit: &'a Edit) {
-        let Edit { place, new } = edit;
+        let Edit { at: place, new } = edit;
         if self.text()[place.start as usize..place.end as usize] != **new {
             self.edits.insert((place.start, place.end), edit);
         }
@@ -122,9 +123,9 @@ impl<'a> Target<'a> {
         }
         let mut at = 0;
         for edit in self.edits.values() {
-            new.push_str(&text[at..edit.place.start as usize]);
+            new.push_str(&text[at..edit.at.start as usize]);
             new.push_str(&edit.new);
-            at = edit.place.end as usize;
+            at = edit.at.end as usize;
         }
         new.push_str(&text[at..]);
         let path = self.files.get(0)?.path.clone();
@@ -133,10 +134,10 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Whether two edits cannot be made without regard to one another: they share a byte, or one
-/// is an insertion where the other begins or ends.
+/// Returns whether two edits touch: they share a byte, or one is an insertion where the other
+/// begins or ends.
 fn touch(a: &Edit, b: &Edit) -> bool {
-    let (a, b) = (&a.place, &b.place);
+    let (a, b) = (&a.at, &b.at);
     if a.path != b.path {
         return false;
     }

@@ -1,14 +1,14 @@
-//! Which shaders a setting is about: globs of paths. The command's globset would bring
-//! regex-automata and aho-corasick to everybody who lints from a program; this is one short match.
+//! Globs of paths, by which settings select shaders. A matcher of its own, because the command's
+//! globset would add regex-automata and aho-corasick to every program that uses this crate.
 //!
-//! `*` and `?` stay within a directory, `**` does not, `{a,b}` is either, `[a-z]` one of a set.
-//! A pattern matches a whole path, or its end from some directory on: `lights/*.frag` matches
-//! `shaders/lights/point.frag`. An empty pattern matches every path.
+//! `*` and `?` match within a directory, `**` across directories, `{a,b}` either alternative,
+//! `[a-z]` one character of a set. A pattern matches a whole path, or its end from some directory
+//! on: `lights/*.frag` matches `shaders/lights/point.frag`. An empty pattern matches every path.
 
-/// Alternatives a pattern may be expanded into; more are not looked at.
+/// The most alternatives that a pattern expands to; further ones are ignored.
 const MOST_ALTERNATIVES: usize = 256;
 
-/// Whether a path matches a pattern.
+/// Returns whether a path matches a pattern.
 pub(super) fn matches(pattern: &str, path: &str) -> bool {
     let pattern = pattern.trim().trim_start_matches("./");
     if pattern.is_empty() {
@@ -35,7 +35,7 @@ pub(super) fn matches(pattern: &str, path: &str) -> bool {
     })
 }
 
-/// The patterns a first `{a,b}` stands for.
+/// Returns the patterns that the first `{a,b}` expands to.
 fn expand(pattern: &str) -> Option<Vec<String>> {
     let open = pattern.find('{')?;
     let mut depth = 0;
@@ -57,8 +57,8 @@ fn expand(pattern: &str) -> Option<Vec<String>> {
     None
 }
 
-/// Whether the whole of a path matches; the time is bounded by the product of the two lengths,
-/// as each star only ever grows.
+/// Returns whether the whole path matches, in time bounded by the product of the two lengths,
+/// because the match of each star only grows.
 fn whole(pattern: &[char], path: &[char]) -> bool {
     // For each place in the path, whether the pattern up to here can end there.
     let mut ends = vec![false; path.len() + 1];

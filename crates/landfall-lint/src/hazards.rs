@@ -1,75 +1,79 @@
-//! Hazards of lighting code as findings: one file a lint, and what they share.
+//! Hazards of lighting code as findings: one file per lint, and their shared code.
 //!
-//! [`run::hazards`](landfall_ir::analysis::hazards) follows a shader's values once for all of them; here its
-//! hazards get words, and those that only the text shows are added. `landfall lights` prints the
-//! same words beside what the lights cost.
+//! [`hazards`](landfall_ir::analysis::hazards) follows a shader's values once for all lints; this
+//! module writes the messages of its hazards and adds those that only the text shows. `landfall
+//! lights` prints the same messages beside the cost of the lights.
 
 pub(super) mod ambient_per_light;
 pub(super) mod attenuation_division;
 pub(super) mod cone_division;
 pub(super) mod cosine_cone;
 pub(super) mod degrees_for_cosine;
-mod glance;
 pub(super) mod kahan_without_precise;
 pub(super) mod loop_past_count;
 mod mediump;
 pub(super) mod mediump_position;
+mod messages;
 pub(super) mod pow_of_negative;
 pub(super) mod pow_of_zero;
+mod prefilter;
 pub(super) mod unclamped_count;
 pub(super) mod ungated_specular;
 pub(super) mod unguarded_normalize;
 pub(super) mod uninitialised_accumulator;
 pub(super) mod unnormalised_normal;
 pub(super) mod vec4_normalise;
-mod words;
 
-use glance::Glance;
+use messages::{Message, Site};
+use prefilter::TextScan;
 
 use super::definition::{Check, Lint, Subject};
 use landfall_ir::analysis::hazards::{Certainty, Found, Kind, Occurrence, find};
-use landfall_ir::analysis::roles::{Held, held};
-use landfall_ir::analysis::words::words as words_of;
+use landfall_ir::analysis::identifier::words as words_of;
+use landfall_ir::analysis::roles::{LightBinding, held};
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::source::{Files, Language};
 use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
 
-/// The lints whose findings are hazards.
-const HAZARD_LINTS: &[&Lint] = &[
-    &ambient_per_light::LINT,
-    &attenuation_division::LINT,
-    &cone_division::LINT,
-    &cosine_cone::LINT,
-    &degrees_for_cosine::LINT,
-    &kahan_without_precise::LINT,
-    &loop_past_count::LINT,
-    &mediump_position::LINT,
-    &pow_of_negative::LINT,
-    &pow_of_zero::LINT,
-    &unclamped_count::LINT,
-    &ungated_specular::LINT,
-    &unguarded_normalize::LINT,
-    &uninitialised_accumulator::LINT,
-    &unnormalised_normal::LINT,
-    &vec4_normalise::LINT,
+/// Writes the text of a lint's finding.
+type Write = fn(&Site<'_>) -> Message;
+
+/// The lints whose findings are hazards, each with the function that writes its findings.
+const HAZARD_LINTS: &[(&Lint, Write)] = &[
+    (&ambient_per_light::LINT, ambient_per_light::message),
+    (&attenuation_division::LINT, attenuation_division::message),
+    (&cone_division::LINT, cone_division::message),
+    (&cosine_cone::LINT, cosine_cone::message),
+    (&degrees_for_cosine::LINT, degrees_for_cosine::message),
+    (&kahan_without_precise::LINT, kahan_without_precise::message),
+    (&loop_past_count::LINT, loop_past_count::message),
+    (&mediump_position::LINT, mediump_position::message),
+    (&pow_of_negative::LINT, pow_of_negative::message),
+    (&pow_of_zero::LINT, pow_of_zero::message),
+    (&unclamped_count::LINT, unclamped_count::message),
+    (&ungated_specular::LINT, ungated_specular::message),
+    (&unguarded_normalize::LINT, unguarded_normalize::message),
+    (&uninitialised_accumulator::LINT, uninitialised_accumulator::message),
+    (&unnormalised_normal::LINT, unnormalised_normal::message),
+    (&vec4_normalise::LINT, vec4_normalise::message),
 ];
 
-/// What is known of a shader's lights besides their layout.
+/// The hazards of a shader's lights.
 #[derive(Debug, Default)]
 pub struct Analysis {
-    /// What was found, in the order of the text.
+    /// The hazards and accesses found, in the order of the text.
     pub found: Found,
-    /// Why the shader's functions could not be followed, if they could not.
+    /// The errors that prevented following the shader's functions; empty if they were followed.
     pub unfollowed: Vec<Diagnostic>,
 }
 
-/// Follows a shader whose lights are those.
+/// Follows the values of a shader with these lights.
 pub fn analyse(
     source: &Source,
     options: &Options,
     shader: &ShaderLayout,
-    lights: &[Held<'_>],
+    lights: &[LightBinding<'_>],
 ) -> Analysis {
     let (mut found, unfollowed) = match find(source, options, lights) {
         Ok(found) => (found, Vec::new()),
@@ -81,82 +85,87 @@ pub fn analyse(
     Analysis { found, unfollowed }
 }
 
-/// The lint of a kind of hazard.
+/// Returns the lint that reports a kind of hazard.
 pub fn lint_of(kind: Kind) -> &'static Lint {
-    let is = |lint: &&&Lint| matches!(lint.check, Check::Hazard(own) if own == kind);
-    HAZARD_LINTS.iter().find(is).expect("every kind is a lint's")
+    entry_of(kind).0
 }
 
-/// A hazard as a finding; its level is that of its lint.
+fn entry_of(kind: Kind) -> (&'static Lint, Write) {
+    let is = |(lint, _): &&(&Lint, Write)| matches!(lint.check, Check::Hazard(own) if own == kind);
+    *HAZARD_LINTS.iter().find(is).expect("every kind has a lint")
+}
+
+/// Returns a hazard as a finding at the level of its lint.
 pub fn finding(hazard: &Occurrence, files: &Files, language: Language) -> Finding {
-    let lint = lint_of(hazard.kind);
-    let words = words::of(hazard, language);
+    let (lint, write) = entry_of(hazard.kind);
+    let message = write(&Site::new(hazard, language));
     let about = if hazard.about.is_empty() { hazard.hazard.code() } else { &hazard.about };
     let place = Place::of(files, hazard.span);
-    let mut finding = Finding::new(lint.code, about, place, words.message)
-        .with_text(words.text)
-        .with_help(words.help);
-    finding.level = lint.level;
-    for note in words.notes {
+    let mut finding = Finding::of(lint.code, about, place, message.message)
+        .with_text(message.label)
+        .with_help(message.help);
+    finding.severity = lint.level.severity().unwrap_or(finding.severity);
+    for note in message.notes {
         finding = finding.with_note(note);
     }
     finding
 }
 
-/// The findings of those lints in one shader.
+/// Returns the findings of those lints in one shader.
 pub(super) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     if kinds.is_empty() {
         return Vec::new();
     }
     let shader = subject.shader;
     let lights = held(&shader.blocks);
-    // Normals are transformed where there is no light yet.
+    // Vertex shaders transform normals without declaring lights.
     let dark = [Kind::Vec4Normalise];
-    let asked = if lights.is_empty() { &dark[..] } else { kinds };
-    let mut asked: Vec<Kind> = asked.iter().copied().filter(|kind| kinds.contains(kind)).collect();
-    if asked.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
+    let candidates = if lights.is_empty() { &dark[..] } else { kinds };
+    let mut candidates: Vec<Kind> =
+        candidates.iter().copied().filter(|kind| kinds.contains(kind)).collect();
+    if candidates.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
         return Vec::new();
     }
-    let glance = Glance::new(shader);
-    asked.retain(|kind| glance.may_have(*kind, &lights));
-    if asked.is_empty() {
+    let text = TextScan::new(shader);
+    candidates.retain(|kind| text.may_have(*kind, &lights));
+    if candidates.is_empty() {
         return Vec::new();
     }
     let analysis = analyse(subject.source, subject.options, shader, &lights);
-    let said = analysis.found.hazards.iter().filter(|hazard| {
-        // A warning is for what is there, not for what might be.
+    let reported = analysis.found.hazards.iter().filter(|hazard| {
+        // A warning needs a likely hazard, not a possible one.
         let least = match lint_of(hazard.kind).level {
             Level::Allow => Certainty::Possible,
             Level::Warn | Level::Deny => Certainty::Likely,
         };
-        asked.contains(&hazard.kind) && hazard.certainty >= least
+        candidates.contains(&hazard.kind) && hazard.certainty >= least
     });
-    said.map(|hazard| finding(hazard, &shader.files, shader.language)).collect()
+    reported.map(|hazard| finding(hazard, &shader.files, shader.language)).collect()
 }
 
-/// Whether a hazard stands once names and comments are looked at.
-fn weigh(hazard: &mut Occurrence, shader: &ShaderLayout, lights: &[Held<'_>]) -> bool {
+/// Returns whether names and comments confirm a hazard, and adjusts its certainty.
+fn weigh(hazard: &mut Occurrence, shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> bool {
     if hazard.kind != Kind::DegreesForCosine || hazard.number.is_some() {
         return true;
     }
-    let said = words_of(hazard.about.rsplit('.').next().unwrap_or_default());
-    let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
-    if says(&["cos", "cosine"]) {
+    let words = words_of(hazard.about.rsplit('.').next().unwrap_or_default());
+    let has = |any: &[&str]| words.iter().any(|word| any.contains(&word.as_str()));
+    if has(&["cos", "cosine"]) {
         return false;
     }
     let comment = comment_of(&hazard.about, shader, lights).to_lowercase();
     let cosine = ["cos", "余弦"].iter().any(|word| comment.contains(word));
     let degrees =
         ["degree", "radian", "°", "角度", "弧度"].iter().any(|word| comment.contains(word));
-    if says(&["degrees", "degree", "deg", "radians", "rad"]) || (degrees && !cosine) {
+    if has(&["degrees", "degree", "deg", "radians", "rad"]) || (degrees && !cosine) {
         hazard.certainty = Certainty::Likely;
         return true;
     }
-    says(&["angle"]) && !cosine
+    has(&["angle"]) && !cosine
 }
 
-/// The comments of the member at that path of a light.
-fn comment_of(path: &str, shader: &ShaderLayout, lights: &[Held<'_>]) -> String {
+/// Returns the comments of the member at that path of a light.
+fn comment_of(path: &str, shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> String {
     let mut text = String::new();
     for light in lights {
         let Some(part) = light.roles.parts.iter().find(|part| light.full_path(part) == path) else {

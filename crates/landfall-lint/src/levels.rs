@@ -8,9 +8,9 @@ use super::registry::lint;
 use super::settings::{Settings, Target};
 
 impl Lint {
-    /// The level it has under those settings while nobody sets one by name.
+    /// Returns the level under these settings before they set one for the lint's code.
     pub fn level_under(&self, settings: &Settings) -> Level {
-        // What wgpu reads wrong is certain to be wrong for who runs on it.
+        // For the target `webgpu`, what wgpu misreads is certainly wrong.
         if self.code == naga_disagrees::CODE && settings.targets.contains(&Target::WebGpu) {
             return Level::Deny;
         }
@@ -18,7 +18,7 @@ impl Lint {
     }
 }
 
-/// The level a lint has under these settings; findings that are no lint's are warnings.
+/// Returns the level of a lint under these settings; `warn` for codes that are not a lint's.
 pub fn level(code: &str, settings: &Settings) -> Level {
     let lint = lint(code);
     let mut level = lint.map_or(Level::Warn, |lint| lint.level_under(settings));
@@ -35,11 +35,12 @@ pub fn level(code: &str, settings: &Settings) -> Level {
     level
 }
 
-/// Findings at the levels these settings give them, those at `allow` left out.
+/// Returns the findings with their levels under these settings, without those at `allow`.
 pub fn at_levels(mut findings: Vec<Finding>, settings: &Settings) -> Vec<Finding> {
     findings.retain_mut(|finding| {
-        finding.level = level(&finding.code, settings);
-        finding.level > Level::Allow
+        let severity = level(&finding.code, settings).severity();
+        finding.severity = severity.unwrap_or(finding.severity);
+        severity.is_some()
     });
     findings
 }

@@ -47,7 +47,7 @@ pub use definition::{Check, Lint, Subject};
 pub use registry::{LINTS, lint, renamed, resolve_renamed};
 pub use reorder_saves::smaller_order;
 
-pub use landfall_layout::finding::{Edit, Finding, Level, Place, Related};
+pub use landfall_layout::finding::{Edit, Finding, Level, Place};
 pub use settings::Settings;
 
 /// The known name nearest to one that is not: two edits away at most.

@@ -1,4 +1,4 @@
-//! `lock-missing`: a shader with blocks has no lock. Found by [`crate::drift`].
+//! `lock-missing`: a shader with blocks but without a lock. Found by [`crate::drift`].
 
 use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
@@ -7,9 +7,9 @@ pub(super) const LINT: Lint = Lint {
     code: "lock-missing",
     // A new shader is no fault; that nobody guards it is worth a word.
     level: Level::Warn,
-    what: "a shader that has blocks or loose uniforms has no lock",
-    why: "Without a lock there is nothing to compare with: the next change of its layout is \
-          merged unseen.",
+    what: "a shader with blocks or loose uniforms but without a lock",
+    why: "Without a lock there is nothing to compare the layout with: its next change is merged \
+          unnoticed.",
     example: "#version 330 core\n\
               layout(std140) uniform View {\n    \
                   mat4 view;\n\

@@ -1,4 +1,4 @@
-//! `mat3-padding`: matrices whose columns, or rows, are shorter than their distance.
+//! `mat3-padding`: matrices whose columns, or rows, are shorter than their stride.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -11,11 +11,11 @@ pub(super) const LINT: Lint = Lint {
     code: "mat3-padding",
     // Every normal matrix in a block does this.
     level: Level::Allow,
-    what: "a matrix with padding after each column: a `mat3` is 48 bytes, not 36",
-    why: "A matrix is an array of its columns (rows, if it is row-major), and those of three \
-          components are 16 bytes apart; in std140 those of two components as well. A packed \
-          `mat3` of 36 bytes is right in its first column only. Allowed unless asked for, \
-          because the shader is right.",
+    what: "a matrix with padding after each column: a `mat3` takes 48 bytes, not 36",
+    why: "A matrix is an array of its columns (rows, if it is row-major). Columns of three \
+          components are 16 bytes apart; in std140, columns of two components are too. A packed \
+          `mat3` of 36 bytes is right in its first column only. Allowed by default, because the \
+          shader is correct.",
     example: "\
 #version 330 core
 layout(std140) uniform Camera {
@@ -23,7 +23,7 @@ layout(std140) uniform Camera {
 };
 void main() {}
 ",
-    fix: "upload 4 floats a column (`[[f32; 4]; 3]`), or declare a `mat4` or three `vec4`",
+    fix: "Upload 4 floats per column (`[[f32; 4]; 3]`), or declare a `mat4` or three `vec4`.",
     check: Check::Shader(check),
 };
 
@@ -60,11 +60,11 @@ fn padded(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
         visit
             .finding(subject, LINT.code, message)
             .with_text(format!("matrix stride {stride}"))
-            .with_help(format!("upload {slots} components a {one}{rust}")),
+            .with_help(format!("upload {slots} components per {one}{rust}")),
     )
 }
 
-/// The component in Rust, where it has a type of its own.
+/// Returns the Rust type of a component, if there is one.
 fn rust_name(scalar: Scalar) -> Option<&'static str> {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => Some("f32"),

@@ -1,7 +1,7 @@
-//! `naga-disagrees`: leaves that naga, so wgpu, would read from another byte.
+//! `naga-disagrees`: leaves that naga, and so wgpu, reads from another byte.
 //!
-//! Reads what [`layout`](mod@landfall_layout::layout) noted on each leaf when it was asked
-//! with `Options::naga`; says nothing where naga was not asked or refuses the text.
+//! Reads the comparison that [`layout`](mod@landfall_layout::layout) records on each leaf with
+//! `Options::naga`; reports nothing without it, or where naga rejects the text.
 
 mod cause;
 
@@ -16,28 +16,28 @@ pub(super) const CODE: &str = "naga-disagrees";
 
 pub(super) const LINT: Lint = Lint {
     code: CODE,
-    // WGSL is written for WebGPU, and of its two implementations one reads wrong. GLSL is
-    // reported only where somebody says that it goes through naga; for the target `webgpu` the
-    // level is `deny`, because there the wrong byte is certain: see `Lint::level_under`.
+    // WGSL is written for WebGPU, and naga is one of its implementations. GLSL is reported only
+    // where the settings say that it goes through naga; for the target `webgpu` the level is
+    // `deny`, because there the wrong byte is certain: see `Lint::level_under`.
     level: Level::Warn,
-    what: "leaves that naga, and so wgpu, reads from another byte than the language says",
-    why: "naga 30 takes some declarations and lays them out wrong, without a word: `@align` on a \
-          member of a nested structure, arrays of arrays in GLSL, small structures in std140, \
-          push constants, `bool`. The same upload is right in a browser and in OpenGL and wrong \
-          in wgpu. Of WGSL it is always reported; of GLSL when `webgpu` is among the targets or \
-          the lint is asked for by name, because most GLSL never meets naga. A failure for the \
-          target `webgpu`, a warning otherwise.",
+    what: "members that naga, and so wgpu, reads from another byte than the language specifies",
+    why: "naga 30 accepts some declarations and lays them out incorrectly, without a diagnostic: \
+          `@align` on a member of a nested structure, arrays of arrays in GLSL, small structures \
+          in std140, push constants, `bool`. The same upload is right in a browser and in OpenGL \
+          and wrong in wgpu. Always reported for WGSL; for GLSL only when `webgpu` is among the \
+          targets or the lint is enabled by name, because most GLSL never passes through naga. The \
+          level is `deny` for the target `webgpu` and `warn` otherwise.",
     example: "\
 struct Inner { @align(16) value: u32 }
 struct Outer { first: u32, inner: Inner } // inner at 16; naga reads 4
 @group(0) @binding(0) var<storage> outer: Outer;
 ",
-    fix: "spell the padding out, so that there is nothing left to get wrong: pad members instead \
-          of `@align`, one dimension instead of two, `vec4` instead of small structures",
+    fix: "Write the padding out: pad members instead of `@align`, one dimension instead of two, \
+          `vec4` instead of small structures.",
     check: Check::Shader(check),
 };
 
-/// Whether it has anything to say about texts of that language: asking naga takes time.
+/// Returns whether the lint applies to texts of that language, so that naga has to parse them.
 pub fn wanted(language: Language, settings: &Settings) -> bool {
     match language {
         Language::Wgsl => true,
@@ -75,11 +75,11 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         block.name,
         numbers(leaf, naga),
     );
-    let mut finding = Finding::new(LINT.code, &*block.name, Place::of(files, leaf.span), message)
+    let mut finding = Finding::of(LINT.code, &*block.name, Place::of(files, leaf.span), message)
         .with_text(short(leaf, naga));
     finding.listing = full_listing(subject.shader, block);
     if let Some(span) = cause.span.filter(|span| *span != leaf.span) {
-        finding = finding.with_related(Place::of(files, span), cause.word);
+        finding = finding.with_label(Place::of(files, span), cause.word);
     }
     finding = finding.with_note(cause.text);
     for (leaf, naga) in differing.iter().skip(1).take(MOST_LEAVES) {
@@ -91,10 +91,10 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     Some(finding.with_help(cause.help))
 }
 
-/// Leaves spelled out after the first; the rest are counted.
+/// The number of leaves listed after the first; the rest are counted.
 const MOST_LEAVES: usize = 4;
 
-/// `from byte 4 instead of 16`; where only the distance differs, that.
+/// Returns `from byte 4 instead of 16`, or the strides where only they differ.
 fn numbers(leaf: &Leaf, naga: &NagaPlace) -> String {
     let here = leaf.offset.unwrap_or(0);
     let strides = match naga.strides != leaf.strides {

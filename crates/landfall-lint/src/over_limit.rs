@@ -1,4 +1,4 @@
-//! `over-limit`: blocks larger, or more of them, than every implementation of a target must take.
+//! `over-limit`: blocks larger or more numerous than a target guarantees.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -13,37 +13,37 @@ use landfall_layout::source::{Language, Stage};
 pub(super) const LINT: Lint = Lint {
     code: "over-limit",
     level: Level::Deny,
-    what: "a block is larger, or a stage has more blocks or loose uniforms, than every \
-           implementation of a configured target has to take",
-    why: "It links on the machine it was written on and fails on another: the specifications \
-          promise 16 KiB a uniform block in OpenGL 3.3, OpenGL ES 3.0, WebGL 2 and Vulkan, \
-          64 KiB in WebGPU, 128 MiB a storage buffer in Vulkan and WebGPU, and 12 uniform blocks \
-          a stage. Nothing is said without `targets` in the configuration or `--target`, as no \
-          limit holds everywhere. Sizes are those of the layout, a runtime-sized tail counted \
-          with one element. Blocks of a WGSL module are counted only when it has one entry point, \
-          and in Vulkan and WebGPU only those that the text goes on to name: what an entry point \
-          does not use takes no binding there.",
+    what: "a block's size, or a stage's number of blocks or loose uniforms, above what a \
+           configured target guarantees",
+    why: "The shader links on the machine it was written on and fails on another: the \
+          specifications guarantee 16 KiB per uniform block in OpenGL 3.3, OpenGL ES 3.0, WebGL 2 \
+          and Vulkan, 64 KiB in WebGPU, 128 MiB per storage buffer in Vulkan and WebGPU, and 12 \
+          uniform blocks per stage. Nothing is reported without `targets` in the configuration or \
+          `--target`, because no limit holds everywhere. Sizes are those of the layout, a \
+          runtime-sized array at the end counted with one element. Blocks of a WGSL module are \
+          counted only if it has one entry point, and in Vulkan and WebGPU only those whose names \
+          the text uses: what an entry point does not use takes no binding there.",
     example: "#version 330 core\n\
               // Checked with `--target gl33`.\n\
               layout(std140) uniform Bones { mat4 pose[257]; } u_bones;\n\
               void main() { gl_Position = u_bones.pose[0][0]; }\n",
-    fix: "Make the array shorter, split the block, or move it to a storage buffer or texture; if \
-          every machine you ship to has a higher limit, take the target out of `targets`.",
+    fix: "Shorten the array, split the block, or move it to a storage buffer or texture; if every \
+          machine you ship to has a higher limit, remove the target from `targets`.",
     check: Check::Shader(check),
 };
 
-/// Blocks of a stage that are counted: each is looked for in the text.
+/// The most blocks of a stage that are counted; each is searched for in the text.
 const MOST_COUNTED: usize = 256;
 
-/// What a target guarantees: the minima of its tables of implementation-dependent values.
+/// The guarantees of a target: the minima in its tables of implementation-dependent values.
 struct Limits {
-    /// Bytes of a uniform block, and of a storage block where there are any.
+    /// The size in bytes of a uniform block, and of a storage block if supported.
     uniform: u64,
     storage: Option<u64>,
-    /// Blocks in one stage.
+    /// The number of blocks in one stage.
     uniform_blocks: u64,
     storage_blocks: Option<u64>,
-    /// Where that is written, and what the limits are called there.
+    /// The section of the specification, and the names of the limits in it.
     cite: &'static str,
     names: Names,
 }
@@ -116,7 +116,8 @@ fn limits(target: Target) -> Limits {
     }
 }
 
-/// Components of loose uniforms a stage may have; none in Vulkan and WebGPU, which have no such.
+/// Returns the number of components that loose uniforms of a stage may have; `None` in Vulkan and
+/// WebGPU, which have no loose uniforms.
 fn loose_components(target: Target, stage: Stage) -> Option<u64> {
     let stages: &[(Stage, u64)] = match target {
         // OpenGL 3.3: MAX_VERTEX_, MAX_GEOMETRY_ and MAX_FRAGMENT_UNIFORM_COMPONENTS.
@@ -153,7 +154,8 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     found
 }
 
-/// One finding a block: the smallest limit it is over, the other targets in a note.
+/// Returns one finding per block: about the smallest limit it exceeds, with the other targets in a
+/// note.
 fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) -> Option<Finding> {
     let size = block.size?;
     let over = settings.targets.iter().filter_map(|&target| {
@@ -172,7 +174,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
     over.sort_by_key(|row| row.0);
     let &(limit, target, _, _) = over.first()?;
     let message = format!(
-        "block `{}` is {}, but {} guarantees only {} a {} block",
+        "block `{}` is {}, but {} guarantees only {} per {} block",
         block.name,
         bytes(size),
         title(target),
@@ -180,7 +182,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
         block.space.name(),
     );
     let at = place(subject, block.span);
-    let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
+    let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
         .with_text(format!("{} more than guaranteed", bytes(size - limit)))
         .with_help(shorter(block, limit));
     for (limit, target, name, cite) in over {
@@ -191,7 +193,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
     Some(finding)
 }
 
-/// The array that has to be shorter, if shortening one is enough.
+/// Returns the help: the array to shorten, if shortening one is enough.
 fn shorter(block: &BlockLayout, limit: u64) -> String {
     let excess = block.size.unwrap_or(0).saturating_sub(limit);
     let arrays = block.members.iter().filter_map(|member| {
@@ -246,14 +248,14 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     );
     let about = format!("{} blocks", space.name());
     Some(
-        Finding::new(LINT.code, about, place(subject, block.span), message)
+        Finding::of(LINT.code, about, place(subject, block.span), message)
             .with_text("the first one past the limit")
             .with_note(format!("{}: {name} is at least {limit} ({})", title(target), limits.cite))
             .with_help(format!("join blocks that are uploaded together, down to {limit}")),
     )
 }
 
-/// What the shader is when its blocks are all of one stage.
+/// Returns the stage in messages, if all blocks of the shader belong to one.
 fn one_stage(subject: &Subject<'_>) -> Option<String> {
     match subject.shader.language {
         Language::Glsl => Some(subject.shader.stage.map_or("the stage".to_string(), |stage| {
@@ -268,8 +270,8 @@ fn one_stage(subject: &Subject<'_>) -> Option<String> {
     }
 }
 
-/// Whether a block counts: in OpenGL every declared std140 or shared block is active (OpenGL 3.3
-/// §2.11.4); elsewhere only what an entry point uses takes a binding.
+/// Returns whether a block counts: in OpenGL every declared std140 or shared block is active
+/// (OpenGL 3.3 §2.11.4); elsewhere only blocks that an entry point uses take a binding.
 fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> bool {
     match target {
         Target::Gl33 | Target::Gles30 | Target::WebGl2 => true,
@@ -291,7 +293,7 @@ fn takes_binding(subject: &Subject<'_>, block: &BlockLayout, target: Target) -> 
     }
 }
 
-/// The places where a name stands as a word of its own.
+/// Returns the positions of a name as a whole word.
 fn words<'a>(text: &'a str, name: &'a str) -> impl Iterator<Item = usize> + 'a {
     let part = |sign: Option<char>| sign.is_some_and(|c| c.is_alphanumeric() || c == '_');
     text.match_indices(name).map(|(at, _)| at).filter(move |&at| {
@@ -328,7 +330,7 @@ fn too_loose(subject: &Subject<'_>, target: Target) -> Option<Finding> {
     );
     let cite = limits(target).cite;
     Some(
-        Finding::new(LINT.code, "loose uniforms", place(subject, leaf.span), message)
+        Finding::of(LINT.code, "loose uniforms", place(subject, leaf.span), message)
             .with_text("the first one past the limit")
             .with_note(format!(
                 "{}: MAX_{}_UNIFORM_COMPONENTS is at least {limit} ({cite})",

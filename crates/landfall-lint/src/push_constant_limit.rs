@@ -1,4 +1,4 @@
-//! `push-constant-limit`: push constants past the bytes every Vulkan device has.
+//! `push-constant-limit`: push constants past the bytes that Vulkan guarantees.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::{Settings, Target};
@@ -10,23 +10,24 @@ use landfall_layout::source::Language;
 pub(super) const LINT: Lint = Lint {
     code: "push-constant-limit",
     level: Level::Deny,
-    what: "a stage's push constants end past byte 128, or WGSL's immediate data past byte 64",
-    why: "Vulkan guarantees 128 bytes of push constants (maxPushConstantsSize, Required Limits), \
-          for all stages of a pipeline together; many desktop drivers have 256, so it works there \
-          and the pipeline layout is invalid elsewhere. Where a stage's range starts does not \
-          help: it has to end by byte 128. Vulkan 1.4 guarantees 256; who asks for it can allow \
-          this lint. WebGPU guarantees 64 bytes of `var<immediate>` (maxImmediateSize); \
-          WGSL is compared with those unless `vulkan` is a target and `webgpu` is not.",
+    what: "push constants that end past byte 128, or WGSL's immediate data past byte 64",
+    why: "Vulkan guarantees 128 bytes of push constants (maxPushConstantsSize, Required Limits) \
+          for all stages of a pipeline together; many desktop drivers have 256, so that the \
+          pipeline layout is valid there and invalid elsewhere. A later start of a stage's range \
+          does not help: the range has to end by byte 128. Vulkan 1.4 guarantees 256; programs \
+          that require it can allow this lint. WebGPU guarantees 64 bytes of `var<immediate>` \
+          (maxImmediateSize); that limit holds for WGSL unless `vulkan` is a target and `webgpu` \
+          is not.",
     example: "#version 450\n\
               layout(push_constant) uniform Push { mat4 model; mat4 view; vec4 tint; } pc;\n\
               layout(location = 0) out vec4 color;\n\
               void main() { color = pc.tint; }\n",
-    fix: "Move what changes less often than every draw into a uniform block, or multiply matrices \
-          before they are pushed.",
+    fix: "Move data that changes less often than every draw into a uniform block, or multiply \
+          matrices before pushing them.",
     check: Check::Shader(check),
 };
 
-/// What an API guarantees.
+/// The guarantee of an API.
 struct Guarantee {
     bytes: u64,
     api: &'static str,
@@ -69,7 +70,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
             bytes(limit.bytes)
         );
         let at = place(subject, block.span);
-        let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
+        let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
             .with_text(format!("{} too many", bytes(end - limit.bytes)))
             .with_note(limit.note);
         let past = block.members.iter().find(|member| {
@@ -81,7 +82,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         if let Some(member) = past {
             let end = member.offset.unwrap_or(0) + landfall_layout::layout::measure::reach(member);
             let text = format!("the first member past it: it ends at byte {end}");
-            finding = finding.with_related(place(subject, member.span), text).with_help(format!(
+            finding = finding.with_label(place(subject, member.span), text).with_help(format!(
                 "move `{}` and what follows it into a uniform block",
                 member.name
             ));

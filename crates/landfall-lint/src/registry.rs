@@ -56,19 +56,20 @@ pub const LINTS: &[&Lint] = &[
     &webgl2_size::LINT,
 ];
 
-/// The lint of that code.
+/// Returns the lint of that code.
 pub fn lint(code: &str) -> Option<&'static Lint> {
     LINTS.iter().find(|lint| lint.code == code).copied()
 }
 
-/// Returns the code of the lint that a hazard's earlier spelling means: `pow-of-zero` for
-/// `power-of-zero`. `None` for codes of lints and for all others.
+/// Returns the current code for a hazard's earlier spelling: `pow-of-zero` for `power-of-zero`.
+/// `None` for codes of lints and for all others.
 pub fn renamed(code: &str) -> Option<&'static str> {
     let hazard = Hazard::named(code).filter(|hazard| hazard.info().aliases.contains(&code))?;
     lint(hazard.code()).map(|lint| lint.code).filter(|now| *now != code)
 }
 
-/// Puts the codes of lints in place of earlier spellings; returns both of each, once.
+/// Replaces earlier spellings of codes in the settings, and returns each replaced spelling once
+/// with its current code.
 pub fn resolve_renamed(settings: &mut Settings) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     for (code, _) in &mut settings.levels {

@@ -21,8 +21,8 @@ use rustc_hash::FxHashSet;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::format::paint::Paint;
+use landfall_layout::format::phrases::counted;
 use landfall_layout::format::shown;
-use landfall_layout::format::words::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
@@ -134,7 +134,7 @@ fn severity(level: Level) -> &'static str {
 
 /// `65 shaders: 2 errors, 1 warning`.
 fn totals(findings: &[&Finding], shaders: usize) -> String {
-    let count = |level| findings.iter().filter(|finding| finding.level == level).count();
+    let count = |level| findings.iter().filter(|finding| finding.level() == level).count();
     let mut parts = Vec::new();
     for level in [Level::Deny, Level::Warn, Level::Allow] {
         if count(level) > 0 {

@@ -1,7 +1,7 @@
 //! `reorder-saves`: the same members in another order take fewer bytes.
 //!
-//! The order is searched on sizes and alignments ([`order`]), then laid out by
-//! [`layout`](mod@landfall_layout::layout) like any other: only what that says is reported.
+//! The order is searched by sizes and alignments ([`order`]), then laid out by
+//! [`layout`](mod@landfall_layout::layout), whose sizes are reported.
 
 mod order;
 
@@ -16,7 +16,7 @@ use super::walk::first_few;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::lay_out;
 use landfall_layout::layout::rules::{Cursor, extent};
-use landfall_layout::shape::{AddressSpace, Block, Majorness, Member, Rules, Struct, Type};
+use landfall_layout::shape::{AddressSpace, Block, MatrixLayout, Member, Rules, Struct, Type};
 use landfall_layout::source::Span;
 use landfall_layout::syntax as parse;
 
@@ -24,12 +24,12 @@ pub(super) const LINT: Lint = Lint {
     code: "reorder-saves",
     // Order is often chosen for the reader; every copy has to follow a change of it.
     level: Level::Allow,
-    what: "a block or structure that is smaller with its members in another order",
-    why: "A `vec3` or a matrix that follows a lone scalar starts at the next multiple of 16 and \
-          leaves a hole. The finding names the smallest order and the bytes it saves, for each \
-          element where it is a structure in an array. Allowed unless asked for: it is a waste, \
-          not a fault, and every copy of the structure has to follow the change. Never reported \
-          where an offset is written in the text.",
+    what: "a block or structure that takes fewer bytes with its members in another order",
+    why: "A `vec3` or a matrix after a lone scalar starts at the next multiple of 16 and leaves a \
+          hole. The finding names the smallest order and the bytes it saves, per element for a \
+          structure in an array. Allowed by default, because it wastes memory but is correct, and \
+          every copy of the structure has to follow the change. Never reported where the text \
+          states an offset.",
     example: "\
 #version 330 core
 layout(std140) uniform Light {
@@ -40,7 +40,7 @@ layout(std140) uniform Light {
 };
 void main() {}
 ",
-    fix: "declare the members in the order of the help, in every copy",
+    fix: "Declare the members in the order that the help gives, in every copy.",
     check: Check::Shader(check),
 };
 
@@ -48,7 +48,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let options = subject.options;
     let mut shape = parse::parse(subject.source, &options.read, options.gather).shape;
     shape.blocks.retain(|block| block.space != AddressSpace::Default);
-    // Where the driver decides, no number is sure.
+    // Where the driver chooses the layout, no offset is certain.
     shape.blocks.retain(|block| block.rules_declared || options.rules.is_some());
     if let Some(rules) = options.rules {
         shape.blocks.iter_mut().for_each(|block| block.rules = rules);
@@ -63,17 +63,18 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     for structure in structures.into_iter().take(tried) {
         findings.extend(of_structure(subject, &structure, &shape.blocks));
     }
-    // Two variables of one WGSL structure are two blocks of one declaration.
+    // Two variables of one WGSL structure are two blocks with one declaration.
     let mut said = FxHashSet::default();
     findings.retain(|finding| said.insert(finding.about.clone()));
     findings
 }
 
-/// Leaves laid out at most to try structures in another order: a text made to take long has more.
+/// The most leaves laid out to try structures in another order, which bounds the time on hostile
+/// texts.
 const MOST_LEAVES: u64 = 200_000;
 
 fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
-    let order = order::smallest(&block.members, block.rules, block.majorness)?;
+    let order = order::smallest(&block.members, block.rules, block.matrix_layout)?;
     let old = lay_out(block).ok()?.size?;
     let reordered = Block { members: order::apply(&block.members, &order), ..block.clone() };
     let layout = lay_out(&reordered).ok()?;
@@ -85,25 +86,25 @@ fn of_block(subject: &Subject<'_>, block: &Block) -> Option<Finding> {
     );
     let place = Place::of(&subject.shader.files, block.span);
     let help = advice(&reordered.members, old, new, "");
-    let finding = Finding::new(LINT.code, &*block.name, place, message)
+    let finding = Finding::of(LINT.code, &*block.name, place, message)
         .with_note("every copy of the block has to follow the change")
         .with_help(help);
     Some(Finding { listing: full_listing(subject.shader, &layout), ..finding })
 }
 
-/// A structure, with one of the ways it is laid out.
+/// A structure and one of the rules it is laid out by.
 struct Use {
     structure: Arc<Struct>,
     rules: Rules,
-    majorness: Majorness,
+    matrix_layout: MatrixLayout,
 }
 
-/// The structures of all blocks, each once for every way it is laid out.
+/// Returns the structures of all blocks, each once for every rule it is laid out by.
 fn structures(blocks: &[Block]) -> Vec<Use> {
     let mut found = Vec::new();
     let mut seen = FxHashSet::default();
     for block in blocks {
-        collect(&block.members, block.rules, block.majorness, &mut seen, &mut found);
+        collect(&block.members, block.rules, block.matrix_layout, &mut seen, &mut found);
     }
     found
 }
@@ -111,16 +112,16 @@ fn structures(blocks: &[Block]) -> Vec<Use> {
 fn collect(
     members: &[Member],
     rules: Rules,
-    inherited: Majorness,
-    seen: &mut FxHashSet<(Span, Rules, Majorness)>,
+    inherited: MatrixLayout,
+    seen: &mut FxHashSet<(Span, Rules, MatrixLayout)>,
     found: &mut Vec<Use>,
 ) {
     for member in members {
         let Type::Struct(structure) = member.ty.innermost() else { continue };
-        let majorness = member.majorness.unwrap_or(inherited);
-        if seen.insert((structure.span, rules, majorness)) {
-            collect(&structure.members, rules, majorness, seen, found);
-            found.push(Use { structure: structure.clone(), rules, majorness });
+        let matrix_layout = member.matrix_layout.unwrap_or(inherited);
+        if seen.insert((structure.span, rules, matrix_layout)) {
+            collect(&structure.members, rules, matrix_layout, seen, found);
+            found.push(Use { structure: structure.clone(), rules, matrix_layout });
         }
     }
 }
@@ -131,7 +132,7 @@ fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Fi
     if structure.name.is_empty() {
         return None;
     }
-    let order = order::smallest(&structure.members, one.rules, one.majorness)?;
+    let order = order::smallest(&structure.members, one.rules, one.matrix_layout)?;
     let members = order::apply(&structure.members, &order);
     let old = stride(&structure.members, one)?;
     let new = stride(&members, one).filter(|&new| new < old)?;
@@ -141,12 +142,12 @@ fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Fi
     };
     let sizes: Option<Vec<(u64, u64)>> =
         blocks.iter().map(|block| Some((lay_out(block).ok()?.size?, replaced(block)?))).collect();
-    // Other rules may want another order: nothing is gained where a block grows.
+    // Other rules may need another order: an order that enlarges a block is not suggested.
     let sizes = sizes.filter(|sizes| sizes.iter().all(|(old, new)| new <= old))?;
     let message =
         format!("`{}` is {}: in another order its members take {new}", structure.name, bytes(old),);
     let place = Place::of(&subject.shader.files, structure.span);
-    let mut finding = Finding::new(LINT.code, &*structure.name, place, message)
+    let mut finding = Finding::of(LINT.code, &*structure.name, place, message)
         .with_help(advice(&members, old, new, " each"));
     for (block, (old, new)) in blocks.iter().zip(sizes).filter(|(_, (old, new))| new < old) {
         finding = finding.with_note(format!("block `{}` shrinks from {old} to {new}", block.name));
@@ -160,35 +161,35 @@ fn advice(members: &[Member], old: u64, new: u64, each: &str) -> String {
     format!("declare them as {names}: {} instead of {old}, {} saved{each}", bytes(new), old - new)
 }
 
-/// Longer orders are cut short in messages.
+/// The most names that a message lists.
 const MOST_NAMES: usize = 24;
 
-/// The names of a structure's members in an order that takes fewer bytes, and how many it takes
-/// then, from one to the next; `None` where there is none.
+/// Returns the names of a structure's members in an order that takes fewer bytes, and the stride of
+/// the structure in that order; `None` if there is no such order.
 pub fn smaller_order(
     structure: &Arc<Struct>,
     rules: Rules,
-    majorness: Majorness,
+    matrix_layout: MatrixLayout,
 ) -> Option<(Vec<Arc<str>>, u64)> {
-    let one = Use { structure: structure.clone(), rules, majorness };
-    let order = order::smallest(&structure.members, rules, majorness)?;
+    let one = Use { structure: structure.clone(), rules, matrix_layout };
+    let order = order::smallest(&structure.members, rules, matrix_layout)?;
     let members = order::apply(&structure.members, &order);
     let old = stride(&structure.members, &one)?;
     let new = stride(&members, &one).filter(|&new| new < old)?;
     Some((members.into_iter().map(|member| member.name).collect(), new))
 }
 
-/// From one structure of those members to the next, or to the member behind it.
+/// Returns the bytes from one structure of those members to the next, or to the member after it.
 fn stride(members: &[Member], one: &Use) -> Option<u64> {
     let mut cursor = Cursor::new(one.rules);
     for member in members {
-        cursor.place(member, one.majorness).ok()?;
+        cursor.place(member, one.matrix_layout).ok()?;
     }
     let whole = cursor.structure().ok()?;
     whole.align.round_up(whole.size?).ok()
 }
 
-/// The members with that structure's own members in another order, wherever it is.
+/// Returns the members with that structure's own members reordered, wherever it occurs.
 fn with_structure(members: &[Member], structure: &Arc<Struct>, new: &[Member]) -> Vec<Member> {
     members
         .iter()
@@ -216,9 +217,9 @@ fn replace(ty: &Type, structure: &Arc<Struct>, new: &[Member]) -> Type {
     }
 }
 
-/// Size and alignment of a member as the search sees it.
-fn footprint(member: &Member, rules: Rules, inherited: Majorness) -> Option<(u64, u64)> {
-    let extent = extent(&member.ty, rules, member.majorness.unwrap_or(inherited)).ok()?;
+/// Returns the size and alignment of a member for the search.
+fn footprint(member: &Member, rules: Rules, inherited: MatrixLayout) -> Option<(u64, u64)> {
+    let extent = extent(&member.ty, rules, member.matrix_layout.unwrap_or(inherited)).ok()?;
     let align = member.align.map_or(1, |written| written.value).max(extent.align.bytes());
     let size = extent.size?.max(member.size.map_or(0, |written| written.value));
     Some((size, align))

@@ -12,17 +12,17 @@ use landfall_layout::source::Span;
 pub(super) const LINT: Lint = Lint {
     code: "rules-undeclared",
     level: Level::Warn,
-    what: "a block says neither std140 nor std430, so that the driver chooses its offsets",
+    what: "a block without std140 or std430, whose offsets the driver chooses",
     why: "Without a qualifier a block is `shared` (GLSL 4.60 §4.4.5): each driver may place its \
-          members as it likes, and only asking it (glGetActiveUniformsiv) tells where they are. \
-          Offsets computed by anyone else, Landfall too, hold by luck. Vulkan's defaults are std140 \
-          and std430, so nothing is reported where `vulkan` is a target and no OpenGL is, nor in \
-          texts of version 4.50 on that could be Vulkan's as they stand: a binding on every block, \
-          no loose uniforms. \
-          `--fix` writes the qualifier where there was none: host code that asks the driver goes \
-          on working, as it is told the new offsets, and host code that does not can only have \
-          meant std140; but every stage of a program has to say the same, so fix them together. \
-          Where the text says `shared` or `packed` itself, it is for its author to change.",
+          members as it likes, and only a query (glGetActiveUniformsiv) returns where they are. \
+          Offsets computed in any other way, by Landfall too, are right by chance only. Vulkan's \
+          defaults are std140 and std430, so nothing is reported where `vulkan` is a target and no \
+          OpenGL is, nor in texts of version 4.50 on that Vulkan accepts as they stand: a binding \
+          on every block, no loose uniforms. `--fix` writes the qualifier where there was none: \
+          host code that queries the driver keeps working, as it receives the new offsets, and \
+          host code that does not query must have assumed std140; but every stage of a program has \
+          to declare the same, so fix them together. An explicit `shared` or `packed` is left for \
+          the author to change.",
     example: "#version 330 core\n\
               uniform Light { vec3 color; float intensity; } u_light;\n\
               out vec4 shade;\n\
@@ -56,11 +56,14 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
             format!("block `{}` is `{word}`: the driver chooses where its members are", block.name)
         }
         Declaration::Bare(_) | Declaration::Qualified(_) | Declaration::Elsewhere => {
-            format!("block `{}` does not say its rules: the driver chooses them", block.name)
+            format!(
+                "block `{}` declares no layout rules: the driver chooses its offsets",
+                block.name
+            )
         }
     };
-    let finding = Finding::new(LINT.code, block.name.as_ref(), place(subject, block.span), message)
-        .with_text(format!("laid out here as if it said {rules}"));
+    let finding = Finding::of(LINT.code, block.name.as_ref(), place(subject, block.span), message)
+        .with_text(format!("laid out as {rules} here"));
     match declared {
         Declaration::Bare(at) => finding
             .with_help(format!("write `layout({rules}) {keyword} {}`", block.name))
@@ -69,7 +72,7 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
             .with_help(format!("write `{rules}` into its `layout(…)`"))
             .with_edit(place(subject, at), format!("{rules}, ")),
         Declaration::Chosen(word) => finding
-            .with_note("host code has to ask the driver for every offset")
+            .with_note("host code has to query every offset from the driver")
             .with_help(format!("write `{rules}` instead of `{word}`")),
         Declaration::Elsewhere => {
             finding.with_help(format!("write `layout({rules})` before its `{keyword}`"))
@@ -86,7 +89,7 @@ fn keyword(space: AddressSpace) -> &'static str {
     }
 }
 
-/// What stands before a block's name, and where the qualifier would go.
+/// The text before a block's name, with the place for the qualifier.
 enum Declaration {
     /// `uniform NAME`: before the keyword.
     Bare(Span),
@@ -94,7 +97,7 @@ enum Declaration {
     Qualified(Span),
     /// `layout(shared) uniform NAME`.
     Chosen(&'static str),
-    /// Not as far as it can be read here: a macro, a comment in between.
+    /// Anything else: a macro, a comment in between.
     Elsewhere,
 }
 
@@ -144,11 +147,11 @@ fn declaration(subject: &Subject<'_>, block: &BlockLayout, keyword: &str) -> Dec
     }
 }
 
-/// Whether a line break stands between the rest and the declaration.
+/// Returns whether a line break separates the rest from the declaration.
 fn ends_line(rest: &str, before: &str, at: usize) -> bool {
     before[rest.len()..at].contains('\n')
 }
 
-/// Qualifiers that may stand before the keyword of a block.
+/// The qualifiers that may precede the keyword of a block.
 const QUALIFIERS: &[&str] =
     &["coherent", "volatile", "restrict", "readonly", "writeonly", "highp", "mediump", "lowp"];

@@ -1,6 +1,6 @@
-//! Asks the lints: which of them, at which level, and without what comments allow.
+//! Runs the enabled lints at their levels, and drops the findings that comments allow.
 //!
-//! Reads [`Subject`]s and [`Settings`]; the command renders what comes back.
+//! Reads [`Subject`]s and [`Settings`]; the command renders the findings.
 
 use super::allow::{allows, suppress};
 use super::definition::{Check, Subject};
@@ -9,14 +9,14 @@ use super::registry::LINTS;
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level};
 
-/// What lints find in one shader, without what its comments allow.
+/// Returns the findings in one shader, without those that its comments allow.
 pub fn shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = ask_shader(subject, settings);
     suppress(&mut findings, &mut allows(&subject.shader.files, subject.shader.language));
     findings
 }
 
-/// What lints find by looking at all shaders of a run, without what comments allow.
+/// Returns the findings of lints over all shaders of a run, without those that comments allow.
 pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut findings = ask_tree(subjects, settings);
     if findings.is_empty() {
@@ -28,7 +28,7 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     findings
 }
 
-/// What lints find in one shader, allowed by comments or not.
+/// Returns the findings in one shader, including those that comments allow.
 pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut hazards = Vec::new();
@@ -45,7 +45,7 @@ pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     at_levels(findings, settings)
 }
 
-/// What lints find by looking at all shaders, allowed by comments or not.
+/// Returns the findings of lints over all shaders, including those that comments allow.
 pub fn ask_tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
     for lint in LINTS {

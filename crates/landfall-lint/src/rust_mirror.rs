@@ -1,8 +1,8 @@
-//! `rust-mirror` and `rust-mirror-unknown`: hand-written `#[repr(C)]` structures
-//! held against the blocks they are copies of.
+//! `rust-mirror` and `rust-mirror-unknown`: hand-written `#[repr(C)]` structures compared with the
+//! blocks they mirror.
 //!
-//! [`file`] reads the Rust text, `types` lays it out as rustc does, `compare`
-//! and `fit` hold it against what [`layout`](mod@landfall_layout::layout) says.
+//! [`file`] parses the Rust text, `types` lays it out as rustc does, `compare` and `fit` compare it
+//! with [`layout`](mod@landfall_layout::layout)'s result.
 
 mod compare;
 mod file;
@@ -32,12 +32,12 @@ pub(super) const LINT: Lint = Lint {
     code: "rust-mirror",
     level: Level::Deny,
     what: "a hand-written Rust structure whose fields are not where the shader reads them",
-    why: "A `#[repr(C)]` structure is uploaded byte by byte. Where it lacks a padding field, or \
-          has an array 12 bytes apart that the shader reads 16 apart, every byte after that is \
-          misread, and nothing says so. A structure is held against a block when the \
-          configuration names both, or a comment right above the structure does: \
-          `// landfall: mirror(Light)`, `// landfall: mirror(shaders/sun.frag: Light)`. Fields \
-          and members meet by name, whatever their case; names that begin with `_` are padding.",
+    why: "A `#[repr(C)]` structure is uploaded byte by byte. If it lacks a padding field, or has \
+          array elements 12 bytes apart where the shader reads them 16 apart, every byte after \
+          that is misread, without any error. A structure is compared with a block when the \
+          configuration names both, or a comment right above the structure does: `// landfall: \
+          mirror(Light)`, `// landfall: mirror(shaders/sun.frag: Light)`. Fields are matched with \
+          members by name, regardless of case; names that begin with `_` are padding.",
     example: "\
 // landfall: mirror(Light)
 #[repr(C)]
@@ -46,8 +46,8 @@ struct Light {
     color: [f32; 3], // at 12; a shader reads `vec3 color` at 16
 }
 ",
-    fix: "put padding fields where the finding says, or let `landfall emit --lang rust` write the \
-          structure",
+    fix: "Put padding fields where the finding says, or let `landfall emit --lang rust` write the \
+          structure.",
     check: Check::Tree(check),
 };
 
@@ -55,9 +55,9 @@ pub(super) const UNKNOWN: Lint = Lint {
     code: "rust-mirror-unknown",
     // Nothing is known to be wrong.
     level: Level::Warn,
-    what: "a mirror that could not be held against its block",
-    why: "A field of a type that landfall does not know, a block that no checked shader has: the \
-          mirror is not guarded, though somebody asked for it.",
+    what: "a mirror that could not be compared with its block",
+    why: "A field has a type that Landfall does not know, or no checked shader has the block: the \
+          mirror was asked for but is not checked.",
     example: "\
 // landfall: mirror(Light)
 #[repr(C)]
@@ -65,8 +65,8 @@ struct Light {
     direction: my_math::Direction,
 }
 ",
-    fix: "use primitives, arrays, structures of the same file or the types of a known math crate; \
-          name the shader in the mirror when only a part of the tree is checked",
+    fix: "Use primitives, arrays, structures of the same file or the types of a known math crate; \
+          name the shader in the mirror when only a part of the tree is checked.",
     check: Check::Tree(check_unknown),
 };
 
@@ -78,43 +78,43 @@ fn check_unknown(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> 
     of_code(subjects, settings, UNKNOWN.code)
 }
 
-/// Whether a Rust file can be looked at for mirrors.
+/// Checks that a Rust file can be parsed for mirrors.
 ///
 /// # Errors
-/// It is no Rust: with line and column.
+/// The text is not valid Rust, with line and column.
 pub fn readable(file: &RustFile) -> Result<(), Error> {
     file::read(file).map(|_| ())
 }
 
-/// The shaders, as globs, and the blocks that comments in Rust files name.
+/// Returns the shaders, as globs, and the blocks that comments in Rust files name.
 pub(super) fn named(settings: &Settings) -> Vec<(String, String)> {
     let files = settings.rust_files.iter();
     let comments = files.filter_map(|file| file::read(file).ok()).flat_map(|read| read.comments);
     comments.flat_map(|comment| comment.blocks).collect()
 }
 
-/// A Rust structure as rustc lays it out.
+/// The layout of a Rust structure by rustc's rules.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RustLayout {
-    /// In bytes.
+    /// The size in bytes.
     pub size: u64,
-    /// Its offset is a multiple of this.
+    /// The alignment in bytes.
     pub align: u64,
-    /// Each field with its offset, in the order of the text.
+    /// The fields with their offsets, in the order of the text.
     pub fields: Vec<(String, u64)>,
 }
 
-/// The layout of a `#[repr(C)]` structure of a Rust file.
+/// Returns the layout of a `#[repr(C)]` structure in a Rust file.
 ///
 /// # Errors
-/// The file is no Rust, has no such structure, or a type in it is not known.
+/// The file is not valid Rust, has no such structure, or contains a type of unknown layout.
 pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
     let declarations = file::read(file)?;
     let refused = |cause: String| Error::new(&file.path, cause);
     let index = declarations.structures.iter().position(|s| s.name == structure);
     let index = index.ok_or_else(|| refused(format!("has no structure `{structure}`")))?;
     let ty = Types::new(&declarations).structure(index);
-    let ty = ty.map_err(|Unknown(cause)| refused(format!("cannot be judged: {cause}")))?;
+    let ty = ty.map_err(|Unknown(cause)| refused(format!("has no known layout: {cause}")))?;
     let fields = match &ty.shape {
         Shape::Struct(laid) => laid.fields.iter().map(|f| (f.name.clone(), f.offset)).collect(),
         Shape::Scalar { .. } | Shape::Array { .. } => Vec::new(),
@@ -134,7 +134,7 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
         }
         let found = match file::read(file) {
             Ok(declarations) => of_file(subjects, &declarations, &mine),
-            Err(error) => vec![Finding::new(
+            Err(error) => vec![Finding::of(
                 UNKNOWN.code,
                 file.path.as_str(),
                 Place::file(&file.path),
@@ -143,7 +143,7 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
         };
         // Many shaders with one block say the same.
         let mut new = |finding: &Finding| {
-            finding.code == code && said.insert((finding.place.clone(), finding.message.clone()))
+            finding.code == code && said.insert((finding.place().clone(), finding.message.clone()))
         };
         findings.extend(found.into_iter().filter(|finding| new(finding)));
     }
@@ -169,8 +169,8 @@ fn of_file(
     }
     for comment in &declarations.comments {
         let Some(structure) = &comment.structure else {
-            let message = "this mirror comment stands above no structure".to_string();
-            let finding = Finding::new(UNKNOWN.code, "mirror", comment.place.clone(), message);
+            let message = "mirror comment without a structure below it".to_string();
+            let finding = Finding::of(UNKNOWN.code, "mirror", comment.place.clone(), message);
             findings.push(finding.with_help("put it right above the structure's attributes"));
             continue;
         };
@@ -197,7 +197,7 @@ fn of_mirror(
     let Some(index) = structures.iter().position(|s| s.name == mirror.structure) else {
         let message =
             format!("there is no structure `{}` to mirror `{}`", mirror.structure, mirror.block);
-        let finding = Finding::new(LINT.code, &*mirror.structure, mirror.place.clone(), message);
+        let finding = Finding::of(LINT.code, &*mirror.structure, mirror.place.clone(), message);
         let near = nearest(&mirror.structure, structures.iter().map(|s| s.name.as_str()));
         return vec![match near {
             Some(near) => finding.with_help(format!("there is a structure `{near}`")),
@@ -215,7 +215,7 @@ fn of_mirror(
             "`{}` mirrors `{}`, but none of the {shaders} shaders checked has such a block",
             own.name, mirror.block,
         );
-        let finding = Finding::new(UNKNOWN.code, &*own.name, mirror.place.clone(), message);
+        let finding = Finding::of(UNKNOWN.code, &*own.name, mirror.place.clone(), message);
         return vec![finding.with_help("name the block, its variable or a structure in it")];
     }
     let mut findings = Vec::new();
@@ -226,9 +226,9 @@ fn of_mirror(
         Ok(ty) => ty,
         Err(Unknown(cause)) => {
             let message =
-                format!("`{}` cannot be held against `{}`: {cause}", own.name, mirror.block);
-            let finding = Finding::new(UNKNOWN.code, &*own.name, own.place.clone(), message);
-            let help = "spell the type out as numbers and arrays, or declare it in the same file";
+                format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
+            let finding = Finding::of(UNKNOWN.code, &*own.name, own.place.clone(), message);
+            let help = "write the type as numbers and arrays, or declare it in the same file";
             findings.push(finding.with_help(help));
             return findings;
         }
@@ -267,7 +267,7 @@ fn unordered(declarations: &Declarations, index: usize) -> Option<Finding> {
     }
     let message = format!("`{}` is a mirror without `#[repr(C)]`", structure.name);
     Some(
-        Finding::new(LINT.code, &*structure.name, structure.place.clone(), message)
+        Finding::of(LINT.code, &*structure.name, structure.place.clone(), message)
             .with_note("without it rustc may put the fields in any order")
             .with_help("put `#[repr(C)]` before it"),
     )
@@ -303,18 +303,18 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
         Some(field) => format!("{}.{}", structure.name, field.name),
         None => structure.name.clone(),
     };
-    let mut finding = Finding::new(LINT.code, about, place, one.message);
+    let mut finding = Finding::of(LINT.code, about, place, one.message);
     if let Some(field) = field {
         finding = finding.with_text(format!("`{}`", field.written));
     }
     if let Some(span) = one.member {
         let place = Place::of(&target.subject.shader.files, span);
-        finding = finding.with_related(place, one.member_text);
+        finding = finding.with_label(place, one.member_text);
     }
     finding.notes = one.notes;
     finding.listing = full_listing(target.subject.shader, target.block);
     finding
-        .with_note(format!("held against `{}` of `{}`", target.name, target.subject.shader.path))
+        .with_note(format!("compared with `{}` of `{}`", target.name, target.subject.shader.path))
         .with_help(one.help)
 }
 
@@ -343,10 +343,10 @@ fn size(
         Some(more) => format!("end it with {}", padding(size, more)),
         None => format!("make it {} shorter", bytes(size - needed)),
     };
-    let note = format!("held against `{}` of `{}`", target.name, target.subject.shader.path);
-    let finding = Finding::new(LINT.code, name.as_str(), structure.place.clone(), message)
+    let note = format!("compared with `{}` of `{}`", target.name, target.subject.shader.path);
+    let finding = Finding::of(LINT.code, name.as_str(), structure.place.clone(), message)
         .with_text(bytes(size))
-        .with_related(place, bytes(needed))
+        .with_label(place, bytes(needed))
         .with_note(note)
         .with_help(help);
     Some(Finding { listing: full_listing(target.subject.shader, target.block), ..finding })

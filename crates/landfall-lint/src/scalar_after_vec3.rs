@@ -1,4 +1,4 @@
-//! `scalar-after-vec3`: something stands in the last quarter of a `vec3`'s slot.
+//! `scalar-after-vec3`: a scalar in the last quarter of a `vec3`'s slot.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -11,12 +11,12 @@ pub(super) const LINT: Lint = Lint {
     code: "scalar-after-vec3",
     // Most shaders do this, most of them on purpose: it saves 4 bytes.
     level: Level::Allow,
-    what: "a scalar that stands in the 4 bytes after a `vec3`",
-    why: "A `vec3` is aligned to 16 bytes but takes up 12: a scalar after it is at +12. A copy of \
-          the structure whose `vec3` takes 16 bytes (an aligned math type, a `float[4]`) has it \
-          at +16, and everything after it is read from the wrong byte. Allowed unless asked for, \
-          because the layout itself is a good one: `rust-mirror` and emitted mirrors hold the \
-          copy.",
+    what: "a scalar in the 4 bytes after a `vec3`",
+    why: "A `vec3` is aligned to 16 bytes but takes 12, so that a scalar after it is at +12. In a \
+          copy of the structure whose `vec3` takes 16 bytes (an aligned math type, a `float[4]`) \
+          the scalar is at +16, and everything after it is read from the wrong byte. Allowed by \
+          default, because the layout itself is a good one: `rust-mirror` and emitted mirrors \
+          check the copy.",
     example: "\
 #version 330 core
 layout(std140) uniform Light {
@@ -25,8 +25,8 @@ layout(std140) uniform Light {
 };
 void main() {}
 ",
-    fix: "in the copy, give the `vec3` 12 bytes (`[f32; 3]`) and let the scalar follow at once; \
-          or declare one `vec4` for both",
+    fix: "In the copy, give the `vec3` 12 bytes (`[f32; 3]`) and let the scalar follow directly; \
+          or declare one `vec4` for both.",
     check: Check::Shader(check),
 };
 
@@ -62,15 +62,15 @@ fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
         visit
             .finding(subject, LINT.code, message)
             .with_text(format!("offset {at}"))
-            .with_related(place, format!("the `{ty}` at {start}, {own} bytes"))
+            .with_label(place, format!("the `{ty}` at {start}, {own} bytes"))
             .with_help(format!(
-                "in the copy, give `{}` {own} bytes and let `{}` follow at once",
+                "in the copy, give `{}` {own} bytes and let `{}` follow directly",
                 vector.name, member.name,
             )),
     )
 }
 
-/// The component of a vector of three.
+/// Returns the component type of a vector of three.
 fn vec3_of(ty: &Type) -> Option<Scalar> {
     match ty {
         Type::Vector { scalar, rows: 3 } => Some(*scalar),

@@ -1,19 +1,19 @@
-//! What lints are told besides the shaders: levels, targets, tables, copies by other names.
+//! The settings of lints: levels, targets, tables, copies under other names.
 //!
-//! Plain data; the command reads it from `landfall.toml` and its flags.
+//! The command reads them from `landfall.toml` and its flags.
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use landfall_layout::finding::{Level, Place};
 
-/// What lints are told.
+/// The settings of lints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
     /// warn by then, `all` for every lint.
     pub levels: Vec<(String, Level)>,
-    /// The targets whose limits hold.
+    /// The targets whose limits apply.
     pub targets: Vec<Target>,
     /// Sets of macros under which each shader is laid out too: name and text.
     pub permutations: Vec<Vec<(String, String)>>,
@@ -28,7 +28,7 @@ pub struct Settings {
     pub rust_files: Vec<RustFile>,
 }
 
-/// An API whose guaranteed limits a shader has to keep.
+/// An API whose guaranteed limits a shader must not exceed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Target {
@@ -49,12 +49,12 @@ impl Target {
     pub const ALL: [Target; 5] =
         [Target::Gl33, Target::Gles30, Target::WebGl2, Target::WebGpu, Target::Vulkan];
 
-    /// The target of that name.
+    /// Returns the target of that name.
     pub fn from_name(name: &str) -> Option<Target> {
         Target::ALL.into_iter().find(|target| target.name() == name)
     }
 
-    /// The name on the command line and in the configuration.
+    /// Returns the name on the command line and in the configuration.
     pub fn name(self) -> &'static str {
         match self {
             Target::Gl33 => "gl33",
@@ -69,11 +69,11 @@ impl Target {
 /// Copies of one block or structure that must have the same layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MirrorGroup {
-    /// What messages call it.
+    /// The name in messages.
     pub name: String,
     /// The copies.
     pub copies: Vec<MirrorCopy>,
-    /// Where the configuration says so.
+    /// The place in the configuration.
     pub place: Place,
 }
 
@@ -84,11 +84,11 @@ pub struct MirrorCopy {
     pub file: String,
     /// The block's name, or its instance's, or a path in it such as `pointLights[]`.
     pub block: String,
-    /// Put before every member's name in this copy (`u_`).
+    /// The prefix of every member's name in this copy (`u_`).
     pub prefix: String,
     /// Members that have other names in this copy: the group's name, and the name here.
     pub aliases: Vec<(String, String)>,
-    /// Where the configuration says so.
+    /// The place in the configuration.
     pub place: Place,
 }
 
@@ -99,38 +99,38 @@ pub struct Table {
     pub block: String,
     /// A glob of the shaders it is in; empty for all.
     pub file: String,
-    /// Bytes a buffer is made with.
+    /// The size of the buffer in bytes.
     pub size: Option<Figure>,
     /// Offsets by path.
     pub offsets: Vec<Row>,
-    /// Where the configuration says so.
+    /// The place in the configuration.
     pub place: Place,
 }
 
-/// A number of bytes somebody wrote down.
+/// A hand-written number of bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Its value.
     pub bytes: u64,
-    /// As it is written: `48 * 128 + 4`.
+    /// The expression in the configuration: `48 * 128 + 4`.
     pub written: String,
-    /// Where.
+    /// Its place.
     pub place: Place,
 }
 
 /// A row of a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// `data[3].color`.
+    /// The path of the member: `data[3].color`.
     pub path: String,
-    /// Bytes from the start of the block.
+    /// The offset from the start of the block, in bytes.
     pub offset: Figure,
 }
 
-/// A Rust file in which there are mirrors, or may be.
+/// A Rust file that contains, or may contain, mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RustFile {
-    /// The path as messages print it, `/` between its parts.
+    /// The path in messages, with `/` as its separator.
     pub path: String,
     /// Its text.
     pub text: Arc<str>,
@@ -149,6 +149,6 @@ pub struct RustMirror {
     pub shader: String,
     /// Fields that have other names: the member's, and the field's.
     pub aliases: Vec<(String, String)>,
-    /// Where the configuration says so.
+    /// The place in the configuration.
     pub place: Place,
 }

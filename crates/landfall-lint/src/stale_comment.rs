@@ -1,17 +1,17 @@
 //! `stale-comment`: comments whose numbers about the layout are wrong.
 
+mod checks;
 mod claims;
 mod columns;
-mod judge;
 mod owners;
-mod words;
+mod tokens;
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{listing, place};
+use checks::{Right, counted_from, may_be_content, other_unit};
 use claims::{Claim, Kind, claims};
 use columns::Row;
-use judge::{Right, counted_from, may_be_content, other_unit};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::source::{Files, Span};
@@ -20,17 +20,17 @@ use owners::{Owner, owners};
 pub(super) const LINT: Lint = Lint {
     code: "stale-comment",
     level: Level::Warn,
-    what: "a comment states an offset, alignment, size, stride or total that is wrong",
-    why: "Comments like `// offset:16` are what host code is written from, and nothing checks \
-          them when a member is inserted above. Only a number that is wrong in every reading is \
-          reported: an offset may count from the structure or from the block; a size may include \
-          the padding behind, be one element's or column's, or sum up the members so far; a range \
-          may end at its last byte or one past it; a total may be with or without tail padding. \
-          Bare numbers are read as columns only where a line above names them, or where they fit \
-          most members. A structure that blocks of different rules use is reported when the \
-          comment is wrong in all of them and one number is right in all. Nothing is said of \
-          blocks that declare no rules, of members behind an `#if`, or where a comment speaks of \
-          other rules, of the host or of the past.",
+    what: "a comment that states a wrong offset, alignment, size, stride or total",
+    why: "Host code is written from comments like `// offset:16`, and nothing checks them when a \
+          member is inserted above. Only a number that is wrong in every reading is reported: an \
+          offset may count from the structure or from the block; a size may include the padding \
+          after the member, be one element's or column's, or be the sum of the members so far; a \
+          range may end at its last byte or one past it; a total may be with or without tail \
+          padding. Bare numbers are read as columns only where a line above names them, or where \
+          they fit most members. A comment in a structure that blocks of different rules use is \
+          reported when it is wrong in all of them and one number is right in all. Blocks without \
+          declared rules, members behind an `#if`, and comments about other rules, the host or the \
+          past are skipped.",
     example: "#version 330 core\n\
               struct PointLight {\n    \
               vec3 pos;        // alignment:16 offset:0\n    \
@@ -40,7 +40,7 @@ pub(super) const LINT: Lint = Lint {
               layout(std140) uniform PointLightBlock { PointLight data[4]; } u_lights;\n\
               out vec4 shade;\n\
               void main() { shade = vec4(u_lights.data[0].color, 1.0); }\n",
-    fix: "Write the number the layout says; `--fix` does, and touches nothing but the digits.",
+    fix: "Write the number from the layout; `--fix` does, and changes only the digits.",
     check: Check::Shader(check),
 };
 
@@ -58,12 +58,14 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
             break;
         }
     }
-    found.sort_by(|a, b| (&a.place.path, a.place.start).cmp(&(&b.place.path, b.place.start)));
-    found.dedup_by(|a, b| a.place == b.place);
+    found.sort_by(|a, b| {
+        (&a.place().path, a.place().start).cmp(&(&b.place().path, b.place().start))
+    });
+    found.dedup_by(|a, b| a.place() == b.place());
     found
 }
 
-/// Findings of one shader; past that its comments are about another layout altogether.
+/// The most findings of one shader; with more, its comments describe another layout.
 const MOST_FOUND: usize = 500;
 
 /// A claim, and the comment it is made in.
@@ -98,7 +100,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
         {
             continue;
         }
-        if let Some(right) = judge::member(owner, made.index, &made.claim, from) {
+        if let Some(right) = checks::member(owner, made.index, &made.claim, from) {
             found.push(finding(subject, owner, Some(member), made.comment, &made.claim, &right));
         }
     }
@@ -111,8 +113,8 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
             };
             let claim = columns::claim(kind, cell);
             let right = match row.step {
-                0 => judge::member(owner, row.index, &claim, from),
-                step => judge::column(owner, row.index, &claim, step),
+                0 => checks::member(owner, row.index, &claim, from),
+                step => checks::column(owner, row.index, &claim, step),
             };
             if let Some(right) = right {
                 found.push(finding(subject, owner, Some(member), row.comment, &claim, &right));
@@ -122,7 +124,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
     found.extend(totals(subject, owner));
 }
 
-/// What the comments of a structure's or block's members say.
+/// Returns the findings in the comments of a structure's or block's members.
 #[derive(Default)]
 struct Read {
     made: Vec<Made>,
@@ -181,7 +183,7 @@ struct Tail {
     step: u64,
 }
 
-/// Whether a comment stands on the line below another, at the same column.
+/// Returns whether a comment is on the line below another, at the same column.
 fn goes_on(files: &Files, above: Span, below: Span) -> bool {
     let between = files.text(Span { start: above.end, end: below.start, ..below });
     above.file == below.file
@@ -199,7 +201,7 @@ fn column(files: &Files, comment: Span) -> Option<usize> {
     Some(before[before.len() - line..].chars().count())
 }
 
-/// Notes what a comment on a member's own line says.
+/// Records the claims of a comment on a member's own line.
 fn add(
     read: &mut Read,
     owner: &Owner<'_>,
@@ -218,7 +220,7 @@ fn add(
     read.made.extend(own.map(|claim| Made { index, comment, claim }));
 }
 
-/// The rules a structure is laid out by everywhere, if they are the same.
+/// Returns the rules that a structure is laid out by, if they are the same everywhere.
 fn rules(owner: &Owner<'_>) -> &'static str {
     let mut rules = owner.places.iter().map(|placed| placed.rules);
     let first = rules.next();
@@ -228,7 +230,7 @@ fn rules(owner: &Owner<'_>) -> &'static str {
     }
 }
 
-/// Whether what is said may hold under another branch of an `#if` before the member.
+/// Returns whether a claim may hold under another branch of an `#if` before the member.
 fn is_conditional(owner: &Owner<'_>, member: &MemberLayout, kind: Kind) -> bool {
     match kind {
         Kind::Offset | Kind::Total | Kind::Size => {
@@ -238,7 +240,7 @@ fn is_conditional(owner: &Owner<'_>, member: &MemberLayout, kind: Kind) -> bool 
     }
 }
 
-/// Whether a number may be about what the member holds rather than about its bytes:
+/// Returns whether a number may be the member's value rather than a number of bytes:
 /// `int offset; // offset: 3`, `float radius; // size 10`.
 fn is_content(member: &MemberLayout, claim: &Claim, alone: bool) -> bool {
     if claim.unit || claim.to.is_some() {
@@ -259,7 +261,7 @@ fn is_content(member: &MemberLayout, claim: &Claim, alone: bool) -> bool {
     }
 }
 
-/// What comments around a structure or block say of its size.
+/// Returns the findings in the comments around a structure or block about its size.
 fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
     let comments = &owner.comments;
     if comments.condition.is_some() {
@@ -273,7 +275,7 @@ fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
             if last && claim.kind != Kind::Total {
                 continue;
             }
-            if let Some(right) = judge::whole(owner, &claim) {
+            if let Some(right) = checks::whole(owner, &claim) {
                 found.push(finding(subject, owner, None, span, &claim, &right));
             }
         }
@@ -327,12 +329,12 @@ fn finding(
         ..comment
     };
     let mut finding =
-        Finding::new(LINT.code, about, place(subject, part(&claim.number.range)), message)
+        Finding::of(LINT.code, about, place(subject, part(&claim.number.range)), message)
             .with_text(format!("{noun} {is} by {}", placed.rules.name()))
             .with_help(format!("write {is} instead of {said}"));
     if placed.block.span != owner.span && *placed.block.name != *owner.name {
         let text = format!("`{}` is laid out in this block", owner.name);
-        finding = finding.with_related(place(subject, placed.block.span), text);
+        finding = finding.with_label(place(subject, placed.block.span), text);
     }
     let numbers = [Some((&claim.number, right.value)), claim.to.as_ref().zip(right.to)];
     for (number, value) in numbers.into_iter().flatten().filter(|(n, value)| n.value != *value) {
@@ -343,7 +345,8 @@ fn finding(
     finding
 }
 
-/// A number spelled as the one it replaces: decimal, or hexadecimal of the same width and case.
+/// Returns a number in the notation of the one it replaces: decimal, or hexadecimal of the same
+/// width and case.
 fn spelled(old: &str, value: u64) -> String {
     match old.split_at_checked(2) {
         Some((prefix @ ("0x" | "0X"), digits)) => {

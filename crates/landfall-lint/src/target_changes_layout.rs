@@ -1,5 +1,5 @@
-//! `target-changes-layout`: a block that is laid out otherwise for the other API. Found while the
-//! shader is laid out, by `landfall_layout::layout::targets`.
+//! `target-changes-layout`: a block whose layout depends on the target API. Found while the shader
+//! is laid out, by `landfall_layout::layout::targets`.
 
 use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
@@ -9,10 +9,11 @@ pub(super) const LINT: Lint = Lint {
     code: CODE,
     level: Level::Warn,
     what: "a block whose layout depends on whether the text is compiled for OpenGL or Vulkan",
-    why: "A text that asks `#ifdef VULKAN` and has nothing outside that only one of the two APIs \
-          takes is compiled for both. If a block has other members in the two branches, a buffer \
-          filled for one API is read at the wrong bytes by the other. Landfall reads such a text \
-          as Vulkan's from version 4.40 and ES 3.10 on, as OpenGL's below; `--target` says which.",
+    why: "A text that tests `#ifdef VULKAN`, and contains nothing else that only one of the two \
+          APIs accepts, is compiled for both. If a block has other members in the two branches, a \
+          buffer filled for one API is read at the wrong bytes by the other. Landfall reads such a \
+          text as Vulkan's from version 4.40 and ES 3.10 on, and as OpenGL's below; `--target` \
+          chooses explicitly.",
     example: "\
 #version 330 core
 #ifdef VULKAN
@@ -22,7 +23,7 @@ layout(std140) uniform Light { float scale; vec4 color; } light; // color at 16,
 #endif
 void main() {}
 ",
-    fix: "Declare the same members in both branches, or say with `--target` or `targets` in \
-          landfall.toml which API the shaders are for.",
+    fix: "Declare the same members in both branches, or name the API of the shaders with \
+          `--target` or with `targets` in landfall.toml.",
     check: Check::Elsewhere,
 };

@@ -7,9 +7,10 @@ pub(super) const LINT: Lint = Lint {
     code: "unused-allow",
     level: Level::Warn,
     what: "a `// landfall: allow(code)` comment that suppresses nothing, or names no lint",
-    why: "What it once suppressed was mended or has moved away; left in place it hides the next \
-          finding of that lint there, and a misspelt code hides nothing at all. Warned of, since \
-          the comment itself breaks nothing; not for lints that the run does not ask.",
+    why: "The finding that it suppressed was fixed or has moved. Left in place, the comment hides \
+          the next finding of that lint there, and one with a misspelt code hides nothing at all. \
+          A warning, because the comment itself breaks nothing. Not reported for lints that the \
+          run does not include.",
     example: "\
 #version 450
 // landfall: allow(stale-comment)
@@ -18,8 +19,8 @@ layout(std140, binding = 0) uniform Light {
 };
 void main() {}
 ",
-    fix: "Remove the comment, or the code from its list; `--fix` does. A misspelt code becomes \
-          the lint it is nearest to.",
+    fix: "Remove the comment, or the code from its list; `--fix` does. A misspelt code is replaced \
+          by that of the nearest lint.",
     // Found by `allow::unused`, once every other lint has been asked.
     check: Check::Elsewhere,
 };

@@ -1,4 +1,4 @@
-//! `unused-block`: a block that no function touches.
+//! `unused-block`: a block that no function accesses.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -13,18 +13,18 @@ pub(super) const LINT: Lint = Lint {
     // Shared headers declare more than each shader uses, and asking costs naga's time.
     level: Level::Allow,
     what: "a block that no function of the shader reads or writes",
-    why: "Drivers leave an unused block out: `glGetUniformBlockIndex` does not find it, and a \
-          bind group layout that wgpu derives from the shader lacks its binding. Known only of \
-          texts that naga takes as they are: WGSL, and Vulkan GLSL without `#if`, with an entry \
-          point. Blocks of included files are left alone. Allowed unless asked for, because \
-          shared declarations are often wanted.",
+    why: "Drivers remove an unused block: `glGetUniformBlockIndex` does not find it, and a bind \
+          group layout that wgpu derives from the shader lacks its binding. Only detected in texts \
+          that naga accepts unchanged, with an entry point: WGSL, and Vulkan GLSL without `#if`. \
+          Blocks of included files are ignored. Allowed by default, because shared declarations \
+          are often wanted.",
     example: "\
 #version 450
 layout(std140, set = 0, binding = 0) uniform Camera { mat4 view; } camera;
 layout(std140, set = 0, binding = 1) uniform Fog { vec4 color; } fog;
 void main() { gl_Position = camera.view[0]; }
 ",
-    fix: "remove the block, or use it",
+    fix: "Remove the block, or use it.",
     check: Check::Shader(check),
 };
 
@@ -47,16 +47,16 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
             (Some(_) | None, Language::Glsl) | (None, Language::Wgsl) => &block.name,
         };
         let size = block.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
-        let message = format!("no function touches block `{name}`{size}");
+        let message = format!("no function reads or writes block `{name}`{size}");
         findings.push(
-            Finding::new(LINT.code, &**name, Place::of(&shader.files, block.span), message)
+            Finding::of(LINT.code, &**name, Place::of(&shader.files, block.span), message)
                 .with_help("remove it, with what fills it"),
         );
     }
     findings
 }
 
-/// What functions touch of each block of a shader, where that can be said.
+/// Returns the parts of each block that functions access, where that is known.
 pub(super) fn touched(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
     let shader = subject.shader;
     // Another variant of the text may use what this one does not.

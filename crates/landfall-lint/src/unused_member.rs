@@ -1,4 +1,4 @@
-//! `unused-member`: a member that no function touches, of a block that is in use.
+//! `unused-member`: a member that no function accesses, of a block that is in use.
 
 use rustc_hash::FxHashMap;
 
@@ -16,11 +16,11 @@ pub(super) const LINT: Lint = Lint {
     // A block shared by several shaders has members for each of them.
     level: Level::Allow,
     what: "a member of a block that no function of the shader reads or writes",
-    why: "It costs bytes and an upload, and is often a leftover, or a typo: another member is \
-          read in its place. Known only of texts that naga takes as they are: WGSL, and Vulkan \
-          GLSL without `#if`, with an entry point. A structure that is copied as a whole uses all \
-          its members; names that say padding (`_pad`, `reserved`) are left alone. Allowed \
-          unless asked for, because blocks are shared.",
+    why: "It costs bytes and an upload, and is often a leftover, or a typo that makes the shader \
+          read another member. Only detected in texts that naga accepts unchanged, with an entry \
+          point: WGSL, and Vulkan GLSL without `#if`. A structure that is copied as a whole uses \
+          all its members; names that mean padding (`_pad`, `reserved`) are ignored. Allowed by \
+          default, because blocks are shared.",
     example: "\
 #version 450
 layout(std140, set = 0, binding = 0) uniform Camera {
@@ -29,7 +29,7 @@ layout(std140, set = 0, binding = 0) uniform Camera {
 } camera;
 void main() { gl_Position = camera.view[0]; }
 ",
-    fix: "remove the member from the block and from every copy, or use it",
+    fix: "Remove the member from the block and from every copy, or use it.",
     check: Check::Shader(check),
 };
 
@@ -38,7 +38,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let mut members = Members::default();
     for (block, used) in subject.shader.blocks.iter().zip(&touched) {
         match used {
-            // A block that nothing touches is another lint's.
+            // `unused-block` reports a block that nothing accesses.
             Some(used) if used.is_empty() => {}
             Some(_) | None => members.add(block, used.as_ref()),
         }
@@ -47,7 +47,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     unused.map(|known| finding(subject, known)).collect()
 }
 
-/// Every declaration of a member, and whether anything touches it in any block.
+/// Every declaration of a member, and whether any block's copy of it is accessed.
 #[derive(Default)]
 struct Members<'a> {
     touched: FxHashMap<(Span, &'a str), bool>,
@@ -83,7 +83,7 @@ impl<'a> Members<'a> {
                 self.order.push(Known { span: member.span, name, owner, member });
             }
             *self.touched.entry(key).or_default() |= touched || says_padding(&member.name);
-            // Of a structure that nothing touches the whole is reported, not each member.
+            // A structure that nothing accesses is reported as a whole, not member by member.
             if touched {
                 if let Type::Struct(inner) = member.ty.innermost() {
                     self.descend(&member.members, &inner.name, &format!("{path}."), used);
@@ -93,7 +93,7 @@ impl<'a> Members<'a> {
     }
 }
 
-/// Whether a place that is touched is at that path, around it, or below it.
+/// Returns whether an accessed path is that path, around it, or below it.
 fn touches(used: &Used, path: &str) -> bool {
     let below = |outer: &str, inner: &str| {
         outer.is_empty()
@@ -105,7 +105,7 @@ fn touches(used: &Used, path: &str) -> bool {
     used.iter().any(|used| below(used, path) || below(bare, used))
 }
 
-/// Whether the name says that nobody is meant to read it.
+/// Returns whether the name marks padding.
 fn says_padding(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     name.starts_with('_')
@@ -115,8 +115,8 @@ fn says_padding(name: &str) -> bool {
 fn finding(subject: &Subject<'_>, known: &Known<'_>) -> Finding {
     let Known { span, name, owner, member } = known;
     let size = member.size.map(|size| format!(", {}", bytes(size))).unwrap_or_default();
-    let message = format!("no function touches `{name}` of `{owner}`{size}");
-    Finding::new(
+    let message = format!("no function reads or writes `{name}` of `{owner}`{size}");
+    Finding::of(
         LINT.code,
         format!("{owner}.{name}"),
         Place::of(&subject.shader.files, *span),

@@ -1,4 +1,4 @@
-//! `vec3-array`: elements of three components, four apart.
+//! `vec3-array`: elements of three components, stored four components apart.
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -11,9 +11,9 @@ pub(super) const LINT: Lint = Lint {
     // Legal and common; wrong only if the copy is.
     level: Level::Allow,
     what: "an array of `vec3`, whose elements are 16 bytes apart",
-    why: "A `vec3` is 12 bytes but aligned to 16, so the elements of an array of them are 16 \
-          apart under every rule but scalar. An upload of tightly packed `vec3`s is right for \
-          element 0 only. Allowed unless asked for, because the shader is right.",
+    why: "A `vec3` takes 12 bytes but is aligned to 16, so that the elements of an array of them \
+          are 16 apart under every layout rule but scalar. An upload of tightly packed `vec3`s is \
+          right for element 0 only. Allowed by default, because the shader is correct.",
     example: "\
 #version 330 core
 layout(std140) uniform Kernel {
@@ -21,7 +21,8 @@ layout(std140) uniform Kernel {
 };
 void main() {}
 ",
-    fix: "upload 4 floats an element, or declare the array as `vec4` and use the fourth component",
+    fix: "Upload 4 floats per element, or declare the array as `vec4` and use the fourth \
+          component.",
     check: Check::Shader(check),
 };
 
@@ -42,7 +43,7 @@ fn apart(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let ty = member.ty.innermost().spelled(language);
     let message = format!(
         "elements of `{}` are {stride} bytes apart: packed `{ty}`s are {packed} apart, and only \
-         the first lands",
+         the first is read correctly",
         member.name,
     );
     let four = with_innermost(&member.ty, &Type::Vector { scalar, rows: 4 });
@@ -56,13 +57,13 @@ fn apart(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
             .with_text(format!("array stride {stride}"))
             .with_help(format!(
                 "upload 4 components an element, or declare `{}`: {size} as before, and the \
-                 fourth component is yours",
+                 fourth component is free to use",
                 declared(&member.name, &four, language),
             )),
     )
 }
 
-/// The same array of another element.
+/// Returns the array with another innermost element.
 pub(super) fn with_innermost(ty: &Type, innermost: &Type) -> Type {
     match ty {
         Type::Array { element, len } => Type::Array {

@@ -1,6 +1,6 @@
-//! Every member of a shader's blocks with its way down, and the words lints share about it.
+//! Every member of a shader's blocks with its path.
 //!
-//! Feeds the lints that look at one member at a time.
+//! Used by the lints that check one member at a time.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Type};
 use landfall_layout::source::{Language, Span};
 
-/// A member, and where on the way down it stands.
+/// A member and its position in a block.
 pub(super) struct Visit<'a> {
     pub block: &'a BlockLayout,
     /// The structure it is declared in; `None` for a member of the block itself.
     pub structure: Option<&'a Arc<str>>,
-    /// `lights[].color`, without the dimensions of its own.
+    /// The path, without the member's own dimensions: `lights[].color`.
     pub path: String,
-    /// It and its neighbours, and which of them it is.
+    /// The member and its neighbours, and its index among them.
     pub siblings: &'a [MemberLayout],
     pub index: usize,
 }
@@ -30,7 +30,7 @@ impl Visit<'_> {
         &self.siblings[self.index]
     }
 
-    /// A name that stays the same wherever the lines move: `Light.color`, `LightBlock.count`.
+    /// Returns a name that does not change when lines move: `Light.color`, `LightBlock.count`.
     pub fn about(&self) -> String {
         match self.structure {
             Some(name) if !name.is_empty() => format!("{name}.{}", self.member().name),
@@ -38,14 +38,14 @@ impl Visit<'_> {
         }
     }
 
-    /// A finding of that lint at the member.
+    /// Returns a finding of that lint at the member.
     pub fn finding(&self, subject: &Subject<'_>, code: &str, message: String) -> Finding {
         let place = Place::of(&subject.shader.files, self.member().span);
-        Finding::new(code, self.about(), place, message)
+        Finding::of(code, self.about(), place, message)
     }
 }
 
-/// The members of all blocks that have bytes, each declaration once for every set of rules.
+/// Returns the members of all blocks that have bytes, each declaration once for every layout rule.
 pub(super) fn members(shader: &ShaderLayout) -> Vec<Visit<'_>> {
     let mut found = Vec::new();
     let mut seen = FxHashSet::default();
@@ -66,7 +66,7 @@ fn descend<'a>(
     found: &mut Vec<Visit<'a>>,
 ) {
     for (index, member) in siblings.iter().enumerate() {
-        // A macro may stand for several members: they share one place.
+        // A macro may expand to several members, which share one place.
         if !seen.insert((member.span, &*member.name, block.rules.name(), member.row_major)) {
             continue;
         }
@@ -79,7 +79,7 @@ fn descend<'a>(
     }
 }
 
-/// `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
+/// Returns a declaration: `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
 pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
     match language {
         Language::Glsl => {
@@ -98,7 +98,7 @@ pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
     }
 }
 
-/// The first few of a list, and how many more there are.
+/// Returns the first few names of a list, and the number of the others.
 pub(super) fn first_few(names: &[String]) -> String {
     const SHOWN: usize = 6;
     let mut text = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");

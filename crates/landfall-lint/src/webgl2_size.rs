@@ -1,4 +1,4 @@
-//! `webgl2-size`: uniform blocks whose bytes are no multiple of 16, where WebGL 2 wants one.
+//! `webgl2-size`: uniform blocks whose size is not a multiple of 16, as WebGL 2 requires.
 
 use super::definition::{Check, Lint, Subject};
 use super::glob;
@@ -12,21 +12,22 @@ use landfall_layout::shape::{AddressSpace, Rules};
 pub(super) const LINT: Lint = Lint {
     code: "webgl2-size",
     level: Level::Warn,
-    what: "the members of a uniform block end off a multiple of 16 bytes, and `webgl2` is a target",
-    why: "WebGL 2 takes a uniform block to be as long as std140 makes it, rounded up to 16 bytes. \
-          A buffer made from the members alone, such as the `sizeof` of a host structure, is too \
-          small: browsers refuse the draw, and wgpu refuses the WGSL binding on WebGL. Only asked \
-          for with the target `webgl2`, as elsewhere a WGSL block of 12 bytes is fine, and of a \
-          warning only, as the buffer may well be made large enough; a table in the configuration \
-          that says so silences it.",
+    what: "a uniform block whose members end off a multiple of 16 bytes, while `webgl2` is a \
+           target",
+    why: "WebGL 2 requires a buffer as long as std140 makes the block, rounded up to 16 bytes. A \
+          buffer made for the members alone, such as the `sizeof` of a host structure, is too \
+          small: browsers refuse the draw, and wgpu refuses the WGSL binding on WebGL. Only \
+          reported with the target `webgl2`, because elsewhere a WGSL block of 12 bytes is fine, \
+          and only as a warning, because the buffer may be large enough; a table in the \
+          configuration with a sufficient size silences it.",
     example: "#version 300 es\n\
               // Checked with `--target webgl2`.\n\
               precision highp float;\n\
               layout(std140) uniform Fog { vec4 color; float start; float end; } u_fog;\n\
               out vec4 shade;\n\
               void main() { shade = u_fog.color * u_fog.end; }\n",
-    fix: "End the block with members that fill it up, or make the buffer as large as the layout \
-          says and write it down in a table of the configuration.",
+    fix: "Add members that fill the block up, or make the buffer as large as the layout and record \
+          its size in a table of the configuration.",
     check: Check::Shader(check),
 };
 
@@ -56,19 +57,19 @@ fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     let missing = whole - end;
     let message = match block.rules {
         Rules::Std140 => format!(
-            "the members of block `{}` end at byte {end}, but WebGL 2 wants a buffer of {}",
+            "the members of block `{}` end at byte {end}, but WebGL 2 requires a buffer of {}",
             block.name,
             bytes(whole)
         ),
         Rules::Std430 | Rules::Scalar | Rules::Wgsl => format!(
-            "block `{}` is {}, but WebGL 2 wants a multiple of 16: {}",
+            "block `{}` is {}, but WebGL 2 requires a multiple of 16: {}",
             block.name,
             bytes(end),
             bytes(whole)
         ),
     };
     let at = place(subject, block.span);
-    let mut finding = Finding::new(LINT.code, block.name.as_ref(), at, message)
+    let mut finding = Finding::of(LINT.code, block.name.as_ref(), at, message)
         .with_text(format!("{} short", bytes(missing)))
         .with_help(format!(
             "make the buffer {}, or end the block with {} of padding",

@@ -1,11 +1,13 @@
-//! What may be written on the command line. Nothing here acts.
+//! The command-line arguments, as clap parses them.
 
 #[cfg(feature = "exec")]
 mod bench;
 mod check;
 mod codec;
+mod examples;
 #[cfg(feature = "exec")]
 mod floats;
+mod help;
 mod levels;
 mod lights;
 mod lock;
@@ -34,6 +36,7 @@ pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, 
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
+pub use help::parse;
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 #[cfg(not(feature = "exec"))]
@@ -46,66 +49,66 @@ pub use run::{RunArgs, RunFormat};
 #[cfg(feature = "exec")]
 pub use stress::{StressArgs, StressFormat};
 #[cfg(feature = "exec")]
-pub use verify::{ReaderName, VerifyArgs, VerifyFormat};
+pub use verify::{BackendName, VerifyArgs, VerifyFormat};
 
-/// Every byte you upload lands where the shader reads it: byte layouts of GLSL and WGSL blocks.
+/// Computes byte layouts of GLSL and WGSL blocks, generates mirrors, and checks them on drivers.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 pub struct Args {
     #[command(subcommand)]
     pub command: Command,
-    /// Colours and styles
+    /// When to colour the output
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     pub color: Color,
-    /// No warnings and no progress, only errors
+    /// Print errors only: no warnings, notes or progress
     #[arg(short, long, global = true)]
     pub quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Print the layout of every block
+    /// Print the byte layout of every block
     Layout(LayoutArgs),
-    /// Say why a path lands where it does, or who owns a byte
+    /// Explain the offset of a member, or find the member at a byte
     Explain(ExplainArgs),
-    /// Write mirrors of all blocks, and tables from names to offsets, as Rust or C
+    /// Generate Rust or C structures that mirror blocks
     Emit(EmitArgs),
-    /// Rewrite legacy GLSL for Vulkan, its loose uniforms in one std140 block
+    /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
     Port(PortArgs),
-    /// Turn values in JSON into the bytes of a block
+    /// Convert JSON values to the bytes of a block
     Encode(EncodeArgs),
-    /// Turn the bytes of a block into a table or JSON, and flag what looks wrong
+    /// Convert the bytes of a block to a table or JSON, and flag bad values
     Decode(DecodeArgs),
-    /// Upload a buffer, let the shader read it, and say which byte every member was read from
+    /// Run shaders to prove that every member is read at its offset
     Verify(VerifyArgs),
-    /// Call one function of a shader with arguments in JSON, in f32 beside f64
+    /// Call a function of a shader in f32 and f64
     Run(RunArgs),
-    /// Look for inputs at which a function of a shader breaks, and say which operation does it
+    /// Search for inputs at which a function is inaccurate
     Stress(StressArgs),
-    /// Light a scene in JSON by a shader and make a picture of it
+    /// Render a JSON scene of lights with a shader
     Render(Box<RenderArgs>),
-    /// Measure variants of lighting, or of a function: time against error
+    /// Measure the run time and error of shader variants
     Bench(Box<BenchArgs>),
-    /// Say what the lights of shaders cost, and where their code may leave the numbers
+    /// List light structures, their cost and numerical hazards
     Lights(LightsArgs),
-    /// List what can run a shader here, and how much it takes
+    /// List the backends and adapters of this machine, with their limits
     Devices(DevicesArgs),
-    /// Write the lock of every shader: its layout, to be committed and compared with
+    /// Record the layout of every shader in a lock file
     Lock(LockArgs),
-    /// Say what changed between two layouts, and whether old uploads still land
+    /// Compare two layouts and classify each change
     Diff(DiffArgs),
-    /// Hold every shader against the lints, and against its lock
+    /// Check shaders for lint findings and layout changes
     Check(CheckArgs),
-    /// Make one report of those of all shards of a check
+    /// Merge the reports of all shards of a check
     Merge(MergeArgs),
-    /// List the lints and hazards, or explain one
+    /// List the lints and hazards, or explain one of them
     Rule(RuleArgs),
-    /// Print the JSON Schema of an output or a scene
+    /// Print the JSON Schema of an output format or of scenes
     Schema(SchemaArgs),
-    /// Run jobs for the process at the other end of stdin and stdout
+    /// Serve a driver to another process over stdin and stdout
     #[cfg(any(feature = "gl", feature = "gpu"))]
     #[command(hide = true)]
-    Reader(ReaderArgs),
+    Reader(ServeBackendArgs),
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -120,25 +123,25 @@ pub struct LayoutArgs {
     /// Files, directories (searched for shaders, .gitignore respected) and globs; - reads stdin
     #[arg(value_name = "FILE", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "table")]
     pub format: LayoutFormat,
-    /// Only the block of that name, by its own or its instance's
+    /// Only the block with this name or instance name
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
-    /// Every element of every array, instead of one pattern for all
+    /// List every array element instead of one pattern an array
     #[arg(long)]
     pub expand: bool,
-    /// Mark where naga, and so wgpu, reads another place (always in JSON)
+    /// Mark members that naga, and so wgpu, places elsewhere (JSON always does)
     #[arg(long)]
     pub naga: bool,
-    /// Write one file a shader into DIR, the tree kept, instead of stdout
+    /// Write one file per shader below DIR, in the same tree, instead of stdout
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write over files in DIR that no `layout --out` has written
+    /// Overwrite files in DIR that `layout --out` did not write
     #[arg(long, requires = "out")]
     pub force: bool,
-    /// Files laid out at a time [default: one a core]
+    /// Files processed in parallel [default: one per core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
     #[command(flatten)]
@@ -147,13 +150,13 @@ pub struct LayoutArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum LayoutFormat {
-    /// Columns for the eye
+    /// Aligned columns
     Table,
-    /// The structures in their own language, holes spelled out
+    /// The structures in the shader's language, with explicit padding
     Listing,
-    /// JSON as `landfall schema layout` describes it
+    /// JSON, described by `landfall schema layout`
     Json,
-    /// One row a leaf
+    /// One row per leaf
     Csv,
     /// Markdown tables
     Md,
@@ -176,13 +179,13 @@ pub struct ExplainArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// A path as the shader spells it, data[3].color; or a byte from the start of the block, @172
+    /// A member as the shader spells it, such as data[3].color; or a byte of the block: @172
     #[arg(value_name = "PATH|@BYTE")]
     pub place: String,
-    /// Only in the block of that name, by its own or its instance's
+    /// Search only the block with this name or instance name
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: ExplainFormat,
     #[command(flatten)]
@@ -191,36 +194,40 @@ pub struct ExplainArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExplainFormat {
+    /// Text
     Human,
-    /// JSON as `landfall schema explain` describes it
+    /// JSON, described by `landfall schema explain`
     Json,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct EmitArgs {
-    /// Files, directories and globs; the blocks of all of them go into one file
+    /// Files, directories and globs; their blocks go into one output file
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Language of the output
+    /// Language of the generated code
     #[arg(short, long, value_name = "LANG")]
     pub lang: EmitLang,
-    /// Write to FILE instead of stdout, whole or not at all
+    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Write nothing; exit with 1 if FILE is not what would be written
+    /// Write nothing; exit with 1 if FILE is out of date
     #[arg(long, requires = "out")]
     pub check: bool,
-    /// Rust: vectors and matrices as glam's types or as arrays [default: glam]
-    #[arg(long, value_name = "AS", value_parser = [Vectors::Glam.name(), Vectors::Array.name()])]
+    /// Rust: types of vectors and matrices [default: glam]
+    #[arg(
+        help_heading = "Rust", long, value_name = "TYPES",
+        value_parser = [Vectors::Glam.name(), Vectors::Array.name()]
+    )]
     pub vectors: Option<String>,
-    /// Rust: items visible in their crate only
-    #[arg(long)]
+    /// Rust: make items `pub(crate)`
+    #[arg(help_heading = "Rust", long)]
     pub crate_visible: bool,
-    /// Rust: mirrors only, without tables from names to offsets
-    #[arg(long)]
+    /// Rust: omit the tables of offsets by name
+    #[arg(help_heading = "Rust", long)]
     pub no_tables: bool,
-    /// C: put before every type, macro and function
-    #[arg(long, value_name = "TEXT", default_value = "")]
+    /// C: prefix of every type, macro and function
+    #[arg(help_heading = "C", long, value_name = "TEXT", default_value = "")]
     pub prefix: String,
     #[command(flatten)]
     pub read: ReadArgs,
@@ -228,9 +235,9 @@ pub struct EmitArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EmitLang {
-    /// `#[repr(C)]` structures for bytemuck, offsets checked when compiled
+    /// `#[repr(C)]` structures for bytemuck, offsets checked at compile time
     Rust,
-    /// A header for C11 and C++17, offsets checked when compiled
+    /// A header for C11 and C++17, offsets checked at compile time
     C,
 }
 
@@ -239,26 +246,32 @@ pub struct PortArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// What is to read the result
-    #[arg(long, value_name = "WHAT", default_value = "vulkan")]
+    /// Target of the rewrite
+    #[arg(long, value_name = "TARGET", default_value = "vulkan")]
     pub to: PortTo,
-    /// Write to OUT instead of stdout, whole or not at all
-    #[arg(short, long, value_name = "OUT")]
+    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
+    #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// The stage before or after it, to agree with on locations
-    #[arg(long, value_name = "FILE")]
+    /// Shader of the stage before or after, whose locations are matched
+    #[arg(help_heading = "Locations and bindings", long, value_name = "FILE")]
     pub partner: Option<PathBuf>,
-    /// Give an input or output this location
-    #[arg(long = "location", value_name = "NAME=N", value_parser = location)]
+    /// Location of an input or output
+    #[arg(
+        help_heading = "Locations and bindings", long = "location", value_name = "NAME=N",
+        value_parser = location
+    )]
     pub locations: Vec<(String, u32)>,
-    /// Name of the block that loose uniforms become
-    #[arg(long, value_name = "NAME", default_value = DEFAULT_BLOCK)]
+    /// Name of the block that gathers loose uniforms
+    #[arg(
+        help_heading = "Locations and bindings", long, value_name = "NAME",
+        default_value = DEFAULT_BLOCK
+    )]
     pub block: String,
-    /// Descriptor set of everything that has none
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Descriptor set of resources without one
+    #[arg(help_heading = "Locations and bindings", long, value_name = "N", default_value_t = 0)]
     pub set: u32,
-    /// First binding to give out
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// First binding to assign
+    #[arg(help_heading = "Locations and bindings", long, value_name = "N", default_value_t = 0)]
     pub first_binding: u32,
     #[command(flatten)]
     pub read: ReadArgs,
@@ -266,18 +279,18 @@ pub struct PortArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PortTo {
-    /// Vulkan's GLSL 4.50
+    /// Vulkan GLSL 4.50
     Vulkan,
-    /// GLSL 4.50 as naga and wgpu take it, textures and samplers apart
+    /// GLSL 4.50 for naga and wgpu, with textures and samplers separated
     Naga,
-    /// WGSL, where its rules keep every member's place
+    /// WGSL, if its layout rules keep every offset
     Wgsl,
 }
 
 #[cfg(feature = "exec")]
 #[derive(Debug, clap::Args)]
 pub struct DevicesArgs {
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "table")]
     pub format: DevicesFormat,
 }
@@ -285,32 +298,32 @@ pub struct DevicesArgs {
 #[cfg(feature = "exec")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DevicesFormat {
-    /// Columns for the eye
+    /// Aligned columns
     Table,
-    /// JSON as `landfall schema devices` describes it
+    /// JSON, described by `landfall schema devices`
     Json,
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 #[derive(Debug, clap::Args)]
-pub struct ReaderArgs {
+pub struct ServeBackendArgs {
     /// The driver to load
-    pub driver: ReaderDriver,
-    /// Part of the name of the adapter, or of its backend
+    pub driver: ServedDriver,
+    /// Part of the name of the adapter or of its backend
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReaderDriver {
+pub enum ServedDriver {
     Gl,
     Gpu,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
-    /// Of what
+    /// The output format, or `scene`
     pub of: Schema,
 }
 
@@ -338,17 +351,17 @@ pub enum Schema {
     Plan,
     /// devices --format json
     Devices,
-    /// Findings on stderr with --format json, one a line
+    /// Findings on stderr with --format json, one per line
     Diagnostic,
-    /// The files that lock writes
+    /// Lock files
     Lock,
     /// diff --format json
     Diff,
-    /// A scene of lights, as render reads it
+    /// Scenes for render and bench
     Scene,
 }
 
-/// `NAME=N`.
+/// Parses `NAME=N`.
 fn location(text: &str) -> Result<(String, u32), String> {
     let (name, number) = setting(text)?;
     let number = number.parse().map_err(|_| "a location is a whole number".to_string())?;
@@ -366,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn defines_are_one_unless_they_say() {
+    fn defines_without_a_value_are_one() {
         assert_eq!(define("LIGHTS"), Ok(("LIGHTS".to_string(), "1".to_string())));
         assert_eq!(define("N=a=b"), Ok(("N".to_string(), "a=b".to_string())));
         assert_eq!(define("N="), Ok(("N".to_string(), String::new())));

@@ -1,4 +1,4 @@
-//! `landfall bench`: variants on readers, time against error.
+//! `landfall bench`: measures time and error of variants on backends.
 
 mod function;
 mod scene;
@@ -20,9 +20,9 @@ use landfall_light::accuracy::bench::{
 };
 use landfall_light::accuracy::plot::scatter;
 
-use crate::args::{BenchArgs, BenchFormat, ReadArgs, ReaderName};
-use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
-use crate::{given, read, readers, write};
+use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
+use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::{backends, given, read, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -37,12 +37,12 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Ok(Some(done)) => done,
         Ok(None) => return Ok(Outcome::CouldNot),
         Err(Failure::Error(error)) => {
-            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
+            streams.report(&style.text(&[request_finding(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
         Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
     };
-    files.iter().for_each(given::saw);
+    files.iter().for_each(given::record);
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
@@ -52,16 +52,16 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
         BenchFormat::Csv => streams.product(&print::csv(&bench))?,
     }
     if args.format == BenchFormat::Csv {
-        for Failed { variant, reader, reason } in &bench.failed {
-            streams.notes(&format!("note: {variant} on {reader}: {reason}\n"));
+        for Failed { variant, backend, reason } in &bench.failed {
+            streams.notes(&format!("note: {variant} on {backend}: {reason}\n"));
         }
     }
-    // Somebody asked for numbers that are not there.
-    let absent = missing.iter().any(|name| args.reader.contains(name));
+    // A requested backend is missing.
+    let absent = missing.iter().any(|name| args.backend.contains(name));
     Ok(if absent || bench.rows.is_empty() { Outcome::CouldNot } else { Outcome::Clean })
 }
 
-/// A writer that leaves all that was read alone.
+/// A writer that does not overwrite inputs.
 fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
     let named = [args.domain.as_deref(), args.data.as_deref()];
     let named = named.into_iter().flatten().chain(args.bind.iter().map(String::as_str));
@@ -69,15 +69,15 @@ fn inputs(args: &BenchArgs, files: Vec<Files>) -> FileWriter {
     write::protecting(named, &files)
 }
 
-/// A bench, and the readers it should have been on that could not be had.
+/// A finished bench, and the requested backends that are missing.
 struct Done {
     bench: Bench,
-    missing: Vec<ReaderName>,
-    /// What was read.
+    missing: Vec<BackendName>,
+    /// The files read.
     files: Vec<Files>,
 }
 
-/// Something to measure, and what is known of it already.
+/// A variant on a backend to measure, with its errors and work.
 struct Entry<'a> {
     variant: String,
     runner: Runner,
@@ -87,18 +87,18 @@ struct Entry<'a> {
     work: Work,
 }
 
-/// What can be measured, and what cannot.
+/// The entries to measure, and the failures.
 #[derive(Default)]
 struct Entries<'a> {
     measured: Vec<Entry<'a>>,
     failed: Vec<Failed>,
-    missing: Vec<ReaderName>,
+    missing: Vec<BackendName>,
 }
 
 impl Entries<'_> {
-    /// Opens a reader that takes turns; where that fails, `all` fail on it.
-    fn open(&mut self, args: &BenchArgs, name: ReaderName, all: &str) -> Option<Shared> {
-        match readers::timed(name, args.adapter.as_deref()) {
+    /// Opens a backend shared by entries; on failure, records it for `all`.
+    fn open(&mut self, args: &BenchArgs, name: BackendName, all: &str) -> Option<Shared> {
+        match backends::timed(name, args.adapter.as_deref()) {
             Ok(opened) => Some(Rc::new(RefCell::new(opened))),
             Err(failure) => {
                 self.missing.push(name);
@@ -108,36 +108,36 @@ impl Entries<'_> {
         }
     }
 
-    fn fail(&mut self, variant: &str, reader: &str, reason: impl Into<String>) {
-        let (variant, reader) = (variant.to_string(), reader.to_string());
-        self.failed.push(Failed { variant, reader, reason: reason.into() });
+    fn fail(&mut self, variant: &str, backend: &str, reason: impl Into<String>) {
+        let (variant, backend) = (variant.to_string(), backend.to_string());
+        self.failed.push(Failed { variant, backend, reason: reason.into() });
     }
 }
 
-/// What a bench is of.
+/// The description of a bench.
 struct About {
     subject: String,
     truth: String,
     unit: Unit,
     size: Size,
-    /// What was read.
+    /// The files read.
     files: Vec<Files>,
 }
 
-/// Measures in turns and ranks.
+/// Measures the entries in turns and ranks them.
 fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Done {
     let Entries { measured: mut entries, mut failed, missing } = entries;
     let machine = Machine::here();
     let rounds = Rounds { count: args.rounds, ..Rounds::default() };
     let shows = streams.shows_progress_first();
     let mut samples = Vec::new();
-    // One reader after the other: nobody is compared with another's, and who would run behind
-    // another reader would pay for what that left in the caches.
-    for group in entries.chunk_by_mut(|a, b| a.runner.reader == b.runner.reader) {
-        let reader = group[0].runner.reader.clone();
+    // One backend after the other: times are compared within a backend only, and interleaving would
+    // let one backend evict the caches of another.
+    for group in entries.chunk_by_mut(|a, b| a.runner.backend == b.runner.backend) {
+        let backend = group[0].runner.backend.clone();
         let mut progress = |done: u32| {
             if shows {
-                streams.progress(&format!("{reader}: round {done} of {}", args.rounds));
+                streams.progress(&format!("{backend}: round {done} of {}", args.rounds));
             }
         };
         let mut workloads: Vec<&mut dyn Workload> =
@@ -152,7 +152,7 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
                 let row = BenchRow::new(variant, runner, &samples, about.size, errors, work);
                 rows.extend(row.map(|row| BenchRow { permitted, ..row }));
             }
-            Err(reason) => failed.push(Failed { variant, reader: runner.reader, reason }),
+            Err(reason) => failed.push(Failed { variant, backend: runner.backend, reason }),
         }
     }
     let About { subject, truth, unit, size: Size { fragments, lights }, files } = about;
@@ -161,40 +161,43 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
     Done { bench: bench.ranked(), missing, files }
 }
 
-/// Why a driver has no such variant.
-const NO_HALF: &str = "only the evaluator rounds floats to f16";
+/// The reason that drivers have no rounded variants.
+const NO_HALF: &str = "only backend cpu rounds floats to f16";
 
-/// A variant's text without its ending, and what that says its floats are rounded to.
+/// Splits a variant into its text and the precision of its suffix.
 fn rounded(text: &str) -> (&str, Floats) {
     let endings = [(":half", Floats::Half), (":mediump", Floats::Mediump)];
     let found = endings.iter().find_map(|(e, floats)| Some((text.strip_suffix(e)?, *floats)));
     found.unwrap_or((text, Floats::AsWritten))
 }
 
-/// Who runs what is compiled into this program.
+/// The runner of the compiled kernels.
 fn rust() -> Runner {
     let device =
         format!("this program, {} {}, one thread", std::env::consts::OS, std::env::consts::ARCH);
-    Runner { reader: "rust".to_string(), device, clock: Clock::Processor }
+    Runner { backend: "rust".to_string(), device, clock: Clock::Processor }
 }
 
-/// Whether every one of the names that an option gives is another, and none is taken already.
+/// Fails if names of an option repeat, or equal `taken`.
 fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Result<(), Error> {
     for (nth, (name, what)) in given.iter().enumerate() {
         let about = || format!("{option} {name}={what}");
         if taken == Some(name) {
-            return Err(Error::new(about(), "has the name of the function as it is written")
-                .with_help("give it another name"));
+            return Err(Error::new(about(), "is the name of the original function")
+                .with_help("choose another name"));
         }
         if let Some((_, other)) = given[..nth].iter().find(|(other, _)| other == name) {
-            return Err(Error::new(about(), format!("has the name of `{option} {name}={other}`"))
-                .with_help("give each a name of its own"));
+            return Err(Error::new(
+                about(),
+                format!("repeats the name of `{option} {name}={other}`"),
+            )
+            .with_help("give each a distinct name"));
         }
     }
     Ok(())
 }
 
-/// Shaders by their files, each read once: of stdin there is nothing left to read again.
+/// Shaders by their files, each read once, since stdin cannot be read again.
 #[derive(Default)]
 struct Sources(Vec<(PathBuf, Source)>);
 

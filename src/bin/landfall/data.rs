@@ -1,4 +1,4 @@
-//! JSON on the command line: what blocks hold, arguments, colours.
+//! JSON arguments: contents of blocks, function arguments, colours.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use serde_json::Value;
 
 use crate::read;
 
-/// What blocks hold: an object on the command line, or the file of that name.
+/// Reads the contents of blocks from a JSON object or from the file of that name.
 pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
     let Some(text) = text else { return Ok(Data::new()) };
     let help = |error: Error| match error.help {
         None if error.message == NO_OBJECT => {
-            Error::new(error.path, "is no object of blocks by name")
+            Error::new(error.path, "is not a JSON object of blocks by name")
                 .with_help("write `{\"Lights\": {\"count\": 1}}`")
         }
         Some(_) | None => error,
@@ -22,9 +22,9 @@ pub fn blocks(text: Option<&str>) -> Result<Data, Error> {
     object("--data", text).map_err(help)
 }
 
-const NO_OBJECT: &str = "is no JSON object";
+const NO_OBJECT: &str = "is not a JSON object";
 
-/// An object on the command line, or in the file of that name.
+/// Reads a JSON object from an argument or from the file of that name.
 pub fn object(option: &str, text: &str) -> Result<Data, Error> {
     let (about, json) = match text.trim_start().starts_with('{') {
         true => (option.to_string(), text.to_string()),
@@ -36,7 +36,7 @@ pub fn object(option: &str, text: &str) -> Result<Data, Error> {
     }
 }
 
-/// JSON on the command line, or the file of that name.
+/// Reads a JSON array or object from an argument, or any value from the file of that name.
 pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
     match text.trim_start().starts_with(['{', '[']) {
         true => value(about, text),
@@ -44,7 +44,7 @@ pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
     }
 }
 
-/// JSON that says what is wrong with it.
+/// Parses JSON; errors name their source.
 pub fn value(about: &str, text: &str) -> Result<Value, Error> {
     read_json(text).map_err(|error| Error::new(about, format!("is not JSON: {error}")))
 }

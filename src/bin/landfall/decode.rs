@@ -1,4 +1,4 @@
-//! `landfall decode`: the bytes of a block as a table or JSON, and what looks wrong in them.
+//! `landfall decode`: prints the bytes of a block as a table or JSON, and flags suspicious values.
 
 use landfall_layout::buffer::{BufferError, Decoded, decode};
 use landfall_layout::diagnostic::Code;
@@ -51,7 +51,7 @@ pub fn run(args: &DecodeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     })
 }
 
-/// The values in the part of the bytes that is the block's.
+/// Decodes the part of the bytes that belongs to the block.
 fn decoded<'a>(
     block: &'a BlockLayout,
     bytes: &'a [u8],
@@ -59,7 +59,7 @@ fn decoded<'a>(
 ) -> Result<Decoded<'a>, Diagnostic> {
     let path = read::shown(&args.bytes);
     let given = bytes.len();
-    // `None` when it goes on for as long as there are bytes.
+    // `None` for a block that ends in a runtime array.
     let whole = match block.leaves.iter().any(|leaf| leaf.dims.first() == Some(&ArrayLen::Runtime))
     {
         true => None,
@@ -73,7 +73,7 @@ fn decoded<'a>(
         None => {
             if let Some(whole) = whole.filter(|whole| given > *whole) {
                 let help =
-                    format!("`--offset N` reads the {whole} bytes from byte N of a longer dump on");
+                    format!("`--offset N` decodes the {whole} bytes from byte N of a longer dump");
                 let block = block.name.to_string();
                 let (wanted, given) = (whole as u64, given as u64);
                 let found = refused(BufferError::WrongLength { block, wanted, given, cut: None });
@@ -106,7 +106,7 @@ fn decoded<'a>(
     }
 }
 
-/// What looks wrong in the bytes; for people not more than they read.
+/// Findings in the bytes; the first few only, in text form.
 fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<Diagnostic> {
     let path = read::shown(&args.bytes);
     let warning = |code, message| Diagnostic {

@@ -1,5 +1,5 @@
-//! `landfall devices`: what can run a shader here. Each driver is opened in a process of
-//! its own, so one that crashes is a line of the table and not the end of it.
+//! `landfall devices`: lists backends and adapters. Each driver is opened in its own process, so a
+//! crash is a line of the table.
 
 use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;
@@ -21,21 +21,22 @@ pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
 #[cfg(any(feature = "gl", feature = "gpu"))]
 fn drivers() -> Vec<Found> {
     use landfall_exec::backend::Failure;
-    use landfall_exec::backend::subprocess::{Behind, Launch, list};
+    use landfall_exec::backend::subprocess::{DriverKind, Launch, list};
 
-    let ask = |(reader, behind): (BackendKind, Behind)| {
+    let ask = |(backend, driver_kind): (BackendKind, DriverKind)| {
         let found = match std::env::current_exe() {
-            Ok(program) => list(&Launch::new(program, &behind)),
+            Ok(program) => list(&Launch::new(program, &driver_kind)),
             Err(cause) => {
-                let message = "the path of this program is not to be had, to start it again";
+                let message =
+                    "the path of the landfall executable is unknown; drivers run in a copy of it";
                 Err(Failure::missing(message, cause.to_string()))
             }
         };
         found.unwrap_or_else(|failure| {
-            vec![Found { reader, kind: String::new(), outcome: Err(failure) }]
+            vec![Found { backend, kind: String::new(), outcome: Err(failure) }]
         })
     };
-    [(BackendKind::Gl, Behind::Gl), (BackendKind::Gpu, Behind::Gpu(None))]
+    [(BackendKind::Gl, DriverKind::Gl), (BackendKind::Gpu, DriverKind::Gpu(None))]
         .into_iter()
         .flat_map(ask)
         .collect()

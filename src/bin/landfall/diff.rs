@@ -1,5 +1,4 @@
-//! `landfall diff`: what changed between two sides, whether old uploads still land, and the
-//! listings side by side.
+//! `landfall diff`: compares layouts, classifies each change, and prints both listings.
 
 mod git;
 mod side;
@@ -16,11 +15,11 @@ use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use side::{Entry, Reading, Side, nothing};
 
-/// Columns where there is no terminal to ask.
+/// Width in columns without a terminal.
 const COLUMNS: usize = 100;
 
 pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    // Arguments may name revisions: the configuration is that of here.
+    // Arguments may be revisions: use the configuration of the current directory.
     let Some(config) = config::load(&args.config, &[], streams)? else {
         return Ok(Outcome::CouldNot);
     };
@@ -69,7 +68,7 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
             Ok(vec![(reading.side(old)?, reading.side(new)?)])
         }
         (None, given) => {
-            let message = format!("is given {} of the 2 sides to compare", given.len());
+            let message = format!("needs 2 sides to compare, not {}", given.len());
             Err(Error::new("landfall diff", message)
                 .with_help("`landfall diff OLD NEW`, or `landfall diff --rev HEAD~1 [PATH…]`"))
         }
@@ -79,7 +78,7 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
             let at = |path: &PathBuf| {
                 let revision = git::in_repository(rev, path)?;
                 let mut old = reading.revision(&revision)?;
-                // A file that is gone has nothing to be compared with.
+                // A removed file has no new side.
                 let new = match path.exists() {
                     true => reading.side(path)?,
                     false => Side { entries: vec![], single: true, locks: None, failed: false },
@@ -102,7 +101,7 @@ struct Pair {
 impl Pair {
     fn of(old: Option<&Entry>, new: Option<&Entry>) -> Option<Pair> {
         let like = new.or(old)?;
-        // A shader's own path says more than its lock's.
+        // Prefer the path of a shader to that of its lock.
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
         Some(Pair {
             name: shader.unwrap_or(like).layout.path.clone(),
@@ -112,7 +111,7 @@ impl Pair {
     }
 }
 
-/// The shaders of both sides that belong together: those of one path below their directories.
+/// Pairs the shaders of both sides by their paths below their directories.
 fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
     if old.single && new.single {
         return Ok(Pair::of(old.entries.first(), new.entries.first()).into_iter().collect());
@@ -120,7 +119,7 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
     if old.single != new.single && !old.failed && !new.failed {
         let one = if old.single { old } else { new };
         let path = one.entries.first().map(|entry| entry.layout.path.clone());
-        let message = "is one shader, and the other side is many";
+        let message = "is one shader, but the other side is a directory";
         return Err(Error::new(path.unwrap_or_default(), message)
             .with_help("compare a file with a file, a directory with a directory"));
     }
@@ -131,7 +130,7 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
     let mut pairs = Vec::new();
     for (key, entry) in b.iter().zip(&new.entries) {
         let before = partner(key, &a, old).map(|at| &old.entries[at]);
-        // What could not be laid out on one side is not new on the other.
+        // A shader that failed on one side is not new on the other.
         if before.is_some() || !old.failed {
             pairs.extend(Pair::of(before, Some(entry)));
         }
@@ -144,7 +143,7 @@ fn pair(old: &Side, new: &Side) -> Result<Vec<Pair>, Error> {
     Ok(pairs)
 }
 
-/// Locks are the tree from the configuration's folder: beside them, so are shaders.
+/// Locks are keyed from the configuration's directory, so shaders compared with them are too.
 fn agree(old: &mut Side, new: &mut Side) {
     let all_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_some());
     let no_locks = |side: &Side| side.entries.iter().all(|entry| entry.lock.is_none());
@@ -164,7 +163,7 @@ fn agree(old: &mut Side, new: &mut Side) {
     }
 }
 
-/// The keys of a side; those of an output of `layout` without the directory all have in common.
+/// The keys of a side; those of output of `layout` without their common directory.
 fn keys(side: &Side) -> Vec<String> {
     let keys: Vec<String> = side.entries.iter().map(|entry| entry.key.clone()).collect();
     let from_output = side.entries.iter().all(|entry| entry.lock.is_none())
@@ -194,7 +193,7 @@ fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(),
     }
 }
 
-/// Renews the locks of the side that has them: the new one, if both have.
+/// Updates the locks of the side that has them; of the new side if both have.
 fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<(), Error> {
     let has_locks = |side: &Side| {
         side.locks.is_some() || side.entries.iter().any(|entry| place(entry).is_some())
@@ -203,7 +202,7 @@ fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<
         (_, true) => (new, old),
         (true, false) => (old, new),
         (false, false) => {
-            return Err(Error::new("--accept", "has no lock to renew: neither side is one")
+            return Err(Error::new("--accept", "has no lock to update: neither side is a lock")
                 .with_help("write the locks of shaders with `landfall lock`"));
         }
     };
@@ -218,12 +217,12 @@ fn accept(old: &Side, new: &Side, config: &Config, streams: &Streams) -> Result<
         if config.writer(folder, false).write(&target, &text)? == Written::Unchanged {
             continue;
         }
-        streams.notes(&format!("renewed {}\n", target.display()));
+        streams.notes(&format!("updated {}\n", target.display()));
     }
     Ok(())
 }
 
-/// Where the lock of a shader goes that has none yet: beside the others.
+/// The path of the lock of a shader without one: beside the others.
 fn new_lock(locked: &Side, truth: &Side, entry: &Entry) -> Option<PathBuf> {
     let dir = locked.locks.as_ref()?;
     let other = locked.entries.iter().find_map(|other| {
@@ -235,7 +234,7 @@ fn new_lock(locked: &Side, truth: &Side, entry: &Entry) -> Option<PathBuf> {
     Some(lock::path_of(other.unwrap_or(dir), Path::new(&entry.key)))
 }
 
-/// Where an entry's lock is in the work tree.
+/// The path of an entry's lock in the work tree.
 fn place(entry: &Entry) -> Option<&Path> {
     entry.lock.as_ref().and_then(|(place, _)| place.as_deref())
 }

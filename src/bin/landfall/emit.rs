@@ -1,4 +1,4 @@
-//! `landfall emit`: mirrors and tables of all blocks as one file of Rust or C.
+//! `landfall emit`: generates Rust or C mirrors of blocks and tables of offsets.
 
 use landfall_layout::diagnostic::Code;
 use std::fs;
@@ -25,7 +25,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match source {
             Ok(source) => {
                 let shader = landfall_layout::layout(&source, &read::options(&args.read));
-                given::saw(&shader.files);
+                given::record(&shader.files);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);
@@ -37,7 +37,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     }
     if failed {
-        return Ok(Outcome::CouldNot); // what was written before stays as it is
+        return Ok(Outcome::CouldNot); // the existing file stays unchanged
     }
     let (text, refused) = text(args, &shaders);
     for found in &refused {
@@ -60,36 +60,41 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if failed { Outcome::CouldNot } else { outcome })
 }
 
-/// The file, and what is said of the blocks that are not in it.
+/// Returns the generated file and notes on omitted blocks.
 fn text(args: &EmitArgs, shaders: &[ShaderLayout]) -> (String, Vec<Diagnostic>) {
     let shaders: Vec<&ShaderLayout> = shaders.iter().collect();
     match args.lang {
         EmitLang::Rust => {
-            let options = RustOptions {
-                vectors: args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default(),
-                visibility: if args.crate_visible { Visibility::Crate } else { Visibility::Public },
-                tables: if args.no_tables { Tables::Without } else { Tables::Beside },
-                inputs: Vec::new(),
-            };
+            let mut options = RustOptions::default();
+            options.vectors =
+                args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
+            if args.crate_visible {
+                options.visibility = Visibility::Crate;
+            }
+            if args.no_tables {
+                options.tables = Tables::Without;
+            }
             let output = rust(&shaders, &options);
             (output.text, output.diagnostics)
         }
         EmitLang::C => {
             let name = args.out.as_deref().and_then(Path::file_name);
             let file = name.map_or("landfall.h".into(), |name| name.to_string_lossy());
-            let options = COptions { file: file.into_owned(), prefix: args.prefix.clone() };
+            let mut options = COptions::default();
+            options.file = file.into_owned();
+            options.prefix = args.prefix.clone();
             let output = c(&shaders, &options);
             (output.text, output.diagnostics)
         }
     }
 }
 
-/// Whether the file that is there is the one that would be written.
+/// Compares the existing file with the generated one.
 fn check(out: &Path, text: &str, streams: &Streams) -> Outcome {
     let stale = match fs::read_to_string(out) {
         Ok(there) if there == text => return Outcome::Clean,
-        Ok(_) => "is not what the shaders say now",
-        Err(_) => "is not there",
+        Ok(_) => "is out of date",
+        Err(_) => "does not exist",
     };
     let error = Error::new(out.display().to_string(), stale)
         .with_help("run the same command without `--check`");

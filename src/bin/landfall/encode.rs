@@ -1,4 +1,4 @@
-//! `landfall encode`: values in JSON to the bytes of a block.
+//! `landfall encode`: converts JSON values to the bytes of a block.
 
 use landfall_layout::diagnostic::Code;
 use std::ops::Range;
@@ -67,19 +67,19 @@ fn write(
     }
 }
 
-/// Bools that are neither 0 nor 1: drivers disagree on what those are.
+/// Warns about bools that are neither 0 nor 1, which drivers interpret differently.
 fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagnostic> {
     let found = decode(block, bytes).map(|decoded| decoded.findings.list).unwrap_or_default();
-    let odd = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
+    let odd_bools = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
     let path = read::shown(&args.values);
     let warning = |found: &Finding| Diagnostic {
         severity: Severity::Warning,
         ..shader::finding(&path, found.code(), found.to_string(), None)
     };
-    odd.map(warning).collect()
+    odd_bools.map(warning).collect()
 }
 
-/// The bytes that the values make, or what is wrong with those.
+/// Returns the encoded bytes, or the findings in the values.
 fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic, Files)> {
     let path = read::shown(&args.values);
     let text = match read::text(&args.values) {
@@ -87,7 +87,7 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
         Err(error) => return Err((error.into(), Files::default())),
     };
     if text.trim().is_empty() {
-        let help = "it takes an object of the block's members; `{}` makes all of them zero";
+        let help = "write an object of the block's members; `{}` sets all of them to zero";
         let found = shader::finding(
             &path,
             Code::EmptyInput,
@@ -96,37 +96,32 @@ fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic,
         );
         return Err((found, Files::default()));
     }
-    let made = read_json(&text).and_then(|values| encode(block, &values, args.missing.becomes()));
+    let made = read_json(&text).and_then(|values| encode(block, &values, args.missing.missing()));
     made.map_err(|error| explained(&error, path, text))
 }
 
-/// An error in the values with its place in them.
+/// Converts an error in the values to a finding with its span.
 fn explained(error: &EncodeError, path: String, text: String) -> (Diagnostic, Files) {
     let (message, mut help) = read::message_and_help(&error.to_string());
     let message = match error {
         EncodeError::Syntax { message, .. } => format!("malformed JSON: {message}"),
         EncodeError::Missing { .. } => {
-            let words = "give it, or let what is missing be zero with `--missing zero`";
+            let words = "add it, or set missing members to zero with `--missing zero`";
             help = Some(words.to_string());
             message
         }
-        EncodeError::Block(_)
-        | EncodeError::Key { .. }
-        | EncodeError::Kind { .. }
-        | EncodeError::Range { .. }
-        | EncodeError::Length { .. }
-        | EncodeError::Twice { .. } => message,
+        _ => message,
     };
     let mut found = shader::finding(&path, error.code(), message, help);
     let mut files = Files::default();
     if let Some(span) = error.locate(&text).and_then(|range| span(&text, range)) {
-        found.labels.push(Label { span, text: String::new() });
+        found.labels.push(Label { at: span, text: String::new() });
         files.add(path, text.into());
     }
     (found, files)
 }
 
-/// A range of bytes as whole characters on one line; `None` past what a place can say.
+/// A range of bytes as a span of whole characters on one line; `None` past the limits of a span.
 fn span(text: &str, range: Range<usize>) -> Option<Span> {
     let (mut start, mut end) = (range.start, range.end);
     while !text.is_char_boundary(start) {

@@ -1,4 +1,4 @@
-//! `landfall explain`: the way to a path, or the owner of a byte, in every block that has it.
+//! `landfall explain`: explains the offset of a path, or finds the member at a byte.
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::format::explain::{Answer, json, text};
@@ -44,7 +44,7 @@ fn human(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)], streams: &St
     texts.collect::<Vec<_>>().join("\n")
 }
 
-/// The answers of all blocks that have one.
+/// The explanations of all blocks that have the path or byte.
 fn answers<'a>(
     shader: &'a ShaderLayout,
     args: &ExplainArgs,
@@ -66,8 +66,8 @@ fn of_byte<'a>(
     text: &str,
 ) -> Result<Vec<(&'a BlockLayout, Answer)>, Diagnostic> {
     let Ok(byte) = args::byte(text) else {
-        let help = "a byte is written `@172` or `@0xac`".to_string();
-        let message = format!("`@{text}` is no byte");
+        let help = "write a byte offset as `@172` or `@0xac`".to_string();
+        let message = format!("`@{text}` is not a byte offset");
         return Err(finding(&shader.path, Code::MalformedPath, message, Some(help)));
     };
     let owners: Vec<(&BlockLayout, ByteOwner)> =
@@ -92,7 +92,7 @@ fn outside(shader: &ShaderLayout, byte: u64, owners: &[(&BlockLayout, ByteOwner)
                 notes.push(format!("block `{}` has {size} bytes", block.name));
             }
             ByteOwner::Loose => {
-                help = Some("`--gather` lays loose uniforms out as a block".to_string());
+                help = Some("`--gather` collects loose uniforms in a block".to_string());
             }
             ByteOwner::Component { .. } | ByteOwner::Padding { .. } => {}
         }
@@ -111,7 +111,7 @@ fn of_path<'a>(
     for &block in blocks {
         match explain(block, path, shader.language) {
             Ok(explanation) => found.push((block, Answer::Path(explanation))),
-            // The block that the path leads furthest into is the one that was meant.
+            // Report the block in which the most of the path resolves.
             Err(error) if furthest.as_ref().is_none_or(|f| rank(f) < rank(&error)) => {
                 furthest = Some(error);
             }
@@ -127,16 +127,12 @@ fn of_path<'a>(
     }
 }
 
-/// How near an error is to what was meant.
+/// How much of the path an error resolved.
 fn rank(error: &PathError) -> (usize, bool) {
     let suggests = match &error.kind {
         PathErrorKind::UnknownMember { nearest, .. } => nearest.is_some(),
         PathErrorKind::Opaque { .. } => true,
-        PathErrorKind::Syntax { .. }
-        | PathErrorKind::NotAStructure { .. }
-        | PathErrorKind::NotAnArray { .. }
-        | PathErrorKind::OutOfRange { .. }
-        | PathErrorKind::Loose { .. } => false,
+        _ => false,
     };
     (error.resolved, suggests)
 }

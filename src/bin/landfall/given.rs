@@ -1,5 +1,5 @@
-//! What the command line says of how shaders are read, and whether that did anything: a folder of
-//! includes that is none, and a value for a constant that no shader has.
+//! Warnings about options without effect: `-I` with a path that is not a directory, and `-O` for a
+//! constant that no shader has.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -11,37 +11,37 @@ use landfall_layout::{Diagnostic, Error, Severity};
 use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
 
-/// The values of `-O`, and which of them some shader has a constant for.
+/// The names of `-O`, and those that some shader has a constant for.
 struct Given {
     names: Vec<String>,
-    seen: Mutex<Seen>,
+    matched: Mutex<Matched>,
 }
 
 #[derive(Default)]
-struct Seen {
+struct Matched {
     names: BTreeSet<String>,
     any: bool,
 }
 
-/// The command line of this process.
+/// The `-O` options of this process.
 static GIVEN: OnceLock<Given> = OnceLock::new();
 
-/// Notes what is given, and reports folders of includes that are none.
+/// Records the `-O` options, and warns about `-I` paths that are not directories.
 pub fn begin(command: &Command, streams: &Streams) {
     let Some(text) = text_of(command) else { return };
     let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
-    let _ = GIVEN.set(Given { names, seen: Mutex::default() });
+    let _ = GIVEN.set(Given { names, matched: Mutex::default() });
     for folder in text.include_dirs.iter().filter(|folder| !folder.is_dir()) {
         let what = match folder.exists() {
-            true => "is no directory, and nothing is included from it",
-            false => "is not there, and nothing is included from it",
+            true => "is not a directory; no include is searched there",
+            false => "does not exist; no include is searched there",
         };
         let error = Error::new(folder.display().to_string(), what);
         warn(Code::NoIncludeDir, error.with_help("`-I DIR` names a directory"), streams);
     }
 }
 
-/// The values that a shader has constants for.
+/// The names of `-O` that a shader has constants for.
 pub fn known(files: &Files) -> Vec<String> {
     let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else {
         return Vec::new();
@@ -50,29 +50,28 @@ pub fn known(files: &Files) -> Vec<String> {
     given.names.iter().filter(known).cloned().collect()
 }
 
-/// Notes what one shader has constants for.
-pub fn saw(files: &Files) {
-    saw_names(&known(files));
+/// Records the constants of a shader.
+pub fn record(files: &Files) {
+    record_names(&known(files));
 }
 
-/// The same for a shader that is known from before.
-pub fn saw_names(names: &[String]) {
+/// Records the constants of a cached shader.
+pub fn record_names(names: &[String]) {
     let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else { return };
-    let mut seen = given.seen.lock().unwrap_or_else(PoisonError::into_inner);
-    seen.any = true;
-    seen.names.extend(names.iter().cloned());
+    let mut matched = given.matched.lock().unwrap_or_else(PoisonError::into_inner);
+    matched.any = true;
+    matched.names.extend(names.iter().cloned());
 }
 
-/// Reports values that changed no shader.
+/// Warns about `-O` options that no shader has a constant for.
 pub fn finish(streams: &Streams) {
     let Some(given) = GIVEN.get() else { return };
-    let seen = given.seen.lock().unwrap_or_else(PoisonError::into_inner);
-    if !seen.any {
+    let matched = given.matched.lock().unwrap_or_else(PoisonError::into_inner);
+    if !matched.any {
         return;
     }
-    for name in given.names.iter().filter(|name| !seen.names.contains(*name)) {
-        let error =
-            Error::new(format!("-O {name}"), "changes nothing: no shader has that constant");
+    for name in given.names.iter().filter(|name| !matched.names.contains(*name)) {
+        let error = Error::new(format!("-O {name}"), "has no effect: no shader has this constant");
         let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` in \
                     WGSL, by name or number";
         warn(Code::UnknownOverride, error.with_help(help), streams);
@@ -84,8 +83,8 @@ fn warn(code: Code, error: Error, streams: &Streams) {
     streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
 }
 
-/// Whether a text may have a specialisation constant or override of that name or number. One
-/// whose name a macro makes up is taken for one that is there only by its number.
+/// Whether a source may have a specialization constant or override of this name or number. A name
+/// built by a macro is found by its number only.
 fn has_constant(text: &str, name: &str) -> bool {
     let is_number = name.bytes().all(|b| b.is_ascii_digit());
     let marks: &[&str] =
@@ -93,7 +92,7 @@ fn has_constant(text: &str, name: &str) -> bool {
     marks.iter().any(|mark| has_word(text, mark.trim_start_matches('@'))) && has_word(text, name)
 }
 
-/// Whether a text has that word, and not only as a part of another.
+/// Whether a text contains a whole word.
 fn has_word(text: &str, word: &str) -> bool {
     let inside = |c: char| c == '_' || c.is_alphanumeric();
     text.match_indices(word).any(|(at, _)| {
@@ -102,7 +101,7 @@ fn has_word(text: &str, word: &str) -> bool {
     })
 }
 
-/// How a command reads shaders.
+/// The options of a command for reading shaders.
 fn text_of(command: &Command) -> Option<&TextArgs> {
     Some(match command {
         Command::Layout(args) => &args.read.text,

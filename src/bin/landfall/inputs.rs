@@ -1,5 +1,5 @@
-//! Which files a run is about: files as they are named, the shaders in directories, and what
-//! globs match, one after the other without a list of them all.
+//! The input files of a run: named files, shaders in directories, and matches of globs, as an
+//! iterator.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -13,14 +13,13 @@ use crate::read::is_stdin;
 /// One shader to read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Where it is; `-` for stdin.
+    /// Its path; `-` for stdin.
     pub path: PathBuf,
-    /// Where its layout goes below `--out`, without the format's extension.
+    /// The path of its output below `--out`, without the format's extension.
     pub relative: PathBuf,
 }
 
-/// The files named by the arguments of a command line, in their order; those of a directory by
-/// name; each once.
+/// The files of the arguments in order, those of a directory sorted by name, without duplicates.
 pub struct Inputs {
     arguments: std::vec::IntoIter<PathBuf>,
     walk: Option<Search>,
@@ -30,18 +29,18 @@ pub struct Inputs {
 /// A directory being searched.
 struct Search {
     root: PathBuf,
-    /// What was written on the command line.
+    /// The argument on the command line.
     argument: PathBuf,
     walk: Walk,
     glob: Option<GlobMatcher>,
     found: bool,
-    /// The language of a file that is not read, where one was met.
+    /// The unsupported shading language of a skipped file, if any.
     other: Option<&'static str>,
 }
 
 impl Inputs {
     pub fn new(arguments: Vec<PathBuf>) -> Inputs {
-        // One argument names no file twice.
+        // A single argument yields no duplicates.
         let seen = (arguments.len() > 1).then(HashSet::new);
         Inputs { arguments: arguments.into_iter(), walk: None, seen }
     }
@@ -105,15 +104,15 @@ impl Search {
         Search { argument: root.clone(), root, walk, glob: None, found: false, other: None }
     }
 
-    /// A glob as a shell would expand it: ignore files do not matter.
+    /// Expands a glob as a shell does, regardless of ignore files.
     fn glob(argument: &Path) -> Result<Search, Error> {
         let text = argument.to_string_lossy();
         let refused = |cause: globset::Error| {
-            Error::new(text.to_string(), format!("is no glob: {}", cause.kind()))
+            Error::new(text.to_string(), format!("is not a glob: {}", cause.kind()))
         };
         let pattern = text.strip_prefix("./").unwrap_or(&text);
         if let Some(cause) = too_deep(pattern) {
-            return Err(Error::new(text.to_string(), format!("is no glob: {cause}")));
+            return Err(Error::new(text.to_string(), format!("is not a glob: {cause}")));
         }
         let glob = GlobBuilder::new(pattern).literal_separator(true).build().map_err(refused)?;
         let matcher = glob.compile_matcher();
@@ -144,7 +143,7 @@ impl Search {
             let entry = match entry {
                 Ok(entry) => entry,
                 Err(cause) => {
-                    // Said about the directory it happened in.
+                    // Reported for the directory of the argument.
                     self.found = true;
                     let root = self.root.display().to_string();
                     return Some(Err(Error::new(root, format!("cannot be searched: {cause}"))));
@@ -169,7 +168,7 @@ impl Search {
         None
     }
 
-    /// Whether a file is a shader; a glob that says the extension takes what it matches.
+    /// Whether a file is an input: a shader, or any match of a glob that names the extension.
     fn takes(&self, path: &Path) -> bool {
         let known = source::kind_of_path(path).is_some();
         match &self.glob {
@@ -187,24 +186,24 @@ impl Search {
             Some(_) => Error::new(path, "matches no shader file"),
             None if self.other.is_some() => {
                 let language = self.other.unwrap_or_default();
-                let message = format!("holds no shader file that is read, only {language}");
+                let message = format!("contains no GLSL or WGSL shader, only {language}");
                 Error::new(path, message).with_help("landfall reads GLSL and WGSL")
             }
-            None => Error::new(path, "holds no shader file").with_help(
-                "shaders are known by their extension, such as .frag, .glsl or .wgsl; \
-                 a file named by itself is read whatever its extension",
+            None => Error::new(path, "contains no shader file").with_help(
+                "shaders are recognised by their extension, such as .frag, .glsl or .wgsl; \
+                 a file that is named itself is read with any extension",
             ),
         })
     }
 }
 
-/// Braces of a glob may nest this deep.
+/// Maximum nesting of braces in a glob.
 const DEEPEST_BRACES: usize = 16;
 
-/// Bytes of a glob.
+/// Maximum length of a glob in bytes.
 const LONGEST_GLOB: usize = 4096;
 
-/// Why a glob is not compiled, if it is one made to exhaust the compiler.
+/// The reason to refuse a glob that would exhaust the compiler of globs.
 pub fn too_deep(glob: &str) -> Option<String> {
     if glob.len() > LONGEST_GLOB {
         return Some(format!("it has more than {LONGEST_GLOB} bytes"));
@@ -227,7 +226,7 @@ fn ends_with_star(glob: &Path) -> bool {
     glob.as_os_str().to_string_lossy().ends_with('*')
 }
 
-/// A path that stays below the directory it is joined to.
+/// Converts a path to one that stays below the directory it is joined to.
 fn inside(path: &Path) -> PathBuf {
     path.components().filter(|part| matches!(part, Component::Normal(_))).collect()
 }

@@ -1,4 +1,4 @@
-//! `landfall layout`: every block of every shader in one of the formats.
+//! `landfall layout`: prints the layout of every block of every shader.
 
 mod writer;
 
@@ -17,7 +17,7 @@ use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{given, read, work};
 use writer::Writer;
 
-/// Errors after which the rest of a shader cannot be told apart: none of its blocks is printed.
+/// Errors after which a shader cannot be parsed further: none of its blocks is printed.
 const SYNTAX: &[Code] = &[
     Code::Syntax,
     Code::UnexpectedToken,
@@ -30,10 +30,12 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let format = args.format.form();
     let form = if format == Format::Json { FindingForm::Json } else { FindingForm::Human };
     let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
+    let mut emit = EmitOptions::new(format);
+    (emit.expand, emit.paint) = (args.expand, paint);
     let job = Job {
         args,
-        options: Options { naga: args.naga || format == Format::Json, ..read::options(&args.read) },
-        emit: EmitOptions { format, expand: args.expand, paint },
+        options: read::options(&args.read).with_naga(args.naga || format == Format::Json),
+        emit,
         style: streams.style(form),
     };
     let mut writer = Writer::new(args, &job.emit, job.style, streams);
@@ -46,17 +48,17 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     writer.finish()
 }
 
-/// Whether a finding says that a shader's text cannot be told apart.
+/// Whether a finding ends the parsing of a shader.
 pub fn is_syntax(found: &Diagnostic) -> bool {
     SYNTAX.contains(&found.code)
 }
 
-/// Whether a block goes by that name.
+/// Whether a block or its instance has this name.
 pub fn is_named(block: &BlockLayout, name: &str) -> bool {
     *block.name == *name || block.instance.as_deref() == Some(name)
 }
 
-/// What is the same for all shaders of a run.
+/// The settings shared by all shaders of a run.
 struct Job<'a> {
     args: &'a LayoutArgs,
     options: Options,
@@ -64,19 +66,19 @@ struct Job<'a> {
     style: FindingStyle,
 }
 
-/// What became of one shader.
+/// The result for one shader.
 struct Done {
     path: PathBuf,
-    /// Where the product goes below `--out`.
+    /// The output path below `--out`.
     relative: PathBuf,
-    /// The layouts as text; `None` when there is nothing to write.
+    /// The formatted layouts; `None` if there is nothing to write.
     product: Option<String>,
-    /// The findings as text.
+    /// The formatted findings.
     findings: String,
     failed: bool,
-    /// Blocks that `--block` left out.
+    /// Names of blocks excluded by `--block`.
     others: Vec<String>,
-    /// The shader and its includes, where a file is written.
+    /// The shader and its includes, if a file is written.
     files: Files,
 }
 
@@ -123,7 +125,7 @@ impl Job<'_> {
     }
 
     fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
-        given::saw(&shader.files);
+        given::record(&shader.files);
         let mut others = Vec::new();
         if let Some(name) = &self.args.block {
             let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));
@@ -148,9 +150,9 @@ impl Job<'_> {
         }
     }
 
-    /// Whether there is something to write about a shader.
+    /// Whether there is output for a shader.
     fn writes(&self, shader: &ShaderLayout, failed: bool) -> bool {
-        // A file holds all blocks or is not written; on stdout the sound blocks are welcome.
+        // A file contains all blocks or is not written; stdout also takes some of the blocks.
         if failed && (self.args.out.is_some() || shader.diagnostics.iter().any(is_syntax)) {
             return false;
         }
@@ -162,7 +164,8 @@ impl Job<'_> {
 }
 
 pub fn panicked(path: &Path) -> Diagnostic {
-    let error = Error::new(path.display().to_string(), "made landfall panic: this is its fault")
-        .with_help("please report it with the file; the other files are not affected");
+    let error =
+        Error::new(path.display().to_string(), "made landfall panic, which is a bug in landfall")
+            .with_help("please report it with the file; the other files are not affected");
     Diagnostic { code: Code::InternalError, ..error.into() }
 }

@@ -1,4 +1,4 @@
-//! `landfall lights`: what the lights of shaders cost, and where their code may leave the numbers.
+//! `landfall lights`: lists light structures, their cost and the numerical hazards of their code.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -37,8 +37,8 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let options = read::options(&args.read);
         let work = || {
             let shader = layout(&source, &options);
-            given::saw(&shader.files);
-            // What cannot be laid out cannot be followed.
+            given::record(&shader.files);
+            // Analysis needs a layout.
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)
         };
@@ -62,12 +62,12 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(tally.outcome())
 }
 
-/// What became of all shaders.
+/// The results for all shaders.
 #[derive(Default)]
 struct Tally {
     shaders: usize,
     printed: usize,
-    /// The one shader without lights, until it is known not to be the only one.
+    /// A shader without lights, held back until a second shader is seen.
     dark: Option<String>,
     failed: bool,
     denied: bool,
@@ -102,7 +102,7 @@ impl Tally {
             }
             LightsFormat::Human => {
                 let text = print::human(shader, report, streams.paint);
-                // Of many files those without lights are only counted.
+                // Among several files, those without lights are only counted.
                 if report.lights.is_empty() && report.hazards.is_empty() {
                     self.dark = Some(text);
                     return Ok(());

@@ -1,4 +1,4 @@
-//! `landfall lock`: one lock a shader, written only where it changes.
+//! `landfall lock`: writes one lock per shader, only if it changes.
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
@@ -64,15 +64,15 @@ struct Job<'a> {
     options: Options,
     style: FindingStyle,
     writer: FileWriter,
-    /// Shaders that the configuration leaves out.
+    /// Number of shaders excluded by the configuration.
     excluded: AtomicUsize,
 }
 
-/// What became of one shader.
+/// The result for one shader.
 struct Done {
-    /// Where its lock goes; `None` when that cannot be said.
+    /// The path of its lock; `None` if it has none.
     target: Option<PathBuf>,
-    /// The lock as it should be; `None` when the shader could not be laid out.
+    /// The up-to-date lock; `None` if the shader could not be laid out.
     text: Option<String>,
     findings: String,
 }
@@ -84,7 +84,7 @@ impl work::Weighed for Done {
 }
 
 impl Job<'_> {
-    /// Whether the configuration does not leave an input out.
+    /// Whether an input is not excluded by the configuration.
     fn takes(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
         let below = self.config.root.below(&input.path);
@@ -118,7 +118,7 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
-        given::saw(&shader.files);
+        given::record(&shader.files);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let text = if shader.has_errors() {
             None
@@ -135,8 +135,8 @@ impl Job<'_> {
     }
 }
 
-/// The lock that is there. One that cannot be read is written anew, but not one that a newer
-/// landfall wrote, nor what is no lock.
+/// The existing lock. One that cannot be parsed is replaced; one of a newer landfall and a file
+/// that is not a lock are errors.
 fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
     let Some(bytes) = read::file(target) else { return Ok(None) };
     let shown = target.display().to_string();
@@ -145,18 +145,18 @@ fn old(target: &Path, force: bool) -> Result<Option<lock::Lock>, Error> {
         Ok(lock) => Ok(Some(lock)),
         Err(error) if lock::is_newer(&text) => Err(error),
         Err(_) if force || bytes.is_empty() || lock::is_lock(&text) => Ok(None),
-        Err(_) => Err(Error::new(shown, "has the name of a lock, and is no lock of landfall's")
+        Err(_) => Err(Error::new(shown, "has the name of a lock but is not a landfall lock")
             .with_help(
-                "move it away, keep locks elsewhere with `--locks DIR`, or write over it \
+                "move it away, keep locks elsewhere with `--locks DIR`, or overwrite it \
                         with `--force`",
             )),
     }
 }
 
-/// What a run came to.
+/// The totals of a run.
 #[derive(Default)]
 struct Tally {
-    /// Locks of the shaders that were seen.
+    /// Locks of the processed shaders.
     targets: HashSet<PathBuf>,
     unchanged: usize,
     changed: usize,
@@ -165,7 +165,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Whether no shader was looked at.
+    /// Whether no shader was processed.
     fn is_empty(&self) -> bool {
         self.targets.is_empty() && !self.failed
     }
@@ -187,8 +187,8 @@ impl Tally {
                     self.unchanged += 1;
                     return Ok(());
                 }
-                Some(_) => "is not what its shader says now",
-                None => "is not there",
+                Some(_) => "is out of date",
+                None => "does not exist",
             };
             self.changed += 1;
             let error = Error::new(target.display().to_string(), stale)
@@ -207,7 +207,7 @@ impl Tally {
         Ok(())
     }
 
-    /// Locks in the directory that are no shader's, where all shaders of the tree were seen.
+    /// Reports or removes locks without a shader in the directories that were searched.
     fn orphans(&mut self, job: &Job<'_>, searched: &[String], streams: &Streams) {
         if self.failed {
             return;
@@ -216,7 +216,7 @@ impl Tally {
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         for path in locks_below(&job.locks) {
             let below = path.strip_prefix(&job.locks).map(slashes).unwrap_or_default();
-            // A part of the tree says nothing about the locks of the rest.
+            // Locks outside the searched directories may have shaders.
             let is_searched = searched.iter().any(|folder| {
                 let rest = below.strip_prefix(folder.as_str());
                 folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
@@ -226,7 +226,7 @@ impl Tally {
             }
             let shown = path.display().to_string();
             if !args.prune || args.check {
-                let error = Error::new(shown, "is the lock of no shader")
+                let error = Error::new(shown, "is a lock without a shader")
                     .with_help("remove it with `landfall lock --prune`");
                 let severity = if args.prune { Severity::Error } else { Severity::Warning };
                 self.pruned += usize::from(args.prune);
@@ -267,12 +267,12 @@ fn locks(n: usize) -> String {
     if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
 }
 
-/// Whether a file that is named like a lock holds one, or was one before somebody cut it off.
+/// Whether a file with the name of a lock contains one, possibly truncated.
 pub fn holds_lock(path: &Path) -> bool {
     read::file(path).is_some_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
 }
 
-/// Files of a directory that are named like locks, in order.
+/// Files of a directory with the names of locks, sorted.
 pub fn locks_below(dir: &Path) -> Vec<PathBuf> {
     if !dir.is_dir() {
         return Vec::new();

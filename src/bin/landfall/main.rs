@@ -1,10 +1,12 @@
-//! The command line: arguments in, one command run, an exit code out.
+//! The `landfall` command: parses the arguments, runs one command, returns an exit code.
 //!
-//! 0 is clean, 1 is findings, 2 is "could not": wrong usage, a file that cannot be read or
-//! written, an error in a shader; 130 is a command that was interrupted and printed what it had.
-//! Products go to stdout, findings to stderr.
+//! Exit codes: 0: no findings; 1: findings; 2: failure, such as wrong usage, a file that cannot be
+//! read or written, or an error in a shader; 130: interrupted after printing partial results.
+//! Results go to stdout, findings to stderr.
 
 mod args;
+#[cfg(feature = "exec")]
+mod backends;
 #[cfg(feature = "exec")]
 mod bench;
 mod check;
@@ -31,16 +33,14 @@ mod missing;
 mod output;
 mod port;
 mod read;
-#[cfg(any(feature = "gl", feature = "gpu"))]
-mod reader;
-#[cfg(feature = "exec")]
-mod readers;
 #[cfg(feature = "exec")]
 mod render;
 mod rule;
 #[cfg(feature = "exec")]
 mod run;
 mod schema;
+#[cfg(any(feature = "gl", feature = "gpu"))]
+mod serve_backend;
 mod shader;
 mod stdout;
 #[cfg(feature = "exec")]
@@ -52,12 +52,11 @@ mod write;
 
 use std::process::ExitCode;
 
-use args::{Args, Command};
-use clap::Parser;
+use args::Command;
 use output::{Failure, Streams};
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = args::parse();
     let streams = Streams::new(args.color, args.quiet);
     given::begin(&args.command, &streams);
     let done = match &args.command {
@@ -94,14 +93,14 @@ fn main() -> ExitCode {
         Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
         #[cfg(any(feature = "gl", feature = "gpu"))]
-        Command::Reader(args) => reader::run(args),
+        Command::Reader(args) => serve_backend::run(args),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
         Ok(outcome) => {
             given::finish(&streams);
             outcome.into()
         }
-        // Whoever read the output has seen enough.
+        // The reader of the output closed the pipe, as `head` does.
         Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Err(Failure::Error(error)) => {
             streams.failure(error);

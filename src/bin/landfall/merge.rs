@@ -1,4 +1,4 @@
-//! `landfall merge`: the report of a whole check from those of its shards.
+//! `landfall merge`: combines the reports of all shards of a check.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use landfall_layout::file::FileWriter;
 
 use crate::args::MergeArgs;
-use crate::check::one::Checked;
+use crate::check::check_shader::Checked;
 use crate::check::{NO_LOCKS, reports, shard, tree};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
@@ -19,7 +19,7 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     whole.basis.read_rust_files()?;
     let basis = &whole.basis;
     let root = Root::new(Path::new(&basis.root))?;
-    // Shaders come without their findings, which come by themselves.
+    // The shaders are stored without their findings, which follow separately.
     let over_all = tree::findings(&mut whole.pass, basis, &root, &mut None, &[]);
     let findings = tree::sorted(over_all.into_iter().chain(whole.findings).collect());
     let texts = reports::Texts::new(HashMap::new());

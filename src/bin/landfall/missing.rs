@@ -1,12 +1,11 @@
-//! Commands that run shaders, in a build without the feature that brings them.
+//! Commands that run shaders, in a build without the feature `exec`.
 
 use landfall_layout::Error;
-use landfall_layout::error::ErrorKind;
 
 use crate::args::Command;
 use crate::output::{Failure, Outcome};
 
-/// Says which feature brings a command.
+/// Returns the error that names the missing feature.
 pub fn run(command: &Command) -> Result<Outcome, Failure> {
     let name = match command {
         Command::Verify(_) => "verify",
@@ -17,16 +16,10 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Devices(_) => "devices",
         _ => unreachable!("every other command is in every build"),
     };
-    Err(Failure::Error(Error {
-        path: name.to_string(),
-        message: "is not in this build of landfall: it runs shaders".to_string(),
-        help: Some(
-            "install the whole of it: cargo install landfall --features full; in a checkout: \
-             cargo run --release --features full"
-                .to_string(),
-        ),
-        kind: ErrorKind::Other,
-    }))
+    let message = "is not in this build of landfall: it needs the feature `exec`";
+    let help = "install all features: cargo install landfall --features full; in a checkout: cargo \
+                run --release --features full";
+    Err(Failure::Error(Error::new(name, message).with_help(help)))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Where text goes: products to stdout, findings and progress to stderr, files whole or not at all.
+//! The output streams: results on stdout, findings and progress on stderr.
 
 use landfall_layout::diagnostic::Code;
 use std::cell::RefCell;
@@ -18,14 +18,14 @@ use landfall_layout::{Diagnostic, Error, Severity};
 use crate::args::Color;
 use crate::stdout;
 
-/// What a command came to.
+/// The outcome of a command, which determines its exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Clean,
-    /// Something to look at: a generated file that is stale, bytes that look wrong.
+    /// Findings: an outdated generated file, suspicious bytes, changed layouts.
     Findings,
     CouldNot,
-    /// Somebody said stop; what there was by then is printed.
+    /// Interrupted by Ctrl-C; partial results were printed.
     Interrupted,
 }
 
@@ -35,16 +35,16 @@ impl From<Outcome> for ExitCode {
             Outcome::Clean => ExitCode::SUCCESS,
             Outcome::Findings => ExitCode::from(1),
             Outcome::CouldNot => ExitCode::from(2),
-            // 128 and the number of SIGINT, as of a command that does not listen.
+            // 128 plus the number of SIGINT, as for a command without a handler.
             Outcome::Interrupted => ExitCode::from(130),
         }
     }
 }
 
-/// Why a command stopped half-way.
+/// The error that ended a command.
 #[derive(Debug)]
 pub enum Failure {
-    /// Nobody reads stdout any more.
+    /// The reading end of stdout was closed.
     BrokenPipe,
     Error(Error),
 }
@@ -55,25 +55,24 @@ impl From<Error> for Failure {
     }
 }
 
+/// Converts an error about a file or about arguments to a finding.
 #[cfg(feature = "exec")]
-/// Why what was asked for cannot be done, as a finding: a file that cannot be read, or arguments
-/// that are wrong.
-pub fn asked_wrongly(error: Error) -> Diagnostic {
+pub fn request_finding(error: Error) -> Diagnostic {
     let code = match error.kind {
         ErrorKind::Unreadable => Code::UnreadableFile,
-        ErrorKind::Other => Code::BadRequest,
+        _ => Code::BadRequest,
     };
     Diagnostic { code, ..error.into() }
 }
 
-/// How findings are written.
+/// The format of findings on stderr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FindingForm {
     Human,
     Json,
 }
 
-/// How findings are turned into text; knows no stream, so any thread may use it.
+/// Formats findings; independent of streams, so usable from any thread.
 #[derive(Clone, Copy, Debug)]
 pub struct FindingStyle {
     form: FindingForm,
@@ -82,7 +81,7 @@ pub struct FindingStyle {
 }
 
 impl FindingStyle {
-    /// The findings of one shader as text, warnings left out when quiet.
+    /// Formats the findings of one shader; omits warnings when quiet.
     pub fn text(&self, found: &[Diagnostic], files: &Files) -> String {
         let kept: Vec<Diagnostic>;
         let found = if self.quiet {
@@ -101,12 +100,12 @@ impl FindingStyle {
 /// The two streams of the process.
 pub struct Streams {
     stdout: RefCell<BufWriter<Box<dyn Write>>>,
-    /// Whether products for the eye carry colours.
+    /// Colours of text on stdout.
     pub paint: Paint,
-    /// Whether findings do.
+    /// Colours of findings on stderr.
     finding_paint: Paint,
     quiet: bool,
-    /// Whether stderr's last line is progress, to be wiped before anything else is written.
+    /// Whether the last line of stderr is a progress line, which other output must erase.
     progress: RefCell<bool>,
 }
 
@@ -139,18 +138,18 @@ impl Streams {
         }
     }
 
-    /// Writes a product for people to stdout: nothing in it acts on a terminal or a log.
+    /// Writes text to stdout, with control characters escaped for terminals and logs.
     pub fn product(&self, text: &str) -> Result<(), Failure> {
         self.exactly(&escape::output(text, self.paint.styles()))
     }
 
-    /// Writes a product in JSON to stdout.
+    /// Writes JSON to stdout.
     pub fn json(&self, text: &str) -> Result<(), Failure> {
         self.exactly(&escape::json(text))
     }
 
-    /// Writes code or a patch to stdout: as it is for the program that reads it, but safe to look
-    /// at on a terminal and in the log of a step on GitHub.
+    /// Writes code or a patch to stdout: unchanged for a program, escaped for a terminal and for
+    /// the log of a GitHub step.
     pub fn source(&self, text: &str) -> Result<(), Failure> {
         let is_log = || {
             let is_file = std::fs::metadata("/dev/stdout").is_ok_and(|found| found.is_file());
@@ -162,8 +161,7 @@ impl Streams {
         }
     }
 
-    /// Writes a product to stdout that a program reads, byte for byte: code, or the commands of a
-    /// log.
+    /// Writes machine-readable text to stdout unchanged.
     pub fn exactly(&self, text: &str) -> Result<(), Failure> {
         if text.is_empty() {
             return Ok(());
@@ -172,7 +170,7 @@ impl Streams {
         self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
     }
 
-    /// Writes a product to stdout piece by piece; names in it are those of a layout.
+    /// Streams output to stdout unchanged; names in it come from layouts and are escaped.
     pub fn product_of(
         &self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -181,16 +179,20 @@ impl Streams {
         write(&mut *self.stdout.borrow_mut()).map_err(|cause| stdout_failure(&cause))
     }
 
-    /// Whether stdout is a place for bytes that are no text.
+    /// Checks that stdout can take binary data.
+    ///
+    /// # Errors
+    ///
+    /// Stdout is a terminal.
     pub fn takes_bytes(&self) -> Result<(), Error> {
         if !io::stdout().is_terminal() {
             return Ok(());
         }
         Err(Error::new("<stdout>", "is a terminal, and the bytes of a block are not text")
-            .with_help("`--out FILE` writes a file, `--hex` a dump to read"))
+            .with_help("write a file with `--out FILE`, or print a dump with `--hex`"))
     }
 
-    /// Writes a product that is no text to stdout, past whatever handles colours.
+    /// Writes binary data to stdout, past the handling of colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
         open()?;
         self.finish()?;
@@ -199,18 +201,18 @@ impl Streams {
         written.map_err(|cause| stdout_failure(&cause))
     }
 
-    /// Sees to it that all of the product has gone out.
+    /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
         self.stdout.borrow_mut().flush().map_err(|cause| stdout_failure(&cause))
     }
 
-    /// How findings are turned into text.
+    /// The formatter of findings.
     pub fn style(&self, form: FindingForm) -> FindingStyle {
         FindingStyle { form, paint: self.finding_paint, quiet: self.quiet }
     }
 
-    /// Writes findings to stderr. Nobody can be told when that fails.
+    /// Writes findings to stderr; failures are ignored.
     pub fn report(&self, text: &str) {
         if !text.is_empty() {
             self.wipe_progress();
@@ -218,36 +220,36 @@ impl Streams {
         }
     }
 
-    /// Writes what else there is to know to stderr, unless quiet.
+    /// Writes notes to stderr, unless quiet.
     pub fn notes(&self, text: &str) {
         if !self.quiet {
             self.report(&escape::output(text, Styles::Shown));
         }
     }
 
-    /// Writes why the whole run stopped.
+    /// Writes the error that ended the command.
     pub fn failure(&self, error: Error) {
         let found = Diagnostic { code: Code::Output, ..error.into() };
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 
-    /// Whether only errors are wanted.
+    /// Whether only errors are printed.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
 
-    /// Whether anybody would see progress.
+    /// Whether to show progress while stdout is redirected.
     pub fn shows_progress(&self) -> bool {
         !self.quiet && io::stderr().is_terminal() && !io::stdout().is_terminal()
     }
 
+    /// Whether to show progress before any result, which may go to the same terminal.
     #[cfg(feature = "exec")]
-    /// Whether anybody would see progress before the product, which may go to the same terminal.
     pub fn shows_progress_first(&self) -> bool {
         !self.quiet && io::stderr().is_terminal()
     }
 
-    /// Writes a line of progress over the last one.
+    /// Replaces the progress line.
     pub fn progress(&self, text: &str) {
         *self.progress.borrow_mut() = true;
         let _ = write!(io::stderr(), "\r{}\x1b[K", escape::name(text));
@@ -260,13 +262,13 @@ impl Streams {
     }
 }
 
-/// Whether there is a stdout for a product to go to.
+/// Fails if stdout was closed when the process began.
 fn open() -> Result<(), Failure> {
     if !stdout::was_closed() {
         return Ok(());
     }
-    let error = Error::new("<stdout>", "is closed, so that the output would be lost");
-    Err(error.with_help("send it to a file, or to /dev/null where nobody wants it").into())
+    let error = Error::new("<stdout>", "is closed: the output would be lost");
+    Err(error.with_help("redirect it to a file, or to /dev/null to discard it").into())
 }
 
 fn stdout_failure(cause: &io::Error) -> Failure {

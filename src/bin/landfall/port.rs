@@ -1,4 +1,4 @@
-//! `landfall port`: legacy GLSL to Vulkan's, its loose uniforms in one block.
+//! `landfall port`: rewrites legacy GLSL for Vulkan, naga or WGSL.
 
 use std::fmt::Write as _;
 
@@ -23,20 +23,19 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
-    let options = PortOptions {
-        dialect: match args.to {
-            PortTo::Vulkan => Dialect::Vulkan,
-            PortTo::Naga => Dialect::Naga,
-            PortTo::Wgsl => Dialect::Wgsl,
-        },
-        read: read::options(&args.read).read,
-        block: args.block.clone(),
-        set: args.set,
-        first_binding: args.first_binding,
-        partner,
-        locations: args.locations.clone(),
+    let mut options = PortOptions::default();
+    options.dialect = match args.to {
+        PortTo::Vulkan => Dialect::Vulkan,
+        PortTo::Naga => Dialect::Naga,
+        PortTo::Wgsl => Dialect::Wgsl,
     };
-    given::saw(&landfall_layout::layout(&source, &read::options(&args.read)).files);
+    options.read = read::options(&args.read).read;
+    options.block = args.block.clone();
+    options.set = args.set;
+    options.first_binding = args.first_binding;
+    options.partner = partner;
+    options.locations = args.locations.clone();
+    given::record(&landfall_layout::layout(&source, &read::options(&args.read)).files);
     let ported = match port(&source, &options) {
         Ok(ported) => ported,
         Err(found) => {
@@ -56,14 +55,14 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
-/// The places of findings about a text that was read on its own.
+/// The source files of findings in a shader read on its own.
 fn files_of(source: &Source) -> Files {
     let mut files = Files::default();
     files.add(source.path.clone(), source.text.clone());
     files
 }
 
-/// What the program that used the original has to know, a line each.
+/// The changes that the program using the shader must follow, one per line.
 fn notes(ported: &Ported) -> String {
     let mut text = String::new();
     for binding in &ported.bindings {
@@ -74,10 +73,10 @@ fn notes(ported: &Ported) -> String {
         let _ = writeln!(text, "location {} {way}: {}", location.location, location.name);
     }
     for value in &ported.values {
-        let _ = writeln!(text, "to be uploaded now: {} = {}", value.name, value.value);
+        let _ = writeln!(text, "upload: {} = {}", value.name, value.value);
     }
     for (old, new) in &ported.renamed {
-        let _ = writeln!(text, "renamed: {old} is {new}");
+        let _ = writeln!(text, "renamed: {old} to {new}");
     }
     text
 }

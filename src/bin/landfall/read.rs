@@ -1,5 +1,4 @@
-//! From the command line's words to a shader's source and the options it is laid out with, and
-//! to the other files a command reads.
+//! Reads shaders and other input files, and converts arguments to layout options.
 
 use std::path::{Path, PathBuf};
 
@@ -9,20 +8,18 @@ use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, sour
 
 use crate::args::{Api, ReadArgs};
 
-/// The options all shaders of a run are laid out with.
+/// The layout options from the command line.
 pub fn options(args: &ReadArgs) -> Options {
-    Options {
-        read: ReadOptions {
-            defines: args.defines.clone(),
-            include_dirs: args.text.include_dirs.clone(),
-            overrides: args.text.overrides.clone(),
-            target: Api::reading(&args.text.targets),
-            max_bytes: args.text.max_bytes,
-        },
-        rules: args.text.rules.as_deref().and_then(Rules::from_name),
-        gather: args.text.gather,
-        naga: false,
-    }
+    let mut read = ReadOptions::default();
+    read.defines = args.defines.clone();
+    read.include_dirs = args.text.include_dirs.clone();
+    read.overrides = args.text.overrides.clone();
+    read.target = Api::reading(&args.text.targets);
+    read.max_bytes = args.text.max_bytes;
+    Options::default()
+        .with_read(read)
+        .with_rules(args.text.rules.as_deref().and_then(Rules::from_name))
+        .with_gather(args.text.gather)
 }
 
 /// Whether a path on the command line means stdin.
@@ -30,12 +27,12 @@ pub fn is_stdin(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// The path stdin goes by.
+/// The path that stands for stdin.
 pub fn stdin_path(args: &ReadArgs) -> PathBuf {
     args.text.stdin_filename.clone().unwrap_or_else(|| PathBuf::from("<stdin>"))
 }
 
-/// A shader by the name it goes by.
+/// The path of a shader in messages; for stdin its substitute.
 pub fn named(path: &Path, args: &ReadArgs) -> PathBuf {
     if is_stdin(path) { stdin_path(args) } else { path.to_path_buf() }
 }
@@ -64,15 +61,15 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     Ok(source)
 }
 
-/// A file as messages name it.
+/// The name of a file in messages.
 pub fn shown(path: &Path) -> String {
     if is_stdin(path) { "<stdin>".to_string() } else { path.display().to_string() }
 }
 
-/// Bytes of the largest file of values, locks or tables that is read: 1 GiB.
+/// The maximum size of a file of values, locks or tables: 1 GiB.
 const MOST_OTHER: u64 = 1 << 30;
 
-/// Reads a file that is no shader.
+/// Reads a file other than a shader.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if is_stdin(path) {
         return read_stream("<stdin>", std::io::stdin().lock(), MOST_OTHER);
@@ -80,19 +77,19 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     read_whole(path, MOST_OTHER)
 }
 
-/// The bytes of a regular file, if it is one: a pipe in the place of a lock is not waited for.
+/// The bytes of a regular file; `None` for anything else, such as a pipe, which would block.
 pub fn file(path: &Path) -> Option<Vec<u8>> {
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
     if is_file { std::fs::read(path).ok() } else { None }
 }
 
-/// Reads a text that is no shader, its byte-order mark left out.
+/// Reads a text file other than a shader, without its byte-order mark.
 pub fn text(path: &Path) -> Result<String, Error> {
     let text = source::decode(&shown(path), bytes(path)?)?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 
-/// Two files cannot both be read from stdin.
+/// Fails if both inputs are stdin.
 pub fn only_one_stdin(shader: &Path, other: &Path) -> Result<(), Error> {
     if is_stdin(shader) && is_stdin(other) {
         return Err(Error::new("<stdin>", "cannot be both the shader and the other input")
@@ -101,7 +98,7 @@ pub fn only_one_stdin(shader: &Path, other: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// An error's text without its advice, and the advice.
+/// Splits an error's text into the message and the help.
 pub fn message_and_help(text: &str) -> (String, Option<String>) {
     match text.split_once("\nhelp: ") {
         Some((message, help)) => (message.to_string(), Some(help.to_string())),

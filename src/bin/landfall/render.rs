@@ -1,8 +1,8 @@
-//! `landfall render`: a scene lit by a shader on a reader, and how far it is from the truth.
+//! `landfall render`: renders a scene with a shader, and compares it with the f64 reference.
 
-pub mod asked;
 mod compare;
 mod plan;
+pub mod request;
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
@@ -10,49 +10,49 @@ use std::time::{Duration, Instant};
 
 use landfall::report::render as print;
 use landfall::report::render::RenderReport;
-use landfall_exec::backend::{Device, Reader};
+use landfall_exec::backend::{Backend, Device};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
-use landfall_light::bind::{Excess, Lit};
+use landfall_light::bind::{Lit, OverflowPolicy};
+use landfall_light::culling::Measured;
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
 use landfall_light::render::tally::Tally;
 use landfall_light::render::truth;
 use landfall_light::render::truth::Truth;
 use landfall_light::render::{Draw, RenderError, Rendered, Renderer, Work};
-use landfall_light::skip::Measured;
 use landfall_light::{Frame, Scene, Upload};
 
-use crate::args::{ReaderName, RenderArgs, RenderFormat};
+use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{given, readers, write};
-use asked::{Asked, Wanted};
+use crate::{backends, given, write};
 use plan::Planned;
+use request::{RenderRequest, Wanted};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
         RenderFormat::Human => FindingForm::Human,
         RenderFormat::Json => FindingForm::Json,
     });
-    let asked = match asked::asked(&Wanted::from(args), streams, &style)? {
-        Some(asked) => asked,
+    let request = match request::load(&Wanted::from(args), streams, &style)? {
+        Some(request) => request,
         None => return Ok(Outcome::CouldNot),
     };
     if args.skip.as_deref() == Some("help") {
         streams.product(&plan::help())?;
         return Ok(Outcome::Clean);
     }
-    asked.files_read().iter().for_each(given::saw);
+    request.files_read().iter().for_each(given::record);
     if args.print_bind {
-        return print_bind(args, &asked, streams, &style);
+        return print_bind(args, &request, streams, &style);
     }
-    match picture(args, &asked, streams) {
-        Ok(report) => told(args, &report, streams),
+    match picture(args, &request, streams) {
+        Ok(report) => print_report(args, &report, streams),
         Err(Stop::Failure(failure)) => Err(failure),
         Err(Stop::Render(error)) => {
-            let (found, files) = asked.findings(&error);
+            let (found, files) = request.findings(&error);
             streams.report(&style.text(&found, files));
             Ok(Outcome::CouldNot)
         }
@@ -61,15 +61,15 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 fn print_bind(
     args: &RenderArgs,
-    asked: &Asked,
+    request: &RenderRequest,
     streams: &Streams,
     style: &FindingStyle,
 ) -> Result<Outcome, Failure> {
-    let renderer = match asked.renderer() {
+    let renderer = match request.renderer() {
         Ok(Some(renderer)) => renderer,
-        Ok(None) => return Err(asked.no_shader().into()),
+        Ok(None) => return Err(request.no_shader().into()),
         Err(error) => {
-            let (found, files) = asked.findings(&error);
+            let (found, files) = request.findings(&error);
             streams.report(&style.text(&found, files));
             return Ok(Outcome::CouldNot);
         }
@@ -87,7 +87,7 @@ fn print_bind(
     Ok(Outcome::Clean)
 }
 
-/// Why there is no report.
+/// The error that prevented the report.
 enum Stop {
     Render(RenderError),
     Failure(Failure),
@@ -111,10 +111,10 @@ impl From<Failure> for Stop {
     }
 }
 
-/// A scene made ready, and what lights it.
+/// A prepared scene with its shader.
 struct Made<'a> {
     scene: &'a Scene,
-    /// With the lights that are lit.
+    /// The values and lights to upload.
     upload: Upload,
     frame: Frame,
     renderer: Option<Renderer>,
@@ -122,34 +122,38 @@ struct Made<'a> {
     limit: Duration,
 }
 
-/// Fragments that a picture by a plan is checked at.
+/// Number of fragments at which a picture with a plan is checked.
 const CHECKED: usize = 256;
 
-/// A picture by one reader.
+/// A picture rendered by a backend.
 struct Lighted {
     rendered: Rendered,
     device: Device,
     tally: Option<Tally>,
     time: Duration,
-    /// How far what was skipped is from the light of all lights.
+    /// The measured error from skipping.
     checked: Option<Measured>,
 }
 
-fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<RenderReport, Stop> {
+fn picture(
+    args: &RenderArgs,
+    request: &RenderRequest,
+    streams: &Streams,
+) -> Result<RenderReport, Stop> {
     if let Some(out) = &args.out {
-        // Said before anything is computed.
+        // Fail before computing anything.
         let shown = out.display().to_string();
         file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
-        write::protecting([], &asked.files_read()).allows(out)?;
+        write::protecting([], &request.files_read()).allows(out)?;
     }
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
-        false => Some(asked.renderer()?.ok_or_else(|| asked.no_shader())?),
+        false => Some(request.renderer()?.ok_or_else(|| request.no_shader())?),
     };
-    let scene = &asked.scene;
+    let scene = &request.scene;
     let mut upload = Upload::new(scene);
     if let Some(renderer) = &renderer {
-        let excess = if args.leave_out { Excess::LeaveOut } else { Excess::Refuse };
+        let excess = if args.leave_out { OverflowPolicy::LeaveOut } else { OverflowPolicy::Refuse };
         let kept = renderer.lights(&upload, excess).map_err(RenderError::from)?;
         let lights = &mut upload.lights;
         lights.directional.truncate(kept[0].len());
@@ -157,11 +161,11 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         lights.spot.truncate(kept[2].len());
     }
     let likely = || renderer.as_ref().map(|renderer| (truth::likely(&renderer.map), false));
-    let model = asked.model.map(|model| (model, true)).or_else(likely);
-    let frame = Frame::new(scene, &asked.frame);
+    let model = request.model.map(|model| (model, true)).or_else(likely);
+    let frame = Frame::new(scene, &request.frame);
     let limit = args.limit;
     let made = Made { scene, upload, frame, renderer, model, limit };
-    let mut report = made.report(asked);
+    let mut report = made.report(request);
     let picture = if args.reference {
         let begun = Instant::now();
         let truth = made.truth()?;
@@ -170,8 +174,8 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
         report.model = made.model;
         truth.picture
     } else {
-        let planned = plan::plan(args, asked, &made)?;
-        let lighted = made.light(args.reader, planned.as_ref(), args, streams)?;
+        let planned = plan::plan(args, request, &made)?;
+        let lighted = made.light(args.backend, planned.as_ref(), args, streams)?;
         report.plan = planned.map(|planned| planned.plan);
         if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
             if !plan.keeps(&checked) {
@@ -190,12 +194,12 @@ fn picture(args: &RenderArgs, asked: &Asked, streams: &Streams) -> Result<Render
     report.non_finite = picture.non_finite();
     let transfer = transfer(args);
     let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
-    let files = asked.files_read();
+    let files = request.files_read();
     let writer = write::protecting(named, &files);
     for what in &args.compare {
         let done = compare::compare(&made, what, &picture, args, streams)?;
         for (path, difference) in done.pictures {
-            // Drawn to be looked at, whatever the transfer of the picture is.
+            // For viewing, independent of the picture's transfer function.
             save(&writer, Path::new(&path), &difference, Transfer::Srgb)?;
             report.written.push(path);
         }
@@ -229,14 +233,14 @@ fn save(
 }
 
 impl Made<'_> {
-    /// The picture of the reference, and its model; the nearest to a picture where none is said.
+    /// Renders the reference; without a given model, with the one nearest to `picture`.
     fn truth_near(&self, picture: &Picture) -> Result<(Truth, (Model, bool)), Error> {
-        let (mut model, said) = self.model()?;
-        if !said {
+        let (mut model, is_given) = self.model()?;
+        if !is_given {
             model = truth::nearest(&model, &self.upload, &self.frame, picture);
         }
         let truth = truth::truth(&model, &self.upload, &self.frame, self.scene.background);
-        Ok((truth, (model, said)))
+        Ok((truth, (model, is_given)))
     }
 
     fn truth(&self) -> Result<Truth, Error> {
@@ -246,13 +250,13 @@ impl Made<'_> {
 
     fn model(&self) -> Result<(Model, bool), Error> {
         self.model.ok_or_else(|| {
-            let what = "needs a lighting model, and neither the scene nor a shader says one";
+            let what = "needs a lighting model, but neither the scene nor the shader gives one";
             Error::new("--reference", what)
-                .with_help("say `--model multi`, or `array`, `view_space`, `casters`")
+                .with_help("add `--model multi`, `array`, `view_space` or `casters`")
         })
     }
 
-    fn report(&self, asked: &Asked) -> RenderReport {
+    fn report(&self, request: &RenderRequest) -> RenderReport {
         let lights = &self.upload.lights;
         let [directional, point, spot] = self.numbers();
         let lit = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
@@ -260,12 +264,14 @@ impl Made<'_> {
         if let Some(renderer) = &self.renderer {
             let unknown = renderer.map.unknown();
             notes.extend(
-                unknown.iter().map(|name| format!("`{name}` is zero: nothing is known of it")),
+                unknown
+                    .iter()
+                    .map(|name| format!("`{name}` is zero: the scene has no value for it")),
             );
         }
         RenderReport {
             scene: self.scene.name.clone(),
-            shader: asked.shader.as_ref().map(|shader| shader.path.clone()),
+            shader: request.shader.as_ref().map(|shader| shader.path.clone()),
             device: None,
             size: [self.frame.width, self.frame.height],
             fragments: self.frame.fragments.len() as u64,
@@ -286,22 +292,22 @@ impl Made<'_> {
         }
     }
 
-    /// The numbers of all lights.
+    /// The indices of all lights.
     fn numbers(&self) -> [Vec<u32>; 3] {
         let lights = &self.upload.lights;
         [lights.directional.len(), lights.point.len(), lights.spot.len()]
             .map(|count| (0..count as u32).collect())
     }
 
-    /// The whole picture by a reader.
+    /// Renders the whole picture on a backend.
     fn light(
         &self,
-        name: ReaderName,
+        name: BackendName,
         planned: Option<&Planned>,
         args: &RenderArgs,
         streams: &Streams,
     ) -> Result<Lighted, Stop> {
-        let whole = self.renderer.as_ref().expect("a reader is asked only with a shader");
+        let whole = self.renderer.as_ref().expect("backends render shaders only");
         let renderer = planned.map_or(whole, |planned| &planned.renderer);
         let [directional, point, spot] = self.numbers();
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
@@ -323,7 +329,7 @@ impl Made<'_> {
             }
         };
         let (rendered, device, tally, time, checked) = match name {
-            ReaderName::Cpu => {
+            BackendName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
                 let mut cpu = Cpu::new(settings);
                 let mut tally = Tally::default();
@@ -343,33 +349,35 @@ impl Made<'_> {
                 };
                 (rendered, cpu.device().clone(), Some(tally), time, checked)
             }
-            ReaderName::Gl | ReaderName::Gpu => {
-                let opened = readers::one(name, args.adapter.as_deref());
-                let mut reader = opened.map_err(|failure| {
-                    Error::new(name.name(), format!("cannot light it: {}", failure.message))
-                        .with_help(
-                            "`landfall devices` lists what is here; `--reader cpu` needs nothing",
-                        )
+            BackendName::Gl | BackendName::Gpu => {
+                let opened = backends::one(name, args.adapter.as_deref());
+                let mut backend = opened.map_err(|failure| {
+                    Error::new(name.name(), format!("cannot render: {}", failure.message))
+                        .with_help("`landfall devices` lists the backends; cpu needs no driver")
                 })?;
                 let begun = Instant::now();
-                let after = &mut |_: &mut (dyn Reader + 'static), n: usize| progress(n);
+                let after = &mut |_: &mut (dyn Backend + 'static), n: usize| progress(n);
                 let rendered = match plan {
-                    Some(plan) => renderer.render_plan(reader.as_mut(), &work, plan, after)?,
-                    None => renderer.render(reader.as_mut(), &work, &draws, after)?,
+                    Some(plan) => renderer.render_plan(backend.as_mut(), &work, plan, after)?,
+                    None => renderer.render(backend.as_mut(), &work, &draws, after)?,
                 };
                 let time = begun.elapsed();
                 let checked = match plan {
-                    Some(_) => Some(whole.check(reader.as_mut(), &work, &rendered, CHECKED)?),
+                    Some(_) => Some(whole.check(backend.as_mut(), &work, &rendered, CHECKED)?),
                     None => None,
                 };
-                (rendered, reader.device().clone(), None, time, checked)
+                (rendered, backend.device().clone(), None, time, checked)
             }
         };
         Ok(Lighted { rendered, device, tally, time, checked })
     }
 }
 
-fn told(args: &RenderArgs, report: &RenderReport, streams: &Streams) -> Result<Outcome, Failure> {
+fn print_report(
+    args: &RenderArgs,
+    report: &RenderReport,
+    streams: &Streams,
+) -> Result<Outcome, Failure> {
     match args.format {
         RenderFormat::Human => {
             streams.product(&print::text(report, streams.paint))?;

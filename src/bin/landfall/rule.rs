@@ -1,4 +1,4 @@
-//! `landfall rule`: lists the lints and hazards, or explains one.
+//! `landfall rule`: lists the lints and hazards, or explains them.
 
 use landfall_layout::diagnostic::Code;
 use std::fmt::Write as _;
@@ -12,10 +12,10 @@ use landfall_lint::{LINTS, Lint, lint, nearest};
 use crate::args::{RuleArgs, RuleFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 
-/// Columns of running text.
+/// Width of wrapped text in columns.
 const WIDTH: usize = 96;
 
-/// What has a code: a lint, which may be a hazard's too, or a hazard.
+/// A lint, which may share its code with a hazard, or a hazard without a lint of its code.
 #[derive(Clone, Copy)]
 enum Rule {
     Lint(&'static Lint),
@@ -23,7 +23,7 @@ enum Rule {
 }
 
 impl Rule {
-    /// Every rule by code.
+    /// Every rule, sorted by code.
     fn all() -> Vec<Rule> {
         let hazards = Hazard::ALL.into_iter().filter(|hazard| lint(hazard.code()).is_none());
         let lints = LINTS.iter().map(|lint| Rule::Lint(lint));
@@ -32,7 +32,7 @@ impl Rule {
         all
     }
 
-    /// The rule of that code, earlier spelling or label.
+    /// The rule with this code, former code or label.
     fn named(name: &str) -> Option<Rule> {
         let of = |hazard: Hazard| lint(hazard.code()).map_or(Rule::Hazard(hazard), Rule::Lint);
         lint(name).map(Rule::Lint).or_else(|| Hazard::named(name).map(of))
@@ -59,7 +59,7 @@ impl Rule {
         }
     }
 
-    /// The hazard of the same code.
+    /// The hazard with the same code, if any.
     fn hazard(self) -> Option<Hazard> {
         match self {
             Rule::Lint(lint) => lint.hazards().iter().copied().find(|h| h.code() == lint.code),
@@ -93,32 +93,25 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
         RuleFormat::Human if in_full => join(&rules, |rule| explanation(rule, streams.paint)),
         RuleFormat::Human => table(&rules, streams.paint),
     };
-    // Texts of ours alone.
+    // Built-in texts need no escaping.
     streams.exactly(&text)?;
     Ok(Outcome::Clean)
 }
 
 fn unknown(code: &str) -> Diagnostic {
     let near = nearest(code, Rule::all().iter().map(|rule| rule.code()));
-    Diagnostic {
-        code: Code::UnknownLint,
-        severity: Severity::Error,
-        message: format!("there is no lint and no hazard `{code}`"),
-        path: None,
-        labels: vec![],
-        notes: vec![],
-        help: Some(match near {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "`landfall rule` lists the lints and hazards".to_string(),
-        }),
-    }
+    let message = format!("there is no lint or hazard `{code}`");
+    Diagnostic::bare(Code::UnknownLint, Severity::Error, message).with_help(match near {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "`landfall rule` lists the lints and hazards".to_string(),
+    })
 }
 
 fn join(rules: &[Rule], text: impl Fn(Rule) -> String) -> String {
     rules.iter().map(|rule| text(*rule)).collect::<Vec<_>>().join("\n")
 }
 
-/// Code, level and the first sentence of each.
+/// A line per rule: code, level and description.
 fn table(rules: &[Rule], paint: Paint) -> String {
     let width = rules.iter().map(|rule| rule.code().len()).max().unwrap_or(0);
     let mut text = String::new();
@@ -149,7 +142,7 @@ fn explanation(rule: Rule, paint: Paint) -> String {
 
 fn lint_explanation(lint: &'static Lint, paint: Paint) -> String {
     let head = strong(lint.code, paint);
-    let mut text = format!("{head}  ({} unless you say otherwise)\n", lint.level.name());
+    let mut text = format!("{head}  ({} by default)\n", lint.level.name());
     sections(&mut text, &[("what", lint.what), ("why", lint.why), ("fix", lint.fix)], paint);
     let _ = write!(text, "\n{}\n", strong("example", paint));
     for line in lint.example.trim_end().lines() {
@@ -172,7 +165,7 @@ fn lint_explanation(lint: &'static Lint, paint: Paint) -> String {
     text
 }
 
-/// What the catalogue says of a hazard besides what and why.
+/// The sections of a hazard after `what` and `why`.
 fn hazard_sections(hazard: Hazard, paint: Paint) -> String {
     let info = hazard.info();
     let mut text = String::new();
@@ -192,7 +185,7 @@ fn hazard_sections(hazard: Hazard, paint: Paint) -> String {
     text
 }
 
-/// The lints that report code which may meet it.
+/// The lints that report code with this hazard.
 fn lints_of(hazard: Hazard) -> impl Iterator<Item = &'static Lint> {
     LINTS.iter().copied().filter(move |lint| lint.hazards().contains(&hazard))
 }
@@ -232,7 +225,7 @@ fn markdown(rule: Rule) -> String {
     }
 }
 
-/// A table of the lints and one of the hazards.
+/// A Markdown table of lints and one of hazards.
 fn markdown_tables(rules: &[Rule]) -> String {
     let (mut lints, mut hazards) = (
         "| code | level | what |\n|---|---|---|\n".to_string(),
@@ -249,8 +242,8 @@ fn markdown_tables(rules: &[Rule]) -> String {
     lints + &hazards
 }
 
-/// A lint or hazard in JSON; a lint has no key that is only a hazard's, and no key of the catalogue
-/// where no hazard has its code.
+/// A lint or hazard in JSON. `example` and `hazards` are of lints only; `hazard` is present if a
+/// hazard has the code.
 #[derive(serde::Serialize)]
 struct Object {
     code: &'static str,
@@ -301,7 +294,7 @@ impl HazardObject {
     }
 }
 
-/// One object, or an array of all.
+/// A single object, or an array.
 fn json(rules: &[Rule], one: bool) -> String {
     let object = |rule: Rule| {
         let (why, example, fix, hazards) = match rule {
@@ -331,7 +324,7 @@ fn strong(text: &str, paint: Paint) -> String {
     }
 }
 
-/// Running text in lines of at most so many characters.
+/// Wraps text to lines of at most `width` characters.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

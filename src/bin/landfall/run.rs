@@ -1,4 +1,4 @@
-//! `landfall run`: one function called, its results in f32 beside f64.
+//! `landfall run`: calls a function of a shader in f32 and f64.
 
 use landfall::report::run as print;
 use landfall_exec::harness::call::{Request, call};
@@ -7,12 +7,12 @@ use landfall_layout::Error;
 use landfall_layout::source::Files;
 use serde_json::Value;
 
-use crate::args::{ReaderName, RunArgs, RunFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
-use crate::{data, given, read, readers, write};
+use crate::args::{BackendName, RunArgs, RunFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::{backends, data, given, read, write};
 
 pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    // In JSON, what was found is part of the product.
+    // In JSON, findings are part of the result.
     let form = match args.format {
         RunFormat::Human => FindingForm::Human,
         RunFormat::Json => FindingForm::Json,
@@ -22,27 +22,27 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (source, request) = match made {
         Ok(made) => made,
         Err(error) => {
-            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
+            streams.report(&style.text(&[request_finding(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };
-    let mut reader = match args.reader {
-        // The evaluator runs in any case.
-        ReaderName::Cpu => None,
-        ReaderName::Gl | ReaderName::Gpu => {
-            let opened = readers::one(args.reader, args.adapter.as_deref());
+    let mut backend = match args.backend {
+        // The evaluator always runs.
+        BackendName::Cpu => None,
+        BackendName::Gl | BackendName::Gpu => {
+            let opened = backends::one(args.backend, args.adapter.as_deref());
             Some(opened.map_err(|failure| {
-                let message = format!("cannot run it: {}", failure.message);
-                Error::new(args.reader.name(), message).with_help(
-                    "`landfall devices` lists what is here; `--reader cpu` needs nothing",
+                let message = format!("cannot run the function: {}", failure.message);
+                Error::new(args.backend.name(), message).with_help(
+                    "`landfall devices` lists the backends; `--backend cpu` needs no driver",
                 )
             })?)
         }
     };
     let options = read::options(&args.read);
-    given::saw(&write::files_of(&source, &options));
-    let called = match &mut reader {
-        Some(reader) => call(&source, &options, &request, Some(reader.as_mut())),
+    given::record(&write::files_of(&source, &options));
+    let called = match &mut backend {
+        Some(backend) => call(&source, &options, &request, Some(backend.as_mut())),
         None => call(&source, &options, &request, None),
     };
     match called {
@@ -66,13 +66,15 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 fn request(args: &RunArgs) -> Result<Request, Error> {
     let Value::Array(arguments) = data::value("--args", &args.arguments)? else {
-        return Err(Error::new("--args", "is no array of arguments").with_help("write `[1, 2]`"));
+        return Err(
+            Error::new("--args", "is not an array of arguments").with_help("write `[1, 2]`")
+        );
     };
     let floats = args.floats.floats();
-    if floats != Floats::AsWritten && args.reader != ReaderName::Cpu {
-        let reader = format!("--reader {}", args.reader.name());
-        return Err(Error::new(reader, "runs the text as it is written")
-            .with_help("leave out --half and --mediump, or let `cpu` round"));
+    if floats != Floats::AsWritten && args.backend != BackendName::Cpu {
+        let backend = format!("--backend {}", args.backend.name());
+        return Err(Error::new(backend, "cannot round to f16: drivers run the source as written")
+            .with_help("remove --half and --mediump, or use `--backend cpu`"));
     }
     let inputs =
         args.inputs.iter().map(|(name, text)| Ok((name.clone(), data::value("--input", text)?)));
@@ -87,7 +89,7 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
     })
 }
 
-/// Colours of textures by name.
+/// Parses the colours of textures by name.
 pub fn textures(given: &[(String, String)]) -> Result<Vec<(String, [f32; 4])>, Error> {
     let colours = given
         .iter()
@@ -95,13 +97,13 @@ pub fn textures(given: &[(String, String)]) -> Result<Vec<(String, [f32; 4])>, E
     colours.collect()
 }
 
-/// Four numbers.
+/// Converts an array of four numbers to a colour.
 fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
     let numbers: Option<Vec<f32>> = value
         .as_array()
         .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());
     numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
-        Error::new("--texture", format!("gives `{name}` no colour of four numbers"))
+        Error::new("--texture", format!("needs a colour of four numbers for `{name}`"))
             .with_help(format!("write `{name}=[1, 1, 1, 1]`"))
     })
 }

@@ -1,4 +1,4 @@
-//! `landfall schema`: the JSON Schemas the outputs and scenes keep to.
+//! `landfall schema`: prints the JSON Schema of an output format or of scenes.
 
 use landfall_layout::format as emit;
 

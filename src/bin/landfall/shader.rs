@@ -1,21 +1,20 @@
-//! The one shader that a command is about: read, laid out, and the block in it that is meant.
+//! Reads and lays out the single shader of a command, and selects a block.
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, Severity, ShaderLayout};
+use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
 use crate::output::{FindingStyle, Streams};
 use crate::{given, read};
 
-/// Blocks named in a message.
+/// Maximum number of names in a message.
 const NAMES: usize = 8;
 
-/// Reads a shader, lays it out and reports what there is to say about it; `None` when nothing of
-/// it can be told.
+/// Reads a shader, lays it out and reports findings; `None` if it cannot be parsed.
 pub fn laid_out(
     path: &Path,
     args: &ReadArgs,
@@ -30,13 +29,13 @@ pub fn laid_out(
         }
     };
     let shader = landfall_layout::layout(&source, &read::options(args));
-    given::saw(&shader.files);
+    given::record(&shader.files);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)
 }
 
-/// The block of that name, or the only one that has bytes.
+/// The block with this name, or the only block that has bytes.
 pub fn block<'a>(
     shader: &'a ShaderLayout,
     name: Option<&str>,
@@ -50,8 +49,9 @@ pub fn block<'a>(
         ([], Some(_)) => Err(no_block(shader, name)),
         ([], None) if shader.blocks.is_empty() => Err(no_block(shader, name)),
         ([] | [_], _) => {
-            let message = format!("no block of `{}` has bytes", shader.path);
-            let help = "loose uniforms are set one by one; `--gather` lays them out as a block";
+            let message = format!("no block of `{}` has any bytes", shader.path);
+            let help =
+                "loose uniforms are uploaded one by one; `--gather` lays them out as a block";
             Err(finding(&shader.path, Code::NoBytes, message, Some(help.to_string())))
         }
         (blocks, Some(name)) => {
@@ -64,16 +64,16 @@ pub fn block<'a>(
         (blocks, None) => {
             let message = format!("`{}` has {} blocks", shader.path, blocks.len());
             let all = names(blocks.iter().map(|block| own_name(block)));
-            let help = format!("say which with `--block`: {all}");
+            let help = format!("select one with `--block`: {all}");
             Err(finding(&shader.path, Code::WhichBlock, message, Some(help)))
         }
     }
 }
 
-/// No block at all, or none of that name.
+/// The finding for a shader without blocks, or without a block of this name.
 pub fn no_block(shader: &ShaderLayout, name: Option<&str>) -> Diagnostic {
     let all = names(shader.blocks.iter().map(own_name));
-    let help = (!shader.blocks.is_empty()).then(|| format!("there is {all}"));
+    let help = (!shader.blocks.is_empty()).then(|| format!("available: {all}"));
     let path = &shader.path;
     let (code, message) = match name {
         Some(name) => (Code::UnknownBlock, format!("no block named `{name}` in `{path}`")),
@@ -82,7 +82,7 @@ pub fn no_block(shader: &ShaderLayout, name: Option<&str>) -> Diagnostic {
     finding(path, code, message, help)
 }
 
-/// The block's name, or its instance's where it has none.
+/// The name of a block, or its instance name if it has none.
 fn own_name(block: &BlockLayout) -> &str {
     match &*block.name {
         "" => block.instance.as_deref().unwrap_or_default(),
@@ -90,7 +90,7 @@ fn own_name(block: &BlockLayout) -> &str {
     }
 }
 
-/// `` `A`, `B` ``, the first few.
+/// Formats the first few names: `` `A`, `B`, … ``.
 fn names<'n>(names: impl Iterator<Item = &'n str>) -> String {
     let mut quoted: Vec<String> = names.take(NAMES + 1).map(|name| format!("`{name}`")).collect();
     if quoted.len() > NAMES {
@@ -99,15 +99,7 @@ fn names<'n>(names: impl Iterator<Item = &'n str>) -> String {
     quoted.join(", ")
 }
 
-/// An error about what was asked of a file.
+/// A finding about a request for a file.
 pub fn finding(path: &str, code: Code, message: String, help: Option<String>) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: Some(path.to_string()),
-        labels: vec![],
-        notes: vec![],
-        help,
-    }
+    Diagnostic::about(code, message, help, path)
 }

@@ -1,7 +1,7 @@
 //! Whether stdout was open when the process began.
 //!
-//! Before `main` the standard library opens `/dev/null` in the place of a standard stream that is
-//! closed, and nobody can tell then that a product goes nowhere; so this looks before that.
+//! Before `main`, the standard library replaces a closed standard stream by `/dev/null`, which
+//! hides that output is lost; so the check runs before that.
 
 #![cfg_attr(
     any(target_os = "linux", target_os = "macos"),
@@ -17,21 +17,21 @@ pub fn was_closed() -> bool {
     CLOSED.load(Ordering::Relaxed)
 }
 
-/// Opens no file: that would get the number of the stream that is closed.
+/// Opens no file: it would get the number of the closed stream.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-extern "C" fn look() {
+extern "C" fn check_stdout() {
     let is_there = |path| std::fs::symlink_metadata(path).is_ok();
-    // Without `/proc` there is nothing to be seen of any stream.
-    let seen = std::fs::metadata("/dev/fd").is_ok();
-    CLOSED.store(seen && !is_there("/dev/fd/1"), Ordering::Relaxed);
+    // Without `/dev/fd`, the state of streams is unknown.
+    let is_known = std::fs::metadata("/dev/fd").is_ok();
+    CLOSED.store(is_known && !is_there("/dev/fd/1"), Ordering::Relaxed);
 }
 
 #[cfg(target_os = "linux")]
 #[used]
 #[unsafe(link_section = ".init_array")]
-static LOOK: extern "C" fn() = look;
+static CHECK: extern "C" fn() = check_stdout;
 
 #[cfg(target_os = "macos")]
 #[used]
 #[unsafe(link_section = "__DATA,__mod_init_func")]
-static LOOK: extern "C" fn() = look;
+static CHECK: extern "C" fn() = check_stdout;

@@ -1,4 +1,4 @@
-//! `landfall stress`: where a function breaks, how wrong it gets, and why.
+//! `landfall stress`: searches for inputs at which a function is inaccurate, and the cause.
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
@@ -7,18 +7,18 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use landfall::report::stress as print;
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Floats;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Source};
-use landfall_light::accuracy::stress::{MapRequest, ReaderReport, Request, error_map, stress};
+use landfall_light::accuracy::stress::{BackendReport, MapRequest, Request, error_map, stress};
 
-use crate::args::{ReaderName, StressArgs, StressFormat};
-use crate::output::{Failure, FindingForm, Outcome, Streams, asked_wrongly};
+use crate::args::{BackendName, StressArgs, StressFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
 use crate::run::textures;
-use crate::{data, given, interrupt, read, readers, write};
+use crate::{backends, data, given, interrupt, read, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -30,7 +30,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
-            streams.report(&style.text(&[asked_wrongly(error)], &Files::default()));
+            streams.report(&style.text(&[request_finding(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
     };
@@ -52,9 +52,9 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    given::saw(&write::files_of(&source, &options));
-    let (mut readers, missing) = open(args);
-    let stressed = stress(&source, &options, &request, &mut readers, &progress);
+    given::record(&write::files_of(&source, &options));
+    let (mut backends, missing) = open(args);
+    let stressed = stress(&source, &options, &request, &mut backends, &progress);
     if shows {
         eprint!("\r\x1b[K");
     }
@@ -66,7 +66,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let absent = !missing.is_empty();
-    report.readers.extend(missing);
+    report.backends.extend(missing);
     let is_stopped = || stop.load(Ordering::Relaxed);
     if let (Some(file), Some(x), Some(y), false) =
         (&args.map, &args.map_x, &args.map_y, is_stopped())
@@ -89,13 +89,13 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         StressFormat::Json => streams.json(&print::json(&report))?,
         StressFormat::Sarif => streams.json(&print::sarif(&report))?,
     }
-    for reader in &report.readers {
-        let Some(why) = &reader.failure else { continue };
-        let what = if reader.ran() { "stopped" } else { "did not run" };
-        let found = Error::new(reader.reader.name(), format!("{what}: {why}"));
-        let found = match reader.device {
+    for backend in &report.backends {
+        let Some(why) = &backend.failure else { continue };
+        let what = if backend.ran() { "stopped" } else { "did not run" };
+        let found = Error::new(backend.backend.name(), format!("{what}: {why}"));
+        let found = match backend.device {
             Some(_) => found,
-            None => found.with_help("`landfall devices` lists what is here"),
+            None => found.with_help("`landfall devices` lists the available backends"),
         };
         let found = Diagnostic { code: Code::CannotRun, ..found.into() };
         streams.report(&style.text(&[found], &Files::default()));
@@ -103,8 +103,8 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if is_stopped() {
         return Ok(Outcome::Interrupted);
     }
-    // Somebody asked for numbers that are not there.
-    let none_ran = !report.readers.is_empty() && !report.readers.iter().any(ReaderReport::ran);
+    // A requested backend did not run.
+    let none_ran = !report.backends.is_empty() && !report.backends.iter().any(BackendReport::ran);
     if absent || none_ran {
         return Ok(Outcome::CouldNot);
     }
@@ -117,7 +117,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     })
 }
 
-/// A writer that leaves all that is read alone.
+/// A writer that does not overwrite inputs.
 fn inputs(args: &StressArgs, source: &Source, options: &Options, request: &Request) -> FileWriter {
     let against = args.against.as_deref().map(|text| text.split('#').next().unwrap_or(text));
     let named = [args.domain.as_deref(), args.data.as_deref(), against];
@@ -127,17 +127,17 @@ fn inputs(args: &StressArgs, source: &Source, options: &Options, request: &Reque
     write::protecting(named, &files)
 }
 
-/// The drivers that are asked for, and those of them that are not here.
-fn open(args: &StressArgs) -> (Vec<Box<dyn Reader>>, Vec<ReaderReport>) {
+/// Opens the requested drivers; also returns those that are missing.
+fn open(args: &StressArgs) -> (Vec<Box<dyn Backend>>, Vec<BackendReport>) {
     let (mut here, mut missing) = (Vec::new(), Vec::new());
-    for name in ReaderName::ALL {
-        // The evaluator runs in any case.
-        if name == ReaderName::Cpu || !args.readers.contains(&name) {
+    for name in BackendName::ALL {
+        // The evaluator always runs.
+        if name == BackendName::Cpu || !args.backends.contains(&name) {
             continue;
         }
-        match readers::one(name, args.adapter.as_deref()) {
-            Ok(reader) => here.push(reader),
-            Err(failure) => missing.push(ReaderReport::missing(name.kind(), &failure)),
+        match backends::one(name, args.adapter.as_deref()) {
+            Ok(backend) => here.push(backend),
+            Err(failure) => missing.push(BackendReport::missing(name.kind(), &failure)),
         }
     }
     (here, missing)

@@ -1,4 +1,4 @@
-//! `landfall verify`: every block read back by every reader, and which byte each read saw.
+//! `landfall verify`: runs probes that report the byte each member is read from.
 
 use landfall_exec::backend::BackendKind;
 use std::path::Path;
@@ -9,7 +9,7 @@ use landfall_exec::backend::Device;
 use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::coverage::coverage;
 use landfall_exec::harness::spirv;
-use landfall_exec::harness::verify::report::{Attendance, Outcome as Seen, ShaderReport};
+use landfall_exec::harness::verify::report::{BackendStatus, Outcome as ReadOutcome, ShaderReport};
 use landfall_exec::harness::verify::{
     ReadBy, Subject, VerifyOptions, hold_spirv, run_compiled, verify,
 };
@@ -20,10 +20,10 @@ use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
 
 use crate::args::{VerifyArgs, VerifyFormat};
+use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::readers::{self, Readers};
 use crate::{data, given, read};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -38,8 +38,8 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         block: args.block.clone(),
         limit: args.limit,
     };
-    let mut readers = readers::open(&args.readers, args.adapter.as_deref());
-    required(args, &readers)?;
+    let mut backends = backends::open(&args.backends, args.adapter.as_deref());
+    required(args, &backends)?;
     let form = match args.format {
         VerifyFormat::Human => FindingForm::Human,
         VerifyFormat::Json => FindingForm::Json,
@@ -57,17 +57,17 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     match args.format {
         VerifyFormat::Human => {
-            streams.product(&print::readers(&readers.attendance, streams.paint))?;
+            streams.product(&print::backends(&backends.statuses, streams.paint))?;
         }
-        VerifyFormat::Json => streams.json(&print::json_opening(&readers.attendance))?,
+        VerifyFormat::Json => streams.json(&print::json_opening(&backends.statuses))?,
     }
     for input in Inputs::new(args.files.clone()) {
-        run.one(input, &mut readers)?;
+        run.one(input, &mut backends)?;
     }
     run.finish()
 }
 
-/// The words of a SPIR-V file.
+/// Reads the words of a SPIR-V file.
 fn compiled(path: &Path) -> Result<Vec<u32>, Error> {
     let words = spirv::words(&read::bytes(path)?);
     words.map_err(|failure| Error::new(read::shown(path), failure.message))
@@ -77,36 +77,36 @@ fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
     Error::new("--spirv", failure.message)
 }
 
-/// The blocks of a lock or of the output of `layout --format json`.
+/// Reads the blocks of a lock or of output of `layout --format json`.
 fn given(path: &Path) -> Result<Vec<BlockLayout>, Error> {
     let text = read::text(path)?;
     let locks = lock::read_all(&read::shown(path), &text)?;
     Ok(locks.into_iter().flat_map(|lock| lock.blocks).collect())
 }
 
-/// Those that `--require` names must be here, and somebody must.
-fn required(args: &VerifyArgs, readers: &Readers) -> Result<(), Error> {
-    for attendance in &readers.attendance {
-        let Attendance::Missing { reader, failure } = attendance else { continue };
-        if args.require.iter().any(|name| name.kind() == *reader) {
-            let message = format!("is required and did not run: {}", failure.message);
-            return Err(Error::new(reader.name(), message)
-                .with_help("`landfall devices` lists what is here"));
+/// Fails if a backend of `--require` is missing, or if none is available.
+fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
+    for statuses in &backends.statuses {
+        let BackendStatus::Missing { backend, failure } = statuses else { continue };
+        if args.require.iter().any(|name| name.kind() == *backend) {
+            let message = format!("is required but did not run: {}", failure.message);
+            return Err(Error::new(backend.name(), message)
+                .with_help("`landfall devices` lists the available backends"));
         }
     }
     let named = |kind: BackendKind| {
-        readers.attendance.iter().any(|attendance| match attendance {
-            Attendance::Here(device) => device.reader == kind,
-            Attendance::Missing { .. } => false,
+        backends.statuses.iter().any(|statuses| match statuses {
+            BackendStatus::Here(device) => device.backend == kind,
+            BackendStatus::Missing { .. } => false,
         })
     };
     if let Some(name) = args.require.iter().find(|name| !named(name.kind())) {
-        let message = "is required, but `--reader` leaves it out";
+        let message = "is required, but `--backend` excludes it";
         return Err(Error::new(name.name(), message));
     }
-    if readers.here.is_empty() {
-        return Err(Error::new("verify", "has no reader to run")
-            .with_help("`landfall devices` says why; `--reader cpu` needs nothing"));
+    if backends.here.is_empty() {
+        return Err(Error::new("verify", "has no backend to run")
+            .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"));
     }
     Ok(())
 }
@@ -125,7 +125,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn one(&mut self, input: Result<Input, Error>, readers: &mut Readers) -> Result<(), Failure> {
+    fn one(&mut self, input: Result<Input, Error>, backends: &mut Backends) -> Result<(), Failure> {
         let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
         let (source, input) = match input.and_then(read) {
             Ok(read) => read,
@@ -144,12 +144,14 @@ impl Run<'_> {
                 return Ok(());
             }
         };
-        given::saw(&subject.layout().files);
-        let mut report = verify(&subject, &self.options, &mut readers.here);
+        given::record(&subject.layout().files);
+        let mut report = verify(&subject, &self.options, &mut backends.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
-            let gpu =
-                readers.here.iter_mut().find(|reader| reader.device().reader == BackendKind::Gpu);
+            let gpu = backends
+                .here
+                .iter_mut()
+                .find(|backend| backend.device().backend == BackendKind::Gpu);
             report.compiled =
                 gpu.map(|gpu| run_compiled(&subject, &self.options, words, gpu.as_mut()));
         }
@@ -173,7 +175,7 @@ impl Run<'_> {
             VerifyFormat::Json => self.streams.json(&text)?,
         }
         if self.args.record {
-            self.record(&subject, &input, &report, &readers.attendance)?;
+            self.record(&subject, &input, &report, &backends.statuses)?;
         }
         Ok(())
     }
@@ -183,36 +185,36 @@ impl Run<'_> {
         self.streams.report(&self.style.text(found, files));
     }
 
-    /// Notes in a shader's lock who confirmed all of its blocks.
+    /// Records in the shader's lock the backends that confirmed all of its blocks.
     fn record(
         &self,
         subject: &Subject,
         input: &Input,
         report: &ShaderReport,
-        attendance: &[Attendance],
+        statuses: &[BackendStatus],
     ) -> Result<(), Failure> {
         let locks = self.config.locks(self.args.locks.as_deref());
         let path = self.config.lock_of(&locks, &read::named(&input.path, &self.args.read))?;
         let text = read::text(&path).map_err(|error| {
-            error.with_help("`landfall lock` writes it; then `verify --record` can add to it")
+            error.with_help("write it with `landfall lock` before `verify --record`")
         })?;
         let mut lock = lock::read(&path.display().to_string(), &text)?;
         let confirmed = |device: &Device| {
-            let mut seen = report.blocks.iter().map(|block| {
-                block.readers.iter().any(|reader| {
-                    reader.reader == ReadBy::Backend(device.reader)
-                        && reader.outcome == Seen::Confirmed
+            let mut confirmations = report.blocks.iter().map(|block| {
+                block.backends.iter().any(|backend| {
+                    backend.backend == ReadBy::Backend(device.backend)
+                        && backend.outcome == ReadOutcome::Confirmed
                 })
             });
-            !report.blocks.is_empty() && seen.all(|seen| seen)
+            !report.blocks.is_empty() && confirmations.all(|confirmed| confirmed)
         };
-        for attendance in attendance {
-            let Attendance::Here(device) = attendance else { continue };
-            if device.reader == BackendKind::Cpu || !confirmed(device) {
+        for statuses in statuses {
+            let BackendStatus::Here(device) = statuses else { continue };
+            if device.backend == BackendKind::Cpu || !confirmed(device) {
                 continue;
             }
             let verified = Verified {
-                reader: device.reader.to_string(),
+                reader: device.backend.to_string(),
                 adapter: device.adapter.clone(),
                 driver: format!("{} {}", device.driver, device.version).trim().to_string(),
                 version: env!("CARGO_PKG_VERSION").to_string(),
@@ -222,7 +224,7 @@ impl Run<'_> {
             });
             lock.verified.push(verified);
         }
-        // A lock of another layout keeps nobody's word.
+        // Renewing drops the records of another layout.
         let renewed = lock::renew(subject.layout(), Some(&lock));
         if renewed != text {
             let named = self.args.locks.is_some();
@@ -231,7 +233,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Nothing was read back, so that nothing is proved.
+    /// Reports that no block was verified.
     fn nothing(self) -> Result<Outcome, Failure> {
         let shaders = match self.counts.shaders {
             1 => "1 shader".to_string(),

@@ -1,5 +1,5 @@
-//! Many jobs on several threads, their results in the order of the jobs, and never more of them
-//! waiting than a few a thread or a few megabytes.
+//! Runs jobs on several threads and returns their results in order, with a bound on the number and
+//! size of waiting results.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -8,27 +8,27 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Results that may wait for their turn, for each thread.
+/// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
 
-/// Items a thread takes on at a time, at most.
+/// Maximum number of items a thread claims at a time.
 const LARGEST_CLAIM: usize = 16;
 
-/// Bytes of results that may wait for their turn before no further work is begun.
+/// Bytes of waiting results above which no further work is started.
 const WAITING_BYTES: usize = 4 << 20;
 
-/// A thread keeps finished results to itself for this long: waking another one costs more than
-/// laying out a small shader.
+/// How long a thread collects results before handing them over: waking another thread costs more
+/// than laying out a small shader.
 const PATIENCE: Duration = Duration::from_millis(1);
 
-/// What a result weighs while it waits.
+/// The size of a waiting result.
 pub trait Weighed {
-    /// Bytes of memory, roughly.
+    /// Approximate bytes of memory.
     fn bytes(&self) -> usize;
 }
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
-/// fails. One item is worked on right here.
+/// fails. A single item runs on the calling thread.
 pub fn ordered<I: Send, O: Weighed + Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
@@ -68,29 +68,29 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
 
 struct Queue<T, O> {
     items: Mutex<T>,
-    /// Items that threads have taken on.
+    /// Items that threads have claimed.
     claimed: AtomicUsize,
     state: Mutex<State<O>>,
-    /// The result whose turn it is has come, or the last thread has ended.
+    /// Signals that the next result has arrived or that the last thread has ended.
     ready: Condvar,
-    /// Results were handed on, so that work may run ahead again.
+    /// Signals that results were taken, so that work may continue.
     room: Condvar,
-    /// Items that work may run ahead.
+    /// Number of items that may be claimed ahead of the taken results.
     window: usize,
 }
 
 struct State<O> {
-    /// Results handed on.
+    /// Number of results taken.
     taken: usize,
-    /// Results waiting for their turn, and what they weigh.
+    /// Waiting results and their total size.
     done: BTreeMap<usize, O>,
     bytes: usize,
-    /// Threads that may still bring results.
+    /// Threads that are still working.
     working: usize,
     stop: bool,
 }
 
-/// Tells the others that a thread works no more, also when a job panics.
+/// Signals on drop that a thread has ended, also after a panic of a job.
 struct LeaveAtEnd<'a, T, O>(&'a Queue<T, O>);
 
 impl<T, O> Drop for LeaveAtEnd<'_, T, O> {
@@ -100,7 +100,7 @@ impl<T, O> Drop for LeaveAtEnd<'_, T, O> {
     }
 }
 
-/// Sends the other threads home when the one that hands results on is done or has failed.
+/// Stops the other threads on drop, when the thread that takes results is done or has failed.
 struct StopAtEnd<'a, T, O>(&'a Queue<T, O>);
 
 impl<T, O> Drop for StopAtEnd<'_, T, O> {
@@ -125,7 +125,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         self.bring(&mut self.lock(), &mut kept);
     }
 
-    /// Works like the other threads, and between claims hands on the results whose turn it is.
+    /// Works like the other threads, and takes the next results between claims.
     fn work_and_take<E>(
         &self,
         job: &(impl Fn(I) -> O + Sync),
@@ -155,7 +155,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         }
     }
 
-    /// Takes on some items and works on them; `false` when there are none left.
+    /// Claims some items and works on them; `false` if none are left.
     fn work_on_claim(&self, job: &(impl Fn(I) -> O + Sync), kept: &mut Vec<(usize, O)>) -> bool {
         let claim = self.claim();
         let some = !claim.is_empty();
@@ -170,13 +170,13 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         some
     }
 
-    /// Whether work is as far ahead as it may run.
+    /// Whether work is as far ahead as permitted.
     fn is_full(&self, state: &State<O>) -> bool {
         let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
         !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
 
-    /// Waits until work may run further ahead; `false` when there is to be no more.
+    /// Waits until work may continue; `false` if it must stop.
     fn wait_for_room(&self, kept: &mut Vec<(usize, O)>) -> bool {
         let mut state = self.lock();
         if self.is_full(&state) {
@@ -188,8 +188,8 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         !state.stop
     }
 
-    /// The next items with their numbers: one at first, so that a few large ones are shared out,
-    /// more later, so that many small ones cost few locks.
+    /// Claims the next items with their numbers: single ones at first, to spread a few large jobs,
+    /// more later, to take fewer locks for many small jobs.
     fn claim(&self) -> Vec<(usize, I)> {
         let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);
         let next = self.claimed.load(Ordering::Relaxed);
@@ -199,7 +199,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         claim
     }
 
-    /// Hands over what a thread kept to itself.
+    /// Hands over the collected results of a thread.
     fn bring(&self, state: &mut State<O>, kept: &mut Vec<(usize, O)>) {
         for (number, result) in kept.drain(..) {
             state.bytes += result.bytes();
@@ -210,7 +210,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         }
     }
 
-    /// The results whose turn it is.
+    /// Removes the waiting results that are next in order.
     fn results(state: &mut State<O>) -> Vec<O> {
         let mut results = Vec::new();
         while let Some(result) = state.done.remove(&state.taken) {
@@ -266,7 +266,7 @@ mod tests {
             |_| {
                 let ahead =
                     started.fetch_add(1, Ordering::SeqCst) + 1 - taken.load(Ordering::SeqCst);
-                // One window of work, one being handed on, and what the threads took on meanwhile.
+                // A window of work, a window being taken, and the claims made meanwhile.
                 assert!(ahead <= 2 * (2 * WAITING) + 4 * LARGEST_CLAIM, "{ahead}");
                 ((),)
             },

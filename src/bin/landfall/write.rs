@@ -1,4 +1,4 @@
-//! Writers that leave the inputs of a command alone.
+//! File writers that do not overwrite the inputs of a command.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use landfall_layout::source::Files;
 #[cfg(feature = "exec")]
 use landfall_layout::{Options, Source, layout};
 
-/// A writer that leaves these files alone, and those that shaders are made of.
+/// A writer that does not overwrite these files, shaders or their includes.
 pub fn protecting<'a>(
     named: impl IntoIterator<Item = &'a Path>,
     shaders: impl IntoIterator<Item = &'a Files>,
@@ -19,12 +19,12 @@ pub fn protecting<'a>(
     writer
 }
 
-/// Leaves the files that a shader is made of alone, too.
+/// Also protects a shader and its includes.
 pub fn protect(writer: &mut FileWriter, files: &Files) {
     writer.protect(files.iter().map(|file| PathBuf::from(&file.path)));
 }
 
-/// The files that a shader is made of: itself, then what it includes.
+/// The files of a shader: itself, then its includes.
 #[cfg(feature = "exec")]
 pub fn files_of(source: &Source, options: &Options) -> Files {
     layout(source, options).files

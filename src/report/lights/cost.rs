@@ -1,124 +1,126 @@
-//! What the lights of a shader cost, and where their code may leave the numbers.
+//! The cost of the lights in a shader, and the numerical hazards of its code.
 //!
-//! Reads [`roles`](landfall_ir::analysis::roles), the layout, and what [`lint::hazards`](landfall_lint::hazards)
-//! found by following the shader; [`lights`](crate::report::lights) prints it.
+//! Combines [`roles`](landfall_ir::analysis::roles), the layout and the findings of
+//! [`hazards`](landfall_lint::hazards); [`lights`](crate::report::lights) prints it.
 
 use std::sync::Arc;
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::{Bound, Certainty};
-use landfall_ir::analysis::roles::{Form, Held, Kind, Role, held};
-use landfall_layout::finding::Finding;
+use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, held};
+use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::shape::{AddressSpace, Majorness, Rules, Type};
+use landfall_layout::shape::{AddressSpace, MatrixLayout, Rules, Type};
 use landfall_layout::source::Span;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
-use landfall_lint::hazards::{analyse, finding};
+use landfall_lint::hazards::{analyse, finding, lint_of};
 pub use landfall_lint::smaller_order;
 
 /// The lights of one shader.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// Each light, or array of them, in the order of the blocks.
+    /// The lights and arrays of lights, in the order of the blocks.
     pub lights: Vec<Light>,
-    /// Hazards in the order of the text.
+    /// The hazards in source order.
     pub hazards: Vec<Found>,
-    /// Why its functions could not be followed; then there are no hazards and no loop bounds.
+    /// Why the functions could not be analysed; if not empty, there are no hazards or loop bounds.
     pub unfollowed: Vec<Diagnostic>,
-    /// Whether it was too long to be followed to its end.
+    /// Whether the analysis stopped early because the functions are too long.
     pub cut_short: bool,
 }
 
 /// A light or an array of them.
 #[derive(Clone, Debug)]
 pub struct Light {
-    /// What kind.
+    /// The kind of light.
     pub kind: Kind,
-    /// The structure's name; the block's, or empty where members alone are the light.
+    /// The name of the structure or block; empty where loose members form the light.
     pub structure: Arc<str>,
-    /// The block that holds it.
+    /// The block that contains it.
     pub block: Arc<str>,
-    /// The block's instance.
+    /// The instance name of the block.
     pub instance: Option<Arc<str>>,
-    /// Where the block lives.
+    /// The address space of the block.
     pub space: AddressSpace,
-    /// The rules it is laid out by.
+    /// The layout rules of the block.
     pub rules: Rules,
-    /// Bytes of the block; `None` for loose uniforms.
+    /// The size of the block in bytes; `None` for loose uniforms.
     pub block_size: Option<u64>,
-    /// The way to it: `data[]`.
+    /// The member path: `data[]`.
     pub path: String,
-    /// How it is held.
+    /// The form: a structure, a block or loose members.
     pub form: Form,
-    /// Its members that play a part.
+    /// The members with a role.
     pub parts: Vec<Member>,
-    /// The ways to its other members.
+    /// The paths of its other members.
     pub others: Vec<String>,
-    /// Bytes a light, from one to the next in an array; `None` for loose uniforms.
+    /// The size of one light in bytes, the stride in an array; `None` for loose uniforms.
     pub bytes: Option<u64>,
-    /// How many of them are padding.
+    /// The bytes of padding in one light.
     pub padding: Option<u64>,
-    /// Slots; `None` where the text does not say.
+    /// The array length; `None` if the source does not fix it.
     pub slots: Option<u64>,
     /// Whether it is an array.
     pub is_array: bool,
     /// The member that counts the slots in use.
     pub count: Option<CountMember>,
-    /// What bounds the loops over it, each once, as far as they were followed.
+    /// The distinct bounds of the loops over it, as far as they were analysed.
     pub bounds: Vec<Bound>,
-    /// A smaller order of the structure's members.
+    /// A smaller order of the structure's members, if there is one.
     pub reorder: Option<Reorder>,
-    /// Its name in the text.
+    /// The span of its name in the source text.
     pub span: Span,
 }
 
 /// A member of a light.
 #[derive(Clone, Debug)]
 pub struct Member {
-    /// The way to it from the light.
+    /// The path relative to the light.
     pub path: String,
-    /// The part it plays.
+    /// The role of the member.
     pub role: Role,
-    /// Its type.
+    /// The type of the member.
     pub ty: Type,
-    /// From the start of the light; of the block where members alone are the light.
+    /// The byte offset in the light; in the block where loose members form the light.
     pub offset: Option<u64>,
 }
 
-/// A member that counts lights.
+/// A member that holds the number of lights.
 #[derive(Clone, Debug)]
 pub struct CountMember {
-    /// Its name.
+    /// The name of the member.
     pub name: Arc<str>,
-    /// The block it is in.
+    /// The block that contains it.
     pub block: Arc<str>,
-    /// Where in it.
+    /// The byte offset in the block.
     pub offset: Option<u64>,
 }
 
-/// A smaller order of members.
+/// A smaller order of a structure's members.
 #[derive(Clone, Debug)]
 pub struct Reorder {
-    /// Their names in that order.
+    /// The names of the members in that order.
     pub order: Vec<Arc<str>>,
-    /// Bytes a light then.
+    /// The size of one light in that order, in bytes.
     pub bytes: u64,
 }
 
-/// A hazard with its words.
+/// A hazard with its finding.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What may happen.
+    /// The hazard.
     pub hazard: Hazard,
-    /// How sure it is that some input meets it.
+    /// How certain it is that some input triggers it.
     pub certainty: Certainty,
-    /// Its lint, message, place and robust form.
+    /// The finding: lint, message, place and the robust form.
     pub finding: Finding,
-    /// The operation.
+    /// The default level of its lint.
+    pub level: Level,
+    /// The span of the operation.
     pub span: Span,
 }
 
-/// What the lights of a shader cost; its layout has no errors.
+/// Returns the cost of the lights of a shader whose layout has no errors.
 pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report {
     let lights = held(&shader.blocks);
     let analysis = analyse(source, options, shader, &lights);
@@ -127,6 +129,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
         hazard: hazard.hazard,
         certainty: hazard.certainty,
         finding: finding(hazard, &shader.files, shader.language),
+        level: lint_of(hazard.kind).level,
         span: hazard.span,
     });
     let hazards = hazards.collect();
@@ -147,7 +150,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     }
 }
 
-fn describe(light: &Held<'_>, bounds: Vec<Bound>) -> Light {
+fn describe(light: &LightBinding<'_>, bounds: Vec<Bound>) -> Light {
     let block = light.block;
     let (bytes, padding) = match light.member {
         Some(member) => sizes(member),
@@ -183,7 +186,7 @@ fn describe(light: &Held<'_>, bounds: Vec<Bound>) -> Light {
     }
 }
 
-/// Bytes of one structure, and how many of them hold nothing.
+/// Returns the size of one structure in bytes, and the bytes of padding in it.
 fn sizes(member: &MemberLayout) -> (Option<u64>, Option<u64>) {
     let one = match member.strides.last() {
         Some(stride) => Some(*stride),
@@ -192,7 +195,7 @@ fn sizes(member: &MemberLayout) -> (Option<u64>, Option<u64>) {
     (one, one.map(|one| one - used(&member.members).min(one)))
 }
 
-/// Bytes of the scalars below.
+/// Returns the bytes of all scalars in the members.
 fn used(members: &[MemberLayout]) -> u64 {
     let one = |member: &MemberLayout| {
         let scalars = match member.ty.innermost() {
@@ -215,8 +218,8 @@ fn used(members: &[MemberLayout]) -> u64 {
     members.iter().map(one).fold(0, u64::saturating_add)
 }
 
-/// Bytes a light of members that stand beside others.
-fn members_size(block: &BlockLayout, light: &Held<'_>) -> Option<u64> {
+/// Returns the bytes of a light that consists of loose members.
+fn members_size(block: &BlockLayout, light: &LightBinding<'_>) -> Option<u64> {
     let of_light =
         |member: &&MemberLayout| light.roles.parts.iter().any(|part| part.span == member.span);
     block.members.iter().filter(of_light).try_fold(0, |sum: u64, member| {
@@ -225,7 +228,7 @@ fn members_size(block: &BlockLayout, light: &Held<'_>) -> Option<u64> {
     })
 }
 
-fn parts(light: &Held<'_>) -> Vec<Member> {
+fn parts(light: &LightBinding<'_>) -> Vec<Member> {
     let inside = match light.member {
         Some(member) => &member.members,
         None => &light.block.members,
@@ -239,7 +242,7 @@ fn parts(light: &Held<'_>) -> Vec<Member> {
     parts.collect()
 }
 
-/// Where a member is, by names alone.
+/// Returns the byte offset of a member path; indices are ignored.
 fn offset_of(members: &[MemberLayout], path: &str) -> Option<u64> {
     let (first, rest) = match path.split_once('.') {
         Some((first, rest)) => (first, Some(rest)),
@@ -258,7 +261,7 @@ fn reorder(member: &MemberLayout, block: &BlockLayout) -> Option<Reorder> {
     if block.space == AddressSpace::Default {
         return None;
     }
-    let majorness = if member.row_major { Majorness::Row } else { Majorness::Column };
-    let (order, bytes) = smaller_order(structure, block.rules, majorness)?;
+    let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
+    let (order, bytes) = smaller_order(structure, block.rules, matrix_layout)?;
     Some(Reorder { order, bytes })
 }

@@ -1,4 +1,4 @@
-//! Lights as JSON: what [`LIGHTS_SCHEMA`](super::LIGHTS_SCHEMA) describes.
+//! The JSON of lights, in the form of [`LIGHTS_SCHEMA`](super::LIGHTS_SCHEMA).
 
 use serde::Serialize;
 
@@ -10,18 +10,18 @@ use landfall_layout::ShaderLayout;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::Language;
 
-/// Everything before the first shader.
+/// Returns the document up to the first shader.
 pub fn opening() -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
     format!("{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"shaders\":[\n")
 }
 
-/// What stands after the last of so many shaders.
+/// Returns the end of the document, given the number of shaders.
 pub fn closing(shaders: usize) -> &'static str {
     if shaders == 0 { "]}\n" } else { "\n]}\n" }
 }
 
-/// One shader, without a newline at the end.
+/// Returns one shader, without a newline at the end.
 pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
     let object = Shader {
         path: &shader.path,
@@ -176,14 +176,14 @@ impl HazardObject<'_> {
             id: found.hazard.code(),
             code: &finding.code,
             certainty: found.certainty.name(),
-            level: finding.level.name(),
+            level: found.level.name(),
             message: &finding.message,
             about: &finding.about,
-            path: &finding.place.path,
-            line: finding.place.line,
-            column: finding.place.column,
-            end_line: finding.place.end_line,
-            end_column: finding.place.end_column,
+            path: &finding.place().path,
+            line: finding.place().line,
+            column: finding.place().column,
+            end_line: finding.place().end_line,
+            end_column: finding.place().end_column,
             help: finding.help.as_deref(),
             notes: &finding.notes,
         }

@@ -1,17 +1,17 @@
-//! The report of a stressed function as JSON.
+//! The JSON report of a stressed function.
 
 use serde::Serialize;
 use serde_json::Value;
 
 use super::SHARE;
-use crate::report::device::JsonAsked;
+use crate::report::device::JsonBackend;
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
-use landfall_light::accuracy::stress::words::{name, number};
+use landfall_light::accuracy::stress::messages::{name, number};
 use landfall_light::accuracy::stress::{
-    Came, Case, Condition, DriverCase, Family, Found, Odd, Off, Outcome, ReaderReport, Report,
-    Spread, Tally, Verdict, command,
+    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Found, Off,
+    Outcome, Report, Spread, Tally, Verdict, command,
 };
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -33,7 +33,8 @@ struct Object<'a> {
     families: Vec<FamilyObject>,
     total: TallyObject,
     worst: Vec<WorstObject<'a>>,
-    readers: Vec<ReaderObject<'a>>,
+    #[serde(rename = "readers")]
+    backends: Vec<BackendObject<'a>>,
     findings: Vec<FoundObject<'a>>,
     notes: &'a [String],
 }
@@ -65,9 +66,9 @@ struct TallyObject {
 }
 
 #[derive(Serialize)]
-struct ReaderObject<'a> {
+struct BackendObject<'a> {
     #[serde(flatten)]
-    asked: JsonAsked<'a>,
+    asked: JsonBackend<'a>,
     failure: Option<&'a str>,
     samples: u64,
     samples_per_second: f64,
@@ -154,7 +155,8 @@ struct FoundObject<'a> {
     line: Option<u32>,
     column: Option<u32>,
     excerpt: &'a str,
-    reader: Option<&'static str>,
+    #[serde(rename = "reader")]
+    backend: Option<&'static str>,
     undefined: Option<&'static str>,
     operation: Option<OperationObject>,
     about: &'a [String],
@@ -166,7 +168,8 @@ struct FoundObject<'a> {
     rewrite: &'static str,
     gain: Option<GainObject>,
     against: Option<AgainstObject<'a>>,
-    readers: Vec<AskedObject<'a>>,
+    #[serde(rename = "readers")]
+    backends: Vec<AskedObject<'a>>,
     seen: usize,
     plausible: bool,
     case: CaseObject<'a>,
@@ -187,7 +190,8 @@ struct AgainstObject<'a> {
 
 #[derive(Serialize)]
 struct AskedObject<'a> {
-    reader: &'a str,
+    #[serde(rename = "reader")]
+    backend: &'a str,
     results: Vec<Value>,
     failure: Option<&'a str>,
 }
@@ -212,7 +216,7 @@ struct GainObject {
     after: Value,
 }
 
-/// The report as JSON, as `landfall schema stress` describes it.
+/// Returns the report as JSON, in the form of `landfall schema stress`.
 pub fn json(stressed: &Report) -> String {
     let object = Object {
         schema_version: SCHEMA_VERSION,
@@ -250,7 +254,7 @@ pub fn json(stressed: &Report) -> String {
                 case: case(&worst.sample),
             })
             .collect(),
-        readers: stressed.readers.iter().map(reader_object).collect(),
+        backends: stressed.backends.iter().map(reader_object).collect(),
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
         notes: &stressed.notes,
     };
@@ -261,29 +265,29 @@ fn spread(spread: &Spread) -> SpreadObject {
     SpreadObject { max: plain(spread.max), p999: plain(spread.quantile(SHARE)) }
 }
 
-fn reader_object(reader: &ReaderReport) -> ReaderObject<'_> {
-    let tally = &reader.tally;
-    let worst = ["ulp", "steps"].into_iter().zip(&reader.worst);
-    ReaderObject {
-        asked: JsonAsked::new(reader.reader, reader.device.as_ref()),
-        failure: reader.failure.as_deref(),
+fn reader_object(backend: &BackendReport) -> BackendObject<'_> {
+    let tally = &backend.tally;
+    let worst = ["ulp", "steps"].into_iter().zip(&backend.worst);
+    BackendObject {
+        asked: JsonBackend::new(backend.backend, backend.device.as_ref()),
+        failure: backend.failure.as_deref(),
         samples: tally.samples,
-        samples_per_second: reader.rate,
+        samples_per_second: backend.rate,
         discarded: tally.discarded,
-        discards_otherwise: reader.parted,
+        discards_otherwise: backend.parted,
         nan: tally.nan,
         infinite: tally.infinite,
         ulp: spread(&tally.ulp),
         relative: spread(&tally.relative),
         steps: spread(&tally.steps),
         worst: worst.map(|(by, found)| driver_case(Some(by), found)).collect(),
-        not_finite_here: odd_object(&reader.not_finite),
-        finite_here: odd_object(&reader.hidden),
-        apart: odd_object(&reader.apart),
+        not_finite_here: odd_object(&backend.not_finite),
+        finite_here: odd_object(&backend.hidden),
+        apart: odd_object(&backend.apart),
     }
 }
 
-fn odd_object(odd: &Odd) -> OddObject<'_> {
+fn odd_object(odd: &Disagreement) -> OddObject<'_> {
     let cases = odd.cases.iter().map(|found| driver_case(None, found)).collect();
     OddObject { samples: odd.count, cases }
 }
@@ -292,9 +296,9 @@ fn driver_case<'a>(by: Option<&'static str>, found: &'a DriverCase) -> DriverCas
     DriverCaseObject {
         by,
         outcome: match found.outcome {
-            Came::NotANumber => "nan",
-            Came::Infinite => "infinite",
-            Came::Finite(_) => "finite",
+            DriverOutcome::NotANumber => "nan",
+            DriverOutcome::Infinite => "infinite",
+            DriverOutcome::Finite(_) => "finite",
         },
         error: found.off().as_ref().map(off),
         results: found.results.iter().map(|x| single(*x)).collect(),
@@ -318,7 +322,7 @@ fn tally_object(tally: &Tally) -> TallyObject {
     }
 }
 
-/// A number, or the name of what JSON has none for.
+/// Returns a JSON number, or a string for NaN and infinities.
 fn plain(x: f64) -> Value {
     match x.is_finite() {
         true => Value::from(x),
@@ -328,7 +332,7 @@ fn plain(x: f64) -> Value {
 
 fn single(x: f32) -> Value {
     match x.is_finite() {
-        // The shortest digits that are this f32.
+        // The shortest digits that round to this f32.
         true => format!("{x:?}").parse::<f64>().map_or(Value::Null, Value::from),
         false => Value::from(number(f64::from(x)).to_lowercase()),
     }
@@ -388,7 +392,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
         column: place.as_ref().map(|place| place.column),
         path: place.map(|place| place.path),
         excerpt: stressed.files.text(found.place.span),
-        reader: found.reader.map(BackendKind::name),
+        backend: found.backend.map(BackendKind::name),
         undefined: found.kind.map(landfall_exec::interp::UndefinedKind::text),
         operation: found.operation.as_ref().map(|operation| OperationObject {
             name: name(operation.operation),
@@ -421,11 +425,11 @@ fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
                 Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
             },
         }),
-        readers: found
-            .readers
+        backends: found
+            .backends
             .iter()
             .map(|asked| AskedObject {
-                reader: asked.reader.name(),
+                backend: asked.backend.name(),
                 results: asked.results.iter().map(|x| single(*x)).collect(),
                 failure: asked.failure.as_deref(),
             })

@@ -88,7 +88,7 @@ fn rule_lists_and_explains() {
     assert_eq!((list.code, list.err.as_str()), (0, ""));
     assert_eq!(list.out.lines().filter(|line| line.starts_with("unused-allow ")).count(), 1);
     let one = place.run(&["rule", "unused-allow"]);
-    for words in ["(warn unless", "what\n", "why\n", "fix\n", "example\n", "-A unused-allow"] {
+    for words in ["(warn by default)", "what\n", "why\n", "fix\n", "example\n", "-A unused-allow"] {
         assert!(one.out.contains(words), "{words}\n{}", one.out);
     }
     let json: serde_json::Value =

@@ -34,7 +34,7 @@ fn fix_changes_the_edited_bytes_only_and_does_so_once() {
         assert!(ran.err.contains("in 1 file\n"), "{}", ran.err);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
         let again = check(&place, &["--fix"]);
-        assert!(again.err.contains("mended 0 edits in 0 files\n"), "{}", again.err);
+        assert!(again.err.contains("fixed 0 edits in 0 files\n"), "{}", again.err);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
         assert_eq!(stamp(), before);
     }
@@ -72,7 +72,7 @@ fn a_file_that_is_read_only_is_could_not_and_the_others_are_mended() {
     let ran = check(&place, &["--fix"]);
     assert_eq!(ran.code, 2, "{}", ran.err);
     let all = format!("{}{}", ran.out, ran.err);
-    assert!(all.contains("`a.frag` cannot be mended: it is read-only"), "{all}");
+    assert!(all.contains("`a.frag` cannot be fixed: it is read-only"), "{all}");
     assert_eq!((place.read("a.frag"), place.read("b.frag")), (bad, good));
     let left: Vec<_> = fs::read_dir(&place.0).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left.len(), 3, "nothing half-written: {left:?}");

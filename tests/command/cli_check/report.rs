@@ -14,7 +14,7 @@ fn exit_codes_tell_clean_from_findings_from_could_not() {
     place.write("b.frag", idle());
     let warned = place.run(&["check", "-A", "all", "-W", "unused-allow", "-W", "stale-comment"]);
     assert_eq!(warned.code, 0);
-    let sum = "checked 2 shaders: 1 warning; 1 can be mended with --fix\n";
+    let sum = "checked 2 shaders: 1 warning; 1 fixable with --fix\n";
     assert!(warned.err.contains(sum), "{}", warned.err);
     let denied = place.run(&["check", "-A", "all", "-D", "unused-allow", "-W", "stale-comment"]);
     assert_eq!(denied.code, 1);
@@ -26,7 +26,7 @@ fn exit_codes_tell_clean_from_findings_from_could_not() {
     assert!(err.contains("checked 4 shaders: 2 errors, 1 denied"), "{err}");
     assert_eq!(place.run(&["check", "gone.frag"]).code, 2);
     let empty = place.write("empty/x.txt", "").run(&["check", "empty"]);
-    assert!(empty.code == 2 && empty.out.contains("holds no shader file"), "{}", empty.out);
+    assert!(empty.code == 2 && empty.out.contains("contains no shader file"), "{}", empty.out);
 }
 
 #[test]

@@ -107,13 +107,13 @@ fn parts_that_do_not_belong_together_are_refused() {
         assert!(ran.err.contains(words) && ran.err.contains("help: "), "{words}: {}", ran.err);
         assert!(!place.has("merged.json"), "{words}");
     };
-    refused(&[&three[0], &three[2]], "lacks its counterpart: shard 2/3");
-    refused(&[&three[1]], "lacks its counterparts: shards 1/3, 3/3");
-    refused(&[&three[0], &three[1], &three[1]], "is shard 2 of 3, and so is `r/2-of-3.json`");
+    refused(&[&three[0], &three[2]], "is incomplete without shard 2/3");
+    refused(&[&three[1]], "is incomplete without shards 1/3, 3/3");
+    refused(&[&three[0], &three[1], &three[1]], "is shard 2 of 3, as is `r/2-of-3.json`");
     refused(&[&two[0], &three[1]], "is shard 2 of 3, but `r/1-of-2.json` is shard 1 of 2");
     place.run(&["check", "-f", "json=r/whole.json"]);
-    refused(&[&two[0], "r/whole.json"], "is no report of a shard, but of a whole check");
-    place.run(&["check", "--shard", "2/2", "-D", "N=1", "-f", "json=r/other.json"]);
+    refused(&[&two[0], "r/whole.json"], "is the report of a whole check, not of a shard");
+    place.run(&["check", "--shard", "2/2", "--define", "N=1", "-f", "json=r/other.json"]);
     refused(&[&two[0], "r/other.json"], "was checked with other settings than `r/1-of-2.json`");
     let newer = place.read(&two[1]).replace("\"version\":\"0.", "\"version\":\"7.");
     place.write("r/newer.json", newer);
@@ -123,7 +123,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     let cut = merge(&place, &[two[0].clone(), "r/cut.json".to_string()], &[]);
     assert!(cut.code == 2 && cut.err.contains("r/cut.json"), "{}", cut.err);
     place.write("s/0/0.frag", "#version 450\nvoid main() {}\n");
-    refused(&[&two[0], &two[1]], "`s/0/0.frag` is not the file that was checked");
+    refused(&[&two[0], &two[1]], "`s/0/0.frag` has changed since it was checked");
     assert_eq!(merge(&place, &["gone.json".to_string()], &[]).code, 2);
 }
 

@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 
 use super::case::Off;
 
-/// Largest errors by case, in the order of the cases, for one reader.
+/// Largest errors by case, in the order of the cases, for one backend.
 pub struct Measured {
     /// As the table's head says it.
-    pub reader: &'static str,
+    pub backend: &'static str,
     pub device: String,
     pub cases: BTreeMap<String, Off>,
 }
@@ -38,18 +38,18 @@ fn cell(off: Option<&Off>) -> String {
 /// The table as it is committed.
 pub fn written(rows: &[(String, String)], measured: &[Measured], count: usize) -> String {
     let mut text = format!(
-        "# How accurate the readers are\n\n\
+        "# How accurate the backends are\n\n\
          The largest error over {count} inputs each, edges among them, in units in the last place\n\
          (ULP) of the true value, and in brackets the part of the permitted error that it takes\n\
-         where WGSL §15.7.4 and Vulkan permit one. A dash: that reader does not take it.\n\
+         where WGSL §15.7.4 and Vulkan permit one. A dash: that backend does not take it.\n\
          Errors near a zero of the function, or where terms cancel, are many ULP and yet small.\n\n"
     );
     for m in measured {
-        let _ = writeln!(text, "- `{}`: {}", m.reader, m.device);
+        let _ = writeln!(text, "- `{}`: {}", m.backend, m.device);
     }
     text += "\n| builtin | permitted |";
     for m in measured {
-        let _ = write!(text, " `{}` |", m.reader);
+        let _ = write!(text, " `{}` |", m.backend);
     }
     text += "\n|---|---|";
     text += &"---|".repeat(measured.len());
@@ -77,7 +77,7 @@ pub fn rotten(
     let mut found = Vec::new();
     let same: Vec<bool> = measured
         .iter()
-        .map(|m| committed.contains(&format!("- `{}`: {}\n", m.reader, m.device)))
+        .map(|m| committed.contains(&format!("- `{}`: {}\n", m.backend, m.device)))
         .collect();
     let line_of = |text: &str, name: &str| -> Option<Vec<String>> {
         let start = format!("| {name} |");
@@ -95,7 +95,7 @@ pub fn rotten(
         for (i, m) in measured.iter().enumerate() {
             let (was, is) = (was.get(i + 3).map_or("", |c| c), &is[i + 3]);
             if same[i] && value(is) > value(was) {
-                found.push(format!("{name} by {}: {is} ULP, {was} in the table", m.reader));
+                found.push(format!("{name} by {}: {is} ULP, {was} in the table", m.backend));
             }
         }
     }
@@ -110,7 +110,7 @@ fn value(cell: &str) -> f64 {
 fn a_larger_error_than_the_committed_one_is_found() {
     let of = |ulp: f64, device: &str| {
         let cases = [("sin".to_string(), Off { ulp, share: 0.5 })].into();
-        vec![Measured { reader: "gl", device: device.into(), cases }]
+        vec![Measured { backend: "gl", device: device.into(), cases }]
     };
     let rows = [("sin".to_string(), "2^-11".to_string())];
     let committed = written(&rows, &of(1.5, "one"), 10);

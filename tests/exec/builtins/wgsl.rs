@@ -1,5 +1,5 @@
 //! Cases that WGSL defines and GLSL leaves open or has not: division by zero, shifts and
-//! fields beyond the word, conversions out of range. For the readers that take modules.
+//! fields beyond the word, conversions out of range. For the backends that take modules.
 
 use super::case::{Allowed, Case};
 use super::draw::Draw;

@@ -13,6 +13,6 @@ fuzz_target!(|text: &str| {
             language,
             stage: Some(Stage::Fragment),
         };
-        layout(&source, &Options { gather: true, ..Options::default() });
+        layout(&source, &Options::default().with_gather(true));
     }
 });

@@ -11,7 +11,7 @@ pub enum Edit {
     Swap,
     Retype,
     ArraySize,
-    Majorness,
+    MatrixLayout,
     Rules,
     Offset,
     Rename,
@@ -24,7 +24,7 @@ pub const EDITS: [Edit; 10] = [
     Edit::Swap,
     Edit::Retype,
     Edit::ArraySize,
-    Edit::Majorness,
+    Edit::MatrixLayout,
     Edit::Rules,
     Edit::Offset,
     Edit::Rename,
@@ -45,7 +45,7 @@ pub fn mutate(rng: &mut fastrand::Rng, block: &Block, edit: Edit) -> Option<Bloc
                 .collect();
             block.rules = others[rng.usize(0..others.len())];
         }
-        Edit::Majorness if rng.bool() => {
+        Edit::MatrixLayout if rng.bool() => {
             block.major = match block.major {
                 Some(Major::Row) => None,
                 Some(Major::Column) | None => Some(Major::Row),
@@ -54,7 +54,7 @@ pub fn mutate(rng: &mut fastrand::Rng, block: &Block, edit: Edit) -> Option<Bloc
         Edit::Swap
         | Edit::Retype
         | Edit::ArraySize
-        | Edit::Majorness
+        | Edit::MatrixLayout
         | Edit::Offset
         | Edit::Rename
         | Edit::Add
@@ -124,7 +124,7 @@ fn edit_members(
                 None => return None,
             }
         }
-        Edit::Majorness => {
+        Edit::MatrixLayout => {
             members[at].major = match members[at].major {
                 Some(Major::Row) => Some(Major::Column),
                 Some(Major::Column) | None => Some(Major::Row),

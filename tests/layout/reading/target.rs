@@ -1,7 +1,7 @@
 //! Which API a text is read for, and what is said where it does not say.
 
 use super::{Client, Target, codes, leaves, of_driver, of_glslang, open, read};
-use landfall_layout::format::{EmitOptions, Format, Paint, document};
+use landfall_layout::format::{EmitOptions, Format, document};
 use landfall_layout::layout::targets::CODE;
 use landfall_layout::lock;
 
@@ -46,7 +46,7 @@ fn a_text_for_both_is_read_as_its_version_says_and_the_difference_is_reported() 
 fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
     let shader = read(BOTH, None);
     for format in [Format::Table, Format::Listing, Format::Markdown] {
-        let options = EmitOptions { format, expand: false, paint: Paint::Plain };
+        let options = EmitOptions::new(format);
         let text = document(&shader, &options);
         assert!(text.contains("read as OpenGL's") && text.contains("for Vulkan"), "{text}");
     }

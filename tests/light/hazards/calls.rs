@@ -1,13 +1,13 @@
-//! Functions called with the inputs of a hazard, on every reader.
+//! Functions called with the inputs of a hazard, on every backend.
 
 use std::collections::HashMap;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::{CallReport, Request, call};
 use landfall_layout::{Language, Options, Source};
 use serde_json::Value;
 
-use super::readers::with_readers;
+use super::backends::with_readers;
 use super::{list, rows, text};
 
 /// The numbers of a result or of an expected value, in order.
@@ -25,7 +25,7 @@ fn got(report: &CallReport) -> Vec<f64> {
 }
 
 /// What is wrong with a report, if anything.
-fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
+fn misfit(expect: &Value, backend: &str, report: &CallReport) -> Option<String> {
     let kinds: Vec<String> = report.undefined.iter().map(|u| format!("{:?}", u.kind)).collect();
     match text(expect, "class") {
         "undefined" => {
@@ -35,7 +35,7 @@ fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
         }
         "finite" => {
             let (got, value) = (got(report), flat(&expect["value"]));
-            let within = match (reader, &expect["drivers"]) {
+            let within = match (backend, &expect["drivers"]) {
                 ("cpu", _) | (_, Value::Null) => &expect["within"],
                 (_, drivers) => drivers,
             };
@@ -47,7 +47,7 @@ fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
                 Some(format!("{kinds:?} is noted"))
             } else if !fits {
                 Some(format!("{got:?} for {value:?}"))
-            } else if reader == "cpu" && expect["beyond"].as_f64().is_some_and(|x| most < x) {
+            } else if backend == "cpu" && expect["beyond"].as_f64().is_some_and(|x| most < x) {
                 Some(format!("{got:?} is as good as {value:?}: there is no hazard"))
             } else {
                 None
@@ -57,16 +57,16 @@ fn misfit(expect: &Value, reader: &str, report: &CallReport) -> Option<String> {
     }
 }
 
-/// Runs every case by one reader; how many calls that were.
-fn classified(reader: &mut dyn Reader) -> usize {
-    let name = reader.device().reader.name();
+/// Runs every case by one backend; how many calls that were.
+fn classified(backend: &mut dyn Backend) -> usize {
+    let name = backend.device().backend.name();
     let mut sources: HashMap<String, Source> = HashMap::new();
     let (mut calls, mut wrong) = (0, Vec::new());
     for row in rows() {
         let id = text(&row, "id");
         for case in list(&row, "cases") {
             let only = case["readers"].as_array();
-            if only.is_some_and(|only| !only.iter().any(|reader| *reader == name)) {
+            if only.is_some_and(|only| !only.iter().any(|backend| *backend == name)) {
                 continue;
             }
             for run in list(case, "run") {
@@ -84,7 +84,7 @@ fn classified(reader: &mut dyn Reader) -> usize {
                     data: case["data"].as_object().cloned().unwrap_or_default(),
                     ..Request::default()
                 };
-                let report = call(source, &Options::default(), &request, Some(&mut *reader));
+                let report = call(source, &Options::default(), &request, Some(&mut *backend));
                 let why = match report {
                     Ok(report) => misfit(&case["expect"], name, &report),
                     Err(refusal) => Some(format!("{:?}", refusal.found)),
@@ -102,9 +102,9 @@ fn classified(reader: &mut dyn Reader) -> usize {
 }
 
 fn by(name: &str, least: usize) {
-    with_readers(|readers| {
-        let reader = readers.iter_mut().find(|reader| reader.device().reader.name() == name);
-        let calls = classified(&mut **reader.expect("every reader is there"));
+    with_readers(|backends| {
+        let backend = backends.iter_mut().find(|backend| backend.device().backend.name() == name);
+        let calls = classified(&mut **backend.expect("every backend is there"));
         assert!(calls >= least, "{calls} calls");
     });
 }

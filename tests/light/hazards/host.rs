@@ -32,7 +32,7 @@ fn misfit(case: &Value) -> Option<String> {
     }
     let errors = reading.diagnostics.iter().filter(|found| found.severity == Severity::Error);
     let found: Vec<(&str, usize, &String)> = errors
-        .map(|found| (found.code.name(), found.labels[0].span.start as usize, &found.message))
+        .map(|found| (found.code.name(), found.labels[0].at.start as usize, &found.message))
         .collect();
     // A key that stands twice has a place and no path of its own: it is counted.
     let place = |at: &Value| match (at.as_str(), at.as_array().map(Vec::as_slice)) {
@@ -133,5 +133,5 @@ fn an_adapter_without_16_bit_floats_refuses_them_by_name() {
     let refusal = call(&source, &Options::default(), &request, Some(&mut gpu))
         .expect_err("there are no 16-bit floats");
     let said = &refusal.found[0].message;
-    assert!(said.contains("16-bit floats, which this adapter does not have"), "{said}");
+    assert!(said.contains("16-bit floats, which this adapter does not support"), "{said}");
 }

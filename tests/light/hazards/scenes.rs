@@ -1,4 +1,4 @@
-//! Whole scenes with a hazard in them: lit by both forms of a shader on every reader and held
+//! Whole scenes with a hazard in them: lit by both forms of a shader on every backend and held
 //! against the reference.
 //!
 //! A scene of a row is laid over `scenes/floor.json`: a grey floor, seen from 6 above through
@@ -6,10 +6,10 @@
 
 use std::time::Duration;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Error, Language, Options, Source};
-use landfall_light::bind::{BindError, Excess, Lit};
+use landfall_light::bind::{BindError, Lit, OverflowPolicy};
 use landfall_light::picture::Transfer;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::reference::Model;
@@ -20,7 +20,7 @@ use landfall_light::scene::{Reading, read};
 use landfall_light::{Frame, FrameOptions, Scene, Upload, VertexNormals};
 use serde_json::Value;
 
-use super::readers::with_readers;
+use super::backends::with_readers;
 use super::{list, rows, text};
 
 const FLOOR: &str = include_str!("../../hazards/scenes/floor.json");
@@ -86,13 +86,13 @@ impl Made {
         truth(model, &self.upload, &self.frame, self.scene.background)
     }
 
-    fn lit<R: Reader + ?Sized>(
+    fn lit<R: Backend + ?Sized>(
         &self,
         renderer: &Renderer,
-        reader: &mut R,
+        backend: &mut R,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
-        let [directional, point, spot] = renderer.lights(&self.upload, Excess::Refuse)?;
+        let [directional, point, spot] = renderer.lights(&self.upload, OverflowPolicy::Refuse)?;
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
@@ -102,7 +102,7 @@ impl Made {
             background: self.scene.background,
             limit: Duration::from_secs(60),
         };
-        renderer.render(reader, &work, &draws, after)
+        renderer.render(backend, &work, &draws, after)
     }
 }
 
@@ -116,10 +116,10 @@ fn normals(case: &Value) -> VertexNormals {
 }
 
 /// A picture, and what the evaluator noted of it; drivers note nothing.
-fn picture(made: &Made, renderer: &Renderer, reader: &mut dyn Reader) -> (Rendered, Vec<String>) {
+fn picture(made: &Made, renderer: &Renderer, backend: &mut dyn Backend) -> (Rendered, Vec<String>) {
     let fail = |error: RenderError| panic!("{error}");
-    if reader.device().reader.name() != "cpu" {
-        let rendered = made.lit(renderer, reader, &mut |_, _| {});
+    if backend.device().backend.name() != "cpu" {
+        let rendered = made.lit(renderer, backend, &mut |_, _| {});
         return (rendered.unwrap_or_else(fail), Vec::new());
     }
     let mut cpu = Cpu::new(Settings { watch: true, ..Settings::default() });
@@ -132,7 +132,7 @@ fn picture(made: &Made, renderer: &Renderer, reader: &mut dyn Reader) -> (Render
 /// What is wrong with a picture, if anything.
 fn misfit(
     case: &Value,
-    reader: &str,
+    backend: &str,
     truth: &Truth,
     rendered: &Rendered,
     kinds: &[String],
@@ -148,7 +148,7 @@ fn misfit(
     if text(expect, "class") == "undefined" {
         let wanted = list(expect, "kinds").iter().map(|kind| kind.as_str().expect("a kind"));
         let missing: Vec<&str> = wanted.filter(|w| !kinds.iter().any(|k| k == w)).collect();
-        if reader == "cpu" && !missing.is_empty() {
+        if backend == "cpu" && !missing.is_empty() {
             return Some(format!("{missing:?} is not noted, only {kinds:?}"));
         }
         let least = expect["non_finite"].as_u64().unwrap_or(0);
@@ -180,9 +180,9 @@ fn misfit(
     }
 }
 
-/// Lights every scene on one reader; how many pictures that were.
-fn lit(reader: &mut dyn Reader) -> usize {
-    let name = reader.device().reader.name();
+/// Lights every scene on one backend; how many pictures that were.
+fn lit(backend: &mut dyn Backend) -> usize {
+    let name = backend.device().backend.name();
     let (mut pictures, mut wrong) = (0, Vec::new());
     for row in rows() {
         for case in row["scenes"].as_array().into_iter().flatten() {
@@ -204,7 +204,7 @@ fn lit(reader: &mut dyn Reader) -> usize {
                 }
                 let shader = renderer(case, path, &made.scene);
                 let shader = shader.unwrap_or_else(|error| panic!("{path}: {error}"));
-                let (rendered, kinds) = picture(&made, &shader, reader);
+                let (rendered, kinds) = picture(&made, &shader, backend);
                 pictures += 1;
                 if let Some(why) = misfit(case, name, &truth, &rendered, &kinds) {
                     let (id, said) = (text(&row, "id"), text(case, "why"));
@@ -218,9 +218,9 @@ fn lit(reader: &mut dyn Reader) -> usize {
 }
 
 fn by(name: &str, least: usize) {
-    with_readers(|readers| {
-        let reader = readers.iter_mut().find(|reader| reader.device().reader.name() == name);
-        let pictures = lit(&mut **reader.expect("every reader is there"));
+    with_readers(|backends| {
+        let backend = backends.iter_mut().find(|backend| backend.device().backend.name() == name);
+        let pictures = lit(&mut **backend.expect("every backend is there"));
         assert!(pictures >= least, "{pictures} pictures");
     });
 }
@@ -232,7 +232,7 @@ pub fn refused_by(case: &Value, path: &str, scene: &Scene) -> Option<BindError> 
         Err(RenderError::Bind(error)) => return Some(error),
         Err(error) => panic!("{path}: {error}"),
     };
-    shader.lights(&Upload::new(scene), Excess::Refuse).err()
+    shader.lights(&Upload::new(scene), OverflowPolicy::Refuse).err()
 }
 
 #[test]

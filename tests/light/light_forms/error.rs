@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use landfall_exec::backend::wgpu::{Choice, Gpu};
-use landfall_exec::backend::{Grid, Job, Reader as _, Resource, ResourceKind, StageCode};
+use landfall_exec::backend::{Backend as _, Grid, Job, Resource, ResourceKind, StageCode};
 use landfall_exec::interp::{Call, Precision, Program, Settings, Words};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
@@ -336,20 +336,20 @@ fn the_robust_form_is_no_less_accurate() {
                     let got = move |i: usize| f64::from(driven[i * OUTPUTS + at]);
                     column.iter().enumerate().map(move |(i, truth)| (got(i), *truth))
                 }));
-                for (reader, e) in [("evaluator", cpu), ("driver", gpu)] {
+                for (backend, e) in [("evaluator", cpu), ("driver", gpu)] {
                     println!(
-                        "n {power:<5} {:15} {:7} {reader:10} {:.2e} {:.2e} {:8.1}",
+                        "n {power:<5} {:15} {:7} {backend:10} {:.2e} {:.2e} {:8.1}",
                         function.name, form.name, e.most, e.nearly, e.ulps
                     );
                 }
                 rows.push([cpu, gpu]);
             }
-            for (reader, at) in [("evaluator", 0), ("driver", 1)] {
+            for (backend, at) in [("evaluator", 0), ("driver", 1)] {
                 for robust in [rows[1][at], rows[2][at]] {
                     let seed = rows[0][at];
                     assert!(
                         robust.most <= seed.most && robust.nearly <= seed.nearly,
-                        "{}, n {power}, {reader}: {robust:?} for {seed:?}",
+                        "{}, n {power}, {backend}: {robust:?} for {seed:?}",
                         function.name
                     );
                 }

@@ -26,8 +26,8 @@ fn sound(reading: &Reading) {
     for found in &reading.diagnostics {
         assert!(found.message.len() < 500, "{}", found.message);
         for label in &found.labels {
-            assert!(label.span.start <= label.span.end);
-            reading.files.locate(label.span);
+            assert!(label.at.start <= label.at.end);
+            reading.files.locate(label.at);
         }
     }
 }
@@ -156,5 +156,5 @@ fn a_bare_value_that_nests_too_deep_is_refused() {
     let reading = read_alone(&RIGHT.replace("\"model\": \"phong\",", &deep));
     assert!(reading.scene.is_none());
     assert_eq!(reading.diagnostics.len(), 1);
-    assert!(reading.diagnostics[0].message.contains("`model` nests too deep"));
+    assert!(reading.diagnostics[0].message.contains("`model` is nested too deeply"));
 }

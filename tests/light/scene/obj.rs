@@ -151,26 +151,26 @@ fn faces_without_normals_are_flat_and_it_is_said() {
         found.message,
         "`corner.obj` has no normals for 3 of its 3 triangles: they are drawn flat"
     );
-    let place = reading.files.locate(found.labels[0].span);
+    let place = reading.files.locate(found.labels[0].at);
     assert_eq!((place.path.as_str(), place.line, place.column), ("scenes/corner.obj", 5, 1));
 }
 
 #[test]
 fn what_is_wrong_with_a_mesh_is_named_by_line() {
     for (change, line, column, says) in [
-        (["v 1 -1 0", "v 1 one 0"], 5, 5, "`one` is no number"),
+        (["v 1 -1 0", "v 1 one 0"], 5, 5, "`one` is not a number"),
         (["v 1 -1 0", "v 1 -1"], 5, 1, "`v` has 3 numbers, not 2"),
-        (["v 1 -1 0", "v 1 nan 0"], 5, 5, "`nan` is no finite length up to 1e18"),
-        (["v 1 -1 0", "v 1 1e19 0"], 5, 5, "`1e19` is no finite length up to 1e18"),
-        (["s off", "sx off"], 13, 1, "`sx` is no statement of OBJ"),
+        (["v 1 -1 0", "v 1 nan 0"], 5, 5, "`nan` is not a finite number up to 1e18"),
+        (["v 1 -1 0", "v 1 1e19 0"], 5, 5, "`1e19` is not a finite number up to 1e18"),
+        (["s off", "sx off"], 13, 1, "`sx` is not an OBJ statement"),
         (["vn 0 0 2", "vn 0 0 0"], 12, 1, "a normal without a direction"),
-        (["2/2/1", "5/2/1"], 14, 9, "`5` is none of the 4 `v` lines so far"),
-        (["2/2/1", "-5/2/1"], 14, 9, "`-5` is none of the 4 `v` lines so far"),
-        (["2/2/1", "0/2/1"], 14, 9, "`0` is none of the 4 `v` lines so far"),
-        (["2/2/1", "2/9/1"], 14, 9, "`9` is none of the 4 `vt` lines so far"),
-        (["2/2/1", "2/2/2"], 14, 9, "`2` is none of the 1 `vn` lines so far"),
+        (["2/2/1", "5/2/1"], 14, 9, "`5` is outside the 4 `v` lines so far"),
+        (["2/2/1", "-5/2/1"], 14, 9, "`-5` is outside the 4 `v` lines so far"),
+        (["2/2/1", "0/2/1"], 14, 9, "`0` is outside the 4 `v` lines so far"),
+        (["2/2/1", "2/9/1"], 14, 9, "`9` is outside the 4 `vt` lines so far"),
+        (["2/2/1", "2/2/2"], 14, 9, "`2` is outside the 1 `vn` lines so far"),
         (["2/2/1", "2/2/1/1"], 14, 9, "has more than two `/`"),
-        (["2/2/1", "9223372036854775808"], 14, 9, "is no number of a `v` line"),
+        (["2/2/1", "9223372036854775808"], 14, 9, "is not an index of a `v` line"),
         ([" 2/2/1 3/3/1 4/4/1", " 2/2/1"], 14, 1, "a face has 3 corners or more, not 2"),
         (["f 1/1/1", "# f 1/1/1"], 1, 1, "has no faces"),
     ] {
@@ -180,7 +180,7 @@ fn what_is_wrong_with_a_mesh_is_named_by_line() {
         assert!(reading.scene.is_none());
         let [found] = &reading.diagnostics[..] else { panic!("{:#?}", reading.diagnostics) };
         assert!(found.message.contains(says), "{} {says}", found.message);
-        let place = reading.files.locate(found.labels[0].span);
+        let place = reading.files.locate(found.labels[0].at);
         assert_eq!(
             (place.path.as_str(), place.line, place.column),
             ("scenes/quad.obj", line, column),
@@ -210,7 +210,7 @@ fn files_that_cannot_be_read_are_pointed_at_in_the_scene() {
         let reading = read_with(&of_mesh("a.obj"), &files);
         let [found] = &reading.diagnostics[..] else { panic!("{:#?}", reading.diagnostics) };
         assert!(found.message.starts_with(says), "{}", found.message);
-        assert_eq!(reading.files.text(found.labels[0].span), "\"a.obj\"");
+        assert_eq!(reading.files.text(found.labels[0].at), "\"a.obj\"");
     }
 }
 
@@ -295,11 +295,11 @@ mod textures {
             assert!(reading.scene.is_none());
             let [found] = &reading.diagnostics[..] else { panic!("{:#?}", reading.diagnostics) };
             assert!(
-                found.message.starts_with("`materials[0].diffuse.png` is no PNG"),
+                found.message.starts_with("`materials[0].diffuse.png` is not a readable PNG"),
                 "{}",
                 found.message
             );
-            assert_eq!(reading.files.text(found.labels[0].span), "\"a.png\"");
+            assert_eq!(reading.files.text(found.labels[0].at), "\"a.png\"");
         }
     }
 }

@@ -48,19 +48,19 @@ const WRONG: &[Wrong] = &[
         [r#""fov": 45"#, r#""fow": 45, "fov": 45"#],
         "unknown-member",
         r#""fow""#,
-        "`fow` is no member of `camera`; did you mean `fov`?",
+        "`fow` is not a member of `camera`; did you mean `fov`?",
     ),
     wrong(
         [r#""name": "right""#, r#""lihgts": {}"#],
         "unknown-member",
         r#""lihgts""#,
-        "no member of the scene; did you mean `lights`?",
+        "not a member of the scene; did you mean `lights`?",
     ),
     wrong(
         [r#""half_degrees""#, r#""fullness""#],
         "unknown-member",
         r#""fullness""#,
-        "it has `inner_degrees`, `outer_degrees`",
+        "its members are `inner_degrees`, `outer_degrees`",
     ),
     wrong(
         [r#""size": [64, 36],"#, ""],
@@ -78,19 +78,19 @@ const WRONG: &[Wrong] = &[
         [r#""front": [0, 0, -2],"#, ""],
         "missing-member",
         r#""camera": {"#,
-        "does not say where the camera looks",
+        "has no direction",
     ),
     wrong(
         [r#""color": [0.25, 0.5, 0.75],"#, ""],
         "missing-member",
         "\"point\": [\n      {",
-        "`lights.point[0]` says nothing of what it sends; give `color` and `intensity`",
+        "`lights.point[0]` has no emission; add `color` and `intensity`",
     ),
     wrong(
         [r#""color": [0.25, 0.5, 0.75],"#, r#""diffuse": 1, "intensity": 3,"#],
         "wrong-value",
         "3",
-        "`lights.point[0].intensity` is of no colour",
+        "`lights.point[0].intensity` has no effect without `color`",
     ),
     wrong(
         [r#""axis": [0, 0, 3], "#, ""],
@@ -102,13 +102,13 @@ const WRONG: &[Wrong] = &[
         [r#""front": [0, 0, -2]"#, r#""front": [0, 0, -2], "target": [0, 0, 1]"#],
         "given-twice",
         "[0, 0, 1]",
-        "`camera.target` says again what `front` says",
+        "`camera.target` repeats `front`",
     ),
     wrong(
         [r#""near": 0.1"#, r#""near": 0.1, "near": 0.1"#],
         "given-twice",
         r#""near""#,
-        "`near` stands twice in one object",
+        "`near` occurs twice in one object",
     ).beyond_schema(),
     // Kinds and counts.
     wrong(
@@ -139,7 +139,7 @@ const WRONG: &[Wrong] = &[
         ["[64, 36]", "[30000, 30000]"],
         "too-large",
         "[30000, 30000]",
-        "is 900000000 pixels, of which a picture has 16777216 at most",
+        "is 900000000 pixels, but a picture has at most 16777216",
     ).beyond_schema(),
     wrong(
         [r#""space": "view""#, r#""space": "veiw""#],
@@ -170,7 +170,7 @@ const WRONG: &[Wrong] = &[
         ["[1, 2, 3],\n", "[1, \"NaN\", 3],\n"],
         "not-finite",
         r#""NaN""#,
-        r#"`lights.point[0].position[1]` is "NaN": nothing can be lit with that"#,
+        r#"`lights.point[0].position[1]` is "NaN", not a finite number"#,
     ),
     wrong(
         ["0.25, 0.5", r#""-inf", 0.5"#],
@@ -200,7 +200,7 @@ const WRONG: &[Wrong] = &[
         ["0.25, 0.5", "1e39, 0.5"],
         "value-out-of-range",
         "1e39",
-        "`lights.point[0].color[0]` is 1e39, which no `f32` can hold",
+        "`lights.point[0].color[0]` is 1e39, which does not fit an `f32`",
     ),
     wrong(
         ["[1, 2, 3],\n", "[1, 2e18, 3],\n"],
@@ -228,7 +228,7 @@ const WRONG: &[Wrong] = &[
         ["0.25, 0.5", "0.25, -0.2"],
         "negative-color",
         "-0.2",
-        "`lights.point[0].color[1]` is -0.2: light is never taken away",
+        "`lights.point[0].color[1]` is -0.2: a colour is 0 or more",
     ),
     wrong(
         [r#""specular": 0.6"#, r#""specular": -0.6"#],
@@ -283,14 +283,14 @@ const WRONG: &[Wrong] = &[
         [r#""front": [0, 0, -2]"#, r#""target": [0, 1, 5]"#],
         "zero-direction",
         "[0, 1, 5]",
-        "`camera.target` is where the camera is",
+        "`camera.target` is the position of the camera",
     ).beyond_schema(),
     // The camera.
     wrong(
         [r#""up": [0, 1, 0]"#, r#""up": [0, 0, 9]"#],
         "up-along-front",
         "[0, 0, 9]",
-        "`camera.up` is along the direction of the camera",
+        "`camera.up` is parallel to the direction of the camera",
     ).beyond_schema(),
     wrong(
         [r#""near": 0.1"#, r#""near": 90"#],
@@ -333,19 +333,19 @@ const WRONG: &[Wrong] = &[
         [r#"{"distance": 13}"#, r#"{"distance": 14}"#],
         "wrong-value",
         "14",
-        "has no row; it has 7, 13, 20",
+        "has no row; its rows are 7, 13, 20",
     ),
     wrong(
         [r#"{"distance": 13}"#, r#"{"constant": 0.032}"#],
         "lone-constant",
         "0.032",
-        "at every distance the light is 31.25 times as bright; give `linear` and `quadratic` too",
+        "at every distance the light is 31.25 times as bright; add `linear` and `quadratic`",
     ).warned(),
     wrong(
         [r#"{"distance": 13}"#, r#"{"distance": 13, "linear": 1}"#],
         "given-twice",
         "13",
-        "stands for all three coefficients",
+        "sets all three coefficients",
     ),
     wrong(
         [r#""range": 9"#, r#""range": 0"#],
@@ -410,7 +410,7 @@ const WRONG: &[Wrong] = &[
         [r#""half_degrees": 60"#, r#""half_degrees": 0"#],
         "empty-cone",
         "0",
-        "a cone without width",
+        "a cone of zero width",
     ),
     wrong(
         [r#""half_degrees": 60"#, r#""half_degrees": 190"#],
@@ -428,13 +428,13 @@ const WRONG: &[Wrong] = &[
         [r#""inner_cos": 0.75, "outer_cos": 0.5"#, r#""inner_cos": 0.75, "outer_degrees": 30"#],
         "wrong-cone",
         r#"{"inner_cos": 0.75, "outer_degrees": 30}"#,
-        "is given in more than one way",
+        "has more than one kind of angle",
     ),
     wrong(
         [r#""inner_cos": 0.75, "outer_cos": 0.5"#, ""],
         "wrong-cone",
         "{}",
-        "does not say how wide it is",
+        "has no angle",
     ),
     wrong(
         [r#""inner_cos": 0.75, "outer_cos": 0.5"#, r#""inner_cos": 0.75"#],
@@ -468,7 +468,7 @@ const WRONG: &[Wrong] = &[
         [r#""name": "drawn""#, r#""name": "plain""#],
         "given-twice",
         "\"diffuse\": [0.8, 0.7, 0.6]},\n    {",
-        "`materials[1]` has the name of `materials[0]`",
+        "`materials[1]` has the same name as `materials[0]`",
     ).beyond_schema(),
     wrong(
         [r#""shininess": 64"#, r#""shininess": -1"#],
@@ -510,7 +510,7 @@ const WRONG: &[Wrong] = &[
         [r#""cells": 3"#, r#""cells": 3, "png": "a.png""#],
         "wrong-texture",
         r#"{"checker": [[0, 0, 0], [9, 9, 9]], "cells": 3, "png": "a.png"}"#,
-        "shows more than one image",
+        "has more than one image",
     ),
     wrong(
         [r#""cells": 3"#, r#""palette": {}"#],
@@ -522,14 +522,14 @@ const WRONG: &[Wrong] = &[
         [r#""checker": [[0, 0, 0], [9, 9, 9]], "cells": 3"#, r#""srgb": true"#],
         "wrong-texture",
         r#"{"srgb": true}"#,
-        "shows nothing",
+        "has no image",
     ),
     // Objects.
     wrong(
         [r#""material": "plain", "position""#, r#""material": "plane", "position""#],
         "missing-material",
         r#""plane""#,
-        "a material that the scene has not; did you mean `plain`?",
+        "which is not a material of the scene; did you mean `plain`?",
     ).beyond_schema(),
     wrong(
         [r#""material": "plain", "position""#, r#""position""#],
@@ -590,7 +590,7 @@ const WRONG: &[Wrong] = &[
         [r#""height": [0.5, 2]"#, r#""height": [2, 0.5]"#],
         "value-out-of-range",
         "[2, 0.5]",
-        "is upside down: from 2 to 0.5; write `[0.5, 2]`",
+        "is an inverted range: from 2 to 0.5; write `[0.5, 2]`",
     ).beyond_schema(),
     wrong(
         [r#""distances": [7, 13]"#, r#""distances": [7, 12]"#],
@@ -602,7 +602,7 @@ const WRONG: &[Wrong] = &[
         [r#""distances": [7, 13]"#, r#""distances": []"#],
         "wrong-count",
         "[]",
-        "names no row",
+        "lists no row",
     ),
     wrong(
         [r#""count": 5"#, r#""count": 1000000"#],
@@ -614,7 +614,7 @@ const WRONG: &[Wrong] = &[
         [r#""floor": {"material": "drawn"}"#, r#""floor": {"material": "x"}"#],
         "missing-material",
         r#""x""#,
-        "give a material of that name",
+        "add a material of that name",
     ).beyond_schema(),
 ];
 
@@ -664,7 +664,7 @@ fn what_is_wrong_is_named_at_its_place() {
         assert_eq!(reading.scene.is_none(), case.severity == Error, "{to}");
 
         let start = expected(&text, case);
-        let span = found.labels[0].span;
+        let span = found.labels[0].at;
         let at = if case.at.ends_with('{') { "{" } else { case.at };
         assert_eq!((span.start as usize, reading.files.text(span)), (start, at), "{all:#?}");
         let before = &text[..start];
@@ -690,7 +690,7 @@ fn lines_and_columns_are_those_of_an_editor() {
         (["\"seed\": 7", "\"sead\": 7"], 58, 5),
     ] {
         let reading = read_alone(&RIGHT.replace(from, to));
-        let place = reading.files.locate(reading.diagnostics[0].labels[0].span);
+        let place = reading.files.locate(reading.diagnostics[0].labels[0].at);
         assert_eq!((place.path.as_str(), place.line, place.column), ("scene.json", line, column));
     }
 }

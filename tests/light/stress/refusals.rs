@@ -53,7 +53,7 @@ fn a_function_that_is_not_there_has_a_nearest_name() {
 fn what_cannot_be_called_by_itself_is_refused_by_name() {
     for (function, why) in [
         ("adds", "it writes the buffer `sums`"),
-        ("nothing", "it gives nothing back"),
+        ("nothing", "it returns nothing"),
         ("slopes", "it takes derivatives"),
         ("looks", "`t` is a `sampler2D`"),
     ] {
@@ -67,11 +67,11 @@ fn domains_that_hold_nothing_are_refused_by_path() {
     for (json, why) in [
         (r#"{"x": [2, 1]}"#, "`x`: the range from 2 to 1 is inverted"),
         (r#"{"x": [1e-60, 2e-60]}"#, "the range is empty"),
-        (r#"{"x": "unit"}"#, "`x` is no vector"),
-        (r#"{"x": "far"}"#, "there is no domain \"far\""),
-        (r#"{"y": [0, 1]}"#, "the function reads no `y`"),
-        (r#"{"no_coincidence": ["x", "z"]}"#, "reads no `z`"),
-        ("[1]", "no object"),
+        (r#"{"x": "unit"}"#, "`x` is not a vector"),
+        (r#"{"x": "far"}"#, "unknown domain \"far\""),
+        (r#"{"y": [0, 1]}"#, "the function has no input `y`"),
+        (r#"{"no_coincidence": ["x", "z"]}"#, "has no input `z`"),
+        ("[1]", "not an object"),
     ] {
         let said = refused("scale", Some(json));
         assert!(said.contains(why), "{json}: {said}");

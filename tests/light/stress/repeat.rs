@@ -86,7 +86,7 @@ fn what_is_found_is_written_for_people_programs_and_tools() {
     let report = run(&shader(path), &request);
     let text = landfall::report::stress::text(&report, emit::Paint::Plain);
     assert!(
-        text.contains("[attenuation-unset]: a light whose attenuation was never set"),
+        text.contains("[attenuation-unset]: an attenuation whose coefficients were never set"),
         "{text}"
     );
     assert!(text.contains("landfall run shaders/seed/six_lights_330.frag --fn"), "{text}");

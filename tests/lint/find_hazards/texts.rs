@@ -156,7 +156,7 @@ fn a_power_of_a_bare_dot_product_is_a_warning_and_of_one_past_rounding_is_not() 
     let bare = changed(SPOT, "max(dot(v, reflect(-l, n)), 0.0)", "dot(v, reflect(-l, n))");
     let default = findings("a.frag", &bare, Level::Allow);
     assert_eq!(default.len(), 1, "{default:#?}");
-    assert_eq!((default[0].code.as_str(), default[0].place.line), ("pow-of-negative", 29));
+    assert_eq!((default[0].code.as_str(), default[0].place().line), ("pow-of-negative", 29));
     // 1 - dot may be -1.2e-7, which `check` keeps to itself: it is no certainty.
     let fresnel = changed(SPOT, "pow(x, shininess)", "pow(1.0 - dot(n, v), 5.0)");
     assert!(!has("pow-of-negative", "a.frag", &fresnel));

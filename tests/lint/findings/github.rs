@@ -60,12 +60,13 @@ fn hostile_strings_come_back() {
         let commands = commands(some);
         assert_eq!(commands.len(), some.len());
         for finding in some {
-            let path = kept(&finding.place.path);
+            let path = kept(&finding.place().path);
             let found = commands.iter().find(|c| c.properties["file"] == path);
             let found = found.expect("every finding is annotated");
             assert!(found.data.starts_with(&kept(&finding.message)), "{:?}", found.data);
             assert_eq!(found.properties["title"], finding.code);
-            let one_line = finding.place.line > 0 && finding.place.line == finding.place.end_line;
+            let one_line =
+                finding.place().line > 0 && finding.place().line == finding.place().end_line;
             assert_eq!(found.properties.contains_key("col"), one_line);
         }
     }
@@ -85,8 +86,8 @@ fn many(count: u32, level: Level) -> Vec<Finding> {
     let one = |line| {
         let place =
             Place { line, column: 1, end_line: line, end_column: 2, ..Place::file("a.frag") };
-        let mut finding = Finding::new("vec3-array", format!("a{line}"), place, "costs 4 bytes");
-        finding.level = level;
+        let mut finding = Finding::of("vec3-array", format!("a{line}"), place, "costs 4 bytes");
+        finding.severity = level.severity().expect("it reports");
         finding
     };
     (1..=count).map(one).collect()

@@ -58,8 +58,8 @@ warning[lock-orphan]: this lock is of `shaders/gone.frag`, which is not there
 #[test]
 fn another_place_is_shown_when_the_main_one_is_a_whole_file() {
     let block = sample::place("shaders/lights.frag", sample::LIGHTS, "PointLightBlock");
-    let finding = Finding::new("layout-drift", "x", Place::file("layouts/a.json"), "it drifted")
-        .with_related(block, "6160 bytes, not 6144")
+    let finding = Finding::of("layout-drift", "x", Place::file("layouts/a.json"), "it drifted")
+        .with_label(block, "6160 bytes, not 6144")
         .with_help("accept it");
     assert_eq!(
         plain(&[finding], ReportFormat::Human),
@@ -112,7 +112,7 @@ fn shown(finding: Finding, text: &str) -> String {
 fn a_file_that_is_gone_or_has_changed_is_named_without_an_excerpt() {
     let text = "uniform vec3 here;\n";
     let place = sample::place("a.frag", text, "here");
-    let finding = Finding::new("x", "", place, "moved").with_text("no").with_help("run it again");
+    let finding = Finding::of("x", "", place, "moved").with_text("no").with_help("run it again");
     let expected = "warning[x]: moved\n --> a.frag:1:14\n  |\n  = help: run it again\n\n";
     for now in ["", "uniform\nvec3 here;\n", "漢字漢字漢字漢字漢字漢字漢字漢字"] {
         assert_eq!(
@@ -121,25 +121,25 @@ fn a_file_that_is_gone_or_has_changed_is_named_without_an_excerpt() {
             "{now}"
         );
     }
-    let gone =
-        Finding { place: Place { path: "b.frag".into(), ..finding.place.clone() }, ..finding };
+    let mut gone = finding;
+    gone.labels[0].at.path = "b.frag".into();
     assert!(shown(gone, text).contains(" --> b.frag:1:14\n"));
 }
 
 #[test]
 fn line_and_column_are_enough() {
     let place = Place { line: 2, column: 3, end_line: 2, end_column: 5, ..Place::file("a.frag") };
-    let text = shown(Finding::new("x", "", place, "it"), "漢\n漢字漢字é\n");
+    let text = shown(Finding::of("x", "", place, "it"), "漢\n漢字漢字é\n");
     assert!(text.contains("2 | 漢字漢字é\n  |     ^^^^\n"), "{text}");
     let past = Place { line: 9, column: 1, end_line: 9, end_column: 2, ..Place::file("a.frag") };
-    assert!(shown(Finding::new("x", "", past, "it"), "a\n").contains(" --> a.frag:9:1\n"));
+    assert!(shown(Finding::of("x", "", past, "it"), "a\n").contains(" --> a.frag:9:1\n"));
 }
 
 #[test]
 fn a_line_of_a_megabyte_is_shown_around_its_place() {
     let line = format!("{}vec33 bad; {}\n", "float x; ".repeat(60_000), "float y; ".repeat(60_000));
     let place = sample::place("a.frag", &line, "vec33");
-    let text = shown(Finding::new("x", "", place, "it"), &line);
+    let text = shown(Finding::of("x", "", place, "it"), &line);
     assert!(text.contains("vec33 bad;") && text.contains("a.frag:1:540001\n"), "{text}");
     assert!(text.len() < 1500, "{} bytes", text.len());
 }
@@ -155,7 +155,7 @@ fn places_at_the_ends_of_texts_are_shown() {
             },
             landfall_layout::Span { file: 0, start: text.len() as u32, end: text.len() as u32 },
         );
-        let shown = shown(Finding::new("x", "", end, "unfinished"), text);
+        let shown = shown(Finding::of("x", "", end, "unfinished"), text);
         assert!(shown.starts_with("warning[x]: unfinished\n --> a.frag:"), "{shown}");
     }
 }

@@ -78,10 +78,10 @@ fn hostile_strings_come_back() {
     let cases: Vec<_> = named(document.root(), "testcase").skip(1).collect();
     assert_eq!(cases.len(), findings.len());
     for (case, finding) in cases.iter().zip(&findings) {
-        assert_eq!(case.attribute("file"), Some(kept(&finding.place.path).as_str()));
+        assert_eq!(case.attribute("file"), Some(kept(&finding.place().path).as_str()));
         let inner = case.children().find(Node::is_element).expect("what became of it");
         let message = inner.attribute("message").expect("a message");
-        match finding.level {
+        match finding.level() {
             Level::Deny => assert_eq!(message, kept(&finding.message)),
             Level::Allow | Level::Warn => {
                 assert_eq!(message, format!("warning: {}", kept(&finding.message)));

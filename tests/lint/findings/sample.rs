@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::diagnostic::Severity;
+use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::Paint;
 use landfall_layout::source::{Files, Span};
 use landfall_lint::render::ReportOptions;
@@ -60,30 +61,30 @@ pub fn findings() -> Vec<Finding> {
     let in_copy = |what| place("shaders/copy.vert", COPY, what);
     let digits =
         Place { start: in_lights("12\n").start, ..place("shaders/lights.frag", LIGHTS, "12") };
-    let stale = Finding::new(
+    let stale = Finding::of(
         "stale-comment",
         "PointLight.color",
         digits.clone(),
         "the comment says `PointLight.color` is at byte 12, and it is at byte 16",
     )
     .with_text("16 by std140")
-    .with_related(in_lights("vec3 color"), "aligned to 16")
+    .with_label(in_lights("vec3 color"), "aligned to 16")
     .with_note("std140 rule 3: a vector of 3 components is aligned to 4 of them")
     .with_listing(LISTING)
     .with_help("write `offset: 16`")
     .with_edit(digits, "16");
-    let mut mismatch = Finding::new(
+    let mut mismatch = Finding::of(
         "block-mismatch",
         "PointLightBlock",
         in_lights("PointLightBlock"),
         "`PointLightBlock` has 6160 bytes here and 4112 bytes in `shaders/copy.vert`",
     )
     .with_text("6160 bytes")
-    .with_related(in_copy("PointLightBlock"), "4112 bytes")
-    .with_related(in_copy("vec4 data[256]"), "stride 16, not 48")
+    .with_label(in_copy("PointLightBlock"), "4112 bytes")
+    .with_label(in_copy("vec4 data[256]"), "stride 16, not 48")
     .with_help("declare `data` as `PointLight data[128]` in `shaders/copy.vert`");
-    mismatch.level = Level::Deny;
-    let orphan = Finding::new(
+    mismatch.severity = Severity::Error;
+    let orphan = Finding::of(
         "lock-orphan",
         "layouts/gone.frag.json",
         Place::file("layouts/gone.frag.json"),
@@ -131,14 +132,14 @@ pub fn hostile() -> Vec<Finding> {
             start: 10,
             end: 16,
         };
-        let mut finding = Finding::new("stale-comment", *text, at.clone(), *text)
+        let mut finding = Finding::of("stale-comment", *text, at.clone(), *text)
             .with_text(*text)
-            .with_related(at.clone(), *text)
+            .with_label(at.clone(), *text)
             .with_note(*text)
             .with_listing(*text)
             .with_help(*text)
             .with_edit(at, *text);
-        finding.level = if i % 3 == 0 { Level::Warn } else { Level::Deny };
+        finding.severity = if i % 3 == 0 { Severity::Warning } else { Severity::Error };
         finding
     };
     HOSTILE.iter().enumerate().map(one).collect()

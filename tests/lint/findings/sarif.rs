@@ -64,7 +64,7 @@ fn reports_keep_to_the_schema_of_the_standard() {
 #[test]
 fn a_result_has_its_rule_its_place_the_other_copy_and_the_fix() {
     let mut findings = sample::findings();
-    findings.push(Finding::new("syntax", "", Place::file("a.frag"), "not a lint"));
+    findings.push(Finding::of("syntax", "", Place::file("a.frag"), "not a lint"));
     let value = sarif(&findings);
     let run = &value["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
@@ -95,7 +95,7 @@ fn a_result_has_its_rule_its_place_the_other_copy_and_the_fix() {
 #[test]
 fn braces_of_a_message_are_no_placeholders() {
     let place = Place::file("a.frag");
-    let finding = Finding::new("x", "", place, "`struct {0} {}` is empty").with_help("fill {1}");
+    let finding = Finding::of("x", "", place, "`struct {0} {}` is empty").with_help("fill {1}");
     let value = sarif(&[finding]);
     let text = &value["runs"][0]["results"][0]["message"]["text"];
     assert_eq!(*text, "`struct {{0}} {{}}` is empty\nhelp: fill {{1}}");
@@ -114,8 +114,8 @@ fn fingerprints_stay_when_lines_move_and_tell_findings_apart() {
     let before = sample::findings();
     let mut after = before.clone();
     for finding in &mut after {
-        finding.place.line += 7;
-        finding.place.start += 70;
+        finding.labels[0].at.line += 7;
+        finding.labels[0].at.start += 70;
         finding.message = finding.message.replace("6160", "6176");
     }
     assert_eq!(fingerprints(&before), fingerprints(&after));
@@ -147,7 +147,7 @@ fn uris_are_ascii_and_lead_back_to_the_path() {
         let artifact = &result["locations"][0]["physicalLocation"]["artifactLocation"];
         let uri = artifact["uri"].as_str().expect("a URI");
         assert!(uri.bytes().all(|b| b.is_ascii_graphic() && !b"<>\"{}|\\^`".contains(&b)), "{uri}");
-        let path = finding.place.path.as_str();
+        let path = finding.place().path.as_str();
         match artifact.get("uriBaseId") {
             Some(base) => {
                 assert_eq!((base.as_str(), decoded(uri).as_str()), (Some("%SRCROOT%"), path))

@@ -28,8 +28,8 @@ fn the_alignment_of_a_vec3_is_not_12() {
     assert_eq!(finding.about, "PointLight.color alignment");
     assert_eq!(place(&finding), "4:35");
     assert_eq!(finding.help.as_deref(), Some("write 16 instead of 12"));
-    assert_eq!(finding.related.len(), 1);
-    assert_eq!((finding.related[0].place.line, finding.related[0].place.column), (7, 24));
+    assert_eq!(finding.related().len(), 1);
+    assert_eq!((finding.related()[0].at.line, finding.related()[0].at.column), (7, 24));
     let listing = finding.listing.expect("the block's listing");
     assert!(listing.contains("PointLight data[4]"), "{listing}");
 }
@@ -48,7 +48,7 @@ fn an_edit_is_of_digits_only() {
     for finding in found_in(CODE, "bad.frag", &bad) {
         assert!(!finding.fix.is_empty(), "{finding:#?}");
         for edit in &finding.fix {
-            let old = &bad[edit.place.start as usize..edit.place.end as usize];
+            let old = &bad[edit.at.start as usize..edit.at.end as usize];
             for number in [old, &edit.new] {
                 let digits = number.trim_start_matches("0x");
                 assert!(digits.chars().all(|c| c.is_ascii_hexdigit()), "{number:?}");
@@ -310,11 +310,11 @@ fn each_offset_in_our_shaders_is_read_and_right() {
                 wrong.replace_range(digits..digits + length, &(offset + 2).to_string());
                 stated += 1;
                 let findings = found_in(CODE, name, &wrong);
-                let here = findings.iter().any(|f| f.place.start as usize == digits);
+                let here = findings.iter().any(|f| f.place().start as usize == digits);
                 told += usize::from(here);
                 let line = text[at..].lines().next().unwrap_or("");
                 let others: Vec<_> =
-                    findings.iter().filter(|f| f.place.start as usize != digits).collect();
+                    findings.iter().filter(|f| f.place().start as usize != digits).collect();
                 assert!(others.is_empty(), "{name}: {line}: {others:#?}");
             }
         }

@@ -43,8 +43,8 @@ fn stages_that_swap_two_members_are_told_with_both_offsets() {
          there, and 1 more difference"
     );
     assert_eq!(finding.notes, ["`position` is at offset 16 here and 0 there"]);
-    assert_eq!((finding.place.path.as_str(), place(&finding).as_str()), ("s/lit.frag", "3:6"));
-    let other = &finding.related[0].place;
+    assert_eq!((finding.place().path.as_str(), place(&finding).as_str()), ("s/lit.frag", "3:6"));
+    let other = &finding.related()[0].at;
     assert_eq!((other.path.as_str(), other.line, other.column), ("s/lit.vert", 4, 6));
     assert_eq!(finding.about, "Light");
     assert!(finding.listing.is_some() && finding.help.is_some());
@@ -122,7 +122,7 @@ fn the_odd_one_out_is_reported_not_the_many() {
     let files: Vec<(&str, &str)> =
         vec![("s/a.frag", &odd), ("s/b.frag", &good), ("s/c.frag", &good), ("s/c.vert", &good)];
     let finding = only(mismatches(&files));
-    assert_eq!(finding.place.path, "s/a.frag");
+    assert_eq!(finding.place().path, "s/a.frag");
     assert!(finding.message.contains("in s/b.frag"), "{}", finding.message);
 }
 
@@ -231,13 +231,13 @@ fn a_mirror_group_holds_copies_under_other_names_together() {
     let finding = only(found(CODE, &files, &settings));
     assert_eq!(
         finding.message,
-        "`lamps[]` is no copy of `data[]` in gl/lights.frag: `pad` (`f32` at offset 28) is only \
+        "`lamps[]` differs from `data[]` in gl/lights.frag: `pad` (`f32` at offset 28) is only \
          here, and 1 more difference"
     );
     assert_eq!(finding.notes, ["`intensity` is at offset 32 here and 28 there"]);
-    assert_eq!(finding.place.path, "web/lights.wgsl");
-    assert_eq!(finding.related[1].place.path, "landfall.toml");
-    assert_eq!(finding.related[1].text, "mirror group `lights`");
+    assert_eq!(finding.place().path, "web/lights.wgsl");
+    assert_eq!(finding.related()[1].at.path, "landfall.toml");
+    assert_eq!(finding.related()[1].text, "mirror group `lights`");
 }
 
 #[test]
@@ -271,5 +271,5 @@ fn a_mirror_group_that_leads_nowhere_is_reported_where_it_stands() {
         ]
     );
     assert_eq!(findings[0].help.as_deref(), Some("did you mean `PointLightBlock`?"));
-    assert_eq!((findings[0].place.path.as_str(), findings[0].place.line), ("landfall.toml", 7));
+    assert_eq!((findings[0].place().path.as_str(), findings[0].place().line), ("landfall.toml", 7));
 }

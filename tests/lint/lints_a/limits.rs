@@ -25,7 +25,7 @@ fn a_uniform_block_of_16_kib_fits_and_one_of_16_bytes_more_does_not() {
     let finding = only(over("a.frag", &of(1025), &[Target::WebGpu, Target::Gl33]));
     assert_eq!(
         finding.message,
-        "block `B` is 16400 bytes, but OpenGL 3.3 guarantees only 16384 bytes a uniform block"
+        "block `B` is 16400 bytes, but OpenGL 3.3 guarantees only 16384 bytes per uniform block"
     );
     assert_eq!(place(&finding), "2:24");
     assert_eq!(
@@ -59,7 +59,11 @@ fn a_storage_buffer_of_128_mib_fits() {
         assert_eq!(messages(&over("a.comp", &of(8 << 20), &[target])), [""; 0]);
         let finding = only(over("a.comp", &of((8 << 20) + 1), &[target]));
         assert!(finding.message.contains("134217744 bytes"), "{}", finding.message);
-        assert!(finding.message.contains("134217728 bytes a storage block"), "{}", finding.message);
+        assert!(
+            finding.message.contains("134217728 bytes per storage block"),
+            "{}",
+            finding.message
+        );
     }
     // OpenGL 3.3 has no storage buffers, so no limit of theirs.
     assert_eq!(messages(&over("a.comp", &of((8 << 20) + 1), &[Target::Gl33])), [""; 0]);
@@ -127,7 +131,7 @@ fn push_constants_end_by_byte_128() {
         "push constants `P` end at byte 132, but Vulkan guarantees only 128 bytes"
     );
     assert_eq!(place(&finding), "2:31");
-    assert_eq!(finding.related[0].text, "the first member past it: it ends at byte 132");
+    assert_eq!(finding.related()[0].text, "the first member past it: it ends at byte 132");
     assert_eq!(finding.help.as_deref(), Some("move `c` and what follows it into a uniform block"));
     // A range that starts late has to end in time all the same.
     assert_eq!(found_in(code, "a.frag", &of("layout(offset = 112) vec4 a; vec4 b;")).len(), 1);
@@ -166,7 +170,7 @@ fn webgl_2_wants_whole_rows_of_16_bytes() {
     let finding = only(found(code, &[("a.frag", fog)], &webgl));
     assert_eq!(
         finding.message,
-        "the members of block `Fog` end at byte 24, but WebGL 2 wants a buffer of 32 bytes"
+        "the members of block `Fog` end at byte 24, but WebGL 2 requires a buffer of 32 bytes"
     );
     assert_eq!(place(&finding), "4:24");
     assert_eq!(
@@ -182,7 +186,7 @@ fn webgl_2_wants_whole_rows_of_16_bytes() {
     let finding = only(found(code, &[("a.wgsl", wgsl)], &webgl));
     assert_eq!(
         finding.message,
-        "block `T` is 24 bytes, but WebGL 2 wants a multiple of 16: 32 bytes"
+        "block `T` is 24 bytes, but WebGL 2 requires a multiple of 16: 32 bytes"
     );
     // A buffer that is written down as large enough is.
     let table = |bytes| Table {

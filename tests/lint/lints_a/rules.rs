@@ -15,7 +15,10 @@ fn frag(declaration: &str) -> String {
 fn a_block_without_rules_is_told_where_its_name_is() {
     let text = frag("uniform Light { vec3 color; } u_light;");
     let finding = only(found_in(CODE, "a.frag", &text));
-    assert_eq!(finding.message, "block `Light` does not say its rules: the driver chooses them");
+    assert_eq!(
+        finding.message,
+        "block `Light` declares no layout rules: the driver chooses its offsets"
+    );
     assert_eq!(place(&finding), "2:9");
     assert_eq!(finding.help.as_deref(), Some("write `layout(std140) uniform Light`"));
     let good = edited(&text, std::slice::from_ref(&finding));
@@ -69,7 +72,7 @@ fn declared_blocks_loose_uniforms_and_vulkan_are_let_be() {
     ] {
         assert_eq!(messages(&found_in(CODE, "a.frag", &frag(good))), [""; 0], "{good}");
     }
-    let gathered = Options { gather: true, ..Options::default() };
+    let gathered = Options::default().with_gather(true);
     let source = Source::new("a.frag", frag("uniform vec3 a;"));
     let shader = landfall_layout::layout(&source, &gathered);
     let subject = landfall_lint::Subject { source: &source, options: &gathered, shader: &shader };

@@ -50,10 +50,10 @@ fn the_chapters_6148_bytes_are_12_too_few() {
         let finding = only(held(block, Some(figure(6148, "48 * 128 + 4", 5)), vec![]));
         assert_eq!(
             finding.message,
-            "48 * 128 + 4 = 6148 bytes are made for block `PointLightBlock`, but it needs 6160 bytes"
+            "48 * 128 + 4 = 6148 bytes are allocated for block `PointLightBlock`, but it needs 6160 bytes"
         );
-        assert_eq!((finding.place.path.as_str(), finding.place.line), ("landfall.toml", 5));
-        let block = &finding.related[0].place;
+        assert_eq!((finding.place().path.as_str(), finding.place().line), ("landfall.toml", 5));
+        let block = &finding.related()[0].at;
         assert_eq!((block.path.as_str(), block.line, block.column), ("lights.frag", 10, 24));
         assert_eq!(
             finding.notes,
@@ -80,13 +80,13 @@ fn rows_that_are_off_are_told_with_both_numbers() {
     assert_eq!(
         messages(&findings),
         [
-            "`data[3].intensity` of block `PointLightBlock` is written down at offset 168, but it \
+            "`data[3].intensity` of block `PointLightBlock` is listed at offset 168, but it \
              is at 172",
-            "`actually_used_count` of block `PointLightBlock` is written down at offset 4096, but \
+            "`actually_used_count` of block `PointLightBlock` is listed at offset 4096, but \
              it is at 6144",
         ]
     );
-    assert_eq!([findings[0].place.line, findings[1].place.line], [8, 9]);
+    assert_eq!([findings[0].place().line, findings[1].place().line], [8, 9]);
     assert_eq!(findings[0].help.as_deref(), Some("write 172"));
 }
 
@@ -95,7 +95,7 @@ fn names_that_lead_nowhere_are_told_with_the_nearest() {
     let finding = only(held("PointLightBlok", Some(figure(1, "", 5)), vec![]));
     assert_eq!(finding.message, "no shader has a block `PointLightBlok`");
     assert_eq!(finding.help.as_deref(), Some("did you mean `PointLightBlock`?"));
-    assert_eq!(finding.place.line, 1);
+    assert_eq!(finding.place().line, 1);
     let rows = vec![row("data[0].colour", 16, 6), row("data[128].pos", 6144, 7)];
     let findings = held("PointLightBlock", None, rows);
     assert_eq!(findings.len(), 2, "{:#?}", messages(&findings));
@@ -119,6 +119,6 @@ fn a_table_is_held_against_the_shaders_it_names() {
     // Two stages declare the block; the table is wrong once, and both are named.
     let both = [("gl/a.frag", LIGHTS), ("gl/b.frag", LIGHTS)];
     let finding = only(found(CODE, &both, &settings));
-    assert_eq!(finding.related.len(), 2);
+    assert_eq!(finding.related().len(), 2);
     assert!(lint(CODE).unwrap().example.contains("PointLightBlock"));
 }

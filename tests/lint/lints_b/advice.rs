@@ -12,8 +12,8 @@ fn a_scalar_in_a_vec3s_slot_is_reported_with_both_offsets() {
         "4:11 `gain` is at 12, in the last 4 bytes of the 16 that `color` is aligned to: a copy \
          whose `vec3` takes 16 bytes has it at 16"
     );
-    assert_eq!((finding.related[0].place.line, finding.related[0].place.column), (3, 10));
-    assert_eq!(help(&finding), "in the copy, give `color` 12 bytes and let `gain` follow at once");
+    assert_eq!((finding.related()[0].at.line, finding.related()[0].at.column), (3, 10));
+    assert_eq!(help(&finding), "in the copy, give `color` 12 bytes and let `gain` follow directly");
     assert_eq!(finding.about, "B.gain");
 }
 
@@ -39,7 +39,7 @@ layout(std140) uniform C { Light c; };
 void main() {}
 ";
     let finding = one("scalar-after-vec3", "a.frag", text);
-    assert_eq!((finding.place.line, finding.about.as_str()), (2, "Light.gain"));
+    assert_eq!((finding.place().line, finding.about.as_str()), (2, "Light.gain"));
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn a_vec3_array_is_reported_with_both_distances() {
     assert_eq!(
         said(&finding),
         "3:10 elements of `samples` are 16 bytes apart: packed `vec3`s are 12 apart, and only the \
-         first lands"
+         first is read correctly"
     );
     assert!(
         help(&finding).contains("declare `vec4 samples[7]`: 112 bytes as before"),
@@ -95,7 +95,7 @@ fn a_padded_matrix_is_reported_with_both_sizes() {
         said(&finding),
         "3:10 `normal` is 3 columns of 12 bytes, 16 apart: 48 bytes, where a packed `mat3` is 36"
     );
-    assert_eq!(help(&finding), "upload 4 components a column (`[[f32; 4]; 3]`)");
+    assert_eq!(help(&finding), "upload 4 components per column (`[[f32; 4]; 3]`)");
     assert_eq!(found("mat3-padding", "a.frag", &std140("    mat4 normal;\n    mat3x4 three;")), []);
 }
 
@@ -123,8 +123,8 @@ fn a_bool_is_reported_with_both_sizes() {
     assert_eq!(
         said,
         [
-            "3:10 `on` is a `bool` of 4 bytes: on the CPU it is 1",
-            "4:11 `mask` is a `bvec3` of 12 bytes: on the CPU it is 3",
+            "3:10 `on` is a `bool` of 4 bytes, where the CPU has 1",
+            "4:11 `mask` is a `bvec3` of 12 bytes, where the CPU has 3",
         ]
     );
     assert!(help(&found_here[1]).contains("declare `uvec3 mask[2]`"));

@@ -65,8 +65,8 @@ fn a_field_before_its_byte_is_reported_with_both_numbers_and_the_padding() {
     assert_eq!(lines(&found), ["5:5 `color` is at byte 12 of `Light`, the shader reads it at 16"]);
     assert_eq!(help(&found[0]), "put `_pad_12: [u8; 4]` before `color`");
     assert_eq!(found[0].notes[0], "`gain` is off by the same 4 bytes and lands once this does");
-    assert_eq!((found[0].place.path.as_str(), found[0].place.end_column), ("src/light.rs", 10));
-    let member = &found[0].related[0].place;
+    assert_eq!((found[0].place().path.as_str(), found[0].place().end_column), ("src/light.rs", 10));
+    let member = &found[0].related()[0].at;
     assert_eq!((member.path.as_str(), member.line, member.column), ("a.frag", 4, 10));
     assert_eq!(found[0].about, "Light.color");
 }
@@ -82,7 +82,7 @@ fn a_scalar_behind_an_aligned_vec3_is_reported() {
     let found =
         light("    color: glam::Vec3A,\n    gain: f32,", "    vec3 color;\n    float gain;");
     assert_eq!(lines(&found), ["5:5 `gain` is at byte 16 of `Light`, the shader reads it at 12"]);
-    assert_eq!(help(&found[0]), "make `color` 12 bytes: `gain` follows at once in the shader");
+    assert_eq!(help(&found[0]), "make `color` 12 bytes: `gain` follows directly in the shader");
     assert_eq!(light("color: glam::Vec3, gain: f32,", "vec3 color; float gain;"), []);
 }
 
@@ -169,7 +169,7 @@ fn missing_and_extra_fields_are_told_from_renamed_ones() {
     let found = light("    color: [f32; 4],\n    gain: [f32; 4],", "    vec4 color;");
     assert_eq!(
         lines(&found),
-        ["5:5 `gain` of `Light`, 16 bytes at 16, is no member in the shader"]
+        ["5:5 `gain` of `Light`, 16 bytes at 16, is not a member in the shader"]
     );
     // Padding has no counterpart and needs none.
     assert_eq!(light("color: [f32; 4], _end: [f32; 4],", "vec4 color;"), []);
@@ -314,7 +314,10 @@ fn what_cannot_be_judged_is_said_and_not_blamed() {
         let text = format!("// landfall: mirror(Light)\n#[repr(C)]\nstruct Light {{ {field} }}\n");
         let settings = Settings { rust_files: vec![rust(&text)], ..Settings::default() };
         let found = asked("rust-mirror-unknown", &settings, &[("a.frag", shader)]);
-        assert_eq!(lines(&found), [format!("3:8 `Light` cannot be held against `Light`: {cause}")]);
+        assert_eq!(
+            lines(&found),
+            [format!("3:8 `Light` cannot be compared with `Light`: {cause}")]
+        );
         assert_eq!(asked("rust-mirror", &settings, &[("a.frag", shader)]), []);
     }
 }
@@ -331,7 +334,7 @@ fn a_mirror_of_nothing_is_said() {
     );
     let text = "// landfall: mirror(Light)\nfn nothing() {}\nstruct Light { color: [f32; 4] }\n";
     let found = asked("rust-mirror-unknown", &settings(text), &[("a.frag", shader)]);
-    assert_eq!(lines(&found), ["1:1 this mirror comment stands above no structure"]);
+    assert_eq!(lines(&found), ["1:1 mirror comment without a structure below it"]);
 }
 
 #[test]

@@ -68,12 +68,12 @@ fn each_fault_in_glsl_has_its_cause() {
         ),
         (
             "layout(push_constant) uniform B { vec2 g; float a[2]; };",
-            "lays push constants out in std140; they are std430",
+            "lays push constants out in std140; their default is std430",
             "from byte 16 instead of 8, with array stride 16 instead of 4",
         ),
         (
             "layout(std430, binding = 0) buffer B { bool on; bool off; };",
-            "takes a `bool` for 1 byte",
+            "lays out a `bool` as 1 byte",
             "from byte 1 instead of 4",
         ),
     ];

@@ -1,4 +1,4 @@
-//! Members and blocks that no function touches, by naga's module.
+//! Members and blocks that no function reads or writes, by naga's module.
 
 use crate::lints_b::{found, one, said};
 
@@ -15,7 +15,10 @@ void main() { gl_Position = camera.view * at; }
 #[test]
 fn a_member_that_nothing_reads_is_reported() {
     let finding = one("unused-member", "a.vert", CAMERA);
-    assert_eq!(said(&finding), "4:10 no function touches `projection` of `Camera`, 64 bytes");
+    assert_eq!(
+        said(&finding),
+        "4:10 no function reads or writes `projection` of `Camera`, 64 bytes"
+    );
     assert_eq!(finding.about, "Camera.projection");
     let good = CAMERA.replace("camera.view * at", "camera.projection * camera.view * at");
     assert_eq!(found("unused-member", "a.vert", &good), []);
@@ -25,7 +28,7 @@ fn a_member_that_nothing_reads_is_reported() {
 fn a_block_that_nothing_reads_is_reported_once_and_not_its_members() {
     let text = CAMERA.replace("camera.view * at", "at");
     let finding = one("unused-block", "a.vert", &text);
-    assert_eq!(said(&finding), "2:46 no function touches block `Camera`, 128 bytes");
+    assert_eq!(said(&finding), "2:46 no function reads or writes block `Camera`, 128 bytes");
     assert_eq!(found("unused-member", "a.vert", &text), []);
     assert_eq!(found("unused-block", "a.vert", CAMERA), []);
 }
@@ -57,7 +60,7 @@ struct Lights { count: u32, data: array<Light> }
 #[test]
 fn a_member_of_a_structure_in_an_array_is_followed() {
     let finding = one("unused-member", "a.wgsl", LIGHTS);
-    assert_eq!(said(&finding), "1:42 no function touches `at` of `Light`, 12 bytes");
+    assert_eq!(said(&finding), "1:42 no function reads or writes `at` of `Light`, 12 bytes");
 }
 
 #[test]

@@ -24,7 +24,7 @@ fn the_first_difference_is_named_with_the_permutation_and_both_numbers() {
     let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
-        ["7:11 block `Light` is laid out otherwise under `SHADOWS`: `gain` is at 80 instead of 12"]
+        ["7:11 the layout of block `Light` changes under `SHADOWS`: `gain` is at 80 instead of 12"]
     );
     assert!(found[0].notes[0].starts_with("without `SHADOWS` the block is 16 bytes"), "{found:?}");
     assert!(found[0].listing.as_deref().is_some_and(|text| text.contains("mat4 shadow")));
@@ -48,7 +48,7 @@ fn an_array_that_grows_is_found_where_it_stands() {
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
         [
-            "3:33 block `B` is laid out otherwise under `LIGHTS=8`: `at[]` has 8 elements instead of 4"
+            "3:33 the layout of block `B` changes under `LIGHTS=8`: `at[]` has 8 elements instead of 4"
         ]
     );
     let same = permutations(&[&[("LIGHTS", "4")]]);
@@ -62,7 +62,7 @@ fn an_appended_member_is_a_change_too() {
     let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
-        ["2:24 block `Light` is laid out otherwise under `FOG`: `fog` is added at 16"]
+        ["2:24 the layout of block `Light` changes under `FOG`: `fog` is added at 16"]
     );
 }
 
@@ -81,7 +81,7 @@ fn a_permutation_that_breaks_the_shader_is_said() {
     let bad = text("    vec4 color;\n#ifdef BROKEN\n    Missing what;\n#endif");
     let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
     assert_eq!(found.len(), 1);
-    assert_eq!(found[0].place.line, 5);
+    assert_eq!(found[0].place().line, 5);
     assert!(
         found[0].message.starts_with("under `BROKEN` the shader cannot be laid out: "),
         "{found:?}"

@@ -1,64 +1,65 @@
-//! What could run a shader here, and how much it takes at a time.
+//! The devices of this machine and their limits.
 //!
-//! Fed by the drivers; `landfall devices` prints it.
+//! Filled in by the drivers, printed by `landfall devices`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::backend::{BackendKind, Device, Failure};
 
-/// One way to run shaders, there or missing.
+/// A backend, available or missing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// What kind it is.
-    pub reader: BackendKind,
-    /// The kind of context or of backend, such as `core 4.5` or `vulkan`.
+    /// The kind of backend.
+    pub backend: BackendKind,
+    /// The kind of context or of API, such as `core 4.5` or `vulkan`.
     pub kind: String,
-    /// Who it is and what it takes, or why it is missing.
+    /// The device and its limits, or why it is missing.
     pub outcome: Result<(Device, Limits), Failure>,
 }
 
 impl Found {
-    /// A reader that this build was made without.
-    pub fn not_built(reader: BackendKind) -> Found {
-        let message =
-            format!("this build has no reader `{reader}`: it lacks the cargo feature `{reader}`");
-        Found { reader, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
+    /// Returns the entry of a backend that this build lacks.
+    pub fn not_built(backend: BackendKind) -> Found {
+        let message = format!(
+            "this build has no backend `{backend}`: it lacks the cargo feature `{backend}`"
+        );
+        Found { backend, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
     }
 }
 
-/// The evaluator, which is always there.
+/// Returns the entry of the evaluator, which is always available.
 pub fn cpu() -> Found {
     let device = Device {
-        reader: BackendKind::Cpu,
+        backend: BackendKind::Cpu,
         adapter: "evaluator".to_string(),
         driver: landfall_layout::format::NAME.to_string(),
         version: env!("CARGO_PKG_VERSION").to_string(),
         software: true,
     };
     Found {
-        reader: BackendKind::Cpu,
+        backend: BackendKind::Cpu,
         kind: String::new(),
         outcome: Ok((device, Limits::default())),
     }
 }
 
-/// What a device takes at most; `None` where it has no such thing or sets no limit.
+/// The limits of a device; `None` where it has no such feature or no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Bytes of a uniform block.
+    /// Size of a uniform block in bytes.
     pub uniform_block_size: Option<u64>,
-    /// Bytes of a storage block.
+    /// Size of a storage block in bytes.
     pub storage_block_size: Option<u64>,
-    /// Uniform blocks a stage.
+    /// Number of uniform blocks per stage.
     pub uniform_blocks: Option<u64>,
-    /// Storage blocks a compute shader.
+    /// Number of storage blocks per compute shader.
     pub storage_blocks: Option<u64>,
-    /// Bytes of push constants.
+    /// Size of push constants in bytes.
     pub push_constant_size: Option<u64>,
-    /// Pixels of an image, each way.
+    /// Width and height of an image in pixels.
     pub image_side: Option<u64>,
-    /// Invocations of a workgroup.
+    /// Number of invocations per workgroup.
     pub workgroup_invocations: Option<u64>,
-    /// Workgroups of a dispatch, each way.
+    /// Number of workgroups per dispatch and dimension.
     pub workgroups: Option<u64>,
 }

@@ -1,16 +1,16 @@
-//! An OpenGL driver without a window: it runs jobs, and says where it put every member
-//! of the blocks of a text as the user wrote it.
+//! The OpenGL backend: a driver without a window, which runs jobs and reports the layout of the
+//! blocks of an unchanged text.
 //!
-//! llvmpipe (Mesa 22.3.6) lets an invocation have 65535 turns of all its loops together and
-//! leaves them then, without a word: an answer of longer loops is not the shader's.
+//! llvmpipe (Mesa 22.3.6) ends all loops of an invocation after 65535 iterations in total, without
+//! an error: results of longer loops are wrong.
 //!
-//! [`Gl`] keeps one context of each kind a text asks for. It calls a driver, which may
-//! crash or hang: [`subprocess`](crate::backend::subprocess) does the same in a process of its own.
+//! [`Gl`] keeps one context of each kind that texts need. The driver may crash or hang;
+//! [`subprocess`](crate::backend::subprocess) runs it in a separate process.
 
-mod bind;
+mod bindings;
 mod context;
+mod default_uniforms;
 mod interface;
-mod loose;
 mod program;
 mod reflect;
 mod run;
@@ -24,29 +24,29 @@ pub use context::ContextKind;
 
 use super::devices::Found;
 use super::reflection::Reflection;
-use crate::backend::{Answer, Device, Failure, Job, Reader};
+use crate::backend::{Backend, Device, Failure, Job, JobOutput};
 use context::{Context, Display};
 use landfall_layout::source::Stage;
 use program::{Partner, Programs};
 
-/// An OpenGL driver in this process, for the thread that opened it.
+/// An OpenGL driver in this process, bound to the thread that opened it.
 pub struct Gl {
     display: Rc<Display>,
     slots: Vec<Slot>,
     device: Device,
 }
 
-/// A context that has been opened, and its programs.
+/// An open context and its programs.
 struct Slot {
     context: Context,
     programs: Programs,
 }
 
 impl Gl {
-    /// Opens the driver; a core context, or what there is instead, says who it is.
+    /// Opens the driver. The device is that of a core context, or of the first context available.
     ///
     /// # Errors
-    /// [`FailureKind::Missing`](super::FailureKind::Missing) where there is none.
+    /// [`FailureKind::Missing`](super::FailureKind::Missing) if there is no driver.
     pub fn open() -> Result<Gl, Failure> {
         let display = Display::open()?;
         let mut missing = None;
@@ -63,10 +63,10 @@ impl Gl {
         Err(missing.expect("there is at least one kind of context"))
     }
 
-    /// Every kind of context, opened or missing.
+    /// Lists every kind of context, available or missing.
     ///
     /// # Errors
-    /// Why no driver can be opened at all.
+    /// Fails if no driver can be opened at all.
     pub fn list() -> Result<Vec<Found>, Failure> {
         let display = Display::open()?;
         let found = ContextKind::ALL.map(|kind| match Context::open(&display, kind) {
@@ -74,10 +74,10 @@ impl Gl {
                 let (major, minor) = context.version;
                 let kind = format!("{} {major}.{minor}", kind.name());
                 let outcome = Ok((context.device.clone(), context.limits));
-                Found { reader: BackendKind::Gl, kind, outcome }
+                Found { backend: BackendKind::Gl, kind, outcome }
             }
             Err(failure) => Found {
-                reader: BackendKind::Gl,
+                backend: BackendKind::Gl,
                 kind: kind.name().to_string(),
                 outcome: Err(failure),
             },
@@ -85,10 +85,9 @@ impl Gl {
         Ok(found.into())
     }
 
-    /// Compiles and links texts as they are and says what is active in the program.
+    /// Compiles and links texts unchanged and returns the active blocks and uniforms.
     ///
-    /// A lone stage is enough. The context is of the kind that the first text's `#version`
-    /// asks for.
+    /// A single stage is enough. The first text's `#version` selects the kind of context.
     ///
     /// # Errors
     /// [`FailureKind::Refused`](super::FailureKind::Refused) with the compiler's log.
@@ -98,7 +97,7 @@ impl Gl {
         reflect::reflect(&slot.context, program.id)
     }
 
-    /// The context for those texts, made current.
+    /// Returns the context for the given texts, made current.
     fn slot(&mut self, texts: &[(Stage, &str)]) -> Result<&mut Slot, Failure> {
         let Some((_, text)) = texts.first() else {
             return Err(Failure::refused("there is no shader to run", ""));
@@ -118,12 +117,12 @@ impl Gl {
     }
 }
 
-impl Reader for Gl {
+impl Backend for Gl {
     fn device(&self) -> &Device {
         &self.device
     }
 
-    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
         let texts = run::texts(job)?;
         let slot = self.slot(&texts)?;
         run::run(&slot.context, &mut slot.programs, job, &texts)
@@ -138,10 +137,10 @@ impl Reader for Gl {
     }
 }
 
-/// Asks a driver opened for this alone: [`Gl::reflect`].
+/// Opens a driver for a single [`Gl::reflect`].
 ///
 /// # Errors
-/// Why there is no driver, or what its compiler says against the texts.
+/// Fails if there is no driver or its compiler rejects the texts.
 pub fn reflect(sources: &[(Stage, &str)]) -> Result<Reflection, Failure> {
     Gl::open()?.reflect(sources)
 }

@@ -1,64 +1,64 @@
-//! What an OpenGL driver says of a text as the user wrote it: where it put every member.
+//! An OpenGL driver's reflection of an unchanged text: the offset of every member.
 //!
-//! Plain data; made by the driver's reader, compared with the layout by
+//! Plain data; made by the OpenGL backend, compared with the layout by
 //! [`verify`](crate::harness::verify).
 
 use serde::{Deserialize, Serialize};
 
-/// What is active in a program, by its driver.
+/// The active blocks and uniforms of a program as the driver reports them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reflection {
-    /// Uniform blocks; not in the order of the text.
+    /// Uniform blocks, in the driver's order.
     pub uniform_blocks: Vec<ReflectedBlock>,
-    /// Storage blocks; none where OpenGL is older than 4.3 or ES 3.1.
+    /// Storage blocks; empty before OpenGL 4.3 and ES 3.1.
     pub storage_blocks: Vec<ReflectedBlock>,
-    /// Loose uniforms.
+    /// Uniforms outside blocks.
     pub uniforms: Vec<ReflectedUniform>,
 }
 
-/// A block by its driver.
+/// A block as the driver reports it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReflectedBlock {
-    /// Its name; `B[0]`, `B[1]` where it is an array of blocks.
+    /// The name; `B[0]`, `B[1]` for an array of blocks.
     pub name: String,
-    /// Where the text binds it; 0 where it does not say.
+    /// The binding in the text; 0 if it has none.
     pub binding: u32,
-    /// Bytes its buffer must have: `GL_UNIFORM_BLOCK_DATA_SIZE` or `GL_BUFFER_DATA_SIZE`.
+    /// The buffer's minimum size in bytes: `GL_UNIFORM_BLOCK_DATA_SIZE` or `GL_BUFFER_DATA_SIZE`.
     pub size: u64,
-    /// Its active members down to scalars, vectors and matrices. Drivers list those of an
-    /// array of blocks with its first element only, or with each.
+    /// The active members down to scalars, vectors and matrices. Drivers list those of an array of
+    /// blocks with its first element only, or with each.
     pub members: Vec<ReflectedMember>,
 }
 
-/// A member by its driver.
+/// A member as the driver reports it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReflectedMember {
-    /// Its path without the block's name: `lights[0].pos`, `weights[0]`.
+    /// The path without the block's name: `lights[0].pos`, `weights[0]`.
     pub name: String,
-    /// Its type as GLSL spells it; of an array, that of its elements.
+    /// The type as GLSL spells it; the element type of an array.
     pub ty: String,
-    /// Bytes from the start of the block.
+    /// The offset in bytes from the start of the block.
     pub offset: u64,
-    /// Elements: 1 if it is no array, `None` if it is runtime-sized.
+    /// The number of elements: 1 if it is no array, `None` if it is runtime-sized.
     pub array_size: Option<u64>,
-    /// Bytes from one element to the next; 0 if it is no array.
+    /// The array stride in bytes; 0 if it is no array.
     pub array_stride: u64,
-    /// Bytes from one column, or row, to the next; 0 if it is no matrix.
+    /// The matrix stride in bytes; 0 if it is no matrix.
     pub matrix_stride: u64,
-    /// Whether a matrix is stored row by row.
+    /// Whether a matrix is row-major.
     pub row_major: bool,
-    /// Storage blocks list one element of an outermost array of structs: its length
-    /// (`None` if runtime-sized) and stride.
+    /// Length (`None` if runtime-sized) and stride of an outermost array of structures in a storage
+    /// block, of which drivers list one element.
     pub top_level: Option<(Option<u64>, u64)>,
 }
 
-/// A loose uniform by its driver.
+/// A uniform outside blocks as the driver reports it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReflectedUniform {
-    /// Its path.
+    /// The path.
     pub name: String,
-    /// Its type as GLSL spells it.
+    /// The type as GLSL spells it.
     pub ty: String,
-    /// Elements: 1 if it is no array.
+    /// The number of elements: 1 if it is no array.
     pub array_size: u64,
 }

@@ -1,19 +1,19 @@
-//! The executable stages: whether a stage is one, and the grid on which it runs once.
+//! The executable stages, and the grid of a single run.
 
 use landfall_layout::source::{ExecutableStage, Stage};
 
 use super::{Failure, Grid, Texel};
 
-/// The executable stage, if supported.
+/// Returns the stage as an executable stage.
 ///
 /// # Errors
-/// Stages that no backend executes.
+/// Fails for stages that no backend executes.
 pub fn executable(stage: Stage) -> Result<ExecutableStage, Failure> {
     let refused = || Failure::refused(format!("a {} shader cannot run", stage.name()), "");
     ExecutableStage::of(stage).ok_or_else(refused)
 }
 
-/// The grid on which a stage runs once.
+/// Returns the grid that runs a stage once.
 pub fn single_run(stage: ExecutableStage) -> Grid {
     match stage {
         ExecutableStage::Vertex => Grid::Points { count: 1, texel: Texel::Uint },

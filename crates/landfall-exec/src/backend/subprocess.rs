@@ -1,8 +1,8 @@
-//! Drivers crash and hang: a reader whose driver is loaded in a process of its own.
+//! A backend whose driver is loaded in a separate process, since drivers crash and hang.
 //!
-//! [`Remote`] is the near side: it sends jobs, waits no longer than their limit, and starts
-//! a new process for the next job when one has died. [`serve`] is the far side, which a
-//! program calls when it is started with what [`Launch`] says; `landfall reader gl` is one.
+//! [`Subprocess`] is the client: it sends jobs, enforces their limits, and starts a new process for
+//! the next job after one has died. [`serve`] is the server, called by a program that is started as
+//! [`Launch`] describes, such as `landfall reader gl`.
 
 mod child;
 mod frame;
@@ -18,37 +18,37 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-pub use self::serve::{Behind, serve};
+pub use self::serve::{DriverKind, serve};
 
 use super::devices::Found;
-use crate::backend::{Answer, Device, Failure, FailureKind, Job, Reader};
+use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use child::Process;
 use frame::Frame;
 use landfall_ir::Module;
-use wire::{Ask, Reply, Times, WireFound, WireJob};
+use wire::{Reply, Request, Times, WireFound, WireJob};
 
-/// How the process of a driver is started.
+/// The command that starts a driver's process.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Launch {
     /// A program that calls [`serve`].
     pub program: PathBuf,
-    /// Its arguments.
+    /// The arguments.
     pub arguments: Vec<OsString>,
-    /// Variables of its environment beside those of this process.
+    /// Environment variables in addition to those of this process.
     pub environment: Vec<(OsString, OsString)>,
-    /// The driver must have opened by then.
+    /// The time limit for opening the driver.
     pub opening: Duration,
-    /// Whether the device times its jobs by timestamps of its own, where it has those.
+    /// Whether to time jobs by the device's timestamps, if it has any.
     pub timed: bool,
 }
 
 impl Launch {
-    /// The program `landfall`, or another that takes `reader gl` and `reader gpu`.
-    pub fn new(program: impl Into<PathBuf>, behind: &Behind) -> Launch {
-        let arguments = match behind {
-            Behind::Gl => vec!["reader".into(), "gl".into()],
-            Behind::Gpu(None) => vec!["reader".into(), "gpu".into()],
-            Behind::Gpu(Some(adapter)) => {
+    /// Starts the program `landfall`, or another that accepts `reader gl` and `reader gpu`.
+    pub fn new(program: impl Into<PathBuf>, driver_kind: &DriverKind) -> Launch {
+        let arguments = match driver_kind {
+            DriverKind::Gl => vec!["reader".into(), "gl".into()],
+            DriverKind::Gpu(None) => vec!["reader".into(), "gpu".into()],
+            DriverKind::Gpu(Some(adapter)) => {
                 vec!["reader".into(), "gpu".into(), "--adapter".into(), adapter.into()]
             }
         };
@@ -62,45 +62,45 @@ impl Launch {
     }
 }
 
-/// A reader in a process of its own.
-pub struct Remote {
+/// A backend in a separate process.
+pub struct Subprocess {
     launch: Launch,
     device: Device,
     session: Option<Session>,
-    /// How long the last job took.
+    /// The times of the last job.
     times: Times,
 }
 
-/// A process and what it has been told.
+/// A process and the modules it knows.
 struct Session {
     process: Process,
     modules: Vec<(Arc<Module>, u64)>,
     next: u64,
 }
 
-/// Beyond this many modules the other side forgets all: nobody runs more in turn.
+/// The number of modules kept; beyond it the server forgets all.
 const KEPT: usize = 64;
 
-impl Remote {
+impl Subprocess {
     /// Starts the process and opens its driver.
     ///
     /// # Errors
-    /// Why there is no driver; [`FailureKind::Died`] or [`FailureKind::TimedOut`] where one
-    /// crashes or hangs when it is opened.
-    pub fn open(launch: Launch) -> Result<Remote, Failure> {
+    /// Fails if there is no driver; [`FailureKind::Died`] or [`FailureKind::TimedOut`] if it
+    /// crashes or hangs while it is opened.
+    pub fn open(launch: Launch) -> Result<Subprocess, Failure> {
         let (session, device) = Session::open(&launch)?;
-        Ok(Remote { launch, device, session: Some(session), times: Times::default() })
+        Ok(Subprocess { launch, device, session: Some(session), times: Times::default() })
     }
 
-    /// The number of the process, while there is one.
+    /// Returns the process ID, if a process runs.
     pub fn process(&self) -> Option<u32> {
         self.session.as_ref().map(|session| session.process.id())
     }
 
-    /// [`Gl::reflect`](super::gl::Gl::reflect) in the other process.
+    /// Runs [`Gl::reflect`](super::gl::Gl::reflect) in the process.
     ///
     /// # Errors
-    /// What the compiler says against the texts, or how the process ended.
+    /// The compiler's errors in the texts, or how the process ended.
     #[cfg(feature = "gl")]
     pub fn reflect(
         &mut self,
@@ -110,19 +110,19 @@ impl Remote {
         let text = |&(stage, text): &(landfall_layout::Stage, &str)| {
             (stage.name().to_string(), text.to_string())
         };
-        let ask = Ask::Reflect { sources: sources.iter().map(text).collect() };
+        let request = Request::Reflect { sources: sources.iter().map(text).collect() };
         let reflected = self.session().and_then(|session| {
-            match session.ask(&ask, Frame::default(), limit)?.0 {
+            match session.ask(&request, Frame::default(), limit)?.0 {
                 Reply::Reflected(reflection) => Ok(reflection),
                 other => Err(unexpected(other)),
             }
         });
-        self.bury(reflected)
+        self.end_if_unusable(reflected)
     }
 
-    /// The process, a new one if the last has ended.
+    /// Returns the process, a new one if the last has ended.
     fn session(&mut self) -> Result<&mut Session, Failure> {
-        // Asked first, so that a job is not blamed for what came before it.
+        // Checked first, so that the job is not blamed for an earlier crash.
         let last = self
             .session
             .take()
@@ -138,8 +138,8 @@ impl Remote {
         Ok(self.session.insert(session))
     }
 
-    /// Lets go of a process that is of no more use.
-    fn bury<T>(&mut self, result: Result<T, Failure>) -> Result<T, Failure> {
+    /// Drops the process if the failure makes it unusable.
+    fn end_if_unusable<T>(&mut self, result: Result<T, Failure>) -> Result<T, Failure> {
         if let Err(failure) = &result {
             match failure.kind {
                 FailureKind::Died | FailureKind::TimedOut => self.session = None,
@@ -150,16 +150,16 @@ impl Remote {
     }
 }
 
-impl Reader for Remote {
+impl Backend for Subprocess {
     fn device(&self) -> &Device {
         &self.device
     }
 
-    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
-        let reader = self.device.reader;
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        let backend = self.device.backend;
         self.times = Times::default();
-        let ran = self.session().and_then(|session| session.run(job, reader));
-        let (answer, times) = self.bury(ran)?;
+        let ran = self.session().and_then(|session| session.run(job, backend));
+        let (answer, times) = self.end_if_unusable(ran)?;
         self.times = times;
         Ok(answer)
     }
@@ -178,17 +178,17 @@ impl Reader for Remote {
         texts: &[(landfall_layout::Stage, &str)],
         limit: Duration,
     ) -> Option<Result<super::reflection::Reflection, Failure>> {
-        (self.device.reader == BackendKind::Gl).then(|| Remote::reflect(self, texts, limit))
+        (self.device.backend == BackendKind::Gl).then(|| Subprocess::reflect(self, texts, limit))
     }
 }
 
-/// Everything a driver has to offer, asked of a process of its own.
+/// Lists the devices of a driver, queried in a separate process.
 ///
 /// # Errors
-/// Why there is no driver, or how the process ended.
+/// Fails if there is no driver or the process ended.
 pub fn list(launch: &Launch) -> Result<Vec<Found>, Failure> {
     let mut session = Session::start(launch)?;
-    match session.ask(&Ask::List, Frame::default(), launch.opening)?.0 {
+    match session.ask(&Request::List, Frame::default(), launch.opening)?.0 {
         Reply::Listed(found) => {
             found.into_iter().map(|found| WireFound::found(found).map_err(garbled)).collect()
         }
@@ -208,18 +208,18 @@ impl Session {
     }
 
     fn device(&mut self, launch: &Launch) -> Result<Device, Failure> {
-        let open = Ask::Open { timed: launch.timed };
+        let open = Request::Open { timed: launch.timed };
         match self.ask(&open, Frame::default(), launch.opening)?.0 {
             Reply::Opened(device) => device.device().map_err(garbled),
             other => Err(unexpected(other)),
         }
     }
 
-    fn run(&mut self, job: &Job, reader: BackendKind) -> Result<(Answer, Times), Failure> {
+    fn run(&mut self, job: &Job, backend: BackendKind) -> Result<(JobOutput, Times), Failure> {
         let mut frame = Frame::default();
-        let wire = WireJob::new(job, reader, &mut frame, |module| self.number(module))
+        let wire = WireJob::new(job, backend, &mut frame, |module| self.number(module))
             .map_err(unsendable)?;
-        let (reply, mut frame) = self.ask(&Ask::Run(wire), frame, job.limit)?;
+        let (reply, mut frame) = self.ask(&Request::Run(wire), frame, job.limit)?;
         match reply {
             Reply::Ran { buffers, pixels, times } => {
                 let answer = Reply::answer(buffers, pixels, &mut frame).map_err(garbled)?;
@@ -229,27 +229,32 @@ impl Session {
         }
     }
 
-    fn ask(&mut self, ask: &Ask, frame: Frame, limit: Duration) -> Result<(Reply, Frame), Failure> {
-        self.process.send(frame.with(ask).map_err(unsendable)?);
+    fn ask(
+        &mut self,
+        request: &Request,
+        frame: Frame,
+        limit: Duration,
+    ) -> Result<(Reply, Frame), Failure> {
+        self.process.send(frame.with(request).map_err(unsendable)?);
         let frame = self.process.receive(limit)?;
         let reply = frame.header().map_err(garbled)?;
         Ok((reply, frame))
     }
 
-    /// The number the other side knows a module by; it is sent when it is new there.
+    /// Returns the server's number of a module, and sends the module if it is new.
     fn number(&mut self, module: &Arc<Module>) -> io::Result<u64> {
         if let Some((_, id)) = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module)) {
             return Ok(*id);
         }
         if self.modules.len() >= KEPT {
             self.modules.clear();
-            self.process.send(Frame::default().with(&Ask::Forget)?);
+            self.process.send(Frame::default().with(&Request::Forget)?);
         }
         let id = self.next;
         self.next += 1;
         let mut frame = Frame::default();
         let json = frame.put(json(module)?);
-        self.process.send(frame.with(&Ask::Module { id, json })?);
+        self.process.send(frame.with(&Request::Module { id, json })?);
         self.modules.push((Arc::clone(module), id));
         Ok(id)
     }
@@ -268,17 +273,16 @@ fn json(_: &Module) -> io::Result<Vec<u8>> {
 fn unexpected(reply: Reply) -> Failure {
     match reply {
         Reply::Failed(failure) => failure,
-        other => Failure::died(
-            "the process of the driver answers another question",
-            format!("{other:?}"),
-        ),
+        other => {
+            Failure::died("the driver process replied to another request", format!("{other:?}"))
+        }
     }
 }
 
 fn garbled(cause: io::Error) -> Failure {
-    Failure::died("the process of the driver talks nonsense", cause.to_string())
+    Failure::died("the driver process sent an invalid message", cause.to_string())
 }
 
 fn unsendable(cause: io::Error) -> Failure {
-    Failure::refused("the job cannot be sent to the process of the driver", cause.to_string())
+    Failure::refused("the job cannot be sent to the driver process", cause.to_string())
 }

@@ -1,11 +1,11 @@
-//! wgpu: Vulkan, Metal, DX12, fed the module itself, or SPIR-V as it is.
+//! The wgpu backend: Vulkan, Metal or DX12, given naga modules or unchanged SPIR-V.
 //!
-//! llvmpipe (Mesa 22.3.6) lets an invocation have 65535 turns of all its loops together and
-//! leaves them then, without a word: an answer of longer loops is not the shader's.
+//! llvmpipe (Mesa 22.3.6) ends all loops of an invocation after 65535 iterations in total, without
+//! an error: results of longer loops are wrong.
 //!
-//! Never WGSL text: it would lose offsets and strides on the way. [`Gpu`] calls a driver,
-//! which may crash or hang: [`subprocess`](crate::backend::subprocess) does the same in a process of
-//! its own.
+//! Modules are never passed as WGSL text, which would lose offsets and strides. The driver of
+//! [`Gpu`] may crash or hang; [`subprocess`](crate::backend::subprocess) runs it in a separate
+//! process.
 
 mod adapter;
 mod device;
@@ -20,7 +20,7 @@ use std::time::Duration;
 pub use adapter::Choice;
 
 use super::devices::{Found, Limits};
-use crate::backend::{Answer, Device, Failure, FailureKind, Job, Reader};
+use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use device::Open;
 use pipeline::Pipelines;
 use timing::Timestamps;
@@ -31,7 +31,7 @@ pub struct Gpu {
     pipelines: Pipelines,
     device: Device,
     limits: Limits,
-    /// Whether a job is running that nobody waits for.
+    /// Whether an abandoned job is still running.
     busy: bool,
     timing: Timing,
 }
@@ -40,7 +40,7 @@ pub struct Gpu {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Timing {
     Off,
-    /// How long the last one took, where the device says.
+    /// The time of the last job, if the device reports it.
     On(Option<Duration>),
 }
 
@@ -48,7 +48,7 @@ impl Gpu {
     /// Opens an adapter.
     ///
     /// # Errors
-    /// [`FailureKind::Missing`] where there is none of that choice.
+    /// [`FailureKind::Missing`] if no adapter matches.
     pub fn open(choice: &Choice) -> Result<Gpu, Failure> {
         let adapter = adapter::choose(choice)?;
         Ok(Gpu {
@@ -61,25 +61,25 @@ impl Gpu {
         })
     }
 
-    /// The same, timing its jobs by timestamps of the device, where it has those.
+    /// Returns this GPU with jobs timed by the device's timestamps, if it has any.
     pub fn timed(self) -> Gpu {
         Gpu { timing: Timing::On(None), ..self }
     }
 
-    /// Every adapter of every backend of this build, and each backend without one.
+    /// Lists every adapter of every wgpu backend in this build, and each wgpu backend without one.
     pub fn list() -> Vec<Found> {
         adapter::list()
     }
 }
 
-impl Reader for Gpu {
+impl Backend for Gpu {
     fn device(&self) -> &Device {
         &self.device
     }
 
-    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
         if self.busy {
-            return Err(Failure::died("the device has not come back from a job before", ""));
+            return Err(Failure::died("the device is still busy with an earlier job", ""));
         }
         let timestamps = match self.timing {
             Timing::Off => None,

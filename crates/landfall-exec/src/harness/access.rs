@@ -1,19 +1,19 @@
-//! Whether a shader may read and write a storage block: what its qualifiers say.
+//! Read and write access of storage blocks, by their qualifiers.
 //!
-//! Layouts do not depend on it, so the text is asked: what stands between the end of the
-//! declaration before and the block's name, and inside its braces.
+//! Layouts do not record it, so it is read from the text between the end of the previous
+//! declaration and the block's name, and from inside its braces.
 
 use crate::harness::probe::plan::Access;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language};
 
-/// Whether any member of a block may be written.
+/// Returns whether any member of a block may be written.
 pub(crate) fn writable(block: &BlockLayout, files: &Files, language: Language) -> bool {
     of(block, files, language).iter().any(|access| access.write)
 }
 
-/// What may be done to each member of a block, in their order.
+/// Returns the access of each member of a block, in declaration order.
 pub(crate) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
     let all = |access| vec![access; block.members.len()];
     let file = files.get(block.span.file);
@@ -52,7 +52,7 @@ fn has_word(text: &str, word: &str) -> bool {
     text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|other| other == word)
 }
 
-/// The text with spaces for its comments; as many bytes as before.
+/// Returns the text with its comments replaced by spaces, byte for byte.
 fn without_comments(text: &str) -> String {
     let bytes = text.as_bytes();
     let mut result = Vec::with_capacity(bytes.len());

@@ -1,7 +1,6 @@
-//! What a module has bound when one of its functions or entry points runs: blocks filled from
-//! JSON, textures of one colour.
+//! The resources of a module for one run: blocks filled from JSON, textures of one colour.
 //!
-//! Feeds [`call`](super::call) and [`coverage`](super::coverage).
+//! Used by [`call`](super::call) and [`coverage`](super::coverage).
 
 use landfall_layout::diagnostic::Code;
 use serde_json::{Map, Value};
@@ -14,14 +13,14 @@ use landfall_layout::buffer::{Buffer, Missing, encode};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen};
 
-/// What blocks hold: values as `landfall encode` takes them, by the block's name or its
-/// instance's; `Name[1]` for one buffer of an array of blocks.
+/// Contents of blocks: values as `landfall encode` takes them, by the name of the block or its
+/// instance; `Name[1]` for one buffer of an array of blocks.
 pub type Data = Map<String, Value>;
 
-/// White: what a texture is that nobody gave a colour.
+/// White, the default colour of a texture.
 pub(super) const WHITE: [f32; 4] = [1.0; 4];
 
-/// The bytes of each block of the module; `other` makes those of one without values.
+/// Returns the bytes of each block of the module; `other` makes those of blocks without values.
 pub(super) fn blocks(
     module: &Module,
     data: &Data,
@@ -41,9 +40,9 @@ pub(super) fn blocks(
     bytes.collect()
 }
 
-/// The values of a block, and the key they have.
+/// Returns the key and values given for a block.
 pub(super) fn given<'d>(data: &'d Data, block: &ModuleBlock) -> Option<(&'d String, &'d Value)> {
-    // One buffer of an array by its own name before all of them.
+    // The name of one buffer goes before that of the whole array.
     let exact = data.iter().find(|(key, _)| key.ends_with(']') && means(key, block));
     exact.or_else(|| data.iter().find(|(key, _)| means(key, block)))
 }
@@ -72,7 +71,7 @@ fn unknown(key: &str, blocks: &[ModuleBlock]) -> Box<Diagnostic> {
 }
 
 fn finding(code: Code, message: String, help: Option<String>) -> Diagnostic {
-    // What the error advises stands apart.
+    // The error's help is a separate line.
     let (message, advice) = match message.split_once("\nhelp: ") {
         Some((message, advice)) => (message.to_string(), Some(advice.to_string())),
         None => (message, None),
@@ -80,7 +79,7 @@ fn finding(code: Code, message: String, help: Option<String>) -> Diagnostic {
     Diagnostic::about(code, message, help.or(advice), "--data")
 }
 
-/// As many zeros as a block takes, a runtime-sized tail of a few elements.
+/// Returns the zeros of a block, with a few elements of a runtime-sized tail.
 pub(super) fn zeros(block: &BlockLayout) -> Vec<u8> {
     let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
     let buffer = match has_tail {
@@ -90,7 +89,7 @@ pub(super) fn zeros(block: &BlockLayout) -> Vec<u8> {
     buffer.map(Buffer::into_bytes).unwrap_or_default()
 }
 
-/// Everything the module has, bound where the module has it.
+/// Returns the resources of a module at its own bindings.
 pub(super) fn resources(
     module: &Module,
     bytes: Vec<Vec<u8>>,
@@ -115,9 +114,9 @@ pub(super) fn resources(
     blocks.chain(handles).collect()
 }
 
-/// The buffer of a block of that space.
+/// Returns the resource kind of a block's buffer.
 pub(super) fn kind(block: &BlockLayout, mut bytes: Vec<u8>, writable: bool) -> ResourceKind {
-    // Drivers bind whole words.
+    // Drivers bind multiples of four bytes.
     bytes.resize(bytes.len().next_multiple_of(4), 0);
     match block.space {
         AddressSpace::Storage => ResourceKind::Storage { bytes, writable },
@@ -129,7 +128,7 @@ pub(super) fn kind(block: &BlockLayout, mut bytes: Vec<u8>, writable: bool) -> R
     }
 }
 
-/// The colour a texture is given, if any, by its name or by that of the array it is in.
+/// Returns the colour given for a texture, by its name or that of its array.
 pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> Option<[f32; 4]> {
     let named = |name: &str| {
         let rest = path.strip_prefix(name);
@@ -138,7 +137,7 @@ pub(super) fn colour(textures: &[(String, [f32; 4])], path: &str) -> Option<[f32
     textures.iter().find(|(name, _)| named(name)).map(|(_, colour)| *colour)
 }
 
-/// Whether every texture that is given a colour is there.
+/// Fails if a colour is given for a texture that does not exist.
 pub(super) fn textures_are_there(
     module: &Module,
     textures: &[(String, [f32; 4])],
@@ -162,7 +161,7 @@ pub(super) fn textures_are_there(
     Err(Box::new(Diagnostic::about(Code::UnknownTexture, message, help, "--texture")))
 }
 
-/// A texture of one texel, white if no colour is given.
+/// Returns a texture of one texel, white by default.
 pub(super) fn texture(colour: Option<[f32; 4]>) -> ResourceKind {
     ResourceKind::Texture { width: 1, height: 1, texels: vec![colour.unwrap_or(WHITE)] }
 }

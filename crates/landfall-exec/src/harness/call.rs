@@ -1,15 +1,15 @@
-//! Calls one function of a shader, with arguments and block contents from JSON.
+//! Calls one function of a shader with arguments and block contents from JSON.
 //!
-//! Takes a shader's text; the evaluator runs the function in `f32` and `f64` side by side, and a
-//! driver, where one is asked, runs it too. Gives a [`CallReport`].
+//! The evaluator runs the function in `f32` and `f64` side by side, and a driver runs it too if one
+//! is given. The result is a [`CallReport`].
 
 mod arguments;
 mod caller;
-pub mod driven;
 mod driver;
 mod effects;
 mod find;
 mod globals;
+pub mod kernel;
 mod make;
 mod parameters;
 pub mod pure;
@@ -23,36 +23,36 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use self::caller::{Caller, CallerInput};
-use self::find::Found;
+use self::find::Target;
 pub use self::report::{CallReport, Given, GivenScalar};
 use super::access;
-use crate::backend::{Failure, Reader};
+use crate::backend::{Backend, Failure};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, Words,
 };
 use landfall_ir::module::{Direction, HandleKind, ModuleHandle};
-use landfall_ir::{Module, reach};
+use landfall_ir::{Module, call_graph};
 use landfall_layout::source::{Files, Source};
 use landfall_layout::{Diagnostic, Options};
 
-/// What is to be called, and with what.
+/// A function to call, with its arguments and resources.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The function: `phong`, or `phong(vec3, Light)` where several have the name.
     pub function: String,
-    /// Its arguments by position.
+    /// The arguments by position.
     pub arguments: Vec<Value>,
-    /// What blocks hold; the others are zero.
+    /// Contents of blocks; the others are zero.
     pub data: Data,
     /// Colours of textures by name; the others are white.
     pub textures: Vec<(String, [f32; 4])>,
     /// Values of the shader's inputs by name; the others are zero.
     pub inputs: Vec<(String, Value)>,
-    /// What the evaluator rounds floats to.
+    /// The precision to which the evaluator rounds floats.
     pub floats: Floats,
-    /// Who is not done by then has failed.
+    /// The time limit; a backend that exceeds it has failed.
     pub limit: Duration,
 }
 
@@ -70,27 +70,27 @@ impl Default for Request {
     }
 }
 
-/// Why there is no answer, and the files its places are in.
+/// The errors of a request that was not run, with the files they refer to.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// What is wrong with the shader, the request, or the run.
+    /// The errors in the shader, the request or the run.
     pub found: Vec<Diagnostic>,
     /// The shader's files.
     pub files: Files,
 }
 
-/// Calls a function: by the evaluator, and by a driver where `reader` is one.
+/// Calls a function on the evaluator, and on `backend` if it is a driver.
 ///
 /// # Errors
-/// A shader that does not run; a function or a block it does not have; arguments that do not
-/// fit; a run that did not end.
+/// Fails if the shader does not run, the function or a block does not exist, the arguments do not
+/// fit, or the run does not end.
 pub fn call(
     source: &Source,
     options: &Options,
     request: &Request,
-    reader: Option<&mut dyn Reader>,
+    backend: Option<&mut dyn Backend>,
 ) -> Result<CallReport, Refusal> {
-    let options = &Options { gather: true, naga: false, ..options.clone() };
+    let options = &options.clone().with_gather(true).with_naga(false);
     let module = Module::for_calls(source, options).map_err(|found| Refusal {
         found,
         files: landfall_layout::layout(source, options).files,
@@ -98,10 +98,10 @@ pub fn call(
     let refused =
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
     let job = Job { source, options, request, module: &module };
-    job.run(reader).map_err(refused)
+    job.run(backend).map_err(refused)
 }
 
-/// One call while it is made.
+/// A call in progress.
 struct Job<'a> {
     source: &'a Source,
     options: &'a Options,
@@ -109,16 +109,16 @@ struct Job<'a> {
     module: &'a Module,
 }
 
-/// What the evaluator gave.
+/// The evaluator's results.
 struct Evaluated {
     called: Called,
-    /// Names of blocks it read that have no values.
+    /// Names of blocks that the call read and that have no values.
     blank: Vec<String>,
     textured: bool,
 }
 
 impl Job<'_> {
-    fn run(&self, reader: Option<&mut dyn Reader>) -> Result<CallReport, Box<Diagnostic>> {
+    fn run(&self, backend: Option<&mut dyn Backend>) -> Result<CallReport, Box<Diagnostic>> {
         let Job { source, request, module, .. } = self;
         let language = source.language;
         let program = Program::new(module, &[]);
@@ -133,17 +133,17 @@ impl Job<'_> {
             Floats::AsWritten => {}
             Floats::Half => notes.push("every operation is rounded to f16".to_string()),
             Floats::Mediump => notes.push(
-                "what is mediump or lowp is rounded to f16; a lowp in fixed point between -2 and 2, \
-                 which ES permits, is coarser"
+                "mediump and lowp are rounded to f16; a device may round lowp more coarsely, in \
+                 fixed point between -2 and 2"
                     .to_string(),
             ),
         }
-        let driver = reader.filter(|reader| reader.device().reader.is_driver());
+        let driver = backend.filter(|backend| backend.device().backend.is_driver());
         let (device, answered) = match driver {
-            Some(reader) => {
-                let device = reader.device().clone();
-                let answered = driver::run(self.source, self.options, request, &found, reader)
-                    .map_err(|failure| failed(device.reader, &failure))?;
+            Some(backend) => {
+                let device = backend.device().clone();
+                let answered = driver::run(self.source, self.options, request, &found, backend)
+                    .map_err(|failure| failed(device.backend, &failure))?;
                 (device, Some(answered))
             }
             None => (Cpu::default().device().clone(), None),
@@ -152,7 +152,7 @@ impl Job<'_> {
             (Ok(evaluated), _) => Some(evaluated),
             (Err(failure), None) => return Err(failed(BackendKind::Cpu, &failure)),
             (Err(failure), Some(_)) => {
-                notes.push(format!("there is no f64 to compare with: {}", failure.message));
+                notes.push(format!("no f64 value to compare with: {}", failure.message));
                 None
             }
         };
@@ -187,7 +187,7 @@ impl Job<'_> {
         Ok(CallReport {
             path: source.path.clone(),
             function: find::shown(found.info),
-            reader: device,
+            backend: device,
             result,
             parameters,
             discarded: called.is_some_and(|called| called.discarded.contains(&true)),
@@ -198,12 +198,12 @@ impl Job<'_> {
         })
     }
 
-    /// Runs it in the evaluator. What is wrong with the request is an error; what is wrong with
-    /// the run may be left to a driver.
+    /// Runs the call on the evaluator. The outer error is a fault of the request; the inner one, a
+    /// fault of the run, may be left to a driver.
     fn evaluate(
         &self,
         caller: &Caller,
-        found: &Found<'_>,
+        found: &Target<'_>,
     ) -> Result<Result<Evaluated, Failure>, Box<Diagnostic>> {
         let Job { source, request, .. } = self;
         let module = &caller.module;
@@ -216,9 +216,9 @@ impl Job<'_> {
         let number = module.ir.functions.len() - 1;
         let signature = match program.signature(number) {
             Ok(Some(signature)) => signature,
-            Ok(None) => return Ok(Err(Failure::refused("a parameter is no plain value", ""))),
+            Ok(None) => return Ok(Err(Failure::refused("a parameter is not a plain value", ""))),
             Err(what) => {
-                let message = format!("the evaluator does not know {what}");
+                let message = format!("the evaluator does not support {what}");
                 return Ok(Err(Failure::refused(message, "")));
             }
         };
@@ -248,7 +248,7 @@ impl Job<'_> {
         Ok(Ok(Evaluated { called, blank, textured }))
     }
 
-    /// The values of the shader's inputs.
+    /// Returns the values of the shader's inputs.
     fn inputs(
         &self,
         caller: &Caller,
@@ -260,7 +260,7 @@ impl Job<'_> {
             let all: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
             return Err(Box::new(Diagnostic::about(
                 Code::UnknownInput,
-                format!("the shader reads no input `{name}`"),
+                format!("the shader has no input `{name}`"),
                 (!all.is_empty()).then(|| format!("it reads {}", all.join(", "))),
                 "--input",
             )));
@@ -282,19 +282,19 @@ impl Job<'_> {
         each.collect()
     }
 
-    /// What was taken for what nobody gave.
+    /// Adds a note for each value that defaulted.
     fn assumed(&self, evaluated: &Evaluated, notes: &mut Vec<String>) {
         for name in &evaluated.blank {
-            notes.push(format!("it reads `{name}`, which is zero: --data gives it values"));
+            notes.push(format!("`{name}` defaults to zero: set it with --data"));
         }
         if evaluated.textured {
             notes.extend(white(self.module.handles(), &self.request.textures));
         }
     }
 
-    fn assumed_inputs(&self, caller: &Caller, found: &Found<'_>, notes: &mut Vec<String>) {
+    fn assumed_inputs(&self, caller: &Caller, found: &Target<'_>, notes: &mut Vec<String>) {
         let ir = &caller.module.ir;
-        let mut reached = reach::variables(ir, &ir.functions[found.info.handle]);
+        let mut reached = call_graph::variables(ir, &ir.functions[found.info.handle]);
         effects::through_initialisers(ir, &ir.functions[caller.handle], &mut reached);
         let is_read = |input: &&CallerInput| input.variable.is_some_and(|v| reached.contains(&v));
         let mut names: Vec<&str> =
@@ -303,8 +303,9 @@ impl Job<'_> {
         if names.is_empty() {
             return;
         }
-        let (list, are) = (names.join("`, `"), if names.len() > 1 { "are" } else { "is" });
-        notes.push(format!("it reads `{list}`, which {are} zero: --input gives values"));
+        let list = names.join("`, `");
+        let (defaults, it) = if names.len() > 1 { ("default", "them") } else { ("defaults", "it") };
+        notes.push(format!("`{list}` {defaults} to zero: set {it} with --input"));
     }
 
     fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
@@ -318,7 +319,7 @@ impl Job<'_> {
     }
 }
 
-/// What to say of textures that have no colour.
+/// Returns a note on textures without a colour.
 fn white<'h>(
     handles: impl IntoIterator<Item = &'h ModuleHandle>,
     textures: &[(String, [f32; 4])],
@@ -332,11 +333,12 @@ fn white<'h>(
         paths.filter(|path| bound::colour(textures, path).is_none()).collect();
     white.dedup();
     let (names, are) = (white.join("`, `"), if white.len() > 1 { "are" } else { "is" });
-    (!white.is_empty()).then(|| format!("`{names}` {are} white: --texture gives a colour"))
+    (!white.is_empty())
+        .then(|| format!("`{names}` {are} white by default: set a colour with --texture"))
 }
 
-fn failed(reader: BackendKind, failure: &Failure) -> Box<Diagnostic> {
-    let message = format!("{reader}: {}", failure.message);
+fn failed(backend: BackendKind, failure: &Failure) -> Box<Diagnostic> {
+    let message = format!("{backend}: {}", failure.message);
     let mut found = Diagnostic::about(Code::CannotRun, message, None, "");
     found.path = None;
     found.notes = failure.log.lines().take(6).map(str::to_string).collect();

@@ -1,8 +1,8 @@
-//! Which bytes of its blocks a shader never reads.
+//! Coverage: the bytes of its blocks that a shader never reads.
 //!
-//! Takes a shader's text. What no instruction could load is certain (`loads`); beyond that the
-//! shader's own entry points are run by the evaluator over a small grid, with the contents of
-//! its blocks given or made up, and what they read is noted. Feeds `landfall verify --coverage`.
+//! Bytes that no instruction could load are certain (`loads`); for the others, the evaluator runs
+//! the shader's entry points over a small grid, with given or generated block contents, and records
+//! the bytes read. Used by `landfall verify --coverage`.
 
 pub(super) mod fill;
 mod loads;
@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use self::fill::{Filling, inputs};
 use super::access;
-use crate::backend::{Failure, Grid, Job, Reader, Resource, StageCode};
+use crate::backend::{Backend, Failure, Grid, Job, Resource, StageCode};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::harness::probe::plan::{LARGEST_BUFFER, TAIL};
@@ -24,77 +24,77 @@ use landfall_layout::shape::{ArrayLen, Type};
 use landfall_layout::source::{ExecutableStage, Source, Stage};
 use landfall_layout::{Diagnostic, Options};
 
-/// Invocations of a vertex or fragment stage that are run: 16 quads.
+/// Number of invocations of a vertex or fragment stage: 16 quads.
 const INVOCATIONS: usize = 64;
 
-/// Iterations of loops that one of them may take.
+/// Maximum loop iterations of one invocation.
 const BUDGET: u32 = 1 << 16;
 
-/// What one block's bytes are to the shader.
+/// The coverage of one block.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct BlockCoverage {
-    /// The block's name.
+    /// The name of the block.
     #[serde(skip)]
     pub name: String,
-    /// Its variable, where there is one.
+    /// The instance name, if any.
     #[serde(skip)]
     pub instance: Option<String>,
-    /// Bytes of the buffer.
+    /// Size of the buffer in bytes.
     pub bytes: u64,
-    /// Bytes that were read in some run.
+    /// Number of bytes read in some run.
     pub read: u64,
-    /// Bytes of leaves that no instruction could read.
+    /// Number of bytes in leaves that no instruction could read.
     pub never: u64,
-    /// Its leaves in order.
+    /// The leaves in order.
     pub leaves: Vec<LeafCoverage>,
-    /// Runs that did not end as they should, and why.
+    /// Runs that failed, with the reason.
     pub failures: Vec<String>,
 }
 
-/// What one leaf's bytes are to the shader.
+/// The coverage of one leaf.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LeafCoverage {
-    /// Its path.
+    /// The path.
     pub path: String,
-    /// Bytes of all its elements, padding left out.
+    /// Number of bytes of all elements, without padding.
     pub bytes: u64,
-    /// Of them, those that were read in some run.
+    /// Number of these read in some run.
     pub read: u64,
-    /// Of them, those that no instruction could read.
+    /// Number of these that no instruction could read.
     pub never: u64,
-    /// Its elements, counted through all dimensions.
+    /// Number of elements over all dimensions.
     pub elements: u64,
-    /// Those of which something was read: first and last of each range.
+    /// The elements read, at least in part: first and last of each range.
     pub elements_read: Vec<[u64; 2]>,
-    /// The worst that can be said.
+    /// The worst verdict on its bytes.
     pub verdict: Verdict,
 }
 
-/// What can be said of a leaf.
+/// The verdict on a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Every byte was read.
     Read,
-    /// Some bytes were.
+    /// Some bytes were read.
     Partly,
-    /// None was, though some instruction could.
+    /// No byte was read, though some instruction could read it.
     Unread,
-    /// No instruction could: this is certain.
+    /// No instruction could read it; this is certain.
     Never,
 }
 
-/// Finds out which bytes of its blocks a shader reads.
+/// Finds the bytes of its blocks that a shader reads.
 ///
 /// # Errors
-/// A shader that cannot run; data for a block it does not have.
+/// Fails if the shader cannot run, or data names a block that does not exist.
 pub fn coverage(
     source: &Source,
     options: &Options,
     data: &Data,
     limit: Duration,
 ) -> Result<Vec<BlockCoverage>, Vec<Diagnostic>> {
-    let options = Options { gather: true, naga: false, ..options.clone() };
+    let options = options.clone().with_gather(true).with_naga(false);
     let module = Module::new(source, &options)?;
     let deadline = Instant::now().checked_add(limit);
     let mut failures = Vec::new();
@@ -134,7 +134,7 @@ pub fn coverage(
     Ok(merged(blocks.map(|((block, read), loadable)| judged(block, &read, &loadable)), failures))
 }
 
-/// Runs an entry point; which bytes of each resource it read.
+/// Runs an entry point and returns the bytes read of each resource.
 fn run(
     module: &Module,
     entry: &EntryPoint,
@@ -224,7 +224,7 @@ fn leaf_of(leaf: &Leaf, read: &[bool], loadable: &[bool]) -> LeafCoverage {
     found
 }
 
-/// Where each element of a leaf starts in a buffer of that size.
+/// Returns the offset of each element of a leaf in a buffer of that size.
 fn starts(leaf: &Leaf, size: u64) -> Vec<u64> {
     let mut starts = vec![leaf.offset.unwrap_or(0)];
     for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
@@ -242,7 +242,7 @@ fn starts(leaf: &Leaf, size: u64) -> Vec<u64> {
     starts
 }
 
-/// The bytes of one element, gaps between columns left out.
+/// Returns the bytes of one element, without the gaps between columns.
 fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
     match &leaf.ty {
         Type::Matrix { scalar, columns, rows } => {
@@ -260,7 +260,8 @@ fn spots(leaf: &Leaf) -> Vec<std::ops::Range<u64>> {
     }
 }
 
-/// One report a block: the buffers of an array of blocks are read if one of them is.
+/// Returns one report per block: a byte of an array of blocks counts as read if any of its buffers
+/// reads it.
 fn merged(
     blocks: impl Iterator<Item = BlockCoverage>,
     failures: Vec<String>,

@@ -1,10 +1,10 @@
-//! Any fragment shader run over a list of fragments whose inputs are given, on any reader, each
-//! fragment with the same bits whoever runs it.
+//! Runs any fragment shader over a list of fragments with given inputs on any backend; each
+//! fragment gets bit-identical inputs everywhere.
 //!
-//! There are no vertices: the fragments are packed into an image in the order of the caller, and
-//! the inputs come from a texture of floats, read by the pixel. `module` puts that into a
-//! module for the evaluator and wgpu, `text` into the user's GLSL for OpenGL, and `batch`
-//! makes and runs the jobs. Feeds `landfall_light`.
+//! There are no vertices: the fragments are packed into an image in list order, and each pixel
+//! fetches its inputs from a texture of floats. `module` builds that into a module for the
+//! evaluator and wgpu, `text` into the user's GLSL for OpenGL, and `batch` makes and runs the jobs.
+//! Used by `landfall_light`.
 
 mod batch;
 mod module;
@@ -22,50 +22,51 @@ use landfall_layout::{BlockLayout, Diagnostic, Options};
 pub use batch::{Batch, Image, Shaded};
 pub use permitted::Permitted;
 
-/// The texture that inputs are read from.
+/// The name of the texture that holds the inputs.
 const ATLAS: &str = "landfall_inputs";
-/// The pixel as an input, by GLSL's name of it.
+/// GLSL's name of the pixel coordinate, which is an input too.
 pub const PIXEL: &str = "gl_FragCoord";
-/// Its width and the rows of one input, where GLSL cannot ask a texture.
+/// The name of the uniform with the texture's width and rows per input, for GLSL without
+/// `textureSize`.
 const SIZE: &str = "landfall_size";
 
-/// A fragment shader whose inputs are given.
+/// A fragment shader with given inputs.
 ///
-/// Making one compiles; running it again with other buffers does not, as readers keep what they
-/// compiled.
+/// Making one compiles; running it again with other buffers does not, since backends cache compiled
+/// code.
 #[derive(Clone, Debug)]
 pub struct FragmentShader {
     module: Arc<Module>,
-    /// White wherever nothing is discarded; of shaders that may.
+    /// The same shader writing white unless it discards; `None` if it never discards.
     covered: Option<Arc<Module>>,
     entry: String,
     /// For OpenGL: the shader's text, and that of `covered`.
     texts: Option<(String, Option<String>)>,
-    /// Whether the text takes [`SIZE`].
+    /// Whether the text declares [`SIZE`].
     wants_size: bool,
     inputs: Vec<Input>,
     atlas: (u32, u32),
     language: Language,
     rows_from_bottom: bool,
-    /// Numbers of the blocks the entry point reads.
+    /// By block: whether the entry point reads it.
     read: Vec<bool>,
 }
 
 /// An input of a fragment shader: a scalar or vector, or a part of a larger one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Its name in the text: `FragPos`, `Surface.uv` of a block, `basis[1]` of a matrix.
+    /// The name in the text: `FragPos`, `Surface.uv` of a block, `basis[1]` of a matrix.
     pub name: String,
-    /// Its location in the module; none of `gl_FragCoord`, which is given like any other
-    /// because the pixel of a list is not the one that is seen.
+    /// The location in the module; `None` for `gl_FragCoord`, which is given like any other input
+    /// because the packed pixel is not the visible one.
     pub location: Option<u32>,
     /// 1 to 4.
     pub components: u8,
-    /// What the components are.
+    /// The component type.
     pub kind: InputKind,
 }
 
-/// What the components of an input are; whole numbers are given as floats.
+/// The component type of an input; integers are given as floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum InputKind {
@@ -75,11 +76,11 @@ pub enum InputKind {
 }
 
 impl FragmentShader {
-    /// Makes a fragment shader runnable; `entry` says which one where WGSL has several.
+    /// Prepares a fragment shader; `entry` selects the entry point if WGSL has several.
     ///
     /// # Errors
-    /// What is wrong with the shader or cannot run; a shader that takes differences between
-    /// neighbouring pixels, which packed fragments do not have.
+    /// Fails if the shader has errors or cannot run, or uses derivatives, which packed fragments do
+    /// not have.
     pub fn new(
         source: &Source,
         options: &Options,
@@ -94,7 +95,7 @@ impl FragmentShader {
         };
         let whole = Module::new(source, options)?;
         if let Some(image) = whole.handles().iter().find(|h| h.kind == HandleKind::Image) {
-            let message = format!("`{}` is a storage image, and no scene has one", image.path);
+            let message = format!("`{}` is a storage image, which no scene has", image.path);
             return Err(vec![Diagnostic::error(
                 Code::CannotRun,
                 landfall_layout::Span::default(),
@@ -103,8 +104,8 @@ impl FragmentShader {
         }
         let fetching = module::fetching(&whole, entry)?;
         if fetching.differences {
-            let message = "the shader takes differences between neighbouring pixels (`dFdx`, \
-                           `fwidth`), and fragments of a list have no neighbours";
+            let message = "the shader uses derivatives (`dFdx`, `fwidth`), but fragments \
+                           of a list have no neighbours";
             return Err(vec![Diagnostic::error(
                 Code::CannotRun,
                 landfall_layout::Span::default(),
@@ -134,47 +135,47 @@ impl FragmentShader {
         })
     }
 
-    /// Its inputs, in the order their values are given in.
+    /// Returns the inputs, in the order of [`Batch::inputs`].
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// Its blocks, in the order their bytes are given in; loose uniforms are `DefaultBlock`.
+    /// Returns the blocks, in the order of [`Batch::blocks`]; loose uniforms are `DefaultBlock`.
     pub fn blocks(&self) -> &[ModuleBlock] {
         self.module.blocks()
     }
 
-    /// Whether the entry point reads a block, by its number: others may hold anything.
+    /// Returns whether the entry point reads the block of that index; others may hold anything.
     pub fn reads(&self, block: usize) -> bool {
         self.read.get(block).copied().unwrap_or(false)
     }
 
-    /// Its textures, in the order they are given in.
+    /// Returns the textures, in the order of [`Batch::textures`].
     pub fn textures(&self) -> impl Iterator<Item = &ModuleHandle> {
         self.module.handles().iter().filter(|handle| handle.kind == HandleKind::Texture)
     }
 
-    /// Whether it may discard a fragment.
+    /// Returns whether the shader may discard a fragment.
     pub fn discards(&self) -> bool {
         self.covered.is_some()
     }
 
-    /// Whether it counts rows of pixels from the bottom, as OpenGL does.
+    /// Returns whether row 0 of the pixels is the bottom one, as in OpenGL.
     pub fn rows_from_bottom(&self) -> bool {
         self.rows_from_bottom
     }
 
-    /// The language it is written in.
+    /// Returns the shader's language.
     pub fn language(&self) -> Language {
         self.language
     }
 
-    /// The text OpenGL is given; none of WGSL.
+    /// Returns the GLSL text for OpenGL; `None` for WGSL.
     pub fn glsl(&self) -> Option<&str> {
         self.texts.as_ref().map(|(text, _)| text.as_str())
     }
 
-    /// Whether a block is the loose uniforms of GLSL.
+    /// Returns whether a block holds the loose uniforms of GLSL.
     pub fn is_loose(&self, block: &BlockLayout) -> bool {
         self.language == Language::Glsl && block.gathered
     }

@@ -1,16 +1,16 @@
-//! Probes: shaders that read every leaf of a block and say which bytes they saw.
+//! Probes: shaders that read every leaf of a block and report the bytes they saw.
 //!
-//! [`plan`] chooses the reads and knows the byte each must see, `glsl` and
-//! `wgsl` append them to the user's own text, [`words`] fills a buffer in
-//! which every word is another, and [`judge`] tells from the words that came
-//! back which bytes were read. [`cause`] says what a wrong reader took for the layout.
+//! [`plan`] chooses the reads and computes the byte each must see, `glsl` and `wgsl` append them to
+//! the user's own text, [`sentinel`] fills a buffer in which every word is different, and
+//! [`results`] infers the bytes that were read from the returned words. [`cause`] names the layout
+//! error of a backend that read other bytes.
 
 pub mod cause;
 pub(crate) mod glsl;
-pub mod judge;
 pub mod plan;
+pub mod results;
+pub mod sentinel;
 pub(crate) mod wgsl;
-pub mod words;
 
-pub use judge::{Got, Sighting};
 pub use plan::{Plan, Read, Way, plans};
+pub use results::{Got, ProbeResult};

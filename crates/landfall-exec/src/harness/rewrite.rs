@@ -1,10 +1,11 @@
-//! The user's GLSL with what a stage is given turned into variables that a new `main` can fill:
-//! inputs, built-in ones among them, and the blocks that are named. What was `main` becomes a
-//! function.
+//! Rewrites the user's GLSL so that a new `main` can fill the inputs of its stage: inputs,
+//! built-in ones too, and selected blocks become variables, and the old `main` a function.
 //!
-//! Everything else stays as it was written; includes are put in and macros expanded first, so
-//! that a declaration made by a macro is found. Reads a text flattened by
-//! [`raw::flattened`]; feeds [`fragments`](super::fragments) and [`call`](super::call).
+//! Everything else is unchanged; includes are inlined and macros expanded first, so that a
+//! declaration made by a macro is found. Used by [`fragments`](super::fragments) and
+//! [`call`](super::call).
+
+mod declarator;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -17,48 +18,50 @@ use landfall_layout::syntax::glsl::lexer::Kind;
 pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::{RawText, RawToken};
 
-/// The name of what was `main`.
+use declarator::{Declarator, elements, split};
+
+/// The new name of the old `main`.
 pub(super) const MAIN: &str = "landfall_main";
 
-/// What is to become variables besides inputs.
+/// The names that a rewrite turns into variables.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wanted {
-    /// Names that have no value before the new `main` gives them one: inputs, members of blocks.
+    /// Names without a value until the new `main` assigns one: inputs, members of blocks.
     pub late: Vec<String>,
-    /// Variables of the language's own, and what stands for them.
+    /// Built-in variables and their replacements.
     pub builtins: Vec<Builtin>,
     /// Names of the blocks that become variables.
     pub blocks: Vec<String>,
 }
 
-/// A variable of the language's own that another stands for.
+/// A built-in variable and its replacement.
 #[derive(Clone, Debug)]
 pub(super) struct Builtin {
-    /// `gl_FragCoord`.
+    /// The built-in name, such as `gl_FragCoord`.
     pub name: String,
-    /// The variable's name.
+    /// The replacement's name.
     pub own: String,
-    /// The variable's type.
+    /// The type of both.
     pub ty: &'static str,
 }
 
-/// A text without a `main`.
+/// A rewritten text, which has no `main`.
 #[derive(Debug)]
 pub(super) struct Rewritten {
-    /// Its text.
+    /// The text.
     pub text: String,
-    /// Blocks that became variables, and their instances.
+    /// The names of blocks that became variables, and of their instances.
     pub blocks: Vec<(String, Option<String>)>,
-    /// Assignments for the new `main` to make when all else has its value.
+    /// Postponed assignments, to be made by the new `main` after all others.
     pub late: Vec<String>,
-    /// Its tokens, for who looks for more.
+    /// The tokens of the flattened text.
     pub raw: RawText,
-    /// What the tokens are of.
+    /// The flattened text.
     pub flat: Source,
 }
 
 impl Rewritten {
-    /// A path as `main` can write it: a member of a block is named by GLSL after its instance.
+    /// Returns a path as `main` accesses it: GLSL names a block's member by the block's instance.
     pub fn renamed(&self, path: &str) -> String {
         let Some((block, rest)) = path.split_once('.') else { return path.to_string() };
         match self.blocks.iter().find(|(name, _)| name == block) {
@@ -69,7 +72,7 @@ impl Rewritten {
     }
 }
 
-/// The name a path begins with.
+/// Returns the first name of a path.
 pub(super) fn root(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or(path)
 }
@@ -77,7 +80,7 @@ pub(super) fn root(path: &str) -> &str {
 /// Rewrites a text.
 pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted) -> Rewritten {
     let flat = Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() };
-    // Macros are gone, and definitions of the command line with them.
+    // Macros are expanded already, those of the command line too.
     let raw = raw::read(&flat, &ReadOptions::default());
     let mut rewriter = Rewriter {
         text: &flat.text,
@@ -91,7 +94,7 @@ pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted)
     let tokens = &raw.tokens;
     let mut at = 0;
     let mut declared = false;
-    // Conditions are gone too: a directive stands between declarations.
+    // Conditions are evaluated too: the directives left are between declarations.
     let mut declarations = raw.declarations(&flat.text).into_iter();
     while at < tokens.len() {
         if tokens[at].directive.is_none() && !std::mem::replace(&mut declared, true) {
@@ -118,8 +121,8 @@ pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted)
     Rewritten { text: out, blocks, late, raw, flat }
 }
 
-/// Words before a type that mean something of inputs alone.
-const INPUT_WORDS: [&str; 9] = [
+/// Qualifiers of inputs, which variables do not have.
+const INPUT_QUALIFIERS: [&str; 9] = [
     "in",
     "varying",
     "attribute",
@@ -131,8 +134,8 @@ const INPUT_WORDS: [&str; 9] = [
     "invariant",
 ];
 
-/// Words of a block or its members that a structure has none of.
-const BLOCK_WORDS: [&str; 7] =
+/// Qualifiers of blocks and their members, which structures do not have.
+const BLOCK_QUALIFIERS: [&str; 7] =
     ["uniform", "buffer", "readonly", "writeonly", "coherent", "volatile", "restrict"];
 
 struct Rewriter<'t> {
@@ -141,7 +144,7 @@ struct Rewriter<'t> {
     out: String,
     blocks: Vec<(String, Option<String>)>,
     late: Vec<String>,
-    /// What has no value before the new `main` runs, as far as the text is read.
+    /// The names found so far that have no value before the new `main` runs.
     late_names: FxHashSet<&'t str>,
 }
 
@@ -163,12 +166,12 @@ impl<'t> Rewriter<'t> {
             }
         }
         let has = |name: &str| head.contains(&name);
-        let of_inputs =
+        let is_input =
             has("in") && !(head.len() <= 3 && has(";")) || has("varying") || has("attribute");
         let own = head.iter().any(|word| word.starts_with("gl_"));
         // `invariant normal;` of an input.
-        let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.waiting(name));
-        if own && of_inputs && head.iter().any(|word| self.builtin(word).is_some()) {
+        let again = matches!(head[..], ["invariant" | "centroid", name, ";"] if self.is_late(name));
+        if own && is_input && head.iter().any(|word| self.builtin(word).is_some()) {
             return;
         }
         let opening = tokens.iter().position(|token| self.word(token) == "{");
@@ -177,34 +180,34 @@ impl<'t> Rewriter<'t> {
         {
             let named = |name: &&str| self.wanted.blocks.iter().any(|block| block == name);
             if head.last().is_some_and(named) {
-                return self.block(tokens, opening, &BLOCK_WORDS);
+                return self.block(tokens, opening, &BLOCK_QUALIFIERS);
             }
         }
-        if function || !(of_inputs || again) || own {
+        if function || !(is_input || again) || own {
             return self.other(tokens, &head, function);
         }
         if again {
             return;
         }
         match opening {
-            Some(opening) => self.block(tokens, opening, &INPUT_WORDS),
+            Some(opening) => self.block(tokens, opening, &INPUT_QUALIFIERS),
             None => {
-                let words = self.plain(tokens, &INPUT_WORDS);
+                let words = self.plain(tokens, &INPUT_QUALIFIERS);
                 let _ = writeln!(self.out, "{}", words.join(" "));
             }
         }
     }
 
-    /// What stands for a variable of the language's own.
+    /// Returns the replacement of a built-in variable.
     fn builtin(&self, word: &str) -> Option<&'t Builtin> {
         self.wanted.builtins.iter().find(|builtin| builtin.name == word)
     }
 
-    fn waiting(&self, name: &str) -> bool {
+    fn is_late(&self, name: &str) -> bool {
         self.wanted.late.iter().any(|late| late == name)
     }
 
-    /// The words of a declaration without its layout and those that are left out.
+    /// Returns the tokens of a declaration without layout qualifiers and those in `without`.
     fn plain(&self, tokens: &[RawToken], without: &[&str]) -> Vec<&'t str> {
         let mut words = Vec::new();
         let mut at = 0;
@@ -221,7 +224,7 @@ impl<'t> Rewriter<'t> {
         words
     }
 
-    /// A block: a structure and a variable, or a variable for each member.
+    /// Appends a block as a structure and a variable, or as a variable for each member.
     fn block(&mut self, tokens: &[RawToken], opening: usize, without: &[&str]) {
         let name = match opening.checked_sub(1) {
             Some(before) => self.word(&tokens[before]).to_string(),
@@ -241,17 +244,17 @@ impl<'t> Rewriter<'t> {
                 let _ = writeln!(self.out, "landfall_{name} {rest}");
             }
             None => {
-                let each = apart(&members, ";").flat_map(|member| apart(member, ","));
-                self.late_names.extend(each.filter_map(|one| Declared::of(one).name()));
+                let each = split(&members, ";").flat_map(|member| split(member, ","));
+                self.late_names.extend(each.filter_map(|one| Declarator::of(one).name()));
                 self.blocks.push((name, None));
                 let _ = writeln!(self.out, "{}", members.join(" "));
             }
         }
     }
 
-    /// What declares no input, as it stands.
+    /// Appends a declaration unchanged, unless its initialiser is postponed.
     fn other(&mut self, tokens: &[RawToken], head: &[&str], function: bool) {
-        if self.waits(tokens, head, function) {
+        if self.postpones(tokens, head, function) {
             return;
         }
         let mut before = tokens.first().map_or(0, |token| token.start);
@@ -277,10 +280,10 @@ impl<'t> Rewriter<'t> {
         self.out.push('\n');
     }
 
-    /// Leaves out the values that a declaration begins with where they read what has none yet, as
-    /// `vec3 n = normalize(v);` does of an input, for the new `main` to assign. What is declared so
-    /// is late itself, and so is a function that reads it.
-    fn waits(&mut self, tokens: &[RawToken], head: &[&str], function: bool) -> bool {
+    /// Postpones initialisers that read a late name, such as `vec3 n = normalize(v);` of an input
+    /// `v`, for the new `main` to assign. The declared name becomes late too, as does a function
+    /// that reads a late name. Returns whether an initialiser was postponed.
+    fn postpones(&mut self, tokens: &[RawToken], head: &[&str], function: bool) -> bool {
         let words: Vec<&'t str> = tokens.iter().map(|token| self.word(token)).collect();
         let mut depth = 0u32;
         let opening = words.iter().position(|word| {
@@ -303,33 +306,33 @@ impl<'t> Rewriter<'t> {
             return false;
         }
         let words = words.strip_suffix(&[";"]).unwrap_or(&words);
-        let declared: Vec<Declared<'_, 't>> = apart(words, ",").map(Declared::of).collect();
+        let declared: Vec<Declarator<'_, 't>> = split(words, ",").map(Declarator::of).collect();
         if declared.iter().all(|one| one.value.is_none()) {
-            // What a function reads that is defined further on is not known yet.
+            // A prototype: the reads of its body are not known yet.
             self.late_names.extend(called.map(|called| words[called]));
             return false;
         }
         let mut list = Vec::new();
         let mut waits = false;
         for one in &declared {
-            let (to, value) = (self.joined(one.to), one.value.unwrap_or_default());
+            let (to, value) = (self.joined(one.target), one.value.unwrap_or_default());
             if !self.reads(value) {
                 let value = one.value.map(|value| format!(" = {}", self.joined(value)));
                 list.push(to + &value.unwrap_or_default());
                 continue;
             }
-            let Some((at, ty)) = one.at().zip(declared[0].ty()) else { return false };
-            let name = one.to[at];
+            let Some((at, ty)) = one.name_index().zip(declared[0].ty()) else { return false };
+            let name = one.target[at];
             waits = true;
             self.late_names.insert(name);
-            // An array that is not initialised has sizes: those of the name, then of the type.
-            let dims = &one.to[at + 1..];
+            // An array without an initialiser needs sizes: those of the name, then of the type.
+            let dims = &one.target[at + 1..];
             let inner = dims.iter().filter(|word| **word == "[").count();
-            let before = self.sized(&one.to[..at], value, inner);
+            let before = self.sized(&one.target[..at], value, inner);
             let (ty, dims) = (self.sized(&ty, value, inner), self.sized(dims, value, 0));
             let value = self.joined(value);
             self.late.push(match value.starts_with('{') {
-                // No expression, but for a variable that begins with it.
+                // A list is an initialiser only, not an expression.
                 true => {
                     format!("{{ {ty} landfall_late {dims} = {value} ; {name} = landfall_late ; }}")
                 }
@@ -345,14 +348,14 @@ impl<'t> Rewriter<'t> {
         waits
     }
 
-    /// Whether words read what is late; a member of that name is another's.
+    /// Returns whether tokens read a late name; members of that name do not count.
     fn reads(&self, words: &[&str]) -> bool {
         let before = std::iter::once("").chain(words.iter().copied());
         before.zip(words).any(|(before, word)| before != "." && self.late_names.contains(word))
     }
 
-    /// Words with the sizes that a value gives to dimensions that have none; the first of them is
-    /// of that level.
+    /// Returns tokens joined by spaces, with the sizes of missing dimensions taken from a value;
+    /// the first dimension is at that nesting level.
     fn sized(&self, words: &[&'t str], value: &[&'t str], mut level: usize) -> String {
         let mut sized = Vec::new();
         let mut depth = 0u32;
@@ -373,78 +376,10 @@ impl<'t> Rewriter<'t> {
         sized.join(" ")
     }
 
-    /// Words as they are to be written.
+    /// Returns tokens joined by spaces, built-in variables replaced.
     fn joined(&self, words: &[&'t str]) -> String {
         let own = |word: &&'t str| self.builtin(word).map_or(*word, |builtin| builtin.own.as_str());
         words.iter().map(own).collect::<Vec<&str>>().join(" ")
-    }
-}
-
-/// One of what a declaration declares.
-struct Declared<'w, 't> {
-    /// The first with its type: `vec3 n`; `q [ 2 ]` further on.
-    to: &'w [&'t str],
-    value: Option<&'w [&'t str]>,
-}
-
-impl<'w, 't> Declared<'w, 't> {
-    fn of(words: &'w [&'t str]) -> Declared<'w, 't> {
-        let mut parts = apart(words, "=");
-        Declared { to: parts.next().unwrap_or_default(), value: parts.next() }
-    }
-
-    /// Where its name stands: before its dimensions.
-    fn at(&self) -> Option<usize> {
-        let mut depth = 0u32;
-        self.to.iter().rposition(|word| {
-            match *word {
-                "]" => depth += 1,
-                "[" => depth = depth.saturating_sub(1),
-                _ => return depth == 0,
-            }
-            false
-        })
-    }
-
-    fn name(&self) -> Option<&'t str> {
-        self.at().map(|at| self.to[at])
-    }
-
-    /// The type it begins with; a structure that is declared here by its name.
-    fn ty(&self) -> Option<Vec<&'t str>> {
-        let words = self.to[..self.at()?].to_vec();
-        match words.iter().position(|word| *word == "struct") {
-            Some(at) => words.get(at + 1).map(|name| vec![*name]),
-            None => Some(words),
-        }
-    }
-}
-
-/// Words between those that part them, brackets left whole.
-fn apart<'w, 't>(
-    words: &'w [&'t str],
-    by: &'static str,
-) -> impl Iterator<Item = &'w [&'t str]> + use<'w, 't> {
-    let mut depth = 0u32;
-    words.split(move |word| {
-        match *word {
-            "(" | "[" | "{" => depth += 1,
-            ")" | "]" | "}" => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        depth == 0 && *word == by
-    })
-}
-
-/// How many elements `float[](a, b)` and `{ a, b }` have; of a deeper level, their first.
-fn elements(value: &[&str], level: usize) -> usize {
-    let opening = value.iter().position(|word| matches!(*word, "(" | "{")).unwrap_or(0);
-    let inside = value.get(opening + 1..value.len().saturating_sub(1)).unwrap_or_default();
-    // A comma may come last.
-    let mut each = apart(inside, ",").filter(|element| !element.is_empty());
-    match level.checked_sub(1) {
-        None => each.count(),
-        Some(level) => each.next().map_or(0, |first| elements(first, level)),
     }
 }
 
@@ -452,7 +387,7 @@ fn elements(value: &[&str], level: usize) -> usize {
 mod tests {
     use super::*;
 
-    /// What becomes of a text whose `v` is an input: the declarations, and what is late.
+    /// Rewrites a text whose `v` is an input: returns declarations and postponed assignments.
     fn made(text: &str) -> (String, Vec<String>) {
         let wanted = Wanted { late: vec!["v".to_string()], ..Wanted::default() };
         let source = Source::new("a.frag", format!("#version 450\nin vec3 v;\n{text}\n"));

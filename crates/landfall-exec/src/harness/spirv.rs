@@ -1,7 +1,7 @@
-//! Where a compiler of the user's own put every member: the decorations of a SPIR-V module.
+//! The member offsets of SPIR-V by a third-party compiler, from the module's decorations.
 //!
-//! Reads names, types and decorations only (SPIR-V 1.6 §2.3, §3.20); feeds
-//! [`verify`](super::verify), which holds them against the layout.
+//! Parses names, types and decorations only (SPIR-V 1.6 §2.3, §3.20); [`verify`](super::verify)
+//! compares them with the layout.
 
 use rustc_hash::FxHashMap;
 
@@ -10,11 +10,11 @@ use crate::backend::reflection::{ReflectedBlock, ReflectedMember, Reflection};
 
 const MAGIC: u32 = 0x0723_0203;
 
-/// Structures and arrays may nest this deep, and a block have so many members.
+/// Maximum nesting of structures and arrays, and maximum number of members of a block.
 const DEEPEST: u32 = 128;
 const MOST_MEMBERS: usize = 100_000;
 
-/// A type as far as it has a layout.
+/// A type with the properties that matter for layout.
 #[derive(Clone, Debug)]
 enum Type {
     Leaf,
@@ -24,7 +24,7 @@ enum Type {
     Pointer(u32),
 }
 
-/// What a module says, by id.
+/// The declarations of a module, by id.
 #[derive(Default)]
 struct Module {
     names: FxHashMap<u32, String>,
@@ -35,21 +35,24 @@ struct Module {
     offsets: FxHashMap<(u32, u32), u32>,
     matrix_strides: FxHashMap<(u32, u32), u32>,
     row_major: FxHashMap<(u32, u32), bool>,
-    /// `BufferBlock`: what storage blocks were before SPIR-V 1.3.
+    /// The decoration `BufferBlock`, which marked storage blocks before SPIR-V 1.3.
     buffer_blocks: FxHashMap<u32, bool>,
     bindings: FxHashMap<u32, u32>,
     /// Variables: id, pointer type, storage class.
     variables: Vec<(u32, u32, u32)>,
 }
 
-/// The words of a SPIR-V file.
+/// Returns the words of a SPIR-V file.
 ///
 /// # Errors
-/// It is none.
+/// Fails if the file is no SPIR-V.
 pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
     let words = bytes.chunks_exact(4);
     if bytes.len() < 20 || !words.remainder().is_empty() {
-        return Err(Failure::refused("the file is too short, or no whole number of words", ""));
+        return Err(Failure::refused(
+            "the file is too short, or its size is not a multiple of 4 bytes",
+            "",
+        ));
     }
     let words: Vec<u32> =
         words.map(|b| u32::from_le_bytes(b.try_into().expect("chunks of four"))).collect();
@@ -59,17 +62,17 @@ pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
             Ok(words.into_iter().map(u32::swap_bytes).collect())
         }
         other => Err(Failure::refused(
-            format!("the file is no SPIR-V: it begins with 0x{other:08x}, not 0x{MAGIC:08x}"),
+            format!("the file is not SPIR-V: it begins with 0x{other:08x}, not 0x{MAGIC:08x}"),
             "",
         )),
     }
 }
 
-/// Every uniform and storage block of a module, its members down to scalars, vectors and
+/// Returns every uniform and storage block of a module, its members down to scalars, vectors and
 /// matrices.
 ///
 /// # Errors
-/// The words are no SPIR-V, or end within an instruction.
+/// Fails if the words are no SPIR-V, or end within an instruction.
 pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
     let module = read(words)?;
     let mut reflection =
@@ -100,7 +103,7 @@ pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
     Ok(reflection)
 }
 
-/// The way to a type: its path, its byte, and how a matrix there is stored.
+/// A position within a block: path, byte, and how a matrix there is stored.
 struct Place {
     path: String,
     offset: u64,
@@ -116,7 +119,7 @@ impl Module {
         members: &mut Vec<ReflectedMember>,
     ) -> Result<(), Failure> {
         if depth > DEEPEST || members.len() > MOST_MEMBERS {
-            return Err(Failure::refused("the module's types nest too deep or are too many", ""));
+            return Err(Failure::refused("the module's types nest too deeply or are too many", ""));
         }
         match self.types.get(&ty) {
             Some(Type::Struct(parts)) => {
@@ -153,7 +156,7 @@ impl Module {
                         member.array_size = length.map(u64::from);
                     }
                 } else if *length != Some(1) {
-                    // The next element shows the stride.
+                    // The second element reveals the stride.
                     self.walk(*element, place(1), depth + 1, members)?;
                 }
             }
@@ -175,7 +178,7 @@ impl Module {
 
 fn read(words: &[u32]) -> Result<Module, Failure> {
     if words.len() < 5 || words[0] != MAGIC {
-        return Err(Failure::refused("the words are no SPIR-V", ""));
+        return Err(Failure::refused("the words are not SPIR-V", ""));
     }
     let mut module = Module::default();
     let mut rest = &words[5..];
@@ -191,7 +194,7 @@ fn read(words: &[u32]) -> Result<Module, Failure> {
 }
 
 impl Module {
-    /// Opcodes and decorations are numbered in §3.20 and §3.52.
+    /// Parses an instruction; opcodes and decorations are numbered in §3.20 and §3.52.
     fn instruction(&mut self, opcode: u32, operands: &[u32]) {
         match (opcode, operands) {
             (5, [id, name @ ..]) => {
@@ -250,7 +253,7 @@ impl Module {
     }
 }
 
-/// A string of SPIR-V: UTF-8 in words, the low byte first, ended by a zero.
+/// Returns a SPIR-V string: UTF-8 in words, the low byte first, zero-terminated.
 fn text(words: &[u32]) -> String {
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());

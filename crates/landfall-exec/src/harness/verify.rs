@@ -1,47 +1,47 @@
-//! Uploads a buffer in which every word is another, lets the shader read it, and says
-//! for each leaf which byte was read.
+//! Verifies layouts: uploads a buffer in which every word is different, lets the shader read it,
+//! and reports the byte that each leaf was read from.
 //!
-//! Takes the layout of a shader, makes [`probe`](super::probe)s of its text, has a
-//! [`Reader`] run them, and gives a [`ShaderReport`].
+//! Takes a shader's layout, generates [`probe`](super::probe)s from its text, runs them on a
+//! [`Backend`], and returns a [`ShaderReport`].
 
 pub(super) mod code;
-mod compiled;
 pub(super) mod partner;
 pub mod report;
 mod reported;
+mod user_spirv;
 mod verifier;
 
 use std::time::Duration;
 
-use crate::backend::{Failure, Reader};
+use crate::backend::{Backend, Failure};
 use crate::harness::access;
 use crate::harness::spirv;
-pub use compiled::run_compiled;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::{Source, Stage};
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout};
 pub use report::{
-    BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy, ReaderReport,
+    BackendReport, BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy,
     ShaderReport, Unprobed,
 };
+pub use user_spirv::run_compiled;
 
 use verifier::Verifier;
 pub(super) use verifier::every;
 
-/// How a shader is verified.
+/// Options for verifying a shader.
 #[derive(Clone, Debug)]
 pub struct VerifyOptions {
-    /// How it is read and laid out; loose uniforms are gathered.
+    /// The layout options; loose uniforms are gathered into a block.
     pub layout: Options,
-    /// The layout that is to be proven, where it is not the computed one: blocks by name.
+    /// The layout to verify instead of the computed one: blocks by name.
     pub given: Option<Vec<BlockLayout>>,
-    /// The stages that read; a shader's own where there are none.
+    /// The stages to probe in; the shader's own if empty.
     pub stages: Vec<Stage>,
-    /// Run the module that naga's own front end makes, not ours.
+    /// Whether to run the module of naga's front end instead of Landfall's.
     pub naga: bool,
-    /// Only the block of that name, by its own or its instance's.
+    /// Verify only the block with this name or instance name.
     pub block: Option<String>,
-    /// A reader that is not done with one probe by then has failed.
+    /// The time limit of one probe; a backend that exceeds it has failed.
     pub limit: Duration,
 }
 
@@ -58,7 +58,7 @@ impl Default for VerifyOptions {
     }
 }
 
-/// A shader as [`verify`] takes it: its text and its layout.
+/// A shader to verify: its text and its layout.
 #[derive(Clone, Debug)]
 pub struct Subject {
     source: Source,
@@ -66,15 +66,15 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Lays a shader out, its loose uniforms gathered.
+    /// Lays out a shader, its loose uniforms gathered into a block.
     ///
     /// # Errors
-    /// What makes it impossible to lay out; the layout is there for its files.
+    /// The errors that prevent a layout; the layout is returned for its files.
     pub fn new(
         source: &Source,
         options: &VerifyOptions,
     ) -> Result<Subject, (ShaderLayout, Vec<Diagnostic>)> {
-        let options = Options { gather: true, naga: true, ..options.layout.clone() };
+        let options = options.layout.clone().with_gather(true).with_naga(true);
         let shader = layout(source, &options);
         if shader.has_errors() {
             let found = shader.diagnostics.clone();
@@ -83,17 +83,17 @@ impl Subject {
         Ok(Subject { source: source.clone(), shader })
     }
 
-    /// Its layout.
+    /// Returns the layout.
     pub fn layout(&self) -> &ShaderLayout {
         &self.shader
     }
 }
 
-/// Has every reader read every block of a shader.
+/// Probes every block of a shader on every backend.
 pub fn verify(
     subject: &Subject,
     options: &VerifyOptions,
-    readers: &mut [Box<dyn Reader>],
+    backends: &mut [Box<dyn Backend>],
 ) -> ShaderReport {
     let Subject { source, shader } = subject;
     let blocks = shader.blocks.iter().filter(|block| {
@@ -109,7 +109,7 @@ pub fn verify(
         let is_given = expected.is_some();
         let expected = expected.unwrap_or(block);
         let blocks = &shader.blocks;
-        Verifier { source, options, blocks, block, expected, access }.block(readers, is_given)
+        Verifier { source, options, blocks, block, expected, access }.block(backends, is_given)
     });
     ShaderReport {
         path: shader.path.clone(),
@@ -119,11 +119,11 @@ pub fn verify(
     }
 }
 
-/// Holds the decorations of a SPIR-V module, which a compiler of the user's made of the shader,
-/// against its layout: one more reader in each block of the report.
+/// Compares the decorations of SPIR-V that a third-party compiler made from the shader with its
+/// layout, and adds the result to each block of the report.
 ///
 /// # Errors
-/// The words are no SPIR-V.
+/// Fails if the words are no SPIR-V.
 pub fn hold_spirv(
     subject: &Subject,
     options: &VerifyOptions,
@@ -149,8 +149,8 @@ pub fn hold_spirv(
             (false, true) => (Outcome::Disagrees, None),
             (false, false) => (Outcome::Confirmed, None),
         };
-        reported.readers.push(ReaderReport {
-            reader: ReadBy::Spirv,
+        reported.backends.push(BackendReport {
+            backend: ReadBy::Spirv,
             stage: subject.source.stage.map_or("fragment", Stage::name),
             form: Form::Spirv,
             outcome,

@@ -1,4 +1,4 @@
-//! How far each reader's results are from the true ones; measured and held by
-//! `tests/builtins.rs`, written by it, and read here only.
+//! The error of each backend's built-in functions; measured, checked and written by
+//! `tests/builtins.rs`.
 //!
 #![doc = include_str!("accuracy.md")]

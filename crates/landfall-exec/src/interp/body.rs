@@ -1,24 +1,24 @@
-//! A function's instructions while it is compiled, and what its callers know of it.
+//! A function's instructions during compilation, and its interface for callers.
 
 use std::rc::Rc;
 
 use super::code::{Inst, Origin, Reg};
 use super::value::ValueType;
 
-/// Instructions of one function; jumps count from its first.
+/// The instructions of one function; jump targets are relative to its first.
 #[derive(Default)]
 pub(super) struct Body {
     pub code: Vec<Inst>,
     pub origins: Vec<Origin>,
     pub pool: Vec<u32>,
-    /// Temporaries of each class.
+    /// The number of temporaries of each class.
     pub temporaries: [u32; 3],
     pub origin: Option<Origin>,
-    /// Why it has grown past what can be run.
+    /// The reason why the function is too large to run.
     pub overflow: bool,
 }
 
-/// A compiled function as its callers see it.
+/// The interface of a compiled function for its callers.
 pub(super) struct Compiled {
     pub arguments: Vec<CompiledArgument>,
     pub result: Rc<[Reg]>,

@@ -1,19 +1,19 @@
 //! The flat form of a shader: instructions over columns of lanes.
 //!
-//! Written by [`compile`](super::compile), tidied by [`tidy`](super::tidy), run
-//! by [`machine`](super::machine). Every register holds one scalar of all lanes.
+//! Written by [`compile`](super::compile), optimised by [`optimize`](super::optimize), run by
+//! [`machine`](super::machine). Every register holds one scalar of all lanes.
 
 mod operation;
 
 pub(super) use operation::{Cast, Cmp, D2, F1, F2, F3, I1, I2, Test};
 
-/// Invocations that run at a time; one bit of a mask each.
+/// Invocations that run at a time, one bit of a mask each.
 pub(super) const LANES: usize = 64;
 
-/// The file a scalar lives in.
+/// The register file of a scalar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
-    /// `f32` and `f16`: in the precision of the run.
+    /// `f32` and `f16`, in the precision of the run.
     Real,
     /// Integers of up to 32 bits and bools, which are 0 or 1.
     Word,
@@ -21,24 +21,24 @@ pub(super) enum Class {
     Wide,
 }
 
-/// What may write a register.
+/// The instructions that may write a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Region {
-    /// Nobody: filled once.
+    /// None: filled once.
     Constant,
     /// Stores, lane by lane.
     Variable,
-    /// One instruction.
+    /// A single instruction.
     Temporary,
 }
 
-/// A register: class, region and number packed in a word until the program is linked,
-/// a plain number of its class's file from then on.
+/// A register: class, region and number packed in a word until the program is linked, a plain index
+/// into its class's file from then on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Reg(pub u32);
 
 impl Reg {
-    /// Registers a class and region can have.
+    /// Maximum number of registers of one class and region.
     pub const MOST: u32 = 1 << 28;
 
     pub fn new(class: Class, region: Region, number: u32) -> Reg {
@@ -66,8 +66,8 @@ impl Reg {
     }
 }
 
-/// One instruction: `head` registers it reads once, then `groups` times the operands
-/// of its [`Shape`], all in the program's pool from `at`.
+/// An instruction: `head` registers read once, then `groups` times the operands of its [`Shape`],
+/// all in the program's pool from `at` on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inst {
     pub op: Op,
@@ -81,7 +81,7 @@ pub(super) struct Inst {
 pub(super) struct Shape {
     pub writes: usize,
     pub reads: usize,
-    /// Numbers that are not registers.
+    /// The number of plain numbers.
     pub plain: usize,
 }
 
@@ -92,13 +92,13 @@ impl Shape {
 }
 
 impl Inst {
-    /// Words of the pool it has.
+    /// Returns the number of pool words of one group.
     pub fn operands(&self) -> usize {
         usize::from(self.head) + self.groups as usize * self.op.shape().len()
     }
 }
 
-/// What stands in memory where a scalar is loaded from.
+/// The format in memory of a scalar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Stored {
     F32,
@@ -107,7 +107,7 @@ pub(super) enum Stored {
     B32,
     I16,
     U16,
-    /// A byte that is 0 or 1.
+    /// A byte of 0 or 1.
     Bool,
     /// 64-bit integers and doubles.
     B64,
@@ -124,7 +124,7 @@ impl Stored {
         Stored::B64,
     ];
 
-    /// Bytes it occupies.
+    /// Returns the size in bytes.
     pub fn width(self) -> usize {
         match self {
             Stored::Bool => 1,
@@ -135,7 +135,7 @@ impl Stored {
     }
 }
 
-/// How an atomic changes what is there.
+/// The operation of an atomic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Change {
     Int(I2),
@@ -143,7 +143,7 @@ pub(super) enum Change {
     CompareExchange,
 }
 
-/// Along which side of a quad.
+/// The direction of a derivative within a quad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Axis {
     X,
@@ -151,8 +151,8 @@ pub(super) enum Axis {
     Width,
 }
 
-/// What an instruction does. The number of a memory access, a table or an
-/// instruction stands beside the name.
+/// The operation of an instruction. The index of a memory access, a table or an instruction is part
+/// of the operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Op {
     Nop,
@@ -162,7 +162,7 @@ pub(super) enum Op {
     FCmp(Cmp),
     FTest(Test),
     Ldexp,
-    /// Sum of products; the number of components, 1 to 4, stands beside it.
+    /// Sum of products of 1 to 4 components.
     Dot(u8),
     Length(u8),
     Distance(u8),
@@ -188,34 +188,34 @@ pub(super) enum Op {
     DSignSint,
     DDot(u8),
     Cast(Cast),
-    /// Condition, accept, reject.
+    /// Operands: condition, accept, reject.
     Select(Class),
     Move(Class),
-    /// A move of the zeros that a variable holds before anything is put into it.
+    /// Copies the zeros that a variable holds before its first store.
     Blank(Class),
-    /// Of the active lanes.
+    /// Copies the active lanes.
     Store(Class),
-    /// From a buffer: `[to | byte offset, stored]`.
+    /// Reads a buffer: `[to | byte offset, stored]`.
     Load(u32),
-    /// Into a buffer: `[from | byte offset, stored]`.
+    /// Writes a buffer: `[from | byte offset, stored]`.
     Save(u32),
-    /// From a variable at an index: `[to | its first register]`.
+    /// Reads a variable at an index: `[to | its first register]`.
     Gather(Class, u32),
-    /// Into a variable at an index.
+    /// Writes a variable at an index.
     Scatter(Class, u32),
     /// `[old, exchanged | value, compare | offset, stored]`
     Atomic(u32),
-    /// Elements a buffer holds of its runtime-sized array.
+    /// The number of elements of a buffer's runtime-sized array.
     ArrayLength(u32),
     /// `[r, g, b, a | image, x, y]`
     Sample,
     Texel,
     /// `[width, height | image]`
     ImageSize,
-    /// Fine differences; the other is coarse.
+    /// Fine derivatives; `DerivativeCoarse` is the coarse one.
     DerivativeFine(Axis),
     DerivativeCoarse(Axis),
-    /// Reads the condition; where its else, or its end, is.
+    /// Reads the condition; the number is the instruction of its else or end.
     If(u32),
     Else(u32),
     EndIf(u32),
@@ -225,7 +225,8 @@ pub(super) enum Op {
     Again(u32),
     LoopEnd(u32),
     Switch,
-    /// Reads the selector; the number of its table of values. Jumps by the next one's number.
+    /// Reads the selector; the number is that of its table of values. The next instruction holds
+    /// the jump target.
     Case(u32),
     CaseSkip(u32),
     CaseEnd,
@@ -240,7 +241,7 @@ pub(super) enum Op {
 }
 
 impl Op {
-    /// What its groups of operands are.
+    /// Returns the shape of its groups of operands.
     pub fn shape(self) -> Shape {
         let (writes, reads, plain) = match self {
             Op::F1(_) | Op::FTest(_) | Op::I1(_) | Op::D1(_) | Op::DNeg | Op::DNot => (1, 1, 0),
@@ -289,7 +290,7 @@ impl Op {
         Shape { writes, reads, plain }
     }
 
-    /// The instruction it may jump to.
+    /// Returns the instruction it may jump to.
     pub fn target(&mut self) -> Option<&mut u32> {
         match self {
             Op::If(to)
@@ -304,51 +305,75 @@ impl Op {
         }
     }
 
-    /// Whether it computes a value and does nothing else.
+    /// Returns whether it has no effect besides its result.
     pub fn is_pure(self) -> bool {
         let shape = self.shape();
         shape.writes > 0 && !matches!(self, Op::Store(_) | Op::Atomic(_))
     }
+
+    /// Returns whether all results are reals that were computed, not copied.
+    pub fn computes_reals(self) -> bool {
+        matches!(
+            self,
+            Op::F1(_)
+                | Op::F2(_)
+                | Op::F3(_)
+                | Op::Dot(_)
+                | Op::Length(_)
+                | Op::Distance(_)
+                | Op::Normalize(_)
+                | Op::Cross
+                | Op::Ldexp
+                | Op::Cast(Cast::RoundHalf)
+                | Op::DerivativeFine(_)
+                | Op::DerivativeCoarse(_)
+        )
+    }
+
+    /// Returns whether all operands of an operation that computes reals are reals too.
+    pub fn takes_reals(self) -> bool {
+        self != Op::Ldexp
+    }
 }
 
-/// An index computed while the shader runs.
+/// An index computed at run time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dynamic {
-    /// Registers from one element to the next in each class; bytes where it is a buffer.
+    /// Stride in registers of each class; in bytes for a buffer.
     pub strides: [u32; 3],
     pub bound: Bound,
 }
 
-/// How many elements there are.
+/// The number of elements.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
     Known(u32),
-    /// As many as the buffer has room for: elements from `offset`, `stride` bytes each.
+    /// As many as fit in the buffer: elements from `offset` on, `stride` bytes each.
     Runtime {
         offset: u32,
         stride: u32,
     },
 }
 
-/// An access by computed indices; they are the head registers of its instruction.
+/// An access by computed indices, which are the head registers of its instruction.
 #[derive(Clone, Debug)]
 pub(super) struct Access {
     /// The buffer; unused for variables.
     pub buffer: u32,
     pub dynamics: Vec<Dynamic>,
-    /// What an atomic does.
+    /// The operation of an atomic.
     pub change: Option<Change>,
 }
 
 /// The values of one case of a switch.
 #[derive(Clone, Debug)]
 pub(super) struct Values {
-    /// Lanes with one of them take it; for the default, lanes with none of them.
+    /// Lanes with one of these values take the case; for the default, lanes with none of them.
     pub bits: Vec<u32>,
     pub default: bool,
 }
 
-/// Where an instruction comes from: the function, and the bytes of the text in naga's numbering.
+/// The origin of an instruction: the function, and the byte range of the text in naga's numbering.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Origin {
     pub function: u32,

@@ -1,8 +1,7 @@
-//! From naga IR to the flat form.
+//! Compiles naga IR to the flat form.
 //!
-//! Reads a [`Module`](landfall_ir::Module)'s IR; makes the instructions of
-//! [`code`](super::code). One file for statements, one for expressions, and
-//! one each for operators, math functions, pointers and images.
+//! Reads a [`Module`](landfall_ir::Module)'s IR; emits the instructions of [`code`](super::code).
+//! Separate files compile statements, expressions, operators, math functions, pointers and images.
 
 mod builder;
 mod expression;
@@ -25,7 +24,7 @@ use builder::Builder;
 use function::Function;
 use landfall_ir::Module;
 
-/// What a variable of the module is to the machine.
+/// A global variable of the module in the machine.
 #[derive(Clone)]
 enum Global {
     Buffer { number: u32, read_only: bool },
@@ -34,8 +33,8 @@ enum Global {
     Refused(String),
 }
 
-/// Compiles every function and entry point. One that uses what is not supported says
-/// so where it is run; the others do not mind.
+/// Compiles every function and entry point. One that uses unsupported features fails when it is
+/// run; the others are unaffected.
 pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
     let (ir, info) = (&module.ir, &module.info);
     let given = overrides_of(ir, overrides);
@@ -62,7 +61,7 @@ pub(super) fn compile(module: &Module, overrides: &[(String, f64)], floats: Floa
     builder.link(functions, start)
 }
 
-/// The code that fills the private variables.
+/// Returns the code that fills the private variables.
 fn start(builder: &mut Builder, globals: &[Global]) -> Result<FunctionCode, String> {
     let none = naga::Function::default();
     builder.begin(u32::MAX);
@@ -111,7 +110,7 @@ fn globals(builder: &mut Builder) -> Vec<Global> {
         .collect()
 }
 
-/// The values given to overrides, by their place in the module.
+/// Returns the given values of overrides, by their index in the module.
 fn overrides_of(ir: &naga::Module, given: &[(String, f64)]) -> Vec<Option<f64>> {
     ir.overrides
         .iter()
@@ -125,7 +124,7 @@ fn overrides_of(ir: &naga::Module, given: &[(String, f64)]) -> Vec<Option<f64>> 
         .collect()
 }
 
-/// An array length that is an override: given, or the literal that is its default.
+/// Returns an array length that is an override: the given one, or its literal default.
 fn length_of(
     ir: &naga::Module,
     given: &[Option<f64>],
@@ -143,7 +142,7 @@ fn length_of(
     }
 }
 
-/// An origin without a text.
+/// Returns an origin without a text.
 fn nowhere(function: u32) -> Origin {
     Origin { function, start: 0, end: 0 }
 }

@@ -1,11 +1,11 @@
-//! What a run cost, in operations: the same on every machine.
+//! The cost of a run in operations, the same on every machine.
 //!
-//! A scalar operation of one active invocation counts one; copies, branches and
-//! changes of the same bits count nothing.
+//! A scalar operation of one active invocation counts one; copies, branches and bit casts count
+//! nothing.
 
 use super::code::{Cast, F1, F2, F3, Inst, Op};
 
-/// Kinds of operations.
+/// The kinds of operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cost {
     Free,
@@ -18,18 +18,18 @@ pub(super) enum Cost {
 
 const KINDS: usize = 6;
 
-/// What an instruction costs for each active lane.
+/// The cost of an instruction per active lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Price {
     pub kind: Cost,
     pub weight: u32,
 }
 
-/// Operations counted while a machine runs.
+/// The operations counted while a machine runs.
 #[derive(Clone, Debug)]
 pub(super) struct Tally {
     pub kinds: [u64; KINDS],
-    /// By function: lanes that entered it.
+    /// By function: the number of lanes that entered it.
     pub calls: Vec<u64>,
 }
 
@@ -50,13 +50,13 @@ impl Tally {
     }
 }
 
-/// Operations of a run, weighted by the invocations that took part.
+/// The operations of a run, summed over the active invocations.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Additions, products, divisions, roots, comparisons, bit operations, conversions,
-    /// one for each component. A dot product of three is five, a `normalize` nine.
+    /// Additions, products, divisions, roots, comparisons, bit operations, conversions, one per
+    /// component. A dot product of three components counts five, a `normalize` nine.
     pub arithmetic: u64,
-    /// `pow`, `exp`, `log`, `sin` and the like.
+    /// `pow`, `exp`, `log`, `sin` and similar functions.
     pub transcendental: u64,
     /// Scalars read from buffers.
     pub loads: u64,
@@ -64,23 +64,23 @@ pub struct Counts {
     pub stores: u64,
     /// Texture lookups.
     pub textures: u64,
-    /// How many invocations called each function, by its name; entry points too.
+    /// How many invocations called each function, by its name; entry points included.
     pub calls: Vec<(String, u64)>,
 }
 
 impl Counts {
-    /// All operations together.
+    /// Returns the number of all operations.
     pub fn operations(&self) -> u64 {
         self.arithmetic + self.transcendental + self.loads + self.stores + self.textures
     }
 
-    /// How many invocations called a function.
+    /// Returns how many invocations called a function.
     pub fn calls_of(&self, name: &str) -> u64 {
         self.calls.iter().filter(|(called, _)| called == name).map(|(_, n)| n).sum()
     }
 }
 
-/// What an instruction costs.
+/// Returns the cost of an instruction.
 pub(super) fn price(inst: &Inst) -> Price {
     use Cost::{Arithmetic, Free, Load, Store, Texture, Transcendental};
     let (kind, each) = match inst.op {

@@ -1,14 +1,14 @@
-//! Running over any number of invocations: resources, batches, threads, notes.
+//! Runs any number of invocations: binds resources, splits batches over threads, collects notes.
 //!
-//! Feeds the [`machine`](super::machine); used by [`stage`](super::stage),
-//! [`call`](super::call) and [`reader`](super::reader).
+//! Drives the [`machine`](super::machine); used by [`stage`](super::stage), [`call`](super::call)
+//! and [`cpu`](super::cpu).
 
 use std::borrow::Cow;
 use std::time::Instant;
 
 use super::code::LANES;
 use super::counts::Tally;
-use super::machine::{Image, Machine, Memory, Seen, Stopped, Tracer, Watch};
+use super::machine::{Image, Machine, Memory, Occurrences, Stopped, Tracer, Watch};
 use super::program::{BufferSpace, Program};
 use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
@@ -23,16 +23,16 @@ pub(super) struct Bound<'j> {
     writes: bool,
 }
 
-/// What comes out of all batches.
+/// The combined results of all batches.
 pub(super) struct Outcome<T> {
     pub results: Vec<T>,
-    /// By resource: what is left in a writable buffer.
+    /// By resource: the contents of a writable buffer after the run.
     pub left: Vec<Option<Vec<u8>>>,
     pub notes: Notes,
 }
 
 impl Program {
-    /// Finds the resources a function uses.
+    /// Finds the resources that a function uses.
     pub(super) fn bind<'j>(
         &self,
         function: u32,
@@ -98,7 +98,7 @@ impl Program {
         Ok(Bound { buffers, images, resources: resources.len(), writes })
     }
 
-    /// Runs batches: on all threads, or on one where they write what others read.
+    /// Runs batches on all threads, or on one thread if they write shared memory.
     pub(super) fn drive<R: Real, T: Send>(
         &self,
         bound: &Bound,
@@ -123,10 +123,10 @@ impl Program {
                 if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
                     return Err(Stopped::Late);
                 }
-                let parted = machine.watch.as_ref().map_or(0, |w| w.parted.len());
+                let diverged = machine.watch.as_ref().map_or(0, |w| w.diverged.len());
                 results.push(each(&mut machine, batch)?);
                 if let Some(watch) = &mut machine.watch {
-                    watch.parted[parted..].iter_mut().for_each(|p| p.lane += batch * LANES);
+                    watch.diverged[diverged..].iter_mut().for_each(|p| p.lane += batch * LANES);
                 }
             }
             Ok((results, machine))
@@ -217,14 +217,14 @@ impl Program {
                     known.lanes.extend(new);
                 }
                 None => {
-                    let Seen { count, operands, lanes } = seen;
+                    let Occurrences { count, operands, lanes } = seen;
                     notes.undefined.push(Undefined { kind, place, count, operands, lanes });
                 }
             }
         }
         notes.trace = watch.tracer.map(|tracer| Box::new(tracer.trace));
         notes.divergences = watch
-            .parted
+            .diverged
             .into_iter()
             .map(|p| Divergence {
                 lane: p.lane,
@@ -239,18 +239,19 @@ impl Program {
     fn stopped(&self, stopped: Stopped) -> Failure {
         let (kind, what, origin) = match stopped {
             Stopped::Budget(origin) => {
-                (FailureKind::TimedOut, "a loop did not end within the budget of steps", origin)
+                (FailureKind::TimedOut, "a loop exceeded the budget of iterations", origin)
             }
             Stopped::Deadline(origin) => {
-                (FailureKind::TimedOut, "a loop was still running when the time was up", origin)
+                (FailureKind::TimedOut, "a loop was still running at the time limit", origin)
             }
             Stopped::Late => {
-                let message = "the time was up before all invocations had run".into();
+                let message = "the time limit was reached before all invocations had run".into();
                 return failure(FailureKind::TimedOut, message);
             }
             Stopped::Barrier(origin) => (
                 FailureKind::Refused,
-                "the evaluator knows barriers only where all of a workgroup of at most 64 meet",
+                "the evaluator supports barriers only if a workgroup of at most 64 reaches them \
+                 together",
                 origin,
             ),
         };

@@ -1,8 +1,7 @@
-//! A type as the scalars it is made of, in order: matrices by column, members and
-//! elements one after the other.
+//! Flattens a type into its scalars, in order: matrices by column, members and elements one after
+//! the other.
 //!
-//! Reads naga's types, whose offsets and strides are ours; feeds
-//! [`compile`](super::compile).
+//! Reads naga's types with Landfall's offsets and strides; used by [`compile`](super::compile).
 
 use std::cell::RefCell;
 
@@ -12,18 +11,18 @@ use rustc_hash::FxHashMap;
 
 use super::code::{Class, Stored};
 
-/// Scalars a value may have: a variable's registers are 256 bytes each.
+/// Maximum number of scalars of a value: each register of a variable takes 256 bytes.
 pub(super) const MOST_LEAVES: u64 = 1 << 18;
 
-/// One scalar of a type.
+/// A scalar of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Leaf {
     pub scalar: naga::Scalar,
-    /// Its byte in memory.
+    /// The offset in memory in bytes.
     pub offset: u32,
 }
 
-/// The file of a scalar; the error is what is not supported.
+/// Returns the register class of a scalar, or the name of the unsupported type.
 pub(super) fn class(scalar: naga::Scalar) -> Result<Class, String> {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 2 | 4) => Ok(Class::Real),
@@ -33,7 +32,7 @@ pub(super) fn class(scalar: naga::Scalar) -> Result<Class, String> {
     }
 }
 
-/// How a scalar stands in memory.
+/// Returns the format of a scalar in memory.
 pub(super) fn stored(scalar: naga::Scalar) -> Stored {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 2) => Stored::F16,
@@ -46,26 +45,26 @@ pub(super) fn stored(scalar: naga::Scalar) -> Stored {
     }
 }
 
-/// Bytes from one column of a matrix to the next.
+/// Returns the stride of a matrix's columns in bytes.
 pub(super) fn column_stride(rows: naga::VectorSize, scalar: naga::Scalar) -> u32 {
     let rows = if rows == naga::VectorSize::Bi { 2 } else { 4 };
     rows * u32::from(scalar.width)
 }
 
-/// Scalars of each class, or what is not supported.
+/// The number of scalars of each class, or the name of an unsupported type.
 type Counted = Result<[u64; 3], String>;
 
-/// Types of a module, flattened.
+/// The types of a module, flattened.
 pub(super) struct Types<'a> {
     pub arena: &'a UniqueArena<Type>,
-    /// Lengths given by override expressions.
+    /// Returns the lengths given by override expressions.
     pub pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
-    /// What was counted: a structure may have another twice, and that one a third.
+    /// Memoised counts: a structure may contain another several times, at any depth.
     pub counted: RefCell<FxHashMap<Handle<Type>, Counted>>,
 }
 
 impl<'a> Types<'a> {
-    /// Scalars of each class that a type has.
+    /// Returns the number of scalars of each class in a type.
     pub fn counts(&self, inner: &TypeInner) -> Result<[u64; 3], String> {
         let one = |scalar: naga::Scalar, n: u64| {
             let mut counts = [0; 3];
@@ -107,7 +106,7 @@ impl<'a> Types<'a> {
         counts
     }
 
-    /// How many scalars a type has.
+    /// Returns the number of scalars of a type.
     pub fn leaf_count(&self, inner: &TypeInner) -> Result<u32, String> {
         let sum = self.counts(inner)?.iter().fold(0u64, |a, b| a.saturating_add(*b));
         if sum > MOST_LEAVES {
@@ -116,14 +115,14 @@ impl<'a> Types<'a> {
         Ok(sum as u32)
     }
 
-    /// How many scalars come before what an index leads to; of use for variables only,
+    /// Returns the number of scalars before the target of an index; meaningful for variables only,
     /// whose types were counted.
     fn total(&self, inner: &TypeInner) -> u32 {
         let sum = |counts: [u64; 3]| counts.iter().fold(0u64, |a, b| a.saturating_add(*b));
         self.counts(inner).map_or(0, |counts| u32::try_from(sum(counts)).unwrap_or(u32::MAX))
     }
 
-    /// The scalars of a type with their bytes.
+    /// Returns the scalars of a type with their offsets.
     pub fn leaves(&self, inner: &TypeInner) -> Result<Vec<Leaf>, String> {
         let mut leaves = Vec::with_capacity(self.leaf_count(inner)? as usize);
         self.push_leaves(inner, 0, &mut leaves)?;
@@ -171,7 +170,7 @@ impl<'a> Types<'a> {
         Ok(())
     }
 
-    /// Elements of an array; none if it is runtime-sized.
+    /// Returns the number of elements of an array; `None` if it is runtime-sized.
     pub fn len(&self, size: ArraySize) -> Option<u32> {
         match size {
             ArraySize::Constant(len) => Some(len.get()),
@@ -180,7 +179,7 @@ impl<'a> Types<'a> {
         }
     }
 
-    /// What an index leads to: its type, the scalars and the bytes before it.
+    /// Returns the target of an index: its type, and the scalars and bytes before it.
     pub fn step(&self, inner: &TypeInner, index: u32) -> Result<Step, String> {
         match inner {
             TypeInner::Struct { members, .. } => {
@@ -202,7 +201,7 @@ impl<'a> Types<'a> {
         }
     }
 
-    /// What every index of an array, matrix or vector leads to, and from one to the next.
+    /// Returns the type and strides of the elements of an array, matrix or vector.
     pub fn element(&self, inner: &TypeInner) -> Result<Step, String> {
         match inner {
             TypeInner::Array { base, stride, .. } => Ok(Step {
@@ -224,7 +223,8 @@ impl<'a> Types<'a> {
         }
     }
 
-    /// Elements an index may name; none if the buffer says.
+    /// Returns the number of elements that an index is limited to; `None` if the buffer determines
+    /// it.
     pub fn bound(&self, inner: &TypeInner) -> Option<u32> {
         match inner {
             TypeInner::Array { size, .. } => self.len(*size),
@@ -235,14 +235,14 @@ impl<'a> Types<'a> {
     }
 }
 
-/// Where an index leads.
+/// The target of an index.
 pub(super) struct Step {
     pub ty: TypeResolution,
     pub leaves: u32,
     pub bytes: u32,
 }
 
-/// What a type is called in a refusal.
+/// Returns the name of a type in error messages.
 pub(super) fn kind_name(inner: &TypeInner) -> &'static str {
     match inner {
         TypeInner::Scalar(_) => "a scalar",

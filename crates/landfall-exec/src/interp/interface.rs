@@ -1,4 +1,4 @@
-//! What goes into an entry point and comes out of it: locations and builtins.
+//! The inputs and outputs of an entry point: locations and builtins.
 
 use naga::{Binding, BuiltIn, ShaderStage, TypeInner};
 
@@ -13,7 +13,7 @@ use landfall_layout::source::Stage;
 pub enum Port {
     /// A location.
     Location(u32),
-    /// `@builtin(position)`: in clip space of a vertex, in pixels of a fragment.
+    /// `@builtin(position)`: in clip space for vertices, in pixels for fragments.
     Position,
     VertexIndex,
     InstanceIndex,
@@ -33,7 +33,7 @@ pub enum Port {
     NumWorkgroups,
 }
 
-/// A port, its registers and how it goes from the vertices to a fragment.
+/// An input or output, its registers and its interpolation.
 #[derive(Clone, Debug)]
 pub(super) struct Plug {
     pub port: Port,
@@ -56,7 +56,7 @@ impl Interface {
     }
 }
 
-/// The interface of an entry point.
+/// Returns the interface of an entry point.
 pub(super) fn interface(
     ir: &naga::Module,
     types: &Types,

@@ -1,8 +1,8 @@
-//! What any conformant device may give: intervals of `f64` by the accuracies that WGSL §15.7.4
-//! and Vulkan's "Precision and Operation of SPIR-V Instructions" permit for `f32`.
+//! The values that any conformant device may give: intervals of `f64` by the accuracies that WGSL
+//! §15.7.4 and Vulkan's "Precision and Operation of SPIR-V Instructions" permit for `f32`.
 //!
-//! [`permitted`](super::permitted) computes with them. Where a specification defines a function
-//! by a formula, its interval is that formula's; where it gives no value, every value.
+//! Used by [`permitted`](super::permitted). If a specification defines a function by a formula, its
+//! interval is that formula's; if it defines no value, every value is permitted.
 
 use std::f64::consts::PI;
 
@@ -13,18 +13,19 @@ pub(super) struct Interval {
     pub high: f64,
 }
 
-/// Any value at all, NaN too: what is computed from it is any value again.
+/// Any value, NaN included; it propagates through every operation.
 pub(super) const ANY: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
 
 const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 
-/// Distance of the two floats about `x`, that of the subnormals near zero (Muller's ULP).
+/// Returns the distance of the two floats about `x`, near zero that of the subnormals (Muller's
+/// ULP).
 fn ulp(x: f64) -> f64 {
     let exponent = (x.abs().to_bits() >> 52) as i32 - 1023 - 23;
     2f64.powi(exponent.max(-149))
 }
 
-/// The next `f32` not above.
+/// Returns the largest `f32` not above `x`.
 fn down(x: f64) -> f64 {
     let near = x as f32;
     f64::from(if f64::from(near) > x { near.next_down() } else { near })
@@ -34,7 +35,7 @@ fn up(x: f64) -> f64 {
     -down(-x)
 }
 
-/// A sum that is not above what it stands for: `down` must see what its rounding lost.
+/// Returns `a + b`, rounded down if it exceeds the exact sum, so that `down` is a bound of that.
 fn sum(a: f64, b: f64) -> f64 {
     let sum = a + b;
     let part = sum - a;
@@ -42,7 +43,7 @@ fn sum(a: f64, b: f64) -> f64 {
     if lost < 0.0 { sum.next_down() } else { sum }
 }
 
-/// The least interval with all these; any, if one is no number.
+/// Returns the least interval that contains all values; any value if one is NaN.
 fn hull<const N: usize>(values: [f64; N]) -> Interval {
     if values.iter().any(|v| v.is_nan()) {
         return ANY;
@@ -52,12 +53,12 @@ fn hull<const N: usize>(values: [f64; N]) -> Interval {
 }
 
 impl Interval {
-    /// A value; a subnormal may be flushed to zero.
+    /// Returns the interval of a value; a subnormal may be flushed to zero.
     pub fn of(x: f32) -> Interval {
         if x.is_finite() { Interval::exactly(f64::from(x)).flushed() } else { ANY }
     }
 
-    /// A number that may be no float: rounded either way.
+    /// Returns the interval of a number between two floats, rounded either way.
     pub fn near(x: f64) -> Interval {
         Interval::exactly(x).rounded()
     }
@@ -74,7 +75,7 @@ impl Interval {
         self.low == f64::NEG_INFINITY && self.high == f64::INFINITY
     }
 
-    /// What `f` gives unless an operand may be anything.
+    /// Returns `f(self)`, or any value if an operand may have any value.
     fn unless_any(self, f: impl FnOnce(Interval) -> Interval) -> Interval {
         if self.is_any() { ANY } else { f(self) }
     }
@@ -86,7 +87,7 @@ impl Interval {
         self
     }
 
-    /// Correctly rounded in either direction. What may overflow may be anything.
+    /// Returns the interval rounded in either direction; any value if it may overflow.
     pub fn rounded(self) -> Interval {
         let most = f64::from(f32::MAX);
         if !(self.low >= -most && self.high <= most) {
@@ -101,8 +102,8 @@ impl Interval {
         if wide.low >= -most && wide.high <= most { wide.flushed() } else { ANY }
     }
 
-    /// So many ULP about each of these. Above a power of two an ULP is twice as much as below:
-    /// from there one may get farther down than from the low end.
+    /// Widens the interval by a number of ULP. Above a power of two an ULP is twice as much as
+    /// below: from there an error may reach farther down than from the low end.
     fn ulps(self, count: f64) -> Interval {
         let lowest = |low: f64, high: f64| {
             let power = 2f64.powi(low.log2().ceil() as i32);
@@ -142,12 +143,12 @@ impl Interval {
         hull([a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]).rounded()
     }
 
-    /// Of one value with itself: never negative.
+    /// Returns the interval of a value times itself, never negative.
     pub fn squared(self) -> Interval {
         self.abs().unless_any(|x| hull([x.low * x.low, x.high * x.high]).rounded())
     }
 
-    /// 2.5 ULP where the divisor is of 2^-126 to 2^126.
+    /// Returns the quotient, within 2.5 ULP if the divisor is between 2^-126 and 2^126.
     pub fn div(self, other: Interval) -> Interval {
         let (a, b) = (self, other);
         let most = 2f64.powi(126);
@@ -157,28 +158,28 @@ impl Interval {
         hull([a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high]).ulps(2.5)
     }
 
-    /// `a - b * trunc(a / b)`.
+    /// Returns `a - b * trunc(a / b)`.
     pub fn rem(self, other: Interval) -> Interval {
         let quotient = self.div(other);
         self.sub(other.mul(quotient.monotone(f64::trunc)))
     }
 
-    /// What an exact rising function makes of it.
+    /// Applies an exact increasing function.
     pub fn monotone(self, f: impl Fn(f64) -> f64) -> Interval {
         self.unless_any(|x| hull([f(x.low), f(x.high)]))
     }
 
-    /// What a rising function makes of it, off by so many ULP.
+    /// Applies an increasing function with an error of `count` ULP.
     fn rising(self, f: impl Fn(f64) -> f64, count: f64) -> Interval {
         self.monotone(f).unless_any(|y| y.ulps(count))
     }
 
-    /// The larger absolute value.
+    /// Returns the largest absolute value.
     fn size(self) -> f64 {
         self.high.max(-self.low)
     }
 
-    /// 2 ULP.
+    /// Returns `1 / sqrt(x)`, within 2 ULP.
     pub fn inverse_sqrt(self) -> Interval {
         if self.low <= 0.0 {
             return ANY;
@@ -186,7 +187,7 @@ impl Interval {
         hull([1.0 / self.low.sqrt(), 1.0 / self.high.sqrt()]).ulps(2.0)
     }
 
-    /// `1 / inverseSqrt(x)`; of zero it is zero.
+    /// Returns `1 / inverseSqrt(x)`; zero for zero.
     pub fn sqrt(self) -> Interval {
         let one = Interval::exactly(1.0);
         match self.low {
@@ -200,22 +201,22 @@ impl Interval {
         }
     }
 
-    /// 3 + 2|x| ULP.
+    /// Returns the exponential, within 3 + 2|x| ULP.
     pub fn exp(self) -> Interval {
         self.rising(f64::exp, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
-    /// 3 + 2|x| ULP.
+    /// Returns the power of two, within 3 + 2|x| ULP.
     pub fn exp2(self) -> Interval {
         self.rising(f64::exp2, 3.0 + 2.0 * self.size()).not_below(0.0)
     }
 
-    /// The error of a small result may reach below what the function has.
+    /// Cuts off the part of an error below the function's range.
     fn not_below(self, least: f64) -> Interval {
         self.unless_any(|x| Interval { low: x.low.max(least), ..x })
     }
 
-    /// 2^-21 from 0.5 to 2, else 3 ULP.
+    /// Returns a logarithm, within 2^-21 for 0.5 to 2, else 3 ULP.
     fn logarithm(self, f: fn(f64) -> f64) -> Interval {
         if self.low <= 0.0 {
             return ANY;
@@ -243,7 +244,7 @@ impl Interval {
         self.logarithm(f64::log2)
     }
 
-    /// `exp2(y * log2(x))`; of zero to a positive power it is zero.
+    /// Returns `exp2(y * log2(x))`; zero for zero to a positive power.
     pub fn pow(self, y: Interval) -> Interval {
         let positive = |x: Interval| y.mul(x.log2()).exp2();
         match self.low {
@@ -255,12 +256,12 @@ impl Interval {
         }
     }
 
-    /// Any, if one end is.
+    /// Returns any value if one end is infinite.
     fn or_any(self) -> Interval {
         if self.high == f64::INFINITY || self.low == f64::NEG_INFINITY { ANY } else { self }
     }
 
-    /// 2^-11 from -π to π; no accuracy beyond.
+    /// Returns the cosine, within 2^-11 from -π to π; no accuracy is specified beyond.
     pub fn cos(self) -> Interval {
         if !(self.low >= -PI && self.high <= PI) {
             return ANY;
@@ -272,7 +273,7 @@ impl Interval {
         all.absolute(2f64.powi(-11))
     }
 
-    /// The same.
+    /// Returns the sine, within 2^-11 from -π to π; no accuracy is specified beyond.
     pub fn sin(self) -> Interval {
         if !(self.low >= -PI && self.high <= PI) {
             return ANY;
@@ -286,12 +287,12 @@ impl Interval {
         all.absolute(2f64.powi(-11))
     }
 
-    /// 4096 ULP.
+    /// Returns the arc tangent, within 4096 ULP.
     pub fn atan(self) -> Interval {
         self.rising(f64::atan, 4096.0)
     }
 
-    /// `self` over `x`: 4096 ULP, except across its cut and at its pole.
+    /// Returns the angle of `(x, self)`: within 4096 ULP, except across its cut and at its pole.
     pub fn atan2(self, x: Interval) -> Interval {
         let y = self;
         let zero = |i: Interval| i.low <= 0.0 && i.high >= 0.0;
@@ -323,7 +324,7 @@ impl Interval {
         }
         let inherited = formula(self, Interval::exactly(1.0).sub(self.squared()).sqrt());
         let direct = hull([f(self.low), f(self.high)]).absolute(error);
-        // Where the formula has no value, the bound of the function still stands.
+        // Where the formula has no value, the function's own bound holds.
         if inherited.is_any() { direct } else { direct.or(inherited) }
     }
 
@@ -368,7 +369,7 @@ impl Interval {
         self.neg().min(other.neg()).neg()
     }
 
-    /// 1 where it is not below the edge, else 0.
+    /// Returns 1 if it is not below the edge, else 0.
     pub fn step(self, edge: Interval) -> Interval {
         if self.is_any() || edge.is_any() {
             return ANY;
@@ -382,7 +383,7 @@ impl Interval {
         self.monotone(sign)
     }
 
-    /// The fraction of `frexp`.
+    /// Returns the fraction of `frexp`.
     pub fn fraction(self, f: impl Fn(f64) -> f64, exponent: impl Fn(f64) -> i32) -> Interval {
         let one_sign = self.low > 0.0 || self.high < 0.0;
         match self {
@@ -394,7 +395,7 @@ impl Interval {
     }
 }
 
-/// The sum in any order: a built-in function's sum has none.
+/// Returns the sum in any order: the order of a built-in function's sum is unspecified.
 pub(super) fn sum_in_any_order(terms: &[Interval]) -> Interval {
     match *terms {
         [] => Interval::default(),
@@ -402,7 +403,7 @@ pub(super) fn sum_in_any_order(terms: &[Interval]) -> Interval {
         [a, b] => a.add(b),
         [a, b, c] => a.add(b).add(c).or(a.add(c).add(b)).or(b.add(c).add(a)),
         [a, b, c, ref rest @ ..] => {
-            // Four terms: one after the other with any of them last, or by pairs.
+            // Four terms: sequentially with any of them last, or in pairs.
             let d = sum_in_any_order(rest);
             let last = |x, y, z, last: Interval| sum_in_any_order(&[x, y, z]).add(last);
             let one_by_one =

@@ -1,8 +1,8 @@
-//! Runs a program over 64 invocations at a time, in one precision.
+//! Runs a program over 64 invocations at a time in one precision.
 //!
-//! Reads a [`Program`], fed by [`call`](super::call) and [`stage`](super::stage). A mask
-//! says which invocations a branch concerns. Values are computed for all lanes, whether
-//! they are active or not, except where that is dear; only stores look at the mask.
+//! Reads a [`Program`]; used by [`call`](super::call) and [`stage`](super::stage). A mask holds the
+//! lanes that a branch applies to. Values are computed for all lanes, active or not, except where
+//! that is expensive; only stores look at the mask.
 
 mod cast;
 mod control;
@@ -10,9 +10,9 @@ mod float;
 mod integer;
 mod kernel;
 mod memory;
+mod sanitizer;
 mod trace;
 mod unset;
-mod watch;
 mod wide;
 
 use std::borrow::Cow;
@@ -24,20 +24,20 @@ use super::program::Program;
 use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
+pub(super) use sanitizer::{Occurrences, Watch};
 pub(super) use trace::Tracer;
-pub(super) use watch::{Seen, Watch};
 
-/// One scalar of all lanes.
+/// A scalar of all lanes.
 pub(super) type Column<T> = Box<[T; LANES]>;
 
-/// A buffer while it is used.
+/// A buffer during a run.
 pub(super) struct Memory<'j> {
     pub bytes: Cow<'j, [u8]>,
-    /// Which bytes were read; empty where nobody asks.
+    /// The bytes that were read, as bits; empty unless they are recorded.
     pub read: Vec<u64>,
 }
 
-/// An image while it is used.
+/// An image during a run.
 #[derive(Clone, Copy)]
 pub(super) struct Image<'j> {
     pub width: u32,
@@ -45,16 +45,16 @@ pub(super) struct Image<'j> {
     pub texels: &'j [[f32; 4]],
 }
 
-/// Why a run stopped before its end.
+/// The reason why a run stopped before its end.
 #[derive(Clone, Debug)]
 pub(super) enum Stopped {
-    /// A loop had no end within the budget.
+    /// A loop exceeded the budget of iterations.
     Budget(Origin),
-    /// The time was up.
+    /// The deadline passed.
     Deadline(Origin),
-    /// The time was up between two batches.
+    /// The deadline passed between two batches.
     Late,
-    /// A barrier that some invocations do not come to, or of more than a batch.
+    /// A barrier that some invocations do not reach, or in a workgroup larger than a batch.
     Barrier(Origin),
 }
 
@@ -65,27 +65,27 @@ pub(super) struct Machine<'p, 'j, R> {
     wides: Vec<Option<Column<u64>>>,
     pub buffers: Vec<Memory<'j>>,
     pub images: Vec<Image<'j>>,
-    /// Lanes that were started.
+    /// The lanes that were started.
     started: u64,
-    /// Lanes at work.
+    /// The active lanes.
     active: u64,
-    /// How many.
+    /// The number of active lanes.
     count: u64,
-    /// Lanes that were discarded.
+    /// The lanes that were discarded.
     pub killed: u64,
-    /// Lanes in which a comparison, or an integer made of a float, may be another elsewhere.
+    /// The lanes in which a comparison, or an integer converted from a float, may differ elsewhere.
     pub unsure: u64,
     frames: Vec<Frame>,
-    /// The active lanes as all ones, as of `mask_of`.
+    /// The active lanes as words of ones, valid for `mask_of`.
     mask: [u32; LANES],
     mask_of: u64,
-    /// Iterations of loops of each lane, and of the batch: no lane has more.
+    /// Loop iterations of each lane, and those of the batch, which no lane exceeds.
     steps: [u32; LANES],
     batch_steps: u32,
-    /// Iterations of loops one invocation may take.
+    /// Maximum loop iterations of one invocation.
     pub budget: u32,
     pub deadline: Option<Instant>,
-    /// Whether all invocations of a workgroup are in a batch.
+    /// Whether a batch holds all invocations of a workgroup.
     pub barriers: bool,
     pub tally: Tally,
     pub watch: Option<Box<Watch>>,
@@ -121,7 +121,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         }
     }
 
-    /// Runs a function over the lanes of a mask, private variables as they start out.
+    /// Runs a function over the lanes of a mask, with freshly initialised private variables.
     pub fn invoke(&mut self, function: u32, start: u32, lanes: u64) -> Result<(), Stopped> {
         (self.started, self.killed, self.unsure) = (lanes, 0, 0);
         self.steps = [0; LANES];
@@ -239,14 +239,14 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         }
     }
 
-    /// Makes those lanes the active ones.
+    /// Sets the active lanes.
     #[inline]
     fn set(&mut self, lanes: u64) {
         self.active = lanes;
         self.count = u64::from(lanes.count_ones());
     }
 
-    /// The column of a packed register of a class.
+    /// Returns the column of a packed register of a class.
     pub fn reals_of(&mut self, reg: Reg) -> &mut [R; LANES] {
         debug_assert_eq!(reg.class(), Class::Real);
         self.reals[reg.number() as usize].as_mut().expect(HELD)
@@ -261,11 +261,11 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
     }
 }
 
-/// Why a column is there: only the results of the instruction at hand are taken out of
-/// the file, and none reads what it writes.
+/// The reason why a column exists: only the results of the current instruction are taken out of the
+/// file, and an instruction never reads its own results.
 const HELD: &str = "no instruction reads what it writes";
 
-/// The column of a register.
+/// Returns the column of a register.
 #[inline(always)]
 fn column<T>(file: &[Option<Column<T>>], reg: u32) -> &[T; LANES] {
     file[reg as usize].as_ref().expect(HELD)

@@ -1,8 +1,8 @@
-//! A number with all the values that any conformant device may have in its place.
+//! A number with the interval of values that any conformant device may have in its place.
 //!
-//! One of the [`Real`]s of the machine: the `f32` is what [`Single`](super::Precision::Single)
-//! computes, and branches follow it; around it lies the [`Interval`] of the expression as it is
-//! written. A device that reorders what is written may leave it.
+//! One of the [`Real`]s of the machine: the `f32` is the value that
+//! [`Single`](super::Precision::Single) computes, and branches follow it; around it lies the
+//! [`Interval`] of the expression as written. A device that reorders the expression may leave it.
 
 use super::code::{Cmp, F1, F2};
 use super::interval::{Interval, sum_in_any_order};
@@ -67,12 +67,12 @@ impl Real for Permitted {
     fn double(self) -> f64 {
         f64::from(self.single)
     }
-    /// Of a rising function that is correctly rounded.
+    /// Applies an increasing function that is correctly rounded.
     fn lift1(self, f: impl Fn(f64) -> f64) -> Permitted {
         Permitted { single: self.single.lift1(&f), span: self.span.monotone(&f).rounded() }
     }
     fn lift2(self, b: Permitted, f: impl Fn(f64, f64) -> f64) -> Permitted {
-        // No rule is known: what it gives, and no width.
+        // No error bound is known: the exact value, without an interval.
         Permitted::of(self.single.lift2(b.single, &f))
     }
     fn function1(self, f: F1, exact: impl Fn(f64) -> f64) -> Permitted {
@@ -132,7 +132,7 @@ impl Real for Permitted {
     }
     exactly! { floor ceil trunc round }
     fn fma(self, b: Permitted, c: Permitted) -> Permitted {
-        // Rounded once or twice: the interval of twice has both.
+        // Rounded once or twice: the interval of two roundings contains both.
         let single = Real::fma(self.single, b.single, c.single);
         Permitted { single, span: self.span.mul(b.span).add(c.span) }
     }
@@ -146,7 +146,8 @@ impl Real for Permitted {
         spans.iter_mut().zip(terms).for_each(|(span, term)| *span = term.span);
         Permitted { single, span: sum_in_any_order(&spans[..terms.len()]) }
     }
-    /// `x * inverseSqrt(squares)` by Vulkan, which WGSL may become; `x / length` by WGSL §17.5.
+    /// Returns `x * inverseSqrt(squares)` for Vulkan, to which WGSL may be compiled, and `x /
+    /// length` by WGSL §17.5.
     fn over_length(self, length: Permitted, squares: Permitted, of: Language) -> Permitted {
         let single = self.single / length.single;
         let product = self.span.mul(squares.span.inverse_sqrt());

@@ -1,13 +1,13 @@
-//! Which pixels a batch has, and what a triangle over the image gives each of them.
+//! The pixels of a batch, and the inputs that a triangle over the image gives them.
 
-use super::call::Numbers;
 use super::code::{Class, LANES};
 use super::interface::{Plug, Port};
 use super::machine::Machine;
+use super::numbers::Numbers;
 use super::real::Real;
 use super::stage::put;
 
-/// The pixels of a tile of eight by eight, in quads: right and below are the next lanes.
+/// Returns the pixels of a tile of eight by eight, in quads: right and below are the next lanes.
 pub(super) fn tile(batch: usize, across: usize) -> [[u32; 2]; LANES] {
     let (x, y) = ((batch % across.max(1)) as u32 * 8, (batch / across.max(1)) as u32 * 8);
     std::array::from_fn(|lane| {
@@ -16,7 +16,7 @@ pub(super) fn tile(batch: usize, across: usize) -> [[u32; 2]; LANES] {
     })
 }
 
-/// The pixels of a batch in the order of the image.
+/// Returns the pixels of a batch in row order.
 pub(super) fn row(batch: usize, width: u32) -> [[u32; 2]; LANES] {
     let width = u64::from(width.max(1));
     std::array::from_fn(|lane| {
@@ -25,14 +25,14 @@ pub(super) fn row(batch: usize, width: u32) -> [[u32; 2]; LANES] {
     })
 }
 
-/// What three vertices gave.
+/// The outputs of three vertices.
 pub(super) struct Triangle {
-    /// In clip space.
+    /// The positions in clip space.
     corners: [[f64; 4]; 3],
     /// By input of the fragment stage and scalar.
     values: Vec<Vec<[f64; 3]>>,
     words: Vec<Vec<[u64; 3]>>,
-    /// Whether the first row of the image is at the top, y = 1, and depth is from 0 to 1.
+    /// Whether the image's first row is at the top, y = 1, and depth runs from 0 to 1.
     wgsl: bool,
 }
 
@@ -63,7 +63,7 @@ impl Triangle {
         }
     }
 
-    /// Weights of the corners at a point, in perspective; none outside.
+    /// Returns the perspective-correct weights of the corners at a point; `None` outside.
     fn weights(&self, x: f64, y: f64) -> Option<[f64; 3]> {
         let across = self.corners.map(|c| c[0] - x * c[3]);
         let up = self.corners.map(|c| c[1] - y * c[3]);
@@ -74,7 +74,7 @@ impl Triangle {
         weights.iter().all(|w| *w >= 0.0).then_some(weights)
     }
 
-    /// Fills the inputs of a tile; the lanes it covers.
+    /// Sets the inputs of a tile and returns the lanes it covers.
     pub fn fill<R: Real>(
         &self,
         m: &mut Machine<R>,
@@ -132,7 +132,7 @@ impl Triangle {
         covered
     }
 
-    /// The weights on the screen, without perspective.
+    /// Returns the weights in screen space, without perspective.
     fn linear(&self, weights: [f64; 3]) -> [f64; 3] {
         let scaled: [f64; 3] = std::array::from_fn(|i| weights[i] * self.corners[i][3]);
         let all: f64 = scaled.iter().sum();
@@ -140,7 +140,7 @@ impl Triangle {
     }
 }
 
-/// Weighted values; equal values stay what they are.
+/// Returns the weighted sum; equal values are returned unchanged.
 fn sum(weights: [f64; 3], values: [f64; 3]) -> f64 {
     values[0] + weights[1] * (values[1] - values[0]) + weights[2] * (values[2] - values[0])
 }

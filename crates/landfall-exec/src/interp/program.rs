@@ -1,4 +1,4 @@
-//! A compiled shader: instructions, constants, and what it reads and writes.
+//! A compiled shader: instructions, constants, and its resources.
 //!
 //! Made by [`compile`](super::compile), run by [`machine`](super::machine).
 
@@ -14,48 +14,49 @@ pub struct Program {
     pub(super) code: Vec<Inst>,
     pub(super) origins: Vec<Origin>,
     pub(super) costs: Vec<Price>,
-    /// By function: its first instruction.
+    /// By function: the index of its first instruction.
     pub(super) starts: Vec<u32>,
-    /// Operands of the instructions.
+    /// The operands of the instructions.
     pub(super) pool: Vec<u32>,
     pub(super) accesses: Vec<Access>,
     pub(super) values: Vec<Values>,
-    /// What the constant registers of each class hold; they come first in each file.
+    /// The values of each class's constant registers, which are the first of their file.
     pub(super) constants: [Vec<u64>; 3],
-    /// Registers of each class.
+    /// The number of registers of each class.
     pub(super) registers: [u32; 3],
     pub(super) buffers: Vec<BufferInfo>,
     pub(super) images: Vec<ImageInfo>,
     pub(super) functions: Vec<FunctionCode>,
-    /// Fills private variables.
+    /// The code that fills private variables.
     pub(super) start: Result<FunctionCode, String>,
     pub(super) files: Files,
     pub(super) bases: Vec<u32>,
-    /// What it is written in.
+    /// The source language.
     pub(super) language: Language,
 }
 
-/// What a shader's `f32` are rounded to. The `f64` beside them, or alone, are not.
+/// The precision to which a shader's `f32` are rounded. The `f64` beside them, or alone, are not
+/// rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Floats {
-    /// What they are.
+    /// As declared.
     #[default]
     AsWritten,
-    /// `f16`, each operation and everything that is read: arguments, inputs, buffers, textures.
+    /// `f16` for each operation and every value read: arguments, inputs, buffers, textures.
     Half,
-    /// `f16` where a shader of OpenGL ES says `mediump` or `lowp`: GLSL ES 3.20 §4.7, which lets
-    /// `lowp` be fixed point of 10 bits in ±2, too; that is not modelled. Others
-    /// are as written.
+    /// `f16` for `mediump` and `lowp` of OpenGL ES shaders: GLSL ES 3.20 §4.7, which also allows
+    /// `lowp` to be fixed point of 10 bits in ±2; that is not modelled. Other shaders are as
+    /// declared.
     Mediump,
 }
 
-/// A buffer the shader has.
+/// A buffer of the shader.
 #[derive(Clone, Debug)]
 pub(super) struct BufferInfo {
     pub name: String,
     pub bound: (u32, u32),
     pub space: BufferSpace,
-    /// Bytes it has without a runtime-sized array.
+    /// The size in bytes without a runtime-sized array.
     pub size: u32,
 }
 
@@ -67,23 +68,23 @@ pub(super) enum BufferSpace {
     Workgroup,
 }
 
-/// An image the shader samples.
+/// An image that the shader samples.
 #[derive(Clone, Debug)]
 pub(super) struct ImageInfo {
     pub name: String,
     pub bound: (u32, u32),
 }
 
-/// A function: where it starts and where its arguments go.
+/// A function's start and the registers of its interface.
 #[derive(Clone, Debug)]
 pub(super) struct FunctionCode {
     pub name: String,
-    /// Its first instruction, or what in it is not supported.
+    /// The first instruction, or the unsupported feature.
     pub state: Result<u32, String>,
     pub arguments: Vec<Argument>,
     pub result: Vec<Reg>,
     pub result_type: Option<ValueType>,
-    /// If it is an entry point.
+    /// The interface of an entry point.
     pub interface: Option<Interface>,
 }
 
@@ -92,35 +93,35 @@ pub(super) struct FunctionCode {
 pub(super) struct Argument {
     pub name: String,
     pub regs: Vec<Reg>,
-    /// Whether it is a pointer: what is left in it goes back to the caller.
+    /// Whether it is a pointer whose contents go back to the caller.
     pub pointer: bool,
-    /// Of the value, or behind the pointer; none where a type has no plain value.
+    /// The type of the value, or of the pointee; `None` for a type without plain values.
     pub ty: Option<ValueType>,
 }
 
-/// A function as its caller sees it.
+/// The signature of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FunctionSignature {
-    /// Its name in the module.
+    /// The name in the module.
     pub name: String,
-    /// Its parameters.
+    /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// What it returns.
+    /// The type of the return value; `None` if there is none.
     pub result: Option<ValueType>,
 }
 
 /// A parameter of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    /// Its name.
+    /// The name.
     pub name: String,
-    /// Its type; of a pointer, what it points at.
+    /// The type; the pointee's for a pointer.
     pub ty: ValueType,
-    /// `out`, `inout`, `ptr<function, …>`: what is left in it comes back.
+    /// Whether its value is returned: `out`, `inout`, `ptr<function, …>`.
     pub returned: bool,
 }
 
-/// What a function reads and writes besides its arguments.
+/// The global variables that a function reads and writes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Uses {
     pub buffers: Vec<bool>,
@@ -129,29 +130,29 @@ pub(super) struct Uses {
 }
 
 impl Program {
-    /// The functions that can be called by themselves; not those that take textures.
+    /// Returns the functions that can be called directly; not those that take textures.
     pub fn functions(&self) -> Vec<FunctionSignature> {
         let plain = self.functions.iter().filter(|f| f.state.is_ok() && f.interface.is_none());
         plain.filter_map(signature).collect()
     }
 
-    /// What a function of the module takes and gives, by its number there; none where a
-    /// parameter has no plain value.
+    /// Returns the signature of a function by its index in the module; `None` if a parameter has no
+    /// plain value.
     ///
     /// # Errors
-    /// What it uses that is not supported.
+    /// Fails with the unsupported feature it uses.
     pub(crate) fn signature(&self, function: usize) -> Result<Option<FunctionSignature>, String> {
         let function = &self.functions[function];
         function.state.clone()?;
         Ok(signature(function))
     }
 
-    /// Names of its entry points.
+    /// Returns the names of the entry points.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
         self.functions.iter().filter(|f| f.interface.is_some()).map(|f| f.name.as_str())
     }
 
-    /// The inputs of an entry point, each scalar a float or not.
+    /// Returns the inputs of an entry point, and for each scalar whether it is a float.
     pub(crate) fn inputs(&self, entry: &str) -> Vec<(Port, Vec<bool>)> {
         let found = self.functions.iter().find(|f| f.name == entry && f.interface.is_some());
         let interface = found.and_then(|function| function.interface.as_ref());

@@ -1,27 +1,27 @@
-//! The precisions a shader's floats can be computed in.
+//! The precisions in which a shader's floats can be computed.
 //!
-//! The [`machine`](super::machine) is generic over them: `f32` as a device does
-//! it, rounded at each operation; `f64` as the reference; [`Shadow`] as both;
-//! [`Permitted`](super::permitted::Permitted) with all that other devices may get.
+//! The [`machine`](super::machine) is generic over them: `f32` as on a device, rounded at each
+//! operation; `f64` as the reference; [`Shadow`] as both;
+//! [`Permitted`](super::permitted::Permitted) with the results of all conformant devices.
 
 use super::code::{Cmp, F1, F2};
 use landfall_layout::source::Language;
 
-/// A number that stands for a shader's `f32`.
+/// A number that represents a shader's `f32`.
 pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
-    /// Whether it knows what other devices may give in its place.
+    /// Whether it holds the values that other devices may have.
     const PERMITTED: bool = false;
-    /// From a shader's value; exact.
+    /// Converts a shader's value exactly.
     fn narrow(x: f32) -> Self;
-    /// From a number of more digits than an `f32` has.
+    /// Converts a number with more digits than an `f32`.
     fn wide(x: f64) -> Self;
-    /// The `f32`, or the nearest to it.
+    /// Returns the nearest `f32`.
     fn single(self) -> f32;
-    /// The best it knows.
+    /// Returns the most precise value.
     fn double(self) -> f64;
-    /// One operation, rounded once where it is an `f32`.
+    /// Applies an operation, rounded once for an `f32`.
     fn lift1(self, f: impl Fn(f64) -> f64) -> Self;
-    /// The same of two operands.
+    /// Applies an operation of two operands, rounded once for an `f32`.
     fn lift2(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self;
     fn add(self, b: Self) -> Self;
     fn sub(self, b: Self) -> Self;
@@ -36,57 +36,57 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn ceil(self) -> Self;
     fn trunc(self) -> Self;
     fn round(self) -> Self;
-    /// `b` if it is smaller, else `self`: GLSL 4.60 §8.3.
+    /// Returns `b` if it is smaller, else `self`: GLSL 4.60 §8.3.
     fn min(self, b: Self) -> Self;
-    /// `b` if it is larger, else `self`.
+    /// Returns `b` if it is larger, else `self`.
     fn max(self, b: Self) -> Self;
-    /// The number an integer is made of: what comparisons go by.
+    /// Returns the number to convert to an integer, which comparisons use too.
     fn whole(self) -> f64;
-    /// From 64-bit integers, rounded once.
+    /// Converts a 64-bit integer, rounded once.
     fn sint(x: i64) -> Self;
     fn uint(x: u64) -> Self;
-    /// What comparisons go by.
+    /// The type that comparisons use.
     type By: Copy + PartialOrd;
     fn by(self) -> Self::By;
     fn is_infinite(self) -> bool;
-    /// Each bit, for telling whether lanes agree.
+    /// Returns whether all bits are equal.
     fn same(self, b: Self) -> bool;
-    /// Rounded to an `f16` where it is an `f32`.
+    /// Rounds an `f32` to an `f16`.
     fn half(self) -> Self;
-    /// A function by its name, which has an accuracy of its own.
+    /// Applies a named function, which has an accuracy of its own.
     #[inline(always)]
     fn function1(self, _: F1, exact: impl Fn(f64) -> f64) -> Self {
         self.lift1(exact)
     }
-    /// The same of two operands.
+    /// Applies a named function of two operands.
     #[inline(always)]
     fn function2(self, _: F2, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
         self.lift2(b, exact)
     }
-    /// Times itself.
+    /// Returns the square.
     #[inline(always)]
     fn squared(self) -> Self {
         self.mul(self)
     }
-    /// The sum of one to four terms, in their order or in any.
+    /// Returns the sum of one to four terms, in order or in any order.
     fn total(terms: &[Self]) -> Self {
         terms[1..].iter().fold(terms[0], |sum, term| sum.add(*term))
     }
-    /// A component over its vector's length, which is the root of the sum of squares, as a
-    /// language has it.
+    /// Returns a component divided by its vector's length, the root of the sum of squares, by the
+    /// formula of a language.
     #[inline(always)]
     fn over_length(self, length: Self, _squares: Self, _: Language) -> Self {
         self.div(length)
     }
-    /// The least and the greatest number a device may have in its place.
+    /// Returns the least and greatest number a device may have in its place.
     fn span(self) -> Option<[f64; 2]> {
         None
     }
-    /// Whether devices may compare differently.
+    /// Returns whether devices may differ in a comparison.
     fn unsure(self, _: Cmp, _: Self) -> bool {
         false
     }
-    /// Whether devices may make different integers of it.
+    /// Returns whether devices may differ in the conversion to an integer.
     fn unsure_whole(self) -> bool {
         false
     }
@@ -241,8 +241,8 @@ impl Real for f64 {
     plain!(f64);
 }
 
-/// Both at once: what a device gets, and what it should have got. Branches, comparisons
-/// and integers follow the `f32`.
+/// Both precisions: the result on a device, and the reference. Branches, comparisons and integers
+/// follow the `f32`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shadow {
     pub single: f32,

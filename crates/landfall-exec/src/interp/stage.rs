@@ -1,15 +1,15 @@
-//! How to run, what a run notes, and an entry point run over given inputs.
+//! Settings and notes of a run, and the execution of an entry point with given inputs.
 //!
-//! [`drive`](super::drive) runs the batches; [`call`](super::call) and
-//! [`reader`](super::reader) use the same settings and notes.
+//! [`drive`](super::drive) runs the batches; [`call`](super::call) and [`cpu`](super::cpu) share
+//! the settings and notes.
 
 use std::time::Instant;
 
-use super::call::{Numbers, Words};
 use super::code::{Cast, Class, Inst, LANES, Op, Reg};
 use super::counts::Counts;
 use super::interface::Port;
 use super::machine::Machine;
+use super::numbers::{Numbers, Words};
 use super::permitted::Permitted;
 use super::program::Program;
 use super::real::{Real, Shadow};
@@ -17,7 +17,7 @@ use super::trace::Trace;
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource};
 
-/// What a shader's `f32` is computed in.
+/// The precision in which a shader's `f32` are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Precision {
     /// `f32`, rounded at each operation.
@@ -27,29 +27,29 @@ pub enum Precision {
     Double,
     /// Both side by side; branches follow the `f32`.
     Both,
-    /// `f32`, and around it all that any conformant device may give for what is written:
-    /// [`Numbers::permitted`]. Branches follow the `f32`; where they are not sure to elsewhere
-    /// is in `unsure`. Not known: `f16`; what is stored in buffers is the `f32` alone.
+    /// `f32`, and around it the values that any conformant device may give for the expressions as
+    /// written: [`Numbers::permitted`]. Branches follow the `f32`; invocations whose branches may
+    /// differ elsewhere are in `unsure`. `f16` is unsupported; buffers store the `f32` alone.
     Permitted,
 }
 
-/// How to run.
+/// The settings of a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// What floats are computed in.
+    /// The precision of floats.
     pub precision: Precision,
     /// Whether to note undefined operations and the bytes that are read: several times slower.
     pub watch: bool,
-    /// With [`Precision::Both`] and `watch`: how far `f32` may be from `f64`, relative to
-    /// it, before the operation is named.
+    /// With [`Precision::Both`] and `watch`: the relative difference of `f32` from `f64` above
+    /// which the operation is noted.
     pub tolerance: Option<f64>,
-    /// With `watch`: whether to note each operation of the first invocation.
+    /// With `watch`: whether to record each operation of the first invocation.
     pub trace: bool,
-    /// Iterations of loops one invocation may take.
+    /// Maximum loop iterations of one invocation.
     pub budget: u32,
-    /// When to give up.
+    /// The time at which the run is given up.
     pub deadline: Option<Instant>,
-    /// Threads to use; 0 for as many as there are.
+    /// The number of threads; 0 for the available parallelism.
     pub threads: usize,
 }
 
@@ -67,52 +67,52 @@ impl Default for Settings {
     }
 }
 
-/// What a run noted.
+/// The notes of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
-    /// What it cost.
+    /// The cost.
     pub counts: Counts,
-    /// Operations without a defined value, in the order of the code; if watched.
+    /// Operations without a defined value, in code order, if watched.
     pub undefined: Vec<Undefined>,
-    /// The first operation at which each invocation parted; if watched.
+    /// The first divergence of each invocation, if watched.
     pub divergences: Vec<Divergence>,
-    /// The operations of the first invocation; if asked for.
+    /// The operations of the first invocation, if requested.
     pub trace: Option<Box<Trace>>,
-    /// By resource: which of its bytes were read; if watched. Empty for textures.
+    /// By resource: whether each byte was read, if watched. Empty for textures.
     pub read: Vec<Vec<bool>>,
 }
 
-/// Inputs of an entry point's invocations.
+/// Invocations of an entry point with their inputs.
 #[derive(Clone, Debug, Default)]
 pub struct Invocations {
-    /// How many.
+    /// The number of invocations.
     pub count: usize,
-    /// Words of each input, by scalar and invocation; the others are zero.
+    /// The words of each input, by scalar and invocation; missing inputs are zero.
     pub inputs: Vec<(Port, Words)>,
 }
 
-/// What an entry point's invocations gave.
+/// The outputs of an entry point's invocations.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
-    /// Each output.
+    /// The values of each output.
     pub ports: Vec<(Port, Numbers)>,
     /// Which invocations were discarded.
     pub discarded: Vec<bool>,
-    /// With [`Precision::Permitted`]: in which invocations a comparison, or an integer made of
-    /// a float, may be another on another device.
+    /// With [`Precision::Permitted`]: the invocations in which a comparison, or an integer
+    /// converted from a float, may differ on another device.
     pub unsure: Vec<bool>,
-    /// By resource: what is left in a buffer that the entry point writes.
+    /// By resource: the contents of a buffer that the entry point writes.
     pub buffers: Vec<Option<Vec<u8>>>,
     /// Notes of the run.
     pub notes: Notes,
 }
 
 impl Program {
-    /// Runs an entry point over invocations whose inputs are given. Quads of four in a
-    /// row are what derivatives are taken in: left, right, and the same one row below.
+    /// Runs an entry point over invocations with given inputs. Derivatives are taken in quads of
+    /// four consecutive invocations: left, right, and the same one row below.
     ///
     /// # Errors
-    /// If there is no such entry point, it uses what is not supported, or does not end.
+    /// Fails if there is no such entry point, it uses unsupported features, or it does not end.
     pub fn run_entry(
         &self,
         entry: &str,
@@ -189,7 +189,7 @@ impl Program {
         if let Some(found) = found {
             return Ok(found as u32);
         }
-        // Compiling stopped before its interface was known.
+        // Compilation stopped before the interface was known.
         let refused = self.functions.iter().rev().find(|f| f.name == name && f.state.is_err());
         match refused.map(|f| &f.state) {
             Some(Err(why)) => Err(refused_for(why)),
@@ -203,20 +203,20 @@ pub(super) fn failure(kind: FailureKind, message: String) -> Failure {
 }
 
 pub(super) fn refused_for(why: &str) -> Failure {
-    failure(FailureKind::Refused, format!("the evaluator does not know {why}"))
+    failure(FailureKind::Refused, format!("the evaluator does not support {why}"))
 }
 
-/// Each lane's bit.
+/// Returns each lane's bit of a mask.
 pub(super) fn bits(of: u64, lanes: usize) -> Vec<bool> {
     (0..lanes).map(|lane| of >> lane & 1 == 1).collect()
 }
 
-/// The lowest lanes.
+/// Returns the mask of the lowest lanes.
 pub(super) fn mask(lanes: usize) -> u64 {
     if lanes >= LANES { u64::MAX } else { (1 << lanes) - 1 }
 }
 
-/// Puts words into a register; lanes that have none get the first lane's, or zero.
+/// Sets a register to words; lanes without a word get the first lane's, or zero.
 pub(super) fn put<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
     let rest = words.first().copied().unwrap_or(0);
     let word = |lane: usize| words.get(lane).copied().unwrap_or(rest);
@@ -237,11 +237,11 @@ pub(super) fn put<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
 }
 
 impl Program {
-    /// Whether the accuracy of every instruction is known.
+    /// Fails if the error bound of an instruction is unknown.
     pub(super) fn knows_permitted(&self) -> Result<(), Failure> {
         let half = |inst: &Inst| inst.op == Op::Cast(Cast::RoundHalf);
         if self.code.iter().any(half) {
-            return Err(refused_for("what is permitted of `f16`"));
+            return Err(refused_for("error bounds of `f16`"));
         }
         Ok(())
     }

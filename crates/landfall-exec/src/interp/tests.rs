@@ -4,6 +4,7 @@ mod support;
 
 mod builtins;
 mod control;
+mod cpu;
 mod half;
 mod integers;
 mod lighting;
@@ -12,4 +13,3 @@ mod memory;
 mod notes;
 mod permitted;
 mod random;
-mod readers;

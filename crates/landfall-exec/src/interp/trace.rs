@@ -1,34 +1,33 @@
-//! Every operation of one invocation, as a graph: what was computed of what, in `f32` and in
-//! `f64`.
+//! Every operation of one invocation, as a graph of values in `f32` and in `f64`.
 //!
-//! Made by the machine for [`Program::call`] where [`Settings::trace`](super::Settings) asks;
-//! what `stress` finds the guilty operation by.
+//! Made by the machine for [`Program::call`] if [`Settings::trace`](super::Settings) is set;
+//! `stress` finds the cause of an error with it.
 
 use super::code::Origin;
 use super::program::Program;
 use super::undefined::Place;
 
-/// The operations of one invocation, in the order they ran.
+/// The operations of one invocation, in execution order.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// Each operation; copies, branches and stores are none.
+    /// The operations, without copies, branches and stores.
     pub steps: Vec<Step>,
-    /// Where each scalar of the result came from.
+    /// The source of each scalar of the result.
     pub results: Vec<Source>,
-    /// Where what is left in each parameter came from.
+    /// The source of each scalar left in each parameter.
     pub returned: Vec<Vec<Source>>,
-    /// Whether there were more steps than are kept.
+    /// Whether steps were dropped beyond the maximum.
     pub cut: bool,
 }
 
 /// One operation.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// What it does.
+    /// The kind of operation.
     pub operation: Operation,
-    /// What it did it with: of a dot product, all of one vector, then all of the other.
+    /// The operands; for a dot product all of one vector, then all of the other.
     pub operands: Vec<Operand>,
-    /// What it gave.
+    /// The results.
     pub results: Vec<Number>,
     pub(super) origin: Origin,
 }
@@ -36,22 +35,22 @@ pub struct Step {
 /// An operand.
 #[derive(Clone, Copy, Debug)]
 pub struct Operand {
-    /// What it was.
+    /// The value.
     pub number: Number,
-    /// Where it came from.
+    /// The source.
     pub source: Source,
 }
 
 /// A number in both precisions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Number {
-    /// As the shader has it.
+    /// The shader's `f32`.
     pub single: f32,
-    /// As it should be.
+    /// The reference.
     pub double: f64,
 }
 
-/// Where a number came from.
+/// The source of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Source {
@@ -61,18 +60,18 @@ pub enum Source {
         parameter: u32,
         scalar: u32,
     },
-    /// Loaded from a buffer.
+    /// A load from a buffer.
     Buffer,
     /// Result `part` of a step.
     Step {
         step: u32,
         part: u32,
     },
-    /// Not followed.
+    /// A source that is not followed.
     Unknown,
 }
 
-/// What an operation does.
+/// The kind of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Operation {
@@ -109,7 +108,7 @@ pub enum Operation {
 }
 
 impl Program {
-    /// Where an operation of one of its traces stands.
+    /// Returns the place of an operation in one of the program's traces.
     pub fn place_of(&self, step: &Step) -> Place {
         self.place(step.origin)
     }

@@ -1,4 +1,4 @@
-//! Operations that no specification gives a value for, and where they happened.
+//! Operations whose value no specification defines, and their places.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::code::Origin;
 use super::program::Program;
 use landfall_layout::source::Span;
 
-/// A kind of operation without a defined value, or with one that surprises.
+/// The kinds of operations without a defined value, or with a surprising one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)]
 pub enum UndefinedKind {
@@ -37,7 +37,7 @@ pub enum UndefinedKind {
 }
 
 impl UndefinedKind {
-    /// What happened, in a few words.
+    /// Returns a short description.
     pub fn text(self) -> &'static str {
         match self {
             UndefinedKind::DivisionByZero => "division by zero",
@@ -77,46 +77,46 @@ impl fmt::Display for UndefinedKind {
 /// A place in a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The function or entry point it is in.
+    /// The function or entry point that contains it.
     pub function: String,
-    /// Its bytes in the module's files.
+    /// The byte range in the module's files.
     pub span: Span,
-    /// `file:line:column`; empty where the module has no text.
+    /// `file:line:column`; empty if the module has no text.
     pub shown: String,
 }
 
 /// An operation without a defined value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undefined {
-    /// What happened.
+    /// The kind.
     pub kind: UndefinedKind,
-    /// Where.
+    /// The place.
     pub place: Place,
-    /// How often, over all invocations.
+    /// The number of occurrences over all invocations.
     pub count: u64,
-    /// The operands it was seen with first.
+    /// The operands of the first occurrence.
     pub operands: Vec<f64>,
-    /// Invocations it was seen in: the first few.
+    /// The first few invocations in which it occurred.
     pub lanes: Vec<usize>,
 }
 
-/// Where `f32` and `f64` part for one invocation.
+/// The first divergence of `f32` and `f64` in one invocation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Divergence {
     /// The invocation.
     pub lane: usize,
     /// The operation.
     pub place: Place,
-    /// What it gave in `f32`.
+    /// The result in `f32`.
     pub single: f32,
-    /// What it gave in `f64`.
+    /// The result in `f64`.
     pub double: f64,
-    /// Its operands in both.
+    /// The operands in both.
     pub operands: Vec<(f32, f64)>,
 }
 
 impl Program {
-    /// The place of an instruction.
+    /// Returns the place of an instruction.
     pub(super) fn place(&self, origin: Origin) -> Place {
         let function = self.functions.get(origin.function as usize);
         let function = function.map_or_else(String::new, |f| f.name.clone());

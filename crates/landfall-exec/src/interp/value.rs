@@ -1,5 +1,4 @@
-//! Types and values at the edge of the evaluator, without naga: what a function takes
-//! and gives, as one would write it in JSON.
+//! Types and values in the evaluator's API, independent of naga and convertible from and to JSON.
 
 use naga::{ScalarKind as Kind, TypeInner};
 
@@ -18,20 +17,20 @@ pub enum ValueType {
     Struct { name: String, members: Vec<(String, ValueType)> },
 }
 
-/// A value. Its numbers are `f64`, which holds every 32-bit integer and float; a 64-bit
-/// integer is exact up to 2^53.
+/// A value. Its numbers are `f64`, which hold every 32-bit integer and float; a 64-bit integer is
+/// exact up to 2^53.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub enum Value {
     Bool(bool),
     Number(f64),
-    /// A vector's components, a matrix's columns, an array's elements.
+    /// The components of a vector, columns of a matrix, or elements of an array.
     List(Vec<Value>),
     Struct(Vec<(String, Value)>),
 }
 
 impl ValueType {
-    /// Its scalars in order: matrices by column, members and elements one after the other.
+    /// Returns the scalars in order: matrices by column, members and elements one after the other.
     pub fn scalars(&self) -> Vec<Scalar> {
         let mut all = Vec::new();
         self.push_scalars(&mut all);
@@ -57,7 +56,7 @@ impl ValueType {
         }
     }
 
-    /// A value's numbers in the order of [`scalars`](ValueType::scalars); none if it is
+    /// Returns a value's numbers in the order of [`scalars`](ValueType::scalars); `None` if it is
     /// not of this type.
     pub fn flatten(&self, value: &Value) -> Option<Vec<f64>> {
         let mut numbers = Vec::new();
@@ -93,7 +92,7 @@ impl ValueType {
         true
     }
 
-    /// The value of those numbers, as many as it has [`scalars`](ValueType::scalars).
+    /// Returns the value of numbers, as many as there are [`scalars`](ValueType::scalars).
     pub fn build(&self, numbers: &mut impl Iterator<Item = f64>) -> Value {
         match self {
             ValueType::Scalar(scalar) => {
@@ -127,7 +126,7 @@ impl ValueType {
 }
 
 impl ValueType {
-    /// The plain type of one of a module's; none if it has none.
+    /// Returns the plain form of a module's type; `None` if it has none.
     pub(crate) fn of(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
         let pending = |_| None;
         let counted = Default::default();
@@ -136,7 +135,7 @@ impl ValueType {
     }
 }
 
-/// The plain type of one of naga's; none if it has none.
+/// Returns the plain form of naga's type; `None` if it has none.
 pub(super) fn value_type(types: &Types, ty: &naga::Type) -> Option<ValueType> {
     types.leaf_count(&ty.inner).ok()?;
     Some(match &ty.inner {

@@ -1,10 +1,10 @@
-//! The catalogue of hazards: every way in which lighting code is known to give wrong numbers.
+//! The catalogue of hazards: the known ways in which lighting code computes wrong numbers.
 //!
-//! A hazard is what happens for some input: a zero vector is normalised, two cosines cancel. Lints
-//! ([`Kind`](super::hazards::Kind)) report code that may meet one, `stress` inputs that do, the
-//! reference fragments that have no value because of one, and the reader of scenes refuses some
-//! of those inputs. All of them take code, text, [`Threshold`] and robust form from here, so that
-//! one hazard has one name and one number; `landfall rule CODE` prints the entry.
+//! A hazard occurs for some inputs: a zero vector is normalised, two cosines cancel. Lints
+//! ([`Kind`](super::hazards::Kind)) report code in which one may occur, `stress` reports inputs for
+//! which it does, the reference reports fragments that have no value because of one, and the scene
+//! parser rejects some of those inputs. All of them use the code, texts, [`Threshold`] and robust
+//! form of this catalogue; `landfall rule CODE` prints an entry.
 
 mod arithmetic;
 mod geometry;
@@ -15,7 +15,7 @@ use landfall_layout::finding::Level;
 
 pub use threshold::Threshold;
 
-/// A way in which lighting code gives wrong numbers or none.
+/// A way in which lighting code computes wrong or undefined numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Hazard {
@@ -51,7 +51,7 @@ pub enum Hazard {
     Uninitialised,
     /// A highlight of a light below the horizon.
     HighlightFromBehind,
-    /// A normal of another length than one.
+    /// A normal whose length is not one.
     UnnormalisedNormal,
     /// A normal normalised with its fourth component.
     Vec4Normalise,
@@ -63,7 +63,7 @@ pub enum Hazard {
     ConeEdge,
     /// A large exponent.
     LargeExponent,
-    /// Ambient light added once a light.
+    /// Ambient light added for every light.
     AmbientPerLight,
     /// A compensated sum that a compiler may simplify.
     KahanWithoutPrecise,
@@ -75,11 +75,11 @@ pub enum Hazard {
     ZeroDirection,
     /// A negative coefficient of attenuation.
     NegativeAttenuation,
-    /// A constant term alone.
+    /// An attenuation with only a constant term.
     LoneConstant,
     /// An uploaded number or a sum that is not finite.
     NotFinite,
-    /// A zero vector normalised, whatever it is of.
+    /// A zero vector of any kind normalised.
     ZeroVector,
     /// The sum of opposite vectors normalised.
     OppositeVectors,
@@ -91,40 +91,40 @@ pub enum Hazard {
     LargeValues,
     /// A difference of nearly equal numbers.
     Cancellation,
-    /// Rounding that adds up.
+    /// Accumulated rounding error.
     AccumulatedError,
     /// A loop without an end.
     EndlessLoop,
-    /// A driver without a finite number.
+    /// A driver that returns no finite number.
     DriverNotFinite,
     /// A driver less accurate than the interpreter.
     DriverApart,
 }
 
-/// What the catalogue says of a [`Hazard`].
+/// The catalogue entry of a [`Hazard`].
 #[derive(Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HazardInfo {
     /// Kebab-case name: `narrow-cone`.
     pub code: &'static str,
-    /// Name in words: `narrow cone`.
+    /// The name for people: `narrow cone`.
     pub name: &'static str,
-    /// The label that reports printed in its place before it had a name: `H17`. Hazards of plain
-    /// arithmetic, and those found later, have none.
+    /// The label that earlier reports printed instead of the name: `H17`. Hazards of plain
+    /// arithmetic, and newer ones, have none.
     pub label: Option<&'static str>,
-    /// Other codes: earlier spellings, and those of the diagnostics that refuse its inputs.
+    /// Other codes: earlier spellings, and the codes of diagnostics that reject its inputs.
     pub aliases: &'static [&'static str],
-    /// The level of a finding about inputs as scenes have them.
+    /// The level of a finding about inputs that occur in scenes.
     pub level: Level,
-    /// What happens, in a clause.
+    /// What happens, as a clause without a full stop.
     pub what: &'static str,
-    /// What it does to the picture, with the measured numbers.
+    /// The effect on the picture, with measured numbers.
     pub why: &'static str,
-    /// The number that separates inputs that meet it from those that do not, if it is one number.
+    /// The number that separates inputs for which it occurs from the others, if there is one.
     pub threshold: Option<&'static Threshold>,
-    /// The form of the code, or the check of the host, that does not meet it.
+    /// The form of the code, or the check on the host, that avoids it.
     pub robust: &'static str,
-    /// Where the facts are from.
+    /// The source of the facts.
     pub citation: &'static str,
 }
 
@@ -173,7 +173,7 @@ impl Hazard {
         Hazard::DriverApart,
     ];
 
-    /// Returns its entry in the catalogue.
+    /// Returns the catalogue entry.
     pub fn info(self) -> &'static HazardInfo {
         match self {
             Hazard::LightAtFragment => &geometry::LIGHT_AT_FRAGMENT,
@@ -224,7 +224,7 @@ impl Hazard {
         self.info().code
     }
 
-    /// Returns whether it is of arithmetic alone: lights and cameras play no part in it.
+    /// Returns whether it concerns arithmetic alone, without lights or cameras.
     pub fn is_arithmetic(self) -> bool {
         self >= Hazard::NotFinite
     }

@@ -1,60 +1,60 @@
-//! Where a shader's lighting may leave the numbers: found by following values through its IR.
+//! Finds the hazards of a shader's lighting by following values symbolically through its IR.
 //!
-//! `walk` runs a [`Module`] on names instead of numbers, from its entry points, calls inlined:
-//! every value is a node of a `graph`, what is known of it is `facts`, and `judge` looks at each
-//! operation when it is met, under the conditions that hold there. What it says are [`Occurrence`]s
-//! with places in the user's text; `landfall_lint::hazards` makes findings of them.
+//! `walk` interprets a [`Module`] symbolically from its entry points, with calls inlined: every
+//! value is a node of a `graph`, `abstract_domain` holds the known facts about it, and `checks`
+//! examines each operation under the conditions that hold there. The results are [`Occurrence`]s
+//! with spans in the source text; `landfall_lint::hazards` turns them into findings.
 
-mod assume;
+mod abstract_domain;
+mod checks;
 mod control;
 mod expression;
-mod facts;
 mod graph;
-mod judge;
 mod memory;
+mod refine;
 mod specular;
 mod verdict;
 mod walk;
 
 use crate::analysis::hazard::Hazard;
-use crate::analysis::roles::Held;
+use crate::analysis::roles::LightBinding;
 use landfall_layout::source::{Language, Source, Span, Stage};
 use landfall_layout::{Diagnostic, Options};
 
 use crate::module::Module;
 
-/// A kind of hazard: each is a lint.
+/// A kind of code that a lint reports because of a hazard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
-    /// A difference of two points is normalised, which may be zero.
+    /// A difference of two points that is normalised and may be zero.
     UnguardedNormalize,
-    /// Attenuation whose denominator may be zero.
+    /// An attenuation whose divisor may be zero.
     AttenuationDivision,
-    /// A cone's factor divided by a difference that may be zero.
+    /// A cone factor divided by a difference that may be zero.
     ConeDivision,
-    /// A cone as a difference of cosines.
+    /// A cone computed from cosines.
     CosineCone,
     /// A cosine compared with degrees or radians.
     DegreesForCosine,
-    /// A power of what may be negative.
+    /// A power whose base may be negative.
     PowOfNegative,
-    /// A power of what may be zero, to what may be zero.
+    /// A power whose base and exponent may be zero.
     PowOfZero,
-    /// A sum that begins with no value.
+    /// A sum whose variable is not initialised.
     UninitialisedAccumulator,
-    /// A highlight on the far side of the surface.
+    /// A highlight that is not cut off at the horizon.
     UngatedSpecular,
-    /// An interpolated normal used as it is.
+    /// An interpolated normal used without normalising it.
     UnnormalisedNormal,
     /// A normal normalised with its fourth component.
     Vec4Normalise,
     /// A loop over all slots of an array that has a count.
     LoopPastCount,
-    /// A count that nothing keeps inside the array.
+    /// A count that is not clamped to the array's length.
     UnclampedCount,
-    /// A compensated sum that a compiler may undo.
+    /// A compensated sum that a compiler may simplify.
     KahanWithoutPrecise,
-    /// An ambient term counted once a light.
+    /// An ambient term added for every light.
     AmbientPerLight,
     /// Positions in 16 bits.
     MediumpPosition,
@@ -81,7 +81,7 @@ impl Kind {
         Kind::MediumpPosition,
     ];
 
-    /// Returns the hazards that code of this kind may meet.
+    /// Returns the hazards that may occur in code of this kind.
     pub fn hazards(self) -> &'static [Hazard] {
         match self {
             Kind::UnguardedNormalize => &[Hazard::LightAtFragment, Hazard::CameraAtFragment],
@@ -104,19 +104,19 @@ impl Kind {
     }
 }
 
-/// How sure it is that some input meets the hazard.
+/// How certain it is that the hazard occurs for some input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Certainty {
-    /// Only inputs the program may never give do.
+    /// It occurs only for inputs that the program may never produce.
     Possible,
-    /// Ordinary inputs do.
+    /// It occurs for ordinary inputs.
     Likely,
-    /// The text alone shows it.
+    /// It follows from the text alone.
     Certain,
 }
 
 impl Certainty {
-    /// The word messages and JSON use.
+    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Certainty::Possible => "possible",
@@ -126,31 +126,31 @@ impl Certainty {
     }
 }
 
-/// A place in a shader where a hazard may be met.
+/// A place in a shader where a hazard may occur.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occurrence {
     /// The lint that reports it.
     pub kind: Kind,
-    /// What may happen.
+    /// The hazard.
     pub hazard: Hazard,
-    /// How sure it is.
+    /// The certainty.
     pub certainty: Certainty,
-    /// The operation.
+    /// The span of the operation.
     pub span: Span,
-    /// What it is done to, as far as that has a name: `pointLights[].position`.
+    /// The path of the operand, or an empty string if it has no name: `pointLights[].position`.
     pub about: String,
-    /// A number the message needs: slots, or the constant compared with.
+    /// A number for the message: the number of slots, or the constant in a comparison.
     pub number: Option<f64>,
 }
 
-/// What keeps the index of an access to an array of lights in bounds.
+/// The bound of the index in an access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
     /// The index is a constant.
     Fixed(u64),
     /// A loop up to a constant.
     Constant(u64),
-    /// A loop up to the count, and to a constant besides.
+    /// A loop up to the count, clamped to a constant.
     ClampedCount,
     /// A loop up to the count.
     Count,
@@ -163,33 +163,33 @@ pub enum Bound {
 /// An access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Access {
-    /// The array: its number among the lights that were asked about.
+    /// The index of the array among the lights given to [`find`].
     pub light: usize,
-    /// What bounds the index.
+    /// The bound of the index.
     pub bound: Bound,
-    /// Where.
+    /// The span of the access.
     pub span: Span,
 }
 
-/// What was found.
+/// The results of [`find`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Found {
     /// Hazards in the order of the text, each place once.
     pub hazards: Vec<Occurrence>,
-    /// Accesses to arrays of lights in the order they were met, each place once.
+    /// Accesses to arrays of lights in the order of evaluation, each place once.
     pub accesses: Vec<Access>,
-    /// Whether the shader was too long to be followed to its end.
+    /// Whether the analysis stopped early because the shader is too long.
     pub cut_short: bool,
 }
 
-/// Follows the values of a shader whose lights are those.
+/// Follows the values of a shader with these lights, and returns hazards and accesses.
 ///
 /// # Errors
-/// Why the shader cannot be followed: what is wrong with it, or what in it cannot run.
+/// The errors in the shader, or the constructs that are not supported.
 pub fn find(
     source: &Source,
     options: &Options,
-    lights: &[Held<'_>],
+    lights: &[LightBinding<'_>],
 ) -> Result<Found, Vec<Diagnostic>> {
     let module = Module::unchecked(source, options)?;
     let precise = source.language == Language::Glsl
@@ -202,7 +202,7 @@ pub fn find(
     crate::stack::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
 }
 
-/// What holds for the shader as a whole.
+/// Properties of the shader as a whole.
 #[derive(Clone, Copy, Debug)]
 struct Setting {
     language: Language,

@@ -1,11 +1,11 @@
-//! Which structures are lights, what kind, and which member plays which part.
+//! Finds the structures that are lights, their kinds, and the roles of their members.
 //!
-//! Guessed from names, types and nesting alone: no scene and no function is looked at.
-//! Reads [`shape`](landfall_layout::shape) and [`layout`](mod@landfall_layout::layout); feeds the binding map,
-//! the report of `landfall lights`, and the lints of lights.
+//! Inferred from names, types and nesting alone, without scenes or functions. Reads
+//! [`shape`](landfall_layout::shape) and [`layout`](mod@landfall_layout::layout); used by the
+//! binding map, the report of `landfall lights`, and the lints of lights.
 
 mod count;
-mod judge;
+mod evidence;
 mod names;
 #[cfg(test)]
 mod tests;
@@ -13,16 +13,16 @@ mod tests;
 use std::sync::Arc;
 
 use self::count::{count_of, counts};
-use self::judge::{Evidence, Found, judge};
+use self::evidence::{Evidence, Found, classify};
 use self::names::{is_about_something_else, is_light};
-use super::words::words;
+use super::identifier::words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Struct, Type};
 use landfall_layout::source::Span;
 
 pub use names::role;
 
-/// What kind of light a structure holds.
+/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Light from everywhere.
@@ -33,12 +33,12 @@ pub enum Kind {
     Point,
     /// Light from a point, inside a cone.
     Spot,
-    /// A member says at run time which, or no name does.
+    /// The kind is a member's value at run time, or unknown.
     Tagged,
 }
 
 impl Kind {
-    /// The word messages and JSON use.
+    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Ambient => "ambient",
@@ -50,49 +50,49 @@ impl Kind {
     }
 }
 
-/// The part a member plays.
+/// The role of a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Role {
-    /// Where the light is.
+    /// The position of the light.
     Position,
-    /// Where it travels, or where it comes from: names do not tell.
+    /// The direction of the light's travel or its opposite: names do not tell which.
     Direction,
-    /// The one colour of its terms.
+    /// The colour of all terms.
     Color,
-    /// Colour, or strength if it is a scalar, of its own ambient term.
+    /// The colour, or strength if it is a scalar, of the light's ambient term.
     Ambient,
-    /// Colour, or strength, of the diffuse term.
+    /// The colour, or strength, of the diffuse term.
     Diffuse,
-    /// Colour, or strength, of the specular term.
+    /// The colour, or strength, of the specular term.
     Specular,
-    /// What colours are multiplied with.
+    /// The factor of the colours.
     Intensity,
-    /// Attenuation per nothing.
+    /// The constant coefficient of attenuation.
     Constant,
-    /// Attenuation per distance.
+    /// The coefficient of attenuation by distance.
     Linear,
-    /// Attenuation per distance squared.
+    /// The coefficient of attenuation by squared distance.
     Quadratic,
-    /// The three of them in one vector.
+    /// The three coefficients in one vector.
     Attenuation,
-    /// Where the light ends.
+    /// The distance at which the light ends.
     Range,
-    /// Inside this angle, or above this cosine, the light is whole.
+    /// The angle, or cosine, within which a spot light has full strength.
     InnerCone,
-    /// Outside this angle, or below this cosine, there is no light.
+    /// The angle, or cosine, outside which a spot light has no effect.
     OuterCone,
-    /// The one angle, or cosine, of the cone.
+    /// The only angle, or cosine, of the cone.
     Cone,
     /// The power of the fall-off in a cone.
     ConeExponent,
-    /// Which kind of light it is.
+    /// The kind of light as a number.
     Kind,
-    /// Whether it shines.
+    /// Whether the light is on.
     Enabled,
 }
 
 impl Role {
-    /// The word messages and JSON use.
+    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Role::Position => "position",
@@ -116,53 +116,53 @@ impl Role {
         }
     }
 
-    /// Whether it is an angle of a cone, or the cosine of one.
+    /// Returns whether it is an angle of a cone, or its cosine.
     pub fn is_cone(self) -> bool {
         matches!(self, Role::InnerCone | Role::OuterCone | Role::Cone)
     }
 
-    /// Whether it says how the light weakens with distance.
+    /// Returns whether it is a coefficient of attenuation or a range.
     pub fn is_attenuation(self) -> bool {
         matches!(self, Role::Constant | Role::Linear | Role::Quadratic | Role::Attenuation)
     }
 
-    /// Whether it says what the light sends out.
+    /// Returns whether it is a colour or an intensity.
     pub fn is_emission(self) -> bool {
         use Role::*;
         matches!(self, Color | Ambient | Diffuse | Specular | Intensity)
     }
 }
 
-/// A member with its part.
+/// A member with its role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// The way to it from the structure: `position`, `pl.att.linear`.
+    /// The path from the structure: `position`, `pl.att.linear`.
     pub path: String,
-    /// What it is for.
+    /// The role.
     pub role: Role,
-    /// Its type.
+    /// The type.
     pub ty: Type,
-    /// Its name in the text.
+    /// The span of its name.
     pub span: Span,
 }
 
-/// A structure of a light.
+/// A structure that is a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Roles {
     /// The structure's name, or the block's; empty for a set of members.
     pub name: Arc<str>,
-    /// What it holds.
+    /// The kind of light.
     pub kind: Kind,
-    /// Its members with a part, in the order of the text; at most one a role, the first.
+    /// The members with a role, in the order of the text; at most one per role, the first.
     pub parts: Vec<Part>,
-    /// The ways to members whose part is unknown.
+    /// The paths of members whose role is unknown.
     pub others: Vec<String>,
-    /// Its name in the text.
+    /// The span of its name.
     pub span: Span,
 }
 
 impl Roles {
-    /// The member of that role.
+    /// Returns the member of that role.
     pub fn part(&self, role: Role) -> Option<&Part> {
         self.parts.iter().find(|part| part.role == role)
     }
@@ -174,46 +174,47 @@ impl Roles {
 
 /// A place in a block that holds a light, or an array of them.
 #[derive(Clone, Debug)]
-pub struct Held<'a> {
+pub struct LightBinding<'a> {
     /// The block.
     pub block: &'a BlockLayout,
-    /// The way to it in the block, arrays as patterns: `data[]`, `light`; empty where the block
-    /// itself is the light, or where members on their own are.
+    /// The path in the block, with `[]` for indices: `data[]`, `light`; empty if the block itself
+    /// is the light, or single members of it are.
     pub path: String,
-    /// What it is.
+    /// The form in which the block holds it.
     pub form: Form,
     /// The member that holds the structures.
     pub member: Option<&'a MemberLayout>,
-    /// Array dimensions on the way, outermost first.
+    /// The array dimensions along the path, outermost first.
     pub dims: Vec<ArrayLen>,
-    /// Its parts.
+    /// The roles of its members.
     pub roles: Roles,
-    /// The member that says how many slots of the array are used.
+    /// The member that counts the used slots of the array.
     pub count: Option<Count<'a>>,
 }
 
-/// How a light is held.
+/// The form in which a block holds a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// A structure, or an array of them.
     Structure,
-    /// The members of a block are those of one light.
+    /// A block whose members are those of one light.
     Block,
-    /// Members beside others, found by their names: `lightPos`, `lightColor`, or an array each.
+    /// Members among others, found by their names: `lightPos`, `lightColor`, or arrays of these.
     Members,
 }
 
 /// A member that counts lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Count<'a> {
-    /// The block it is in.
+    /// The block that contains it.
     pub block: &'a BlockLayout,
-    /// It; a member of the block itself.
+    /// The member, which is a direct member of the block.
     pub member: &'a MemberLayout,
 }
 
-impl Held<'_> {
-    /// Slots of the array through all dimensions; 1 without one, `None` if the text does not say.
+impl LightBinding<'_> {
+    /// Returns the number of slots of the array over all dimensions; 1 without an array, `None` if
+    /// the text does not fix it.
     pub fn slots(&self) -> Option<u64> {
         self.dims.iter().try_fold(1u64, |slots, len| match len {
             ArrayLen::Fixed(n) => slots.checked_mul(u64::from(*n)),
@@ -221,7 +222,7 @@ impl Held<'_> {
         })
     }
 
-    /// The way from the block to one of its parts: `data[].pos`.
+    /// Returns the path from the block to a member of the light: `data[].pos`.
     pub fn full_path(&self, part: &Part) -> String {
         if self.path.is_empty() {
             part.path.clone()
@@ -231,13 +232,13 @@ impl Held<'_> {
     }
 }
 
-/// Lights of one shader at most; a text made to take long has more.
+/// The most lights of a shader, which bounds the time on hostile texts.
 const MOST_LIGHTS: usize = 256;
 
-/// A structure with more leaves is no light.
+/// The most leaves of a structure that may be a light.
 const MOST_LEAVES: u64 = 200;
 
-/// The parts of a structure, if it is a light.
+/// Returns the roles of a structure's members, if it is a light.
 pub fn of_struct(structure: &Struct) -> Option<Roles> {
     let leaves = structure.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
     if leaves > MOST_LEAVES {
@@ -248,11 +249,11 @@ pub fn of_struct(structure: &Struct) -> Option<Roles> {
     if found.holds_lights() {
         return None;
     }
-    judge(&structure.name, found, structure.span, Evidence::Structure)
+    classify(&structure.name, found, structure.span, Evidence::Structure)
 }
 
-/// Every light of those blocks, in their order.
-pub fn held(blocks: &[BlockLayout]) -> Vec<Held<'_>> {
+/// Returns every light in those blocks, in order.
+pub fn held(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
     let mut all = Vec::new();
     for block in blocks {
         let before = all.len();
@@ -276,14 +277,22 @@ fn search<'a>(
     member: &'a MemberLayout,
     parent: &str,
     outer: &[ArrayLen],
-    all: &mut Vec<Held<'a>>,
+    all: &mut Vec<LightBinding<'a>>,
 ) {
     let Type::Struct(structure) = member.ty.innermost() else { return };
     let path = format!("{parent}{}{}", member.name, "[]".repeat(member.dims.len()));
     let dims = [outer, &member.dims].concat();
     if let Some(roles) = of_struct(structure) {
         let form = Form::Structure;
-        all.push(Held { block, path, form, member: Some(member), dims, roles, count: None });
+        all.push(LightBinding {
+            block,
+            path,
+            form,
+            member: Some(member),
+            dims,
+            roles,
+            count: None,
+        });
         return;
     }
     for inner in &member.members {
@@ -291,20 +300,20 @@ fn search<'a>(
     }
 }
 
-/// A block whose members are those of one light.
-fn whole_block(block: &BlockLayout) -> Option<Held<'_>> {
+/// Returns a block whose members are those of one light.
+fn whole_block(block: &BlockLayout) -> Option<LightBinding<'_>> {
     if block.leaves.len() as u64 > MOST_LEAVES {
         return None;
     }
     let mut found = Found::default();
     found.descend(&mut block.members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
-    let roles = judge(&block.name, found, block.span, Evidence::Block)?;
+    let roles = classify(&block.name, found, block.span, Evidence::Block)?;
     let (path, dims) = (String::new(), Vec::new());
-    Some(Held { block, path, form: Form::Block, member: None, dims, roles, count: None })
+    Some(LightBinding { block, path, form: Form::Block, member: None, dims, roles, count: None })
 }
 
-/// Members of a block that say by their names that they are a light's.
-fn members_alone(block: &BlockLayout) -> Option<Held<'_>> {
+/// Returns members of a block that belong to a light by their names.
+fn members_alone(block: &BlockLayout) -> Option<LightBinding<'_>> {
     let of_light = |m: &&MemberLayout| {
         let words = words(&m.name);
         is_light(&words) && !is_about_something_else(&words)
@@ -316,7 +325,7 @@ fn members_alone(block: &BlockLayout) -> Option<Held<'_>> {
     let mut found = Found::default();
     found.descend(&mut members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
     let span = members.first()?.span;
-    let roles = judge("", found, span, Evidence::Members)?;
+    let roles = classify("", found, span, Evidence::Members)?;
     let path = String::new();
-    Some(Held { block, path, form: Form::Members, member: None, dims, roles, count: None })
+    Some(LightBinding { block, path, form: Form::Members, member: None, dims, roles, count: None })
 }

@@ -1,5 +1,5 @@
-//! Blocks: uniform, buffer and push-constant blocks, the block of loose uniforms, and the
-//! interface blocks between stages.
+//! Lowers uniform, buffer and push-constant blocks, the block of loose uniforms, and the interface
+//! blocks between stages.
 //!
 //! The other half of [`globals`](super::globals).
 
@@ -8,20 +8,20 @@ use std::rc::Rc;
 use naga::StorageAccess;
 
 use super::ast::*;
+use super::block_types::{Misfit, Purpose};
 use super::globals::{Global, Memory};
-use super::host::{Misfit, Purpose};
 use super::io::Io;
 use super::types::{Field, Kind, Structure, Ty};
 use super::{Help, Lowerer, R, refuse};
 use crate::module::ModuleBlock;
 use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK, Type};
 
-/// Elements of an array of blocks at most: each is a buffer of its own.
+/// The most elements of an array of blocks; each is a separate buffer.
 const MOST_BLOCKS: u32 = 256;
 
 impl<'a> Lowerer<'a> {
-    /// The type of values of a member that has a layout.
-    pub fn value_type(&self, ty: &Type) -> Option<Ty> {
+    /// Returns the GLSL type of a member with a layout.
+    pub fn glsl_type(&self, ty: &Type) -> Option<Ty> {
         Some(match ty {
             Type::Scalar(scalar) => Ty::Scalar(Kind::of(*scalar)?),
             Type::Vector { scalar, rows } => Ty::Vector(Kind::of(*scalar)?, *rows),
@@ -35,7 +35,7 @@ impl<'a> Lowerer<'a> {
                     landfall_layout::ArrayLen::Runtime => None,
                     landfall_layout::ArrayLen::Override(_) => return None,
                 };
-                Ty::Array(Rc::new(self.value_type(element)?), len)
+                Ty::Array(Rc::new(self.glsl_type(element)?), len)
             }
             Type::Atomic(_) | Type::Address(_) => return None,
         })
@@ -51,8 +51,11 @@ impl<'a> Lowerer<'a> {
         };
         let mut members = Vec::new();
         for member in &layout.members {
-            let Some(ty) = self.value_type(&member.ty) else {
-                return Err(refuse(member.span, format!("`{}` cannot be gathered", member.name)));
+            let Some(ty) = self.glsl_type(&member.ty) else {
+                return Err(refuse(
+                    member.span,
+                    format!("`{}` cannot be a loose uniform", member.name),
+                ));
             };
             members.push(Field { name: member.name.to_string(), ty });
         }
@@ -67,7 +70,7 @@ impl<'a> Lowerer<'a> {
             return self.interface_block(block);
         }
         if qualifiers.storage == Storage::Foreign {
-            let message = format!("block `{}` is of a stage that cannot run", block.name.text);
+            let message = format!("block `{}` belongs to an unsupported stage", block.name.text);
             return Err(refuse(span, message));
         }
         let found = self.layouts.iter().find(|layout| layout.span == span);
@@ -76,9 +79,9 @@ impl<'a> Lowerer<'a> {
         };
         let mut members = Vec::new();
         for member in &layout.members {
-            let Some(ty) = self.value_type(&member.ty) else {
+            let Some(ty) = self.glsl_type(&member.ty) else {
                 let message = format!(
-                    "`{}` is a `{}`, which naga has no counterpart for",
+                    "`{}` is a `{}`, which naga does not support",
                     member.name,
                     member.ty.spelled(landfall_layout::Language::Glsl)
                 );
@@ -104,7 +107,7 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// The variables of a block, and how they are reached.
+    /// Creates the variables of a block.
     pub fn make_memory(
         &mut self,
         layout: landfall_layout::BlockLayout,
@@ -122,24 +125,24 @@ impl<'a> Lowerer<'a> {
             AddressSpace::Storage => (naga::AddressSpace::Storage { access }, Purpose::Storage),
             AddressSpace::PushConstant => (naga::AddressSpace::Immediate, Purpose::Immediate),
             AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
-                let message =
-                    format!("`{}` is reached by an address, which cannot run", layout.name);
+                let message = format!("buffer references are not supported: `{}`", layout.name);
                 return Err(refuse(span, message));
             }
         };
         let size = layout.size.unwrap_or(0);
-        let host = self.host_of_block(&structure, &layout.members, size, purpose);
-        let host = match host {
-            Ok(host) => Rc::new(host),
+        let block_type = self.host_of_block(&structure, &layout.members, size, purpose);
+        let block_type = match block_type {
+            Ok(block_type) => Rc::new(block_type),
             Err(Misfit::Alignment | Misfit::Foreign) => {
-                let message = format!("naga has nothing that carries block `{}`", layout.name);
+                let message =
+                    format!("naga cannot represent the layout of block `{}`", layout.name);
                 return Err(refuse(span, message).help(
-                    "no 16-bit numbers, and no atomics, where naga takes the layout only as words",
+                    "a block that naga takes only as an array of words cannot contain 16-bit numbers or atomics",
                 ));
             }
         };
         let runtime = structure.members.last().is_some_and(|m| matches!(m.ty, Ty::Array(_, None)));
-        let ty = match host.naga {
+        let ty = match block_type.naga {
             Some(ty) => ty,
             None => {
                 let size = u32::try_from(size).unwrap_or(u32::MAX);
@@ -151,13 +154,13 @@ impl<'a> Lowerer<'a> {
             match len {
                 landfall_layout::ArrayLen::Fixed(len) => dims.push(*len),
                 landfall_layout::ArrayLen::Runtime | landfall_layout::ArrayLen::Override(_) => {
-                    return Err(refuse(span, "an array of blocks without a size cannot run"));
+                    return Err(refuse(span, "arrays of blocks without a size are not supported"));
                 }
             }
         }
         let count = dims.iter().try_fold(1u32, |all, len| all.checked_mul(*len));
         let Some(count) = count.filter(|&count| count <= MOST_BLOCKS) else {
-            let message = format!("an array of more than {MOST_BLOCKS} blocks cannot run");
+            let message = format!("arrays of more than {MOST_BLOCKS} blocks are not supported");
             return Err(refuse(span, message));
         };
         let group = layout.group.unwrap_or(0);
@@ -183,7 +186,7 @@ impl<'a> Lowerer<'a> {
         }
         let fours = purpose == Purpose::Uniform;
         let writable = writable && purpose == Purpose::Storage;
-        self.memories.push(Memory { variables, dims, host, structure, writable, fours });
+        self.memories.push(Memory { variables, dims, block_type, structure, writable, fours });
         Ok(memory)
     }
 
@@ -194,7 +197,7 @@ impl<'a> Lowerer<'a> {
         }
         let qualifiers = &block.qualifiers;
         if !block.dims.is_empty() {
-            let message = "arrays of interface blocks belong to stages that cannot run";
+            let message = "arrays of interface blocks are not supported";
             return Err(refuse(block.name.span, message));
         }
         let output = qualifiers.storage == Storage::Out;

@@ -1,34 +1,35 @@
 //! A function under construction: its expressions, blocks and scopes.
 //!
-//! What lowers [`ast`](super::ast) builds on this; nothing here knows GLSL's meaning.
+//! The modules that lower [`ast`](super::ast) build on this one, which is independent of GLSL's
+//! semantics.
 
 use naga::{Expression, Handle, Literal, LocalVariable, Range, Statement};
 use rustc_hash::FxHashMap;
 
 use super::constant::Const;
+use super::lvalue::{Mem, Place};
 use super::opaque::HandlePair;
-use super::place::{Mem, Place};
 use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
 use landfall_layout::source::Span;
 
-/// A value: an expression of naga's and what it is to GLSL.
+/// A value: a naga expression and its GLSL type.
 #[derive(Clone, Debug)]
 pub struct Val {
     pub expr: Handle<Expression>,
     pub ty: Ty,
 }
 
-/// What a name in a body means.
+/// The meaning of a name in a function body.
 #[derive(Clone, Debug)]
 pub enum Symbol {
     /// A variable.
     Place(Place),
-    /// A value that never changes.
+    /// A constant value.
     Value(Val),
-    /// A constant with a whole value besides.
+    /// A constant whose integer value is known.
     Const(Val, Const),
-    /// A parameter that is or holds handles: the way they are found by, and the rest of it.
+    /// A parameter that is or contains handles: their path, and its other values.
     Handles(String, Ty, Option<Box<Symbol>>),
     /// A structure's name.
     Structure(Ty),
@@ -38,24 +39,24 @@ pub enum Symbol {
 pub struct Body<'l, 'a> {
     pub cx: &'l mut Lowerer<'a>,
     pub function: naga::Function,
-    /// Blocks being filled, one inside the other.
+    /// The open blocks, outermost first.
     blocks: Vec<naga::Block>,
-    /// Statements before all others: constants of the shader.
+    /// The statements before all others, for constants of the shader.
     pub prologue: naga::Block,
-    /// Expressions not yet emitted: first and last.
+    /// The first and last expression that is not emitted yet.
     pending: Option<(Handle<Expression>, Handle<Expression>)>,
     literals: FxHashMap<(u8, u64), Handle<Expression>>,
     globals: FxHashMap<Handle<naga::GlobalVariable>, Handle<Expression>>,
     locals: FxHashMap<Handle<LocalVariable>, Handle<Expression>>,
-    /// Constants of the shader that this function has lowered, by their number.
+    /// The shader's constants that this function has lowered, by index.
     pub constants: FxHashMap<usize, Val>,
     pub scopes: Vec<FxHashMap<&'a str, Symbol>>,
-    /// Handles that came in as arguments, by path.
+    /// The handles passed as arguments, by path.
     pub handles: FxHashMap<String, HandlePair>,
     pub returns: Ty,
-    /// What is being lowered.
+    /// The span being lowered.
     pub span: Span,
-    /// Whether nothing can follow in this block.
+    /// Whether the block ended with a jump.
     pub dead: bool,
 }
 
@@ -79,7 +80,7 @@ impl<'l, 'a> Body<'l, 'a> {
         }
     }
 
-    /// The finished function.
+    /// Returns the finished function.
     pub fn finish(mut self) -> naga::Function {
         self.flush();
         let body = self.blocks.pop().expect("the outermost block is never taken away");
@@ -110,14 +111,14 @@ impl<'l, 'a> Body<'l, 'a> {
         handle
     }
 
-    /// Appends an expression that a statement fills: the result of a call.
+    /// Appends an expression that a statement evaluates: the result of a call.
     pub fn add_result(&mut self, expression: Expression) -> Handle<Expression> {
         self.flush();
         let span = self.naga_span();
         self.function.expressions.append(expression, span)
     }
 
-    /// Emits what is pending.
+    /// Emits the pending expressions.
     pub fn flush(&mut self) {
         if let Some((first, last)) = self.pending.take() {
             let span = self.naga_span();
@@ -141,7 +142,7 @@ impl<'l, 'a> Body<'l, 'a> {
         self.blocks.last_mut().expect("there is always a block").push(statement, span);
     }
 
-    /// A block of its own.
+    /// Lowers into a new block.
     pub fn nested<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<(naga::Block, T)> {
         self.flush();
         let dead = std::mem::take(&mut self.dead);
@@ -153,7 +154,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok((block, result?))
     }
 
-    /// Goes on with a block that was left.
+    /// Resumes a block.
     pub fn reopened(
         &mut self,
         block: naga::Block,
@@ -166,7 +167,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok(block)
     }
 
-    /// What comes before all other statements.
+    /// Lowers into the statements before all others.
     pub fn in_prologue<T>(&mut self, fill: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
         let (block, result) = self.nested(|this| {
             let scopes = std::mem::replace(&mut this.scopes, vec![FxHashMap::default()]);
@@ -195,9 +196,9 @@ impl<'l, 'a> Body<'l, 'a> {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    /// A new variable.
+    /// Creates a local variable.
     pub fn local(&mut self, name: &str, ty: &Ty) -> R<Handle<LocalVariable>> {
-        let handle = self.cx.carrier(ty, self.span)?;
+        let handle = self.cx.value_type(ty, self.span)?;
         let span = self.naga_span();
         let name = (!name.is_empty()).then(|| name.to_string());
         let variable = LocalVariable { name, ty: handle, init: None };
@@ -226,7 +227,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Place::new(Mem::Own(self.local_pointer(local)), ty.clone())
     }
 
-    /// A new variable that holds a value.
+    /// Creates a local variable that holds a value.
     pub fn spill(&mut self, value: &Val) -> R<Place> {
         let local = self.local("", &value.ty)?;
         let pointer = self.local_pointer(local);
@@ -261,7 +262,7 @@ impl<'l, 'a> Body<'l, 'a> {
         self.literal(Literal::U32(value))
     }
 
-    /// A number as a scalar of some kind.
+    /// Returns a number as a scalar of a kind.
     pub fn number(&mut self, kind: Kind, value: f64) -> Val {
         let literal = match kind {
             Kind::Bool => Literal::Bool(value != 0.0),
@@ -297,12 +298,12 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     pub fn zero(&mut self, ty: &Ty) -> R<Val> {
-        let handle = self.cx.carrier(ty, self.span)?;
+        let handle = self.cx.value_type(ty, self.span)?;
         Ok(Val { expr: self.add(Expression::ZeroValue(handle)), ty: ty.clone() })
     }
 
     pub fn compose(&mut self, ty: &Ty, components: Vec<Handle<Expression>>) -> R<Val> {
-        let handle = self.cx.carrier(ty, self.span)?;
+        let handle = self.cx.value_type(ty, self.span)?;
         Ok(Val { expr: self.add(Expression::Compose { ty: handle, components }), ty: ty.clone() })
     }
 
@@ -319,7 +320,7 @@ impl<'l, 'a> Body<'l, 'a> {
         self.add(Expression::Binary { op, left, right })
     }
 
-    /// Runs `accept` or `reject` and gives what they give.
+    /// Lowers an `if` with two results.
     pub fn choose(
         &mut self,
         condition: Handle<Expression>,
@@ -343,7 +344,7 @@ impl<'l, 'a> Body<'l, 'a> {
         Ok(Val { expr: self.add(Expression::Load { pointer }), ty: ty.clone() })
     }
 
-    /// Runs `each` with 0 up to `count`, not included.
+    /// Lowers a loop that runs `each` with 0 up to `count`, exclusive.
     pub fn repeat(
         &mut self,
         count: Handle<Expression>,

@@ -1,4 +1,4 @@
-//! Calls: of the shader's functions, with copies in and out, and of the language's own.
+//! Lowers calls of the shader's functions, with copies in and out, and of built-in functions.
 
 use landfall_layout::diagnostic::Code;
 use naga::{Expression, Handle, Statement};
@@ -7,27 +7,27 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::expression::Operand;
 use super::globals::Global;
+use super::lvalue::{Place, Way};
 use super::opaque::{Chosen, HandlePair, ways};
-use super::place::{Place, Way};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, R, refuse};
 use crate::module::Direction;
 
-/// The language's own functions that write to their arguments.
+/// The built-in functions that write to their arguments.
 pub const OUTPUTS: &[&str] =
     &["modf", "frexp", "uaddCarry", "usubBorrow", "umulExtended", "imulExtended"];
 
-/// An argument of the shader's function, evaluated.
+/// An evaluated argument of a shader's function.
 enum Argument {
     Value(Val),
-    /// Written by the function: the pointer it is given, and where the result goes.
+    /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
     Back(Handle<Expression>, Option<(Place, Place)>),
-    /// A handle, or something with handles in it: the rest of it, and its way.
+    /// A handle, or a value that contains handles: its other values, and its path.
     Handles(Option<Val>, Chosen, Ty),
 }
 
 impl<'a> Body<'_, 'a> {
-    /// A call whose value is not needed.
+    /// Lowers a call whose value is not needed.
     pub fn call_for_effect(&mut self, e: &Expr<'a>) -> R<()> {
         self.deeper(|this| this.call_of(e, true).map(|_| ()))
     }
@@ -45,7 +45,7 @@ impl<'a> Body<'_, 'a> {
                 _ => return self.construct(spec, arguments, e).map(Operand::Value),
             },
             ExprKind::Call(name, arguments) => (*name, arguments),
-            _ => return self.refuse("this is no call"),
+            _ => return self.refuse("expected a function call"),
         };
         let structure = match self.symbol(name.text) {
             Some(Symbol::Structure(ty)) => Some(ty.clone()),
@@ -86,7 +86,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// The language's own functions.
+    /// Lowers a call of a built-in function.
     fn builtin_call(
         &mut self,
         name: &str,
@@ -130,24 +130,24 @@ impl<'a> Body<'_, 'a> {
     fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<Chosen> {
         let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
         self.span = name.span;
-        let Some(Ty::Opaque(opaque)) = super::carrier::builtin(name.text) else {
-            return self.refuse(format!("`{}` is no sampler", name.text));
+        let Some(Ty::Opaque(opaque)) = super::value_types::builtin(name.text) else {
+            return self.refuse(format!("`{}` is not a sampler", name.text));
         };
         if let Opaque::Combined(image) = &opaque {
             if image.depth {
                 return self
                     .refuse(
-                        "a texture and a sampler are joined for a comparison, which naga cannot",
+                        "naga does not support combining a texture and a sampler for a comparison",
                     )
                     .map_err(|why: Box<landfall_layout::Diagnostic>| {
-                        why.help(format!("declare `uniform {} …` in one", name.text))
+                        why.help(format!("declare one `uniform {} …`", name.text))
                     });
             }
         }
         Ok(Chosen::Joined(opaque, Box::new([texture, sampler])))
     }
 
-    /// The handle an expression names.
+    /// Returns the handle that an expression refers to.
     pub fn chosen(&mut self, e: &Expr<'a>) -> R<Chosen> {
         let operand = self.operand(e)?;
         self.span = e.span;
@@ -156,11 +156,11 @@ impl<'a> Body<'_, 'a> {
             Operand::Place(Place { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
                 Ok(Chosen::At(way, ty))
             }
-            _ => self.refuse("a sampler, texture or image is wanted here"),
+            _ => self.refuse("expected a sampler, texture or image"),
         }
     }
 
-    /// A call of a function of the shader's; `None` when none of that name fits.
+    /// Lowers a call of a shader's function; `None` if there is none of that name.
     fn own_call(&mut self, name: Name<'a>, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Option<Val>> {
         let overloads = self.cx.function_names.get(name.text).cloned().unwrap_or_default();
         let fitting: Vec<usize> = overloads
@@ -187,7 +187,7 @@ impl<'a> Body<'_, 'a> {
                 Operand::Blocks(..) => Ty::Void,
             });
             // A value is read when its turn comes: what later arguments change comes later.
-            let simple = super::uses::is_simple(argument);
+            let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
                 Operand::Place(place)
                     if !simple
@@ -230,7 +230,7 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// The overload that fits exactly, or with the fewest conversions.
+    /// Returns the overload that matches exactly, or with the fewest conversions.
     fn best(&self, fitting: &[usize], types: &[Ty]) -> Option<usize> {
         let cost = |index: usize| {
             let parameters = &self.cx.functions[index].parameters;
@@ -264,12 +264,15 @@ impl<'a> Body<'_, 'a> {
                 Operand::Handle(chosen) => Ok(Argument::Handles(None, chosen, ty.clone())),
                 Operand::Place(place) => {
                     let Some(way) = place.path.clone() else {
-                        return self.refuse("a handle is chosen by two variable indices");
+                        return self
+                            .refuse("a sampler or image is selected by two variable indices");
                     };
                     let rest = if holds_values(ty) { Some(self.load_rest(&place)?) } else { None };
                     Ok(Argument::Handles(rest, Chosen::At(way, ty.clone()), ty.clone()))
                 }
-                Operand::Value(_) | Operand::Blocks(..) => self.refuse("a handle is wanted here"),
+                Operand::Value(_) | Operand::Blocks(..) => {
+                    self.refuse("expected a sampler or image")
+                }
             };
         }
         if direction == Direction::In {
@@ -277,10 +280,10 @@ impl<'a> Body<'_, 'a> {
             return self.coerce(&value, ty).map(Argument::Value);
         }
         let Operand::Place(place) = operand else {
-            return self.refuse("what a function writes to must be a variable");
+            return self.refuse("an `out` argument must be a variable");
         };
         if !place.writable {
-            return self.refuse("what a function writes to cannot be written");
+            return self.refuse("an `out` argument must be writable");
         }
         let local = self.local("", ty)?;
         let pointer = self.local_pointer(local);
@@ -293,7 +296,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Argument::Back(pointer, Some((copy, place))))
     }
 
-    /// The values of a structure with handles in it.
+    /// Returns the values of a structure without its handles.
     fn load_rest(&mut self, place: &Place) -> R<Val> {
         let plain = Place { path: None, ..place.clone() };
         self.load(&plain)
@@ -316,14 +319,16 @@ impl<'a> Body<'_, 'a> {
                     matches!(argument, Argument::Handles(_, chosen, _) if is_variable(chosen))
                 });
                 if several.count() > 1 {
-                    return self.refuse("two handles are chosen with variable indices in one call");
+                    return self
+                        .refuse("a call selects two samplers or images by variable indices");
                 }
                 self.with_handle(&chosen, returns, |this, pair| {
                     this.emit_with(function, &arguments, returns, Some(pair))
                 })?
             }
             Some(_) => {
-                return self.refuse("a structure with handles is chosen with a variable index");
+                return self
+                    .refuse("a structure with samplers or images is selected by a variable index");
             }
         };
         for argument in &arguments {
@@ -355,7 +360,8 @@ impl<'a> Body<'_, 'a> {
                             Some(pair),
                         ) => vec![pair.clone()],
                         (Chosen::Joined(..), None) => {
-                            return self.refuse("a handle is chosen in two ways at once");
+                            return self
+                                .refuse("a sampler or image is selected in two ways at once");
                         }
                         (Chosen::At(way, _), _) => {
                             let all = ways(ty).into_iter();
@@ -386,7 +392,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Whether which handle it is shows only when the shader runs, or it is joined of two.
+/// Returns whether a handle is selected at run time, or combined from a texture and a sampler.
 fn is_variable(chosen: &Chosen) -> bool {
     match chosen {
         Chosen::At(way, _) => way.dynamic.is_some(),
@@ -394,7 +400,8 @@ fn is_variable(chosen: &Chosen) -> bool {
     }
 }
 
-/// Whether a name that begins a constructor is one of a handle: a legacy function has its name.
+/// Returns whether the name of a constructor is that of a handle type; some legacy functions share
+/// these names.
 fn is_handle(name: &str) -> bool {
-    matches!(super::carrier::builtin(name), Some(Ty::Opaque(_)))
+    matches!(super::value_types::builtin(name), Some(Ty::Opaque(_)))
 }

@@ -1,7 +1,7 @@
-//! Constant expressions: array sizes, indices, `case` labels, constants that are whole numbers.
+//! Constant expressions: array sizes, indices, `case` labels, integer constants.
 //!
-//! Values of floating point are computed here only on the way to a whole number: where a
-//! shader computes with a constant, its expression is lowered as it stands.
+//! Floating-point values are computed here only as part of an integer; a constant in a computation
+//! is lowered as its expression.
 
 use super::ast::Expr;
 use super::types::Kind;
@@ -19,12 +19,12 @@ impl Names for Scope<'_> {
     }
 }
 
-/// Evaluates; `None` when it is no constant expression.
+/// Evaluates an expression; `None` if it is not constant.
 pub fn evaluate(e: &Expr<'_>, look_up: &dyn Fn(&str) -> Option<Const>) -> Option<Const> {
     evaluate::evaluate(e, &mut Scope(look_up)).ok()
 }
 
-/// A constant as a scalar of that kind.
+/// Returns a constant as a scalar of a kind.
 pub fn converted(value: &Const, kind: Kind) -> Option<Const> {
     if matches!(value, Const::List(_)) {
         return None;
@@ -40,7 +40,7 @@ pub fn converted(value: &Const, kind: Kind) -> Option<Const> {
     value.convert(kind).ok()
 }
 
-/// A literal's value and kind. That of a float is exact as f64; integers have 32 bits.
+/// Returns a literal's value and kind; a float's value is exact in f64, integers have 32 bits.
 pub fn literal(text: &str) -> Option<(f64, Kind)> {
     let (value, scalar) = evaluate::literal(text).ok()?;
     let kind = Kind::of(scalar)?;

@@ -8,10 +8,10 @@ use super::body::{Body, Val};
 use super::constant::Const;
 use super::types::{Kind, Structure, Ty, carried};
 
-/// Elements that an initialiser may write out.
+/// The most elements of an initialiser.
 const MOST_ELEMENTS: usize = 1 << 16;
 
-/// An array type with the sizes that its initialiser says where the type says none.
+/// Returns an array type, with unsized dimensions taken from its initialiser.
 pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Option<Const>) -> Ty {
     let Ty::Array(element, len) = &ty else { return ty };
     let (items, written) = match &init.kind {
@@ -31,7 +31,7 @@ pub fn sized_by<'a>(ty: Ty, init: &Expr<'a>, constant: &dyn Fn(&Expr<'a>) -> Opt
 }
 
 impl<'a> Body<'_, 'a> {
-    /// The value of an initialiser of something of that type.
+    /// Lowers the initialiser of a variable of that type.
     pub fn initial(&mut self, init: &Expr<'a>, ty: &Ty) -> R<Val> {
         let ExprKind::List(items) = &init.kind else {
             let value = self.value(init)?;
@@ -54,13 +54,13 @@ impl<'a> Body<'_, 'a> {
                 Some((element, Some(len))) if len as usize <= MOST_ELEMENTS => {
                     vec![element; len as usize]
                 }
-                _ => return self.refuse(format!("`{{ … }}` is no `{ty}`")),
+                _ => return self.refuse(format!("expected `{ty}`, found `{{ … }}`")),
             },
         };
         if wanted.len() != items.len() {
             self.span = whole.span;
             let (has, wants) = (items.len(), wanted.len());
-            return self.refuse(format!("`{{ … }}` has {has} values, a `{ty}` has {wants}"));
+            return self.refuse(format!("expected {wants} values for `{ty}`, found {has}"));
         }
         let mut parts = Vec::new();
         for (item, ty) in items.iter().zip(&wanted) {
@@ -78,7 +78,7 @@ impl<'a> Body<'_, 'a> {
         whole: &Expr<'a>,
     ) -> R<Val> {
         let TypeBase::Name(name) = spec.base else {
-            return self.refuse("a structure is declared inside an expression");
+            return self.refuse("structures cannot be declared in expressions");
         };
         let base = self.named_type(name, spec.span)?;
         if spec.dims.is_empty() {
@@ -91,13 +91,17 @@ impl<'a> Body<'_, 'a> {
             sized_by(ty, whole, &|e| scope.constant(e))
         };
         let Some((mut element, Some(len))) = ty.indexed() else {
-            return self.refuse(format!("a `{ty}` is not constructed like this"));
+            return self.refuse(format!("unsupported constructor of `{ty}`"));
         };
         if arguments.len() > MOST_ELEMENTS {
-            return self.refuse(format!("more than {MOST_ELEMENTS} elements are written out"));
+            return self
+                .refuse(format!("an initialiser cannot have more than {MOST_ELEMENTS} elements"));
         }
         if len as usize != arguments.len() {
-            return self.refuse(format!("a `{ty}` is made of {} values", arguments.len()));
+            return self.refuse(format!(
+                "wrong number of arguments for the constructor of `{ty}`: {}",
+                arguments.len()
+            ));
         }
         let mut parts = Vec::new();
         for argument in arguments {
@@ -122,7 +126,7 @@ impl<'a> Body<'_, 'a> {
         }
         self.span = whole.span;
         if values.is_empty() || values.iter().any(|value| value.ty.kind().is_none()) {
-            return self.refuse(format!("a `{ty}` is not made of that"));
+            return self.refuse(format!("wrong argument type for the constructor of `{ty}`"));
         }
         match ty {
             Ty::Scalar(kind) => {
@@ -132,7 +136,7 @@ impl<'a> Body<'_, 'a> {
             Ty::Vector(kind, size) => self.vector_of(*kind, *size, &values),
             Ty::Matrix(kind, columns, rows) => self.matrix_of(*kind, *columns, *rows, &values),
             Ty::Void | Ty::Array(..) | Ty::Struct(_) | Ty::Opaque(_) => {
-                self.refuse(format!("a `{ty}` is not constructed"))
+                self.refuse(format!("`{ty}` has no constructor"))
             }
         }
     }
@@ -145,11 +149,12 @@ impl<'a> Body<'_, 'a> {
     ) -> R<Val> {
         let ty = Ty::Struct(s.clone());
         if s.opaque {
-            return self.refuse(format!("a `{ty}` has handles in it, and is not constructed"));
+            return self
+                .refuse(format!("`{ty}` contains samplers or images and has no constructor"));
         }
         if s.members.len() != arguments.len() {
             let (has, wants) = (arguments.len(), s.members.len());
-            return self.refuse(format!("`{ty}` is given {has} values, and has {wants} members"));
+            return self.refuse(format!("expected {wants} values for `{ty}`, found {has}"));
         }
         let mut parts = Vec::new();
         for (argument, field) in arguments.iter().zip(&s.members) {
@@ -170,7 +175,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A vector of the components of all values, as many as it takes.
+    /// Returns a vector of the components of all values, up to its size.
     fn vector_of(&mut self, kind: Kind, size: u8, values: &[Val]) -> R<Val> {
         let ty = Ty::Vector(kind, size);
         if let ([value], Some((_, 1))) = (values, values[0].ty.components()) {
@@ -197,12 +202,12 @@ impl<'a> Body<'_, 'a> {
             parts.push(value.expr);
         }
         if left > 0 {
-            return self.refuse(format!("a `{ty}` is made of fewer than {size} components"));
+            return self.refuse(format!("too few components for `{ty}`: expected {size}"));
         }
         self.compose(&ty, parts)
     }
 
-    /// The values with matrices taken apart into columns.
+    /// Splits matrices among the values into columns.
     fn vectors(&mut self, values: &[Val]) -> R<Vec<Val>> {
         let mut vectors = Vec::new();
         for value in values {
@@ -255,7 +260,7 @@ impl<'a> Body<'_, 'a> {
                 let wanted = usize::from(columns) * usize::from(rows);
                 if components.len() < wanted {
                     return self
-                        .refuse(format!("a `{ty}` is made of fewer than {wanted} components"));
+                        .refuse(format!("too few components for `{ty}`: expected {wanted}"));
                 }
                 for column in components[..wanted].chunks(rows.into()) {
                     if let (first, Some(0)) = column[0] {
@@ -276,12 +281,12 @@ impl<'a> Body<'_, 'a> {
         self.compose(&ty, parts)
     }
 
-    /// A matrix cut down, or filled up from the identity (GLSL 4.60 §5.4.2).
+    /// Returns a matrix of another size, cut or filled up from the identity (GLSL 4.60 §5.4.2).
     fn matrix_of_matrix(&mut self, ty: &Ty, from: &Val) -> R<Val> {
         let (Ty::Matrix(kind, columns, rows), Ty::Matrix(_, has_columns, has_rows)) =
             (ty, &from.ty)
         else {
-            return self.refuse("only a matrix is made of a matrix");
+            return self.refuse("only a matrix can be constructed from a matrix");
         };
         let (kind, columns, rows) = (*kind, *columns, *rows);
         let (has_columns, has_rows) = (*has_columns, *has_rows);

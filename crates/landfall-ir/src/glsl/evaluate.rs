@@ -1,4 +1,4 @@
-//! Expressions that compute: operators, assignments, choices.
+//! Lowers operators, assignments and selections.
 //!
 //! The other half of [`expression`](super::expression).
 
@@ -7,8 +7,8 @@ use naga::{Expression, UnaryOperator};
 use super::R;
 use super::ast::*;
 use super::body::{Body, Val};
+use super::name_usage::is_simple;
 use super::types::{Kind, Ty};
-use super::uses::is_simple;
 
 impl<'a> Body<'_, 'a> {
     pub fn unary(&mut self, op: Unary, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
@@ -111,7 +111,7 @@ impl<'a> Body<'_, 'a> {
         self.span = whole.span;
         let before = self.load(&place)?;
         let Some(kind) = before.ty.kind().filter(|&k| k != Kind::Bool) else {
-            return self.refuse(format!("a `{}` is not counted up or down", before.ty));
+            return self.refuse(format!("`++` and `--` do not take a `{}`", before.ty));
         };
         let one = self.number(kind, 1.0);
         let op = if step.increment { Binary::Add } else { Binary::Subtract };
@@ -157,7 +157,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty })
     }
 
-    /// One of two values, both of which are there already.
+    /// Selects one of two evaluated values.
     pub fn select_value(
         &mut self,
         condition: naga::Handle<Expression>,

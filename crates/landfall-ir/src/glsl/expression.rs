@@ -1,4 +1,4 @@
-//! Expressions: names, members, indices, assignments, choices.
+//! Lowers names, members, indices, assignments and selections.
 
 use landfall_layout::diagnostic::Code;
 use naga::Expression;
@@ -7,23 +7,23 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::constant::{Const, literal};
 use super::globals::Global;
+use super::lvalue::{Address, Index, Mem, Place, Way};
 use super::opaque::Chosen;
-use super::place::{Address, Index, Mem, Place, Way};
 use super::types::{Kind, Ty};
 use super::{Help, R, refuse};
 
-/// What an expression comes to before it is read.
+/// The result of an expression before it is loaded.
 #[derive(Clone, Debug)]
 pub enum Operand {
     Value(Val),
     Place(Place),
     Handle(Chosen),
-    /// An array of blocks of which so many indices are taken.
+    /// An array of blocks with the indices applied so far.
     Blocks(usize, Vec<u32>),
 }
 
 impl<'a> Body<'_, 'a> {
-    /// The value of an expression.
+    /// Lowers an expression to its value.
     pub fn value(&mut self, e: &Expr<'a>) -> R<Val> {
         let operand = self.operand(e)?;
         self.span = e.span;
@@ -34,23 +34,23 @@ impl<'a> Body<'_, 'a> {
         match operand {
             Operand::Value(value) => Ok(value),
             Operand::Place(place) => self.load(&place),
-            Operand::Handle(_) => self.refuse("a handle is no value"),
-            Operand::Blocks(..) => self.refuse("an array of blocks is no value"),
+            Operand::Handle(_) => self.refuse("a sampler or image cannot be used as a value"),
+            Operand::Blocks(..) => self.refuse("an array of blocks cannot be used as a value"),
         }
     }
 
-    /// A value that is written to.
+    /// Lowers an expression to a writable place.
     pub fn place(&mut self, e: &Expr<'a>) -> R<Place> {
         match self.operand(e)? {
             Operand::Place(place) => Ok(place),
             Operand::Value(_) | Operand::Handle(_) | Operand::Blocks(..) => {
                 self.span = e.span;
-                self.refuse("what is on the left cannot be written")
+                self.refuse("the left side of the assignment is not writable")
             }
         }
     }
 
-    /// An expression for what it does.
+    /// Lowers an expression for its side effects.
     pub fn effect(&mut self, e: &Expr<'a>) -> R<()> {
         match &e.kind {
             ExprKind::Call(..) | ExprKind::Construct(..) => {
@@ -111,26 +111,26 @@ impl<'a> Body<'_, 'a> {
             }
             ExprKind::Call(..) | ExprKind::Construct(..) => self.call(e),
             ExprKind::Length(base) => self.length(base, e).map(Operand::Value),
-            ExprKind::List(_) => self.refuse("`{ … }` has no type here"),
+            ExprKind::List(_) => self.refuse("the type of `{ … }` cannot be inferred here"),
         }
     }
 
-    /// A number as written, or with a minus before it.
+    /// Lowers a literal, possibly negated.
     pub fn literal_of(&mut self, text: &str, negative: bool) -> R<Val> {
         let Some((number, kind)) = literal(text) else {
-            return self.refuse(format!("`{text}` is no number that can run"));
+            return self.refuse(format!("unsupported number `{text}`"));
         };
         let number = if negative { -number } else { number };
         if kind == Kind::Uint && negative {
             return Ok(self.number(Kind::Uint, f64::from((-number as u32).wrapping_neg())));
         }
         if kind == Kind::Float && !(number as f32).is_finite() {
-            return self.refuse(format!("`{text}` is past the largest float"));
+            return self.refuse(format!("`{text}` is out of range for `float`"));
         }
         Ok(self.number(kind, number))
     }
 
-    /// What a name stands for.
+    /// Resolves a name.
     pub fn named(&mut self, name: &str) -> R<Operand> {
         match self.symbol(name).cloned() {
             Some(Symbol::Place(place)) => return Ok(Operand::Place(place)),
@@ -189,10 +189,10 @@ impl<'a> Body<'_, 'a> {
                 let place = Place::new(Mem::Own(pointer), ty);
                 Ok(Operand::Place(Place { writable, ..place }))
             }
-            Global::Shared { handle, host } => {
+            Global::Shared { handle, block_type } => {
                 let pointer = self.global_pointer(handle);
-                let ty = host.ty.clone();
-                let mem = Mem::Host(Address::Pointer(pointer), host);
+                let ty = block_type.ty.clone();
+                let mem = Mem::BlockType(Address::Pointer(pointer), block_type);
                 Ok(Operand::Place(Place::new(mem, ty)))
             }
             Global::Block(memory) if self.cx.memories[memory].dims.is_empty() => {
@@ -227,9 +227,8 @@ impl<'a> Body<'_, 'a> {
                 Ok(Operand::Value(value))
             }
             Global::Refused(mut why) => {
-                let used =
-                    landfall_layout::Label { span: self.span, text: "used here".to_string() };
-                if why.labels.len() == 1 && why.labels[0].span != self.span {
+                let used = landfall_layout::Label { at: self.span, text: "used here".to_string() };
+                if why.labels.len() == 1 && why.labels[0].at != self.span {
                     why.labels.push(used);
                 }
                 Err(why)
@@ -237,16 +236,16 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A block's memory as a place.
+    /// Returns a block's memory as a place.
     fn memory(&mut self, memory: usize, element: usize) -> R<Place> {
         let memory = self.cx.memories[memory].clone();
         let block = self.global_pointer(memory.variables[element]);
-        let at = match memory.host.naga {
+        let at = match memory.block_type.naga {
             Some(_) => Address::Pointer(block),
             None => Address::Words { block, fours: memory.fours, fixed: 0, dynamic: None },
         };
         let ty = Ty::Struct(memory.structure);
-        let place = Place::new(Mem::Host(at, memory.host), ty);
+        let place = Place::new(Mem::BlockType(at, memory.block_type), ty);
         Ok(Place { writable: memory.writable, ..place })
     }
 
@@ -258,13 +257,16 @@ impl<'a> Body<'_, 'a> {
                 Ok(fixed) => Index::Fixed(fixed),
                 Err(_) => {
                     self.span = index.span;
-                    return self.refuse(format!("index {fixed} is below 0"));
+                    return self.refuse(format!("negative index {fixed}"));
                 }
             },
             None => {
                 let value = self.value(index)?;
                 if !matches!(value.ty, Ty::INT | Ty::UINT) {
-                    return self.refuse(format!("a `{}` is no index", value.ty));
+                    return self.refuse(format!(
+                        "expected an `int` or `uint` index, found `{}`",
+                        value.ty
+                    ));
                 }
                 Index::Dynamic(value.expr)
             }
@@ -279,7 +281,7 @@ impl<'a> Body<'_, 'a> {
             }
             Operand::Place(place) => self.element_of(&place, index).map(Operand::Place),
             Operand::Value(value) => self.element(&value, index).map(Operand::Value),
-            Operand::Handle(_) => self.refuse("a handle has no elements"),
+            Operand::Handle(_) => self.refuse("a sampler or image cannot be indexed"),
             Operand::Blocks(memory, mut taken) => {
                 let dims = self.cx.memories[memory].dims.clone();
                 let i = match index {
@@ -288,7 +290,8 @@ impl<'a> Body<'_, 'a> {
                         return self.one_of_blocks(memory, i).map(Operand::Place);
                     }
                     Index::Dynamic(_) => {
-                        let message = "an array of arrays of blocks is indexed with a variable";
+                        let message =
+                            "variable indices into arrays of arrays of blocks are not supported";
                         return self.refuse(message);
                     }
                 };
@@ -306,14 +309,17 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// A copy of the block that a variable index chooses: each is a buffer of its own.
+    /// Copies the block that a variable index selects, because each is a separate buffer.
     fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Place> {
         let chosen = self.cx.memories[memory].clone();
         let ty = Ty::Struct(chosen.structure.clone());
         let runtime = chosen.structure.members.iter().any(|f| matches!(f.ty, Ty::Array(_, None)));
         if chosen.writable || runtime {
-            return Err(refuse(self.span, "an array of buffers is indexed with a variable")
-                .help("each element is a buffer of its own: index it with a constant"));
+            return Err(refuse(
+                self.span,
+                "variable indices into arrays of buffers are not supported",
+            )
+            .help("use a constant index: each element is a separate buffer"));
         }
         let local = self.local("", &ty)?;
         let copy = self.local_place(local, &ty);
@@ -337,10 +343,10 @@ impl<'a> Body<'_, 'a> {
         Ok(Place { writable: false, ..copy })
     }
 
-    /// An element of a value.
+    /// Returns an element of a value.
     pub fn element(&mut self, value: &Val, index: Index) -> R<Val> {
         let Some((ty, len)) = value.ty.indexed() else {
-            return self.refuse(format!("a `{}` has no elements", value.ty));
+            return self.refuse(format!("a `{}` cannot be indexed", value.ty));
         };
         match index {
             Index::Fixed(i) => {
@@ -382,13 +388,13 @@ impl<'a> Body<'_, 'a> {
                 }
                 _ => {
                     let size = value.ty.components().map_or(0, |(_, size)| size);
-                    let Some(picks) = super::place::selection(name, size.into()) else {
+                    let Some(picks) = super::lvalue::selection(name, size.into()) else {
                         return self.refuse(format!("a `{}` has no member `{name}`", value.ty));
                     };
                     self.select(&value, &picks).map(Operand::Value)
                 }
             },
-            Operand::Handle(_) => self.refuse(format!("a handle has no member `{name}`")),
+            Operand::Handle(_) => self.refuse(format!("a sampler or image has no member `{name}`")),
             Operand::Blocks(..) => self.refuse("an array of blocks is used without an index"),
         }
     }
@@ -403,7 +409,7 @@ impl<'a> Body<'_, 'a> {
                 let len = self.cx.memories[*memory].dims[taken.len()];
                 return Ok(self.number(Kind::Int, len.into()));
             }
-            Operand::Handle(_) => return self.refuse("a handle has no length"),
+            Operand::Handle(_) => return self.refuse("a sampler or image has no length"),
         };
         match (&ty, &operand) {
             (Ty::Array(_, None), Operand::Place(place)) => self.runtime_length(place),

@@ -1,4 +1,4 @@
-//! Functions: their signatures, and their bodies when somebody asks for them.
+//! Lowers functions: all signatures, and bodies on demand.
 
 use landfall_layout::diagnostic::Code;
 use std::rc::Rc;
@@ -8,22 +8,22 @@ use naga::{Expression, FunctionArgument, FunctionResult, Handle, Statement, Type
 use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::globals::Global;
+use super::lvalue::{Mem, Place};
+use super::name_usage::written;
 use super::opaque::{HandlePair, Source, image_type, ways};
-use super::place::{Mem, Place};
 use super::types::{Opaque, Ty, holds_values};
-use super::uses::written;
 use super::{Lowerer, R, refuse};
 use crate::module::{Direction, FunctionInfo, LeftOut, Parameter as PublicParameter};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::Span;
 
-/// Levels that lowering may go down: functions, statements and expressions together.
+/// The deepest nesting of functions, statements and expressions together.
 const DEEPEST: u32 = 1500;
 
-/// Expressions that a shader may come to: more are a text made to exhaust memory.
+/// The most expressions of a shader, which bounds the memory for hostile texts.
 const MOST_EXPRESSIONS: usize = 1 << 22;
 
-/// A function of the shader.
+/// A function that the shader defines.
 #[derive(Debug)]
 pub struct Entry<'a> {
     pub declaration: Rc<FunctionDecl<'a>>,
@@ -87,7 +87,7 @@ impl<'a> Lowerer<'a> {
                     let message = format!("function `{}` is defined twice", name.text);
                     let diagnostic = Diagnostic::error(Code::DuplicateName, name.span, message);
                     let before = before.declaration.name.span;
-                    return Err(Box::new(diagnostic.with_label(before, "defined before here")));
+                    return Err(Box::new(diagnostic.with_label(before, "first definition")));
                 }
                 before.declaration = function.clone();
                 before.parameters = parameters;
@@ -104,7 +104,7 @@ impl<'a> Lowerer<'a> {
         Ok(())
     }
 
-    /// A function of types that cannot run is an error where it is called.
+    /// A function with unsupported types is an error where it is called.
     fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> R<()> {
         self.left_out.push(LeftOut { function: name.text.to_string(), why: (*why).clone() });
         self.declare_global(name.text, Global::Refused(why));
@@ -113,7 +113,7 @@ impl<'a> Lowerer<'a> {
 
     fn parameter_type(&mut self, spec: &TypeSpec<'a>, dims: &[Dim<'a>]) -> R<Ty> {
         let TypeBase::Name(base) = &spec.base else {
-            return Err(refuse(spec.span, "a structure is declared inside a parameter"));
+            return Err(refuse(spec.span, "structures cannot be declared in parameters"));
         };
         let base = self.named_type(base, spec.span)?;
         let own = self.dims(&spec.dims, &|e| self.constant(e))?;
@@ -159,7 +159,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    /// The function of that number, lowered if it is not yet; `span` is where it is called.
+    /// Returns the function of that index, lowering it first if necessary; `span` is the call.
     pub fn function(&mut self, index: usize, span: Span) -> R<Handle<naga::Function>> {
         let entry = &mut self.functions[index];
         let name = entry.declaration.name.text;
@@ -169,10 +169,12 @@ impl<'a> Lowerer<'a> {
             State::Running => {
                 let message = format!("`{name}` calls itself");
                 let diagnostic = Diagnostic::error(Code::Recursion, span, message);
-                return Err(Box::new(diagnostic.with_note("GLSL has no recursion (4.60 §6.1)")));
+                return Err(Box::new(
+                    diagnostic.with_note("GLSL does not allow recursion (4.60 §6.1)"),
+                ));
             }
             State::Untouched if entry.declaration.body.is_none() => {
-                let message = format!("`{name}` is declared, but never defined");
+                let message = format!("`{name}` is declared but not defined");
                 return Err(Box::new(Diagnostic::error(Code::UndefinedFunction, span, message)));
             }
             State::Untouched => entry.state = State::Running,
@@ -196,7 +198,7 @@ impl<'a> Lowerer<'a> {
     fn deeper<T>(&mut self, span: Span, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
         self.nesting += 1;
         let result = if self.nesting > DEEPEST {
-            Err(refuse(span, "functions, statements and expressions nest too deep"))
+            Err(refuse(span, "functions, statements or expressions are nested too deeply"))
         } else {
             run(self)
         };
@@ -218,7 +220,7 @@ impl<'a> Lowerer<'a> {
             body.parameter(parameter, index, changed.contains(parameter.name))?;
         }
         if returns != Ty::Void {
-            let ty = body.cx.carrier(&returns, span)?;
+            let ty = body.cx.value_type(&returns, span)?;
             body.function.result = Some(FunctionResult { ty, binding: None });
         }
         body.scoped(|body| body.statements(statements))?;
@@ -237,7 +239,7 @@ impl<'a> Lowerer<'a> {
         Ok(self.ir.functions.append(function, self.bases.to_naga(span)))
     }
 
-    /// Whether a function of that name may write to its arguments.
+    /// Returns whether a function of that name may write to its arguments.
     fn writes_arguments(&self, name: &str) -> bool {
         if super::call::OUTPUTS.contains(&name) {
             return true;
@@ -265,14 +267,14 @@ fn describe(entry: &Entry<'_>) -> Option<FunctionInfo> {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// Guards recursion over the tree.
+    /// Limits the recursion over the syntax tree.
     pub fn deeper<T>(&mut self, run: impl FnOnce(&mut Self) -> R<T>) -> R<T> {
         if self.cx.expressions + self.function.expressions.len() > MOST_EXPRESSIONS {
-            return self.refuse("the shader comes to too many operations");
+            return self.refuse("the shader has too many operations");
         }
         self.cx.nesting += 1;
         let result = if self.cx.nesting > DEEPEST {
-            self.refuse("functions, statements and expressions nest too deep")
+            self.refuse("functions, statements or expressions are nested too deeply")
         } else {
             run(self)
         };
@@ -291,9 +293,10 @@ impl<'a> Body<'_, 'a> {
         let Param { name, ty, direction, span } = parameter;
         if *direction != Direction::In {
             if ty.has_opaque() {
-                return self.refuse(format!("`{name}` is a handle, and cannot be written"));
+                return self
+                    .refuse(format!("`{name}` is a sampler or image, which is not writable"));
             }
-            let base = self.cx.carrier(ty, self.span)?;
+            let base = self.cx.value_type(ty, self.span)?;
             let inner = TypeInner::Pointer { base, space: naga::AddressSpace::Function };
             let pointer = naga::Type { name: None, inner };
             let pointer = self.cx.ir.types.insert(pointer, naga::Span::UNDEFINED);
@@ -303,9 +306,9 @@ impl<'a> Body<'_, 'a> {
         }
         let mut symbol = None;
         if holds_values(ty) {
-            let carrier = self.cx.carrier(ty, self.span)?;
+            let value_type = self.cx.value_type(ty, self.span)?;
             let outer = std::mem::replace(&mut self.span, *span);
-            let (_, expr) = self.argument(name, carrier);
+            let (_, expr) = self.argument(name, value_type);
             self.span = outer;
             let value = Val { expr, ty: ty.clone() };
             symbol = Some(if changed {
@@ -340,7 +343,7 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    /// A global variable's initialiser.
+    /// Lowers a global variable's initialiser.
     pub fn initialise(
         &mut self,
         global: usize,
@@ -359,7 +362,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// The types of the arguments that a handle comes as; `true` for a sampler.
+/// Returns the types of the arguments that a handle is passed as; `true` for a sampler.
 fn handle_types(body: &Body<'_, '_>, opaque: &Opaque) -> R<Vec<(TypeInner, bool)>> {
     Ok(match opaque {
         Opaque::Combined(image) => {

@@ -1,29 +1,29 @@
-//! What stands outside functions: types, constants, blocks, uniforms, variables.
+//! Lowers declarations outside functions: types, constants, blocks, uniforms, variables.
 
 use std::rc::Rc;
 
 use naga::{Handle, MemoryDecorations, ResourceBinding};
 
 use super::ast::*;
-use super::carrier::builtin;
+use super::block_types::BlockType;
 use super::constant::{Const, converted, evaluate};
-use super::host::Host;
 use super::io::Io;
 use super::types::{Field, Kind, Structure, Ty, holds_values};
+use super::value_types::builtin;
 use super::{Lowerer, R, refuse};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, Stage};
 
-/// Values in a structure at most: more are a text made to exhaust memory.
+/// The most values in a structure, which bounds the memory for hostile texts.
 const MOST_LEAVES: u64 = 1 << 20;
 
-/// What a global name means.
+/// The meaning of a global name.
 #[derive(Clone, Debug)]
 pub enum Global<'a> {
-    /// A variable of values.
+    /// A variable.
     Variable { handle: Handle<naga::GlobalVariable>, ty: Ty, writable: bool },
     /// A `shared` variable that atomic functions change.
-    Shared { handle: Handle<naga::GlobalVariable>, host: Rc<Host> },
+    Shared { handle: Handle<naga::GlobalVariable>, block_type: Rc<BlockType> },
     /// A block with an instance name: its memory.
     Block(usize),
     /// A member of a block without one, or a loose uniform.
@@ -32,26 +32,26 @@ pub enum Global<'a> {
         ty: Ty,
         declaration: Rc<Declaration<'a>>,
         index: usize,
-        /// What stands for it where the shader computes with it.
+        /// The value it is lowered to, if known.
         value: Option<Const>,
-        /// What it counts as in constant expressions.
+        /// The value in constant expressions, if known.
         known: Option<Const>,
     },
-    /// Cannot run, for that reason, if it is used.
+    /// Unsupported: using it is this error.
     Refused(Box<Diagnostic>),
 }
 
 /// The memory of a block.
 #[derive(Clone, Debug)]
 pub struct Memory {
-    /// Its variables: one, or one an element of an array of blocks.
+    /// The variables: one, or one per element of an array of blocks.
     pub variables: Vec<Handle<naga::GlobalVariable>>,
-    /// Dimensions of an array of blocks.
+    /// The dimensions of an array of blocks.
     pub dims: Vec<u32>,
-    pub host: Rc<Host>,
+    pub block_type: Rc<BlockType>,
     pub structure: Rc<Structure>,
     pub writable: bool,
-    /// For a block of words: whether they come in fours.
+    /// For a block of words: whether they are stored as vectors of four.
     pub fours: bool,
 }
 
@@ -103,7 +103,7 @@ impl<'a> Lowerer<'a> {
         self.global_names.insert(name, self.globals.len() - 1);
     }
 
-    /// Bindings that the text gives are given to nobody else.
+    /// Reserves the bindings that the text states.
     fn reserve_bindings(&mut self, items: &[Item<'a>]) {
         for item in items {
             let qualifiers = match item {
@@ -131,7 +131,7 @@ impl<'a> Lowerer<'a> {
         self.early_fragment_tests |= qualifiers.find("early_fragment_tests").is_some();
     }
 
-    /// A number in `layout(…)`.
+    /// Returns a number in `layout(…)`.
     pub fn layout_number(&self, qualifiers: &Qualifiers<'a>, name: &str) -> Option<u32> {
         let value = qualifiers.find(name)?.value.as_ref()?;
         u32::try_from(self.constant(value)?.integer()?).ok()
@@ -149,7 +149,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    /// Sizes of dimensions; `None` for `[]`.
+    /// Returns the sizes of dimensions; `None` for `[]`.
     pub fn dims(
         &self,
         dims: &[Dim<'a>],
@@ -161,7 +161,7 @@ impl<'a> Lowerer<'a> {
                 let value = constant(size).and_then(|c| u32::try_from(c.integer()?).ok());
                 match value.filter(|&size| size > 0) {
                     Some(size) => Ok(Some(size)),
-                    None => Err(refuse(size.span, "this is no constant size of an array")),
+                    None => Err(refuse(size.span, "the size of an array must be a constant")),
                 }
             })
             .collect()
@@ -173,7 +173,7 @@ impl<'a> Lowerer<'a> {
         dims.rev().fold(base, |ty, len| Ty::Array(Rc::new(ty), *len))
     }
 
-    /// The type of a name of the shader's or the language's.
+    /// Returns the type of a structure's or built-in type's name.
     pub fn named_type(&self, name: &str, span: Span) -> R<Ty> {
         if let Some(ty) = self.structures.get(name) {
             return Ok(ty.clone());
@@ -181,7 +181,7 @@ impl<'a> Lowerer<'a> {
         if let Some(why) = self.broken.get(name) {
             return Err(why.clone());
         }
-        builtin(name).ok_or_else(|| refuse(span, format!("`{name}` is no type that can run")))
+        builtin(name).ok_or_else(|| refuse(span, format!("unsupported type `{name}`")))
     }
 
     pub fn global_structure(&self, name: &str) -> Option<&Ty> {
@@ -205,7 +205,7 @@ impl<'a> Lowerer<'a> {
         Ok(Self::arrayed(base, &own, &name))
     }
 
-    /// Declares a structure; it is known by its name outside functions.
+    /// Declares a structure, with its name in the global scope.
     fn structure(&mut self, declaration: &StructDecl<'a>) -> R<Ty> {
         let ty = self.make_structure(declaration)?;
         if !declaration.name.text.is_empty() {
@@ -225,7 +225,7 @@ impl<'a> Lowerer<'a> {
         }
         let structure = self.new_structure(declaration.name.text, members);
         if structure.leaves > MOST_LEAVES {
-            let message = format!("`{}` has more than {MOST_LEAVES} values in it", structure.name);
+            let message = format!("`{}` contains more than {MOST_LEAVES} values", structure.name);
             return Err(refuse(declaration.name.span, message));
         }
         let at = (declaration.name.span.file, declaration.name.span.start);
@@ -241,12 +241,12 @@ impl<'a> Lowerer<'a> {
         Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
     }
 
-    /// The structure that the layout means.
+    /// Returns the structure that the layout refers to.
     pub fn structure_of(&self, s: &landfall_layout::shape::Struct) -> Option<Rc<Structure>> {
         self.structures_at.get(&(s.span.file, s.span.start)).cloned()
     }
 
-    /// What is wrong with a type is said where it is used.
+    /// An error in a type is reported where the type is used.
     fn types_of(&mut self, item: &Item<'a>) {
         match item {
             Item::Variables(declaration) => {
@@ -328,7 +328,10 @@ impl<'a> Lowerer<'a> {
             Storage::In | Storage::Out => {
                 let output = qualifiers.storage == Storage::Out;
                 if matches!(self.stage, Some(Stage::Compute)) {
-                    return Err(refuse(name.span, "a compute shader has no inputs or outputs"));
+                    return Err(refuse(
+                        name.span,
+                        "a compute shader cannot have inputs or outputs",
+                    ));
                 }
                 let handle = self.private(name.text, &ty, name.span)?;
                 let location = self.layout_number(qualifiers, "location");
@@ -351,15 +354,14 @@ impl<'a> Lowerer<'a> {
                 Ok(())
             }
             Storage::InOut | Storage::Buffer | Storage::Varying | Storage::Foreign => {
-                let message =
-                    format!("`{}` has storage that naga has no counterpart for", name.text);
+                let message = format!("the storage of `{}` is not supported by naga", name.text);
                 Err(refuse(name.span, message))
             }
         }
     }
 
     pub fn private(&mut self, name: &str, ty: &Ty, span: Span) -> R<Handle<naga::GlobalVariable>> {
-        let ty = self.carrier(ty, span)?;
+        let ty = self.value_type(ty, span)?;
         Ok(self.variable_in(naga::AddressSpace::Private, name, ty, None, span))
     }
 
@@ -387,24 +389,24 @@ impl<'a> Lowerer<'a> {
         let touched = self.atomics.contains(name.text)
             || matches!(&ty, Ty::Struct(s) if s.members.iter().any(|f| self.atomics.contains(&*f.name)));
         if touched {
-            let host = self.host_of_shared(&ty).ok_or_else(|| {
+            let block_type = self.host_of_shared(&ty).ok_or_else(|| {
                 refuse(
                     name.span,
-                    format!("`{}` is changed by atomic functions as a whole", name.text),
+                    format!("atomic functions cannot change `{}` as a whole", name.text),
                 )
             })?;
-            let naga = host.naga.expect("shared variables have naga types");
+            let naga = block_type.naga.expect("shared variables have naga types");
             let handle = self.variable_in(space, name.text, naga, None, name.span);
-            self.declare_global(name.text, Global::Shared { handle, host });
+            self.declare_global(name.text, Global::Shared { handle, block_type });
             return Ok(());
         }
-        let carrier = self.carrier(&ty, name.span)?;
-        let handle = self.variable_in(space, name.text, carrier, None, name.span);
+        let value_type = self.value_type(&ty, name.span)?;
+        let handle = self.variable_in(space, name.text, value_type, None, name.span);
         self.declare_global(name.text, Global::Variable { handle, ty, writable: true });
         Ok(())
     }
 
-    /// The value of a constant of that type.
+    /// Returns a constant converted to that type.
     pub fn typed(value: Const, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(kind) => converted(&value, *kind),
@@ -413,7 +415,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    /// The value of a constant, where it is a number that need not be computed in floats.
+    /// Returns a constant's value, unless it has to be computed in floats.
     pub fn settled(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
@@ -423,7 +425,7 @@ impl<'a> Lowerer<'a> {
         }
     }
 
-    /// What `-O` says of a specialisation constant.
+    /// Returns the value of a specialisation constant from `-O`.
     fn override_of(&self, qualifiers: &Qualifiers<'a>, name: &str, ty: &Ty) -> Option<Const> {
         let id = self.layout_number(qualifiers, "constant_id")?.to_string();
         let given = self.overrides.iter().rev().find(|(key, _)| *key == name || *key == id)?;
@@ -439,10 +441,10 @@ impl<'a> Lowerer<'a> {
         converted(&value, ty.kind()?)
     }
 
-    /// A loose uniform: handles become globals, the rest is a member of the default block.
+    /// Declares a loose uniform: handles become globals, other types members of the default block.
     fn loose_uniform(&mut self, qualifiers: &Qualifiers<'a>, name: Name<'a>, ty: Ty) -> R<()> {
         if qualifiers.subroutine {
-            return Err(refuse(name.span, "subroutines cannot run"));
+            return Err(refuse(name.span, "subroutines are not supported"));
         }
         self.declare_handles(name.text, &ty, qualifiers, name.span)?;
         let memory = if holds_values(&ty) { Some(self.default_block(name)?) } else { None };

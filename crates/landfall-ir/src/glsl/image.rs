@@ -4,14 +4,14 @@ use naga::{AtomicFunction, Barrier, Expression, Statement};
 
 use super::R;
 use super::ast::Expr;
+use super::block_types::BlockTypeKind;
 use super::body::{Body, Val};
-use super::host::HostKind;
+use super::lvalue::{Address, Mem};
 use super::opaque::Chosen;
-use super::place::{Address, Mem};
 use super::types::{Kind, Opaque, Ty};
 
 impl<'a> Body<'_, 'a> {
-    /// A function of memory; `None` when it is none.
+    /// Lowers a function of images, atomics or barriers; `None` if it is not one.
     pub fn memory_call(
         &mut self,
         name: &str,
@@ -47,7 +47,7 @@ impl<'a> Body<'_, 'a> {
             | "noise1"
             | "noise2"
             | "noise3"
-            | "noise4" => self.refuse(format!("`{name}` has no counterpart in naga")),
+            | "noise4" => self.refuse(format!("`{name}` is not supported by naga")),
             _ if name.starts_with("imageAtomic") => {
                 self.image_atomic(name, arguments, e, for_effect).map(Some)
             }
@@ -77,8 +77,7 @@ impl<'a> Body<'_, 'a> {
             return self.refuse(format!("`{name}` takes an image and coordinates"));
         };
         if image.multi || image.dim == naga::ImageDimension::Cube {
-            return self
-                .refuse("images with samples, and cubes of images, have no counterpart in naga");
+            return self.refuse("multisampled images and cube images are not supported by naga");
         }
         let vec4 = Ty::Vector(image.kind, 4);
         let stored = values.get(1).cloned();
@@ -96,7 +95,7 @@ impl<'a> Body<'_, 'a> {
                 });
                 return Ok(Val { expr, ty: vec4.clone() });
             }
-            let Some(value) = &stored else { return this.refuse("the texel is missing") };
+            let Some(value) = &stored else { return this.refuse("missing texel argument") };
             let value = this.coerce(value, &vec4)?;
             this.statement(Statement::ImageStore {
                 image: source,
@@ -108,10 +107,10 @@ impl<'a> Body<'_, 'a> {
         })
     }
 
-    /// The texel of an input attachment where the fragment is (GL_KHR_vulkan_glsl).
+    /// Lowers the load of an input attachment at the fragment (GL_KHR_vulkan_glsl).
     fn subpass(&mut self, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
         let Some((first, rest)) = arguments.split_first() else {
-            return self.refuse("`subpassLoad` is given nothing");
+            return self.refuse("`subpassLoad` takes an input attachment");
         };
         let chosen = self.chosen(first)?;
         let mut sample = self.number(Kind::Int, 0.0);
@@ -149,7 +148,7 @@ impl<'a> Body<'_, 'a> {
         for_effect: bool,
     ) -> R<Val> {
         if !for_effect {
-            return self.refuse(format!("the value of `{name}` is not to be had from naga"));
+            return self.refuse(format!("naga does not return the value of `{name}`"));
         }
         let fun = match name {
             "imageAtomicAdd" => AtomicFunction::Add,
@@ -158,7 +157,7 @@ impl<'a> Body<'_, 'a> {
             "imageAtomicAnd" => AtomicFunction::And,
             "imageAtomicOr" => AtomicFunction::InclusiveOr,
             "imageAtomicXor" => AtomicFunction::ExclusiveOr,
-            _ => return self.refuse(format!("`{name}` has no counterpart in naga")),
+            _ => return self.refuse(format!("`{name}` is not supported by naga")),
         };
         let [first, at, value] = arguments else {
             return self.refuse(format!("`{name}` takes an image, coordinates and a value"));
@@ -186,7 +185,7 @@ impl<'a> Body<'_, 'a> {
 
     fn atomic(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
         let Some((first, rest)) = arguments.split_first() else {
-            return self.refuse(format!("`{name}` is given nothing"));
+            return self.refuse(format!("`{name}` takes at least one argument"));
         };
         let place = self.place(first)?;
         let mut values = Vec::new();
@@ -195,12 +194,14 @@ impl<'a> Body<'_, 'a> {
         }
         self.span = e.span;
         let pointer = match &place.mem {
-            Mem::Host(Address::Pointer(pointer), host) if matches!(host.kind, HostKind::Atomic) => {
+            Mem::BlockType(Address::Pointer(pointer), block_type)
+                if matches!(block_type.kind, BlockTypeKind::Atomic) =>
+            {
                 *pointer
             }
-            Mem::Own(_) | Mem::Host(..) | Mem::Column(..) | Mem::Nothing => {
+            Mem::Own(_) | Mem::BlockType(..) | Mem::Column(..) | Mem::Nothing => {
                 return self.refuse(format!(
-                    "`{name}` wants an `int` or `uint` of a buffer, or a shared one"
+                    "`{name}` takes an `int` or `uint` in a buffer or in `shared` memory"
                 ));
             }
         };
@@ -219,7 +220,7 @@ impl<'a> Body<'_, 'a> {
             ("atomicCompSwap", [compare, value]) => {
                 (AtomicFunction::Exchange { compare: Some(*compare) }, *value)
             }
-            _ => return self.refuse(format!("`{name}` has no counterpart in naga")),
+            _ => return self.refuse(format!("`{name}` is not supported by naga")),
         };
         let kind = place.ty.kind().unwrap_or(Kind::Uint);
         let comparison = matches!(fun, AtomicFunction::Exchange { compare: Some(_) });
@@ -228,7 +229,7 @@ impl<'a> Body<'_, 'a> {
             let special = naga::PredeclaredType::AtomicCompareExchangeWeakResult(scalar);
             self.cx.ir.generate_predeclared_type(special)
         } else {
-            self.cx.carrier(&place.ty, self.span)?
+            self.cx.value_type(&place.ty, self.span)?
         };
         let result = self.add_result(Expression::AtomicResult { ty, comparison });
         self.statement(Statement::Atomic { pointer, fun, value, result: Some(result) });

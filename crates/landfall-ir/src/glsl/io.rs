@@ -1,7 +1,7 @@
 //! The entry point: inputs in, `main`, outputs out.
 //!
-//! Inputs and outputs are private variables; structures, arrays and matrices among them are
-//! taken apart into the scalars and vectors that have locations.
+//! Inputs and outputs are private variables; structures, arrays and matrices are split into scalars
+//! and vectors, each with a location.
 
 use naga::{
     Binding, BuiltIn, EarlyDepthTest, EntryPoint, Expression, FunctionArgument, FunctionResult,
@@ -11,15 +11,15 @@ use rustc_hash::FxHashSet;
 
 use super::ast::Qualifiers;
 use super::body::{Body, Val};
-use super::place::{Index, Mem, Place};
+use super::lvalue::{Index, Mem, Place};
 use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
+use crate::call_graph;
 use crate::module::{EntryInterface, Inputs};
-use crate::reach;
 pub use landfall_layout::source::{ExecutableStage, Span, Stage};
 pub use landfall_layout::syntax::glsl::lexer::Token;
 
-/// Inputs or outputs of one shader at most.
+/// The most locations of a shader's inputs or outputs.
 const MOST_LOCATIONS: u32 = 1024;
 
 /// An input or output.
@@ -27,14 +27,14 @@ const MOST_LOCATIONS: u32 = 1024;
 pub struct Io {
     pub name: String,
     pub variable: Handle<naga::GlobalVariable>,
-    /// For a member of an interface block with an instance name.
+    /// The instance name, for a member of an interface block.
     pub member: Option<u32>,
     pub ty: Ty,
     pub output: bool,
     pub location: Option<u32>,
     /// `index = 1`: the second colour of a blend.
     pub blend: Option<u32>,
-    /// What it is, when it is the language's own.
+    /// The built-in, if it is one.
     pub binding: Option<Binding>,
     flat: bool,
     noperspective: bool,
@@ -68,7 +68,7 @@ impl Io {
         }
     }
 
-    /// With the qualifiers of its block besides its own.
+    /// Adds the qualifiers of the block.
     pub fn also(mut self, qualifiers: &Qualifiers<'_>) -> Io {
         self.flat |= qualifiers.flat;
         self.noperspective |= qualifiers.noperspective;
@@ -81,7 +81,7 @@ impl Io {
         Io { location, blend, span, ..self }
     }
 
-    /// What the language declares itself.
+    /// Binds it to a built-in.
     pub fn is(self, builtin: BuiltIn) -> Io {
         Io { binding: Some(Binding::BuiltIn(builtin)), ..self }
     }
@@ -91,7 +91,7 @@ impl Io {
     }
 }
 
-/// Locations a type takes (GLSL 4.60 §4.4.1).
+/// Returns the number of locations of a type (GLSL 4.60 §4.4.1).
 pub fn locations(ty: &Ty) -> u32 {
     match ty {
         Ty::Matrix(_, columns, _) => (*columns).into(),
@@ -103,7 +103,7 @@ pub fn locations(ty: &Ty) -> u32 {
     }
 }
 
-/// The stage a text without one is for, by the language's own variables in it.
+/// Returns the stage of a text without a declared one, by the built-in variables in it.
 pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
     tokens.iter().find_map(|token| match token.text {
         "gl_Position" | "gl_VertexID" | "gl_VertexIndex" | "gl_Vertex" => Some(Stage::Vertex),
@@ -114,13 +114,13 @@ pub fn stage_of(tokens: &[Token<'_>]) -> Option<Stage> {
     })
 }
 
-/// Refuses stages that cannot run, by name.
+/// Returns an error for unsupported stages.
 pub fn check_stage(stage: Option<Stage>) -> R<()> {
     match stage {
         Some(other) if ExecutableStage::of(other).is_none() => {
-            let message = format!("a {} shader cannot run", other.name());
+            let message = format!("{} shaders are not supported", other.name());
             let diagnostic = refuse(Span::default(), message);
-            Err(Box::new(diagnostic.with_note("vertex, fragment and compute shaders can")))
+            Err(Box::new(diagnostic.with_note("supported stages: vertex, fragment and compute")))
         }
         Some(_) | None => Ok(()),
     }
@@ -136,7 +136,7 @@ struct Slot {
 }
 
 impl Lowerer<'_> {
-    /// Makes the entry point of `main`, if there is one.
+    /// Creates the entry point for `main`, if there is one.
     pub fn entry_point(&mut self) -> R<(Vec<EntryInterface>, Vec<EntryInterface>)> {
         let Some(main) = self.main_function() else { return Ok((Vec::new(), Vec::new())) };
         let stage = match self.stage {
@@ -144,7 +144,7 @@ impl Lowerer<'_> {
             Some(Stage::Compute) => ShaderStage::Compute,
             Some(_) => ShaderStage::Fragment,
             None => {
-                return Err(refuse(Span::default(), "nothing says which stage this shader is for"));
+                return Err(refuse(Span::default(), "the stage of this shader is unknown"));
             }
         };
         if stage == ShaderStage::Vertex {
@@ -154,13 +154,15 @@ impl Lowerer<'_> {
         let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
         let initialisers = std::mem::take(&mut self.initialisers);
         if initialisers.is_empty() {
-            let reached = reach::variables(&self.ir, &self.ir.functions[main]);
+            let reached = call_graph::variables(&self.ir, &self.ir.functions[main]);
             let position =
                 |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
             let all = self.ir.functions.iter();
             let of_any: FxHashSet<_> = match self.wanted_inputs {
                 Inputs::OfMain => reached.clone(),
-                Inputs::OfAny => all.flat_map(|(_, function)| reach::named(function)).collect(),
+                Inputs::OfAny => {
+                    all.flat_map(|(_, function)| call_graph::named(function)).collect()
+                }
             };
             inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
             outputs.retain(|slot| {
@@ -207,7 +209,7 @@ impl Lowerer<'_> {
         Ok((interface(&inputs, &self.io), interface(&outputs, &self.io)))
     }
 
-    /// Every scalar and vector that goes in or out, with its location.
+    /// Returns every scalar and vector of the interface, with its location.
     fn slots(&self, output: bool) -> R<Vec<Slot>> {
         let all = || self.io.iter().enumerate().filter(|(_, io)| io.output == output);
         let mut taken = FxHashSet::default();
@@ -286,7 +288,7 @@ fn flatten(
 }
 
 impl Body<'_, '_> {
-    /// The binding of a slot, and the type naga wants there.
+    /// Returns the binding of a slot and naga's type for it.
     fn bound(&mut self, slot: &Slot, stage: ShaderStage) -> R<(Binding, Handle<naga::Type>, Ty)> {
         let io = self.cx.io[slot.io].clone();
         if let Some(binding) = io.binding {
@@ -296,7 +298,7 @@ impl Body<'_, '_> {
                 Ty::Scalar(Kind::Int) => Ty::UINT,
                 other => other.clone(),
             };
-            return Ok((binding, self.cx.carrier(&ty, io.span)?, ty));
+            return Ok((binding, self.cx.value_type(&ty, io.span)?, ty));
         }
         let varies = (stage == ShaderStage::Vertex) == io.output;
         let float = slot.ty.kind().is_some_and(Kind::is_float);
@@ -323,10 +325,10 @@ impl Body<'_, '_> {
             blend_src: blends.then(|| io.blend.unwrap_or(0)),
             per_primitive: false,
         };
-        Ok((binding, self.cx.carrier(&slot.ty, io.span)?, slot.ty.clone()))
+        Ok((binding, self.cx.value_type(&slot.ty, io.span)?, slot.ty.clone()))
     }
 
-    /// The private variable of a slot, or the part of it.
+    /// Returns a pointer to the private variable of a slot, or to a part of it.
     fn slot_place(&mut self, slot: &Slot) -> R<Place> {
         let io = self.cx.io[slot.io].clone();
         let mut pointer = self.global_pointer(io.variable);
@@ -340,7 +342,7 @@ impl Body<'_, '_> {
                 Ty::Struct(s) => s.members[i as usize].ty.clone(),
                 other => match other.indexed() {
                     Some((element, _)) => element,
-                    None => return self.refuse("an input has no such part"),
+                    None => return self.refuse("the input has no such component"),
                 },
             };
         }

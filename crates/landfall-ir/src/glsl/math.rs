@@ -1,6 +1,6 @@
-//! The language's own functions of numbers (GLSL 4.60 §8.1 to §8.8), where naga has them.
+//! Built-in functions of numbers (GLSL 4.60 §8.1 to §8.8) that naga supports.
 //!
-//! One table says what each takes; [`math_expanded`](super::math_expanded) writes out the rest.
+//! A table lists their argument types; [`math_expanded`](super::math_expanded) expands the others.
 
 use naga::{DerivativeAxis, DerivativeControl, Expression, Handle, MathFunction as M, ScalarKind};
 
@@ -10,22 +10,23 @@ use super::body::{Body, Val};
 use super::operators::comparison;
 use super::types::{Kind, Ty};
 
-/// What the arguments of a function are.
+/// The arguments that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Takes {
     /// Scalars or vectors of floats, all of one size; a scalar fills a vector.
     Floats,
-    /// The same of any numbers.
+    /// Scalars or vectors of any numbers, with the same rule.
     Numbers,
-    /// A vector of floats, or some.
+    /// One or more vectors of floats.
     Vectors,
-    /// Whole numbers; the result is `int`.
+    /// Integers; the result is `int`.
     Bits,
     /// A square matrix.
     Square,
 }
 
-/// Functions that are one of naga's: name, how many arguments, which, naga's name.
+/// Functions with a counterpart in naga: name, number of arguments, argument types, naga's
+/// function.
 const TABLE: &[(&str, usize, Takes, M)] = &[
     ("radians", 1, Takes::Floats, M::Radians),
     ("degrees", 1, Takes::Floats, M::Degrees),
@@ -72,7 +73,7 @@ const TABLE: &[(&str, usize, Takes, M)] = &[
     ("inverse", 1, Takes::Square, M::Inverse),
 ];
 
-/// Functions that pack and unpack: argument, result, naga's name.
+/// Packing functions: name, argument, result, naga's function.
 const PACKING: &[(&str, Ty, Ty, M)] = &[
     ("packSnorm4x8", Ty::Vector(Kind::Float, 4), Ty::UINT, M::Pack4x8snorm),
     ("packUnorm4x8", Ty::Vector(Kind::Float, 4), Ty::UINT, M::Pack4x8unorm),
@@ -86,7 +87,7 @@ const PACKING: &[(&str, Ty, Ty, M)] = &[
     ("unpackHalf2x16", Ty::UINT, Ty::Vector(Kind::Float, 2), M::Unpack2x16float),
 ];
 
-/// Functions of other shapes, here and in [`math_expanded`](super::math_expanded).
+/// Functions with other signatures, lowered here and in [`math_expanded`](super::math_expanded).
 const OTHERS: &[&str] = &[
     "mod",
     "mix",
@@ -145,7 +146,7 @@ impl Body<'_, '_> {
         self.add(Expression::Math { fun, arg, arg1: of(1), arg2: of(2), arg3: of(3) })
     }
 
-    /// Calls a function of numbers; `None` when it does not take these.
+    /// Lowers a function of numbers; `None` if it does not take these arguments.
     pub fn math_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
         let row = TABLE.iter().find(|row| row.0 == name && row.1 == values.len());
         if let Some((_, _, takes, fun)) = row {
@@ -256,7 +257,7 @@ impl Body<'_, '_> {
         Ok(Some(Val { expr, ty }))
     }
 
-    /// Scalars and vectors as vectors of one size and kind; `None` when they are not alike.
+    /// Converts scalars and vectors to one size and kind; `None` if their sizes differ.
     pub fn alike(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
         let mut size = 1;
         let mut kind = if floats { Kind::Half } else { Kind::Short };
@@ -286,7 +287,7 @@ impl Body<'_, '_> {
         Ok(Some(alike))
     }
 
-    /// A scalar or vector as one of floats.
+    /// Converts a scalar or vector to floats.
     pub fn float(&mut self, value: &Val) -> R<Val> {
         match value.ty.kind() {
             Some(kind) if kind.is_float() => Ok(value.clone()),

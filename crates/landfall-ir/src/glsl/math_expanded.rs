@@ -1,4 +1,4 @@
-//! Functions that naga has not, or not for every type: written out in operators.
+//! Built-in functions that naga lacks, or lacks for some types, expanded to operators.
 
 use naga::{BinaryOperator as B, Expression, MathFunction as M};
 
@@ -8,7 +8,7 @@ use super::body::{Body, Val};
 use super::types::{Kind, Ty};
 
 impl<'a> Body<'_, 'a> {
-    /// `None` when the function does not take these.
+    /// Lowers a function; `None` if it does not take these arguments.
     pub fn expanded_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
         match (name, values) {
             ("mod", [_, _]) => {
@@ -59,7 +59,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The geometric functions (GLSL 4.60 §8.5), which naga has for vectors only.
+    /// Lowers the geometric functions (GLSL 4.60 §8.5), which naga has for vectors only.
     fn geometric_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
         match (name, values) {
             ("length", [x]) => {
@@ -155,7 +155,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty: Ty::Scalar(kind) })
     }
 
-    /// Functions that write to their arguments.
+    /// Lowers functions that write to their arguments.
     pub fn output_call(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
         match (name, arguments) {
             ("modf", [x, whole]) => {
@@ -205,7 +205,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// 1 where a comparison holds, else 0.
+    /// Returns 1 where a comparison holds, else 0.
     fn bit(&mut self, holds: naga::Handle<Expression>, ty: &Ty) -> R<Val> {
         let size = ty.components().map_or(1, |(_, size)| size);
         let kind = ty.kind().unwrap_or(Kind::Uint);
@@ -213,10 +213,11 @@ impl<'a> Body<'_, 'a> {
         self.convert(&value, &Ty::of(kind, size))
     }
 
-    /// Exponent and significand of a float by its bits: naga's own is not in every backend.
+    /// Returns the exponent and significand of a float from its bits, because not every backend
+    /// supports naga's function.
     fn frexp(&mut self, x: &Val) -> R<(Val, Val)> {
         let Some((Kind::Float, size)) = x.ty.components() else {
-            return self.refuse("`frexp` of anything but floats cannot run");
+            return self.refuse("`frexp` supports floats only");
         };
         let number = |this: &mut Self, kind, value: f64| {
             let scalar = this.number(kind, value);
@@ -270,7 +271,7 @@ impl<'a> Body<'_, 'a> {
         Ok((exponent, Val { expr: value, ty: x.ty.clone() }))
     }
 
-    /// The two words of a number of 64 bits, the low one first.
+    /// Returns the two words of a 64-bit number, the low one first.
     pub(super) fn halves(&mut self, value: &Val, kind: Kind) -> R<Val> {
         let value = self.convert(value, &Ty::of(kind, 1))?;
         let uint = naga::ScalarKind::Uint;
@@ -282,7 +283,7 @@ impl<'a> Body<'_, 'a> {
         self.compose(&Ty::Vector(Kind::Uint, 2), words.to_vec())
     }
 
-    /// A number of 64 bits from its two words.
+    /// Returns a 64-bit number from its two words.
     pub(super) fn joined(&mut self, words: &Val, kind: Kind) -> R<Val> {
         let words = self.convert(words, &Ty::Vector(Kind::Uint, 2))?;
         let uint = naga::ScalarKind::Uint;
@@ -299,14 +300,14 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty: Ty::of(kind, 1) })
     }
 
-    /// All 64 bits of a product, from products of 16-bit halves.
+    /// Returns all 64 bits of a product, from products of 16-bit halves.
     fn multiply_extended(
         &mut self,
         signed: bool,
         a: &Val,
         b: &Val,
-        high: &super::place::Place,
-        low: &super::place::Place,
+        high: &super::lvalue::Place,
+        low: &super::lvalue::Place,
     ) -> R<Val> {
         let size = a.ty.components().map_or(1, |(_, size)| size);
         let uint = Ty::of(Kind::Uint, size);

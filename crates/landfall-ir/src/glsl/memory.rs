@@ -1,26 +1,26 @@
-//! Loads and stores: values out of places and into them.
+//! Lowers loads from places and stores to them.
 //!
-//! What a block holds is in [`host`](super::host) memory, which may be other types than its
-//! values', or words: this turns one into the other.
+//! The [`block_types`](super::block_types) memory of a block may have other types than its values,
+//! or be words: loads and stores convert between them.
 
 use std::rc::Rc;
 
 use naga::{BinaryOperator, Expression, Handle, Statement};
 
 use super::R;
+use super::block_types::{BlockType, BlockTypeKind, stored_vector, transposed};
 use super::body::{Body, Val};
-use super::host::{Host, HostKind, stored_vector, transposed};
-use super::place::{Address, Index, Mem, Place};
+use super::lvalue::{Address, Index, Mem, Place};
 use super::types::{Kind, Ty, carried};
 
-/// Arrays longer than this are copied by a loop.
+/// The longest array that is copied without a loop.
 const LONGEST_UNROLLED: u32 = 8;
 
-/// Values copied one by one, at most.
+/// The most values copied one by one.
 const MOST_COPIED: u64 = 4096;
 
 impl Body<'_, '_> {
-    /// The value there.
+    /// Loads the value of a place.
     pub fn load(&mut self, place: &Place) -> R<Val> {
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
@@ -31,21 +31,21 @@ impl Body<'_, '_> {
         match &place.mem {
             Mem::Own(pointer) => {
                 if place.ty.has_opaque() && !super::types::holds_values(&place.ty) {
-                    return self.refuse(format!("a `{}` has no value", place.ty));
+                    return self.refuse(format!("a `{}` cannot be used as a value", place.ty));
                 }
                 let expr = self.add(Expression::Load { pointer: *pointer });
                 Ok(Val { expr, ty: place.ty.clone() })
             }
-            Mem::Host(at, host) => {
+            Mem::BlockType(at, block_type) => {
                 self.check_copied(&place.ty)?;
-                self.load_host(at, host)
+                self.load_host(at, block_type)
             }
-            Mem::Column(at, host, column) => {
-                let (_, rows) = stored_vector(&host.ty, true);
+            Mem::Column(at, block_type, column) => {
+                let (_, rows) = stored_vector(&block_type.ty, true);
                 let mut components = Vec::new();
                 for row in 0..u32::from(rows) {
                     let column = Place::new(
-                        Mem::Column(at.clone(), host.clone(), *column),
+                        Mem::Column(at.clone(), block_type.clone(), *column),
                         place.ty.clone(),
                     );
                     let part = self.element_of(&column, Index::Fixed(row))?;
@@ -53,50 +53,53 @@ impl Body<'_, '_> {
                 }
                 self.compose(&place.ty, components)
             }
-            Mem::Nothing => self.refuse(format!("a `{}` has no value", place.ty)),
+            Mem::Nothing => self.refuse(format!("a `{}` cannot be used as a value", place.ty)),
         }
     }
 
     fn check_copied(&self, ty: &Ty) -> R<()> {
         if copied(ty) > MOST_COPIED {
-            return self.refuse(format!("values of `{ty}` are too large to be copied as a whole"));
+            return self.refuse(format!("values of `{ty}` are too large to copy"));
         }
         Ok(())
     }
 
-    pub fn load_host(&mut self, at: &Address, host: &Rc<Host>) -> R<Val> {
-        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
-            let runtime = matches!(host.ty, Ty::Array(_, None));
-            if !runtime && !host.ty.has_opaque() && self.cx.carrier(&host.ty, self.span)? == naga {
+    pub fn load_host(&mut self, at: &Address, block_type: &Rc<BlockType>) -> R<Val> {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, block_type.naga) {
+            let runtime = matches!(block_type.ty, Ty::Array(_, None));
+            if !runtime
+                && !block_type.ty.has_opaque()
+                && self.cx.value_type(&block_type.ty, self.span)? == naga
+            {
                 let expr = self.add(Expression::Load { pointer: *pointer });
-                return Ok(Val { expr, ty: host.ty.clone() });
+                return Ok(Val { expr, ty: block_type.ty.clone() });
             }
         }
-        match &host.kind {
-            HostKind::Leaf | HostKind::Atomic => self.load_leaf(at, &host.ty),
-            HostKind::Matrix { stride, row_major, plain } => {
+        match &block_type.kind {
+            BlockTypeKind::Leaf | BlockTypeKind::Atomic => self.load_leaf(at, &block_type.ty),
+            BlockTypeKind::Matrix { stride, row_major, plain } => {
                 if let (Address::Pointer(pointer), true) = (at, plain) {
                     let expr = self.add(Expression::Load { pointer: *pointer });
-                    return Ok(Val { expr, ty: host.ty.clone() });
+                    return Ok(Val { expr, ty: block_type.ty.clone() });
                 }
-                let (vector, count) = stored_vector(&host.ty, *row_major);
+                let (vector, count) = stored_vector(&block_type.ty, *row_major);
                 let mut vectors = Vec::new();
                 for i in 0..u32::from(count) {
                     let at = self.step(at, Index::Fixed(i), *stride);
                     vectors.push(self.load_leaf(&at, &vector)?.expr);
                 }
                 if !row_major {
-                    return self.compose(&host.ty, vectors);
+                    return self.compose(&block_type.ty, vectors);
                 }
-                let rows = self.compose(&transposed(&host.ty), vectors)?;
-                Ok(Val { expr: self.transpose(rows.expr), ty: host.ty.clone() })
+                let rows = self.compose(&transposed(&block_type.ty), vectors)?;
+                Ok(Val { expr: self.transpose(rows.expr), ty: block_type.ty.clone() })
             }
-            HostKind::Array { element, stride, len } => {
+            BlockTypeKind::Array { element, stride, len } => {
                 let Some(len) = *len else {
-                    return self.refuse("a runtime-sized array is no value");
+                    return self.refuse("a runtime-sized array cannot be used as a value");
                 };
                 if len > LONGEST_UNROLLED {
-                    let local = self.local("", &host.ty)?;
+                    let local = self.local("", &block_type.ty)?;
                     let pointer = self.local_pointer(local);
                     let count = self.u32(len);
                     self.repeat(count, |this, index| {
@@ -107,31 +110,31 @@ impl Body<'_, '_> {
                         Ok(())
                     })?;
                     let expr = self.add(Expression::Load { pointer });
-                    return Ok(Val { expr, ty: host.ty.clone() });
+                    return Ok(Val { expr, ty: block_type.ty.clone() });
                 }
                 let mut components = Vec::new();
                 for i in 0..len {
                     let at = self.step(at, Index::Fixed(i), *stride);
                     components.push(self.load_host(&at, element)?.expr);
                 }
-                self.compose(&host.ty, components)
+                self.compose(&block_type.ty, components)
             }
-            HostKind::Struct(members) => {
-                let Ty::Struct(structure) = &host.ty else {
-                    return self.refuse("a block holds no structure here");
+            BlockTypeKind::Struct(members) => {
+                let Ty::Struct(structure) = &block_type.ty else {
+                    return self.refuse("expected a structure in the block");
                 };
                 let mut components = Vec::new();
                 for field in carried(structure) {
                     let Some(member) = members.iter().find(|m| m.name == field.name) else {
-                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                        return self.refuse(format!("`{}` has no offset in its block", field.name));
                     };
                     let at = match at {
                         Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
                         words @ Address::Words { .. } => words.further(member.offset),
                     };
-                    components.push(self.load_host(&at, &member.host)?.expr);
+                    components.push(self.load_host(&at, &member.block_type)?.expr);
                 }
-                self.compose(&host.ty, components)
+                self.compose(&block_type.ty, components)
             }
         }
     }
@@ -139,7 +142,7 @@ impl Body<'_, '_> {
     fn load_leaf(&mut self, at: &Address, ty: &Ty) -> R<Val> {
         let Some((kind, size)) = ty.components() else {
             let Address::Pointer(pointer) = at else {
-                return self.refuse(format!("a `{ty}` is no word"));
+                return self.refuse(format!("`{ty}` is not a 32-bit type"));
             };
             let expr = self.add(Expression::Load { pointer: *pointer });
             return Ok(Val { expr, ty: ty.clone() });
@@ -184,7 +187,7 @@ impl Body<'_, '_> {
         Ok(Val { expr, ty: ty.clone() })
     }
 
-    /// A scalar of 8 bytes, of two words.
+    /// Loads a scalar of 8 bytes from two words.
     fn load_wide(&mut self, at: &Address, kind: Kind) -> Handle<Expression> {
         let uint = naga::ScalarKind::Uint;
         let mut halves = Vec::new();
@@ -217,7 +220,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// A pointer to the word at an address.
+    /// Returns a pointer to the word at an address.
     pub fn word(&mut self, at: &Address) -> Handle<Expression> {
         let Address::Words { block, fours, fixed, dynamic } = at else {
             unreachable!("only blocks of words have words");
@@ -244,10 +247,10 @@ impl Body<'_, '_> {
         self.add(Expression::Access { base, index })
     }
 
-    /// Puts a value of the place's type there.
+    /// Stores a value of the place's type.
     pub fn store(&mut self, place: &Place, value: &Val) -> R<()> {
         if !place.writable {
-            return self.refuse("what is on the left cannot be written");
+            return self.refuse("the left side of the assignment is not writable");
         }
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
@@ -264,14 +267,14 @@ impl Body<'_, '_> {
                 self.statement(Statement::Store { pointer: *pointer, value: value.expr });
                 Ok(())
             }
-            Mem::Host(at, host) => {
+            Mem::BlockType(at, block_type) => {
                 self.check_copied(&place.ty)?;
-                self.store_host(at, host, value.expr)
+                self.store_host(at, block_type, value.expr)
             }
-            Mem::Column(at, host, column) => {
-                let (_, rows) = stored_vector(&host.ty, true);
+            Mem::Column(at, block_type, column) => {
+                let (_, rows) = stored_vector(&block_type.ty, true);
                 for row in 0..rows {
-                    let mem = Mem::Column(at.clone(), host.clone(), *column);
+                    let mem = Mem::Column(at.clone(), block_type.clone(), *column);
                     let column = Place::new(mem, place.ty.clone());
                     let part = self.element_of(&column, Index::Fixed(row.into()))?;
                     let component = self.select(value, &[row])?;
@@ -279,32 +282,34 @@ impl Body<'_, '_> {
                 }
                 Ok(())
             }
-            Mem::Nothing => self.refuse(format!("a `{}` cannot be written", place.ty)),
+            Mem::Nothing => self.refuse(format!("a `{}` is not writable", place.ty)),
         }
     }
 
     pub fn store_host(
         &mut self,
         at: &Address,
-        host: &Rc<Host>,
+        block_type: &Rc<BlockType>,
         value: Handle<Expression>,
     ) -> R<()> {
-        if let (Address::Pointer(pointer), Some(naga)) = (at, host.naga) {
-            let runtime = matches!(host.ty, Ty::Array(_, None));
-            if !runtime && self.cx.carrier(&host.ty, self.span)? == naga {
+        if let (Address::Pointer(pointer), Some(naga)) = (at, block_type.naga) {
+            let runtime = matches!(block_type.ty, Ty::Array(_, None));
+            if !runtime && self.cx.value_type(&block_type.ty, self.span)? == naga {
                 self.statement(Statement::Store { pointer: *pointer, value });
                 return Ok(());
             }
         }
-        match &host.kind {
-            HostKind::Leaf | HostKind::Atomic => self.store_leaf(at, &host.ty, value),
-            HostKind::Matrix { stride, row_major, plain } => {
+        match &block_type.kind {
+            BlockTypeKind::Leaf | BlockTypeKind::Atomic => {
+                self.store_leaf(at, &block_type.ty, value)
+            }
+            BlockTypeKind::Matrix { stride, row_major, plain } => {
                 if let (Address::Pointer(pointer), true) = (at, plain) {
                     self.statement(Statement::Store { pointer: *pointer, value });
                     return Ok(());
                 }
                 let vectors = if *row_major { self.transpose(value) } else { value };
-                let (vector, count) = stored_vector(&host.ty, *row_major);
+                let (vector, count) = stored_vector(&block_type.ty, *row_major);
                 for i in 0..u32::from(count) {
                     let at = self.step(at, Index::Fixed(i), *stride);
                     let part = self.part(vectors, i);
@@ -312,12 +317,12 @@ impl Body<'_, '_> {
                 }
                 Ok(())
             }
-            HostKind::Array { element, stride, len } => {
+            BlockTypeKind::Array { element, stride, len } => {
                 let Some(len) = *len else {
-                    return self.refuse("a runtime-sized array cannot be written as a whole");
+                    return self.refuse("a runtime-sized array cannot be assigned as a whole");
                 };
                 if len > LONGEST_UNROLLED {
-                    let from = self.spill(&Val { expr: value, ty: host.ty.clone() })?;
+                    let from = self.spill(&Val { expr: value, ty: block_type.ty.clone() })?;
                     let count = self.u32(len);
                     return self.repeat(count, |this, index| {
                         let from = this.element_of(&from, Index::Dynamic(index))?;
@@ -333,20 +338,20 @@ impl Body<'_, '_> {
                 }
                 Ok(())
             }
-            HostKind::Struct(members) => {
-                let Ty::Struct(structure) = &host.ty else {
-                    return self.refuse("a block holds no structure here");
+            BlockTypeKind::Struct(members) => {
+                let Ty::Struct(structure) = &block_type.ty else {
+                    return self.refuse("expected a structure in the block");
                 };
                 for (i, field) in carried(structure).enumerate() {
                     let Some(member) = members.iter().find(|m| m.name == field.name) else {
-                        return self.refuse(format!("`{}` has no place in its block", field.name));
+                        return self.refuse(format!("`{}` has no offset in its block", field.name));
                     };
                     let at = match at {
                         Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
                         words @ Address::Words { .. } => words.further(member.offset),
                     };
                     let part = self.part(value, i as u32);
-                    self.store_host(&at, &member.host, part)?;
+                    self.store_host(&at, &member.block_type, part)?;
                 }
                 Ok(())
             }
@@ -356,7 +361,7 @@ impl Body<'_, '_> {
     fn store_leaf(&mut self, at: &Address, ty: &Ty, value: Handle<Expression>) -> R<()> {
         let Some((kind, size)) = ty.components() else {
             let Address::Pointer(pointer) = at else {
-                return self.refuse(format!("a `{ty}` is no word"));
+                return self.refuse(format!("`{ty}` is not a 32-bit type"));
             };
             self.statement(Statement::Store { pointer: *pointer, value });
             return Ok(());
@@ -397,7 +402,7 @@ impl Body<'_, '_> {
     }
 }
 
-/// Values that are copied one by one when a value is, a loop's counted once.
+/// Returns the number of values copied one by one for a type; a loop's are counted once.
 fn copied(ty: &Ty) -> u64 {
     match ty {
         Ty::Array(element, len) => {

@@ -1,7 +1,7 @@
-//! Handles: samplers, textures and images as the globals naga binds.
+//! Handles: samplers, textures and images, as naga's global variables.
 //!
-//! `uniform sampler2D t` is a texture and a sampler; arrays of them, and those in structures, are
-//! one of each an element. A handle is found by its way from a name: `materials[2].diffuse`.
+//! `uniform sampler2D t` becomes a texture and a sampler; each element of an array, and each member
+//! of a structure, becomes its own pair. A handle is found by its path: `materials[2].diffuse`.
 
 use std::num::NonZeroU32;
 
@@ -9,25 +9,26 @@ use naga::{Expression, Handle, ImageClass, StorageAccess, StorageFormat, TypeInn
 
 use super::ast::Qualifiers;
 use super::body::{Body, Val};
-use super::place::Way;
+use super::lvalue::Way;
 use super::types::{Image, Kind, Opaque, Ty};
 use super::{Help, Lowerer, R, refuse};
 use crate::module::{HandleKind, ModuleHandle};
 use landfall_layout::source::Span;
 
-/// Handles of one shader at most: each element of an array is one.
+/// The most handles of a shader, elements of arrays counted each.
 const MOST_HANDLES: usize = 4096;
 
-/// Arrays of more handles than this are bound as one, and not chosen from by a `switch`.
+/// The most handles of an array that are bound individually and selected by a `switch`; a larger
+/// array is bound as one.
 const MOST_SWITCHED: u32 = 64;
 
-/// An array of handles that is bound as one: its size, if it has one.
+/// The size of an array of handles that is bound as one, if it has one.
 #[derive(Clone, Copy)]
 struct Many {
     len: Option<u32>,
 }
 
-/// What stands for a handle in the module.
+/// The global variables of a handle.
 #[derive(Clone, Debug)]
 pub struct HandlePair {
     pub opaque: Opaque,
@@ -38,22 +39,22 @@ pub struct HandlePair {
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
     Global(Handle<naga::GlobalVariable>),
-    /// All handles of an array that naga binds as one.
+    /// An array of handles that naga binds as one.
     Array(Handle<naga::GlobalVariable>),
     Element(Handle<naga::GlobalVariable>, Handle<Expression>),
     Argument(u32),
 }
 
-/// A handle as an expression names it.
+/// A handle in an expression.
 #[derive(Clone, Debug)]
 pub enum Chosen {
-    /// By its way.
+    /// By its path.
     At(Way, Ty),
     /// `sampler2D(texture, sampler)`.
     Joined(Opaque, Box<[Chosen; 2]>),
 }
 
-/// Every handle in a type, by its way from a value of it.
+/// Returns every handle in a type, by its path.
 pub fn ways(ty: &Ty) -> Vec<(String, Opaque)> {
     let mut found = Vec::new();
     collect(ty, String::new(), &mut found);
@@ -85,7 +86,7 @@ fn collect(ty: &Ty, way: String, found: &mut Vec<(String, Opaque)>) {
 }
 
 impl<'a> Lowerer<'a> {
-    /// Makes globals of all handles of a uniform.
+    /// Creates the global variables of all handles in a uniform.
     pub fn declare_handles(
         &mut self,
         name: &str,
@@ -107,14 +108,17 @@ impl<'a> Lowerer<'a> {
             if len.is_none() && element.has_opaque() {
                 return Err(refuse(
                     span,
-                    format!("`{name}` is an array of handles without a size"),
+                    format!("`{name}` is an array of samplers or images without a size"),
                 )
-                .help("write the number of elements between the brackets"));
+                .help("write the number of elements in the brackets"));
             }
         }
         let found = ways(ty);
         if self.handles.len() + found.len() > MOST_HANDLES {
-            return Err(refuse(span, format!("the shader has more than {MOST_HANDLES} handles")));
+            return Err(refuse(
+                span,
+                format!("the shader has more than {MOST_HANDLES} samplers and images"),
+            ));
         }
         let group = self.layout_number(qualifiers, "set").unwrap_or(0);
         let mut binding = self.layout_number(qualifiers, "binding");
@@ -191,7 +195,7 @@ impl<'a> Lowerer<'a> {
                 pair.image = Some(global(self, HandleKind::Image, at, inner));
             }
             Opaque::Foreign(name) => {
-                let message = format!("`{path}` is a `{name}`, which naga has no counterpart for");
+                let message = format!("`{path}` is a `{name}`, which naga does not support");
                 return Err(refuse(span, message));
             }
         }
@@ -214,8 +218,8 @@ impl<'a> Lowerer<'a> {
             (false, _) => None,
         });
         let Some(format) = format else {
-            let message = format!("image `{path}` has no format naga knows");
-            return Err(refuse(span, message).help("write one, such as `layout(rgba32f)`"));
+            let message = format!("image `{path}` has no format that naga supports");
+            return Err(refuse(span, message).help("declare a format: `layout(rgba32f)`"));
         };
         let mut access = StorageAccess::LOAD | StorageAccess::STORE;
         if qualifiers.readonly {
@@ -241,17 +245,19 @@ pub fn image_type(image: &Image) -> TypeInner {
 }
 
 impl Body<'_, '_> {
-    /// The handle of a way without a variable index.
+    /// Returns the handle of a path without a variable index.
     pub fn handle(&self, way: &str) -> R<HandlePair> {
         let found = self.handles.get(way).or_else(|| self.cx.handles.get(way));
         match found.cloned() {
             Some(pair) => Ok(pair),
-            None => self
-                .refuse(format!("`{}` is no handle of this shader", way.trim_start_matches('#'))),
+            None => self.refuse(format!(
+                "`{}` is not a sampler or image of this shader",
+                way.trim_start_matches('#')
+            )),
         }
     }
 
-    /// The array that naga binds as one in which a way ends: `textures[3]`.
+    /// Returns the array, bound as one, that a path ends in: `textures[3]`.
     fn bound_array(&self, way: &str) -> Option<(HandlePair, u32)> {
         let (name, index) = way.strip_suffix(']')?.rsplit_once('[')?;
         let array = self.cx.handles.get(&format!("{name}[?]"))?.clone();
@@ -261,17 +267,19 @@ impl Body<'_, '_> {
     pub fn source(&mut self, source: Option<Source>) -> R<Handle<Expression>> {
         match source {
             Some(Source::Global(global)) => Ok(self.global_pointer(global)),
-            Some(Source::Array(_)) => self.refuse("an array of handles is used without an index"),
+            Some(Source::Array(_)) => {
+                self.refuse("an array of samplers or images is used without an index")
+            }
             Some(Source::Element(global, index)) => {
                 let base = self.global_pointer(global);
                 Ok(self.add(Expression::Access { base, index }))
             }
             Some(Source::Argument(index)) => Ok(self.add(Expression::FunctionArgument(index))),
-            None => self.refuse("a texture and a sampler are wanted here, together"),
+            None => self.refuse("expected a combined texture and sampler"),
         }
     }
 
-    /// Runs `with` for the handle that is chosen; for one of several, in a `switch` over them.
+    /// Calls `with` for the selected handle; with a variable index, in a `switch` over all of them.
     pub fn with_handle(
         &mut self,
         chosen: &Chosen,

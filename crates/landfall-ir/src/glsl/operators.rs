@@ -7,28 +7,28 @@ use super::ast::Binary;
 use super::body::{Body, Val};
 use super::types::{Kind, Ty, carried};
 
-/// Values compared one by one, at most.
+/// The most components that a comparison expands to.
 const MOST_COMPARED: u64 = 1024;
 
 impl Body<'_, '_> {
-    /// A value as another type it becomes by itself.
+    /// Converts a value implicitly.
     pub fn coerce(&mut self, value: &Val, ty: &Ty) -> R<Val> {
         if !value.ty.converts_to(ty) {
-            return self.refuse(format!("a `{}` stands where a `{ty}` is wanted", value.ty));
+            return self.refuse(format!("expected `{ty}`, found `{}`", value.ty));
         }
         self.convert(value, ty)
     }
 
-    /// A scalar, vector or matrix with components of another kind.
+    /// Converts the components of a scalar, vector or matrix.
     pub fn convert(&mut self, value: &Val, ty: &Ty) -> R<Val> {
         if value.ty == *ty {
             return Ok(value.clone());
         }
         let (Some(from), Some(to)) = (value.ty.kind(), ty.kind()) else {
-            return self.refuse(format!("a `{}` is no `{ty}`", value.ty));
+            return self.refuse(format!("`{}` cannot be converted to `{ty}`", value.ty));
         };
         if value.ty.with_kind(to) != *ty {
-            return self.refuse(format!("a `{}` is no `{ty}`", value.ty));
+            return self.refuse(format!("`{}` cannot be converted to `{ty}`", value.ty));
         }
         if from == to {
             return Ok(Val { expr: value.expr, ty: ty.clone() });
@@ -56,14 +56,14 @@ impl Body<'_, '_> {
         Ok(Val { expr, ty: ty.clone() })
     }
 
-    /// The type two values become when one operator takes both, their shapes being the same.
+    /// Returns the common type of two operands of the same shape.
     pub fn common(&self, a: &Ty, b: &Ty) -> R<Ty> {
         if a.converts_to(b) {
             Ok(b.clone())
         } else if b.converts_to(a) {
             Ok(a.clone())
         } else {
-            self.refuse(format!("a `{a}` and a `{b}` do not go together"))
+            self.refuse(format!("mismatched types `{a}` and `{b}`"))
         }
     }
 
@@ -71,11 +71,11 @@ impl Body<'_, '_> {
         match (a.kind(), b.kind()) {
             (Some(x), Some(y)) if x.converts_to(y) => Ok(y),
             (Some(x), Some(y)) if y.converts_to(x) => Ok(x),
-            _ => self.refuse(format!("a `{a}` and a `{b}` do not go together")),
+            _ => self.refuse(format!("mismatched types `{a}` and `{b}`")),
         }
     }
 
-    /// What a binary operator gives.
+    /// Lowers a binary operator.
     pub fn operate(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
         match op {
             Binary::Equal | Binary::NotEqual => {
@@ -87,7 +87,7 @@ impl Body<'_, '_> {
             Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => {
                 let ty = self.common(&a.ty, &b.ty)?;
                 if !matches!(ty, Ty::Scalar(kind) if kind != Kind::Bool) {
-                    return self.refuse(format!("`<` and its like do not take a `{ty}`"));
+                    return self.refuse(format!("relational operators do not take a `{ty}`"));
                 }
                 let (a, b) = (self.convert(a, &ty)?, self.convert(b, &ty)?);
                 Ok(Val { expr: self.binary(comparison(op), a.expr, b.expr), ty: Ty::BOOL })
@@ -136,7 +136,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Two scalars or vectors as vectors of one size and kind.
+    /// Converts two scalars or vectors to one size and kind.
     pub fn same_shape(&mut self, a: &Val, b: &Val, kind: Kind) -> R<(Val, Val)> {
         let a = self.convert(a, &a.ty.with_kind(kind))?;
         let b = self.convert(b, &b.ty.with_kind(kind))?;
@@ -147,16 +147,16 @@ impl Body<'_, '_> {
                 let b = self.splat(&b, x)?;
                 Ok((a, b))
             }
-            _ => self.refuse(format!("a `{}` and a `{}` do not go together", a.ty, b.ty)),
+            _ => self.refuse(format!("mismatched types `{}` and `{}`", a.ty, b.ty)),
         }
     }
 
     fn shift(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
         let (Some((kind, size)), Some((by, width))) = (a.ty.components(), b.ty.components()) else {
-            return self.refuse(format!("a `{}` is not shifted", a.ty));
+            return self.refuse(format!("a `{}` cannot be shifted", a.ty));
         };
         if !kind.is_integer() || !by.is_integer() || (width != 1 && width != size) {
-            return self.refuse(format!("a `{}` is not shifted by a `{}`", a.ty, b.ty));
+            return self.refuse(format!("a `{}` cannot be shifted by a `{}`", a.ty, b.ty));
         }
         let by = self.convert(b, &b.ty.with_kind(Kind::Uint))?;
         let by = if width == 1 { self.splat(&by, size)? } else { by };
@@ -166,7 +166,7 @@ impl Body<'_, '_> {
 
     fn with_matrix(&mut self, op: Binary, a: &Val, b: &Val) -> R<Val> {
         let wrong =
-            |this: &Self| this.refuse(format!("a `{}` and a `{}` do not go together", a.ty, b.ty));
+            |this: &Self| this.refuse(format!("mismatched types `{}` and `{}`", a.ty, b.ty));
         if op == Binary::Multiply {
             let ty = match (&a.ty, &b.ty) {
                 (Ty::Matrix(..), Ty::Scalar(_)) => a.ty.clone(),
@@ -213,7 +213,7 @@ impl Body<'_, '_> {
         }
     }
 
-    /// Whether two values of one type are the same, or not the same.
+    /// Lowers `==` or `!=` of two values of one type.
     pub fn equal(
         &mut self,
         a: Handle<Expression>,
@@ -226,7 +226,7 @@ impl Body<'_, '_> {
             false => (B::NotEqual, RelationalFunction::Any, B::LogicalOr),
         };
         if ty.leaves() > MOST_COMPARED {
-            return self.refuse(format!("values of `{ty}` are too large to be compared"));
+            return self.refuse(format!("values of `{ty}` are too large to compare"));
         }
         let parts: Vec<(u32, Ty)> = match ty {
             Ty::Scalar(_) => return Ok(self.binary(op, a, b)),
@@ -242,7 +242,7 @@ impl Body<'_, '_> {
                 carried(s).enumerate().map(|(i, f)| (i as u32, f.ty.clone())).collect()
             }
             Ty::Array(..) | Ty::Void | Ty::Opaque(_) => {
-                return self.refuse(format!("values of `{ty}` are not compared"));
+                return self.refuse(format!("values of `{ty}` cannot be compared"));
             }
         };
         let mut result = None;
@@ -256,7 +256,7 @@ impl Body<'_, '_> {
         }
         match result {
             Some(result) => Ok(result),
-            None => self.refuse(format!("a `{ty}` has nothing to compare")),
+            None => self.refuse(format!("a `{ty}` has no values to compare")),
         }
     }
 }

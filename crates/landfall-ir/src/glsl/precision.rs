@@ -1,9 +1,9 @@
-//! Which expressions of an ES shader need no more than `mediump`: GLSL ES 3.20 §4.7.
+//! Finds the expressions of an ES shader that need no more than `mediump` (GLSL ES 3.20 §4.7).
 //!
-//! The parser says the precision of every type that is declared; this walks the tree by names
-//! and gives the spans of the expressions whose operands are all `mediump` or `lowp`. Lowering
-//! does not know of it: the evaluator finds an expression's span among them when it is asked
-//! to round. Integers are left as they are; expressions that come of one macro share a span.
+//! The parser records the precision of every declared type; this module walks the syntax tree and
+//! returns the spans of the expressions whose operands are all `mediump` or `lowp`. Lowering
+//! ignores them: the interpreter looks spans up when it rounds. Integers are not rounded;
+//! expressions from one macro share a span.
 
 use std::rc::Rc;
 
@@ -12,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::ast::*;
 use landfall_layout::source::Span;
 
-/// The spans of what may be rounded; none of a shader whose dialect has no precisions.
+/// Returns the spans of expressions that may be rounded; empty if the dialect has no precisions.
 pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
     let mut walk = Walk { scopes: vec![FxHashMap::default()], ..Walk::default() };
     for item in items {
@@ -29,7 +29,7 @@ pub fn reduced(items: &[Item<'_>]) -> FxHashSet<Span> {
 
 type Members<'a> = FxHashMap<&'a str, Known<'a>>;
 
-/// What is known of a variable or value: its precision, none of a literal; its members.
+/// The precision of a variable or value, `None` for a literal, and its members.
 #[derive(Clone, Debug, Default)]
 struct Known<'a> {
     precision: Option<Precision>,
@@ -173,7 +173,7 @@ impl<'a> Walk<'a> {
         known
     }
 
-    /// The highest precision of several; a literal takes that of its neighbours.
+    /// Returns the highest precision of several; literals have none of their own.
     fn highest<'e>(&mut self, all: impl IntoIterator<Item = &'e Expr<'a>>) -> Known<'a>
     where
         'a: 'e,
@@ -263,7 +263,7 @@ fn is_reduced(precision: Option<Precision>) -> bool {
     }
 }
 
-/// The language's own variables: GLSL ES 3.20 §7, 1.00 §7.
+/// Returns the precision of a built-in variable (GLSL ES 3.20 §7, 1.00 §7).
 fn predeclared<'a>(name: &str) -> Known<'a> {
     let precision = match name {
         "gl_FragColor" | "gl_FragData" | "gl_PointCoord" => Precision::Medium,

@@ -1,4 +1,4 @@
-//! What the language declares itself: `gl_Position`, `gl_FragCoord`, `gl_MaxDrawBuffers`.
+//! Built-in variables and constants: `gl_Position`, `gl_FragCoord`, `gl_MaxDrawBuffers`.
 
 use naga::BuiltIn;
 
@@ -10,7 +10,7 @@ use super::types::{Kind, Ty};
 use super::{Help, Lowerer, R, refuse};
 use landfall_layout::source::{Span, Stage};
 
-/// A variable of the language's: name, stage, whether it is an output, its type, naga's counterpart.
+/// A built-in variable: name, stage, whether it is an output, its type, and naga's built-in.
 type Row = (&'static str, Stage, bool, Ty, BuiltIn);
 
 fn rows() -> Vec<Row> {
@@ -59,7 +59,7 @@ fn rows() -> Vec<Row> {
     ]
 }
 
-/// Smallest values the language promises (GLSL 4.60 §7.3).
+/// The minimum values of built-in constants (GLSL 4.60 §7.3).
 const NUMBERS: &[(&str, i32)] = &[
     ("gl_MaxVertexAttribs", 16),
     ("gl_MaxVertexUniformComponents", 1024),
@@ -79,7 +79,7 @@ const NUMBERS: &[(&str, i32)] = &[
     ("gl_MaxLights", 8),
 ];
 
-/// Inputs of the fixed-function pipeline (GLSL 1.20 §7.3): carried as inputs.
+/// The inputs of the fixed-function pipeline (GLSL 1.20 §7.3), lowered to ordinary inputs.
 fn fixed_input(name: &str) -> Option<Ty> {
     Some(match name {
         "gl_Vertex" | "gl_Color" | "gl_SecondaryColor" => Ty::Vector(Kind::Float, 4),
@@ -111,7 +111,7 @@ impl<'a> Lowerer<'a> {
         Some(Const::Int(found.1))
     }
 
-    /// A variable of the language's own; made when it is first used.
+    /// Returns a built-in variable, created at its first use.
     pub fn predeclared(&mut self, name: &str, span: Span) -> R<Option<usize>> {
         if !name.starts_with("gl_") {
             return Ok(None);
@@ -164,8 +164,11 @@ impl<'a> Lowerer<'a> {
 fn unknown(name: &str, span: Span, stage: Stage) -> Box<landfall_layout::Diagnostic> {
     let uniform = |ty: &str| {
         let own = name.trim_start_matches("gl_");
-        refuse(span, format!("`{name}` is state of the fixed-function pipeline, which is gone"))
-            .help(format!("declare `uniform {ty} u_{own};` and use it in its place"))
+        refuse(
+            span,
+            format!("`{name}` is state of the fixed-function pipeline, which is not supported"),
+        )
+        .help(format!("declare `uniform {ty} u_{own};` and use it instead"))
     };
     if name.starts_with("gl_NormalMatrix") {
         return uniform("mat3");
@@ -178,6 +181,6 @@ fn unknown(name: &str, span: Span, stage: Stage) -> Box<landfall_layout::Diagnos
     if state.iter().any(|s| name.starts_with(s)) {
         return uniform("vec4");
     }
-    let message = format!("`{name}` is nothing that can run in a {} shader", stage.name());
+    let message = format!("`{name}` is not supported in a {} shader", stage.name());
     refuse(span, message)
 }

@@ -1,4 +1,4 @@
-//! Statements.
+//! Lowers statements.
 
 use naga::{Statement as S, SwitchCase, SwitchValue};
 
@@ -9,7 +9,7 @@ use super::construct::sized_by;
 use super::types::Ty;
 use super::{Lowerer, R};
 
-/// Statements that cases which go on with the next one may repeat in one `switch`.
+/// The most statements that fall-through may duplicate in one `switch`.
 const MOST_REPEATED: usize = 1000;
 
 impl<'a> Body<'_, 'a> {
@@ -78,7 +78,7 @@ impl<'a> Body<'_, 'a> {
                         let returns = self.returns.clone();
                         self.span = e.span;
                         if returns == Ty::Void {
-                            return self.refuse("a function that returns nothing returns a value");
+                            return self.refuse("a `void` function returns a value");
                         }
                         Some(self.coerce(&value, &returns)?.expr)
                     }
@@ -94,7 +94,7 @@ impl<'a> Body<'_, 'a> {
         Ok(())
     }
 
-    /// A branch, and whether it ends in a jump.
+    /// Lowers a branch, and returns whether it ends in a jump.
     fn branch(&mut self, statement: Option<&Statement<'a>>) -> R<(naga::Block, bool)> {
         let Some(statement) = statement else { return Ok((naga::Block::new(), false)) };
         self.nested(|this| {
@@ -163,13 +163,13 @@ impl<'a> Body<'_, 'a> {
         let unsigned = match selector.ty {
             Ty::INT => false,
             Ty::UINT => true,
-            _ => return self.refuse(format!("`switch` over a `{}`", selector.ty)),
+            _ => return self.refuse(format!("`switch` does not take a `{}`", selector.ty)),
         };
         let groups = match groups(statements) {
             Ok(groups) => groups,
             Err(first) => {
                 self.span = first;
-                return self.refuse("a statement before the first `case` is never run");
+                return self.refuse("statement before the first `case`");
             }
         };
         let mut cases: Vec<SwitchCase> = Vec::new();
@@ -188,7 +188,7 @@ impl<'a> Body<'_, 'a> {
                     for (later, (_, inside)) in groups[index..].iter().enumerate() {
                         repeated += if later > 0 { inside.len() } else { 0 };
                         if repeated > MOST_REPEATED {
-                            return this.refuse("too many cases go on with the next one");
+                            return this.refuse("too many cases fall through to the next one");
                         }
                         this.statements(inside)?;
                         if this.dead {
@@ -216,7 +216,7 @@ impl<'a> Body<'_, 'a> {
         let value = self.constant(e).and_then(|c| c.integer());
         let Some(value) = value else {
             self.span = e.span;
-            return self.refuse("this is no constant whole number");
+            return self.refuse("expected a constant integer");
         };
         Ok(if unsigned { SwitchValue::U32(value as u32) } else { SwitchValue::I32(value as i32) })
     }
@@ -285,7 +285,7 @@ impl<'a> Body<'_, 'a> {
         self.cx.dims(dims, &|e| self.constant(e))
     }
 
-    /// The type of a name, as the scopes say.
+    /// Returns the type of a name in scope.
     pub fn named_type(&self, name: &str, span: landfall_layout::Span) -> R<Ty> {
         match self.symbol(name) {
             Some(Symbol::Structure(ty)) => Ok(ty.clone()),
@@ -293,7 +293,7 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The value of a constant expression.
+    /// Returns the value of a constant expression.
     pub fn constant(&self, e: &Expr<'_>) -> Option<Const> {
         super::constant::evaluate(e, &|name| match self.symbol(name) {
             Some(Symbol::Const(_, value)) => Some(value.clone()),
@@ -303,10 +303,10 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Labels, and the statements after them.
+/// The labels of a case, and the statements after them.
 type Group<'s, 'a> = (&'s [Statement<'a>], &'s [Statement<'a>]);
 
-/// The cases of a `switch`; the place of a statement before the first label.
+/// Returns the cases of a `switch`, or the span of a statement before the first label.
 fn groups<'s, 'a>(
     mut rest: &'s [Statement<'a>],
 ) -> Result<Vec<Group<'s, 'a>>, landfall_layout::Span> {

@@ -9,7 +9,7 @@ use super::opaque::{Chosen, HandlePair};
 use super::types::{Image, Kind, Opaque, Ty};
 use landfall_layout::source::Stage;
 
-/// What a function's name says.
+/// The properties of a texture function, from its name.
 #[derive(Clone, Copy, Debug, Default)]
 struct Form {
     /// Coordinates are divided by their last component.
@@ -23,7 +23,7 @@ struct Form {
     shadow_vector: bool,
 }
 
-/// The form of a texture function, by its name.
+/// Returns the properties of a texture function by its name.
 fn form(name: &str) -> Option<Form> {
     let legacy = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "2DShadow"];
     let (base, shadow_vector) = match name.strip_prefix("texture") {
@@ -72,7 +72,7 @@ pub fn is_known(name: &str) -> bool {
     QUERIES.contains(&name) || form(name).is_some()
 }
 
-/// The arguments after the handle, and what is still to be taken of them.
+/// The arguments after the handle that are not consumed yet.
 struct Arguments {
     values: Vec<Val>,
     next: usize,
@@ -86,7 +86,7 @@ impl Arguments {
 }
 
 impl<'a> Body<'_, 'a> {
-    /// The handle that a call is given first, and the values of its other arguments.
+    /// Returns the handle, a call's first argument, and the values of the others.
     pub(super) fn handle_and_values(
         &mut self,
         name: &str,
@@ -94,7 +94,7 @@ impl<'a> Body<'_, 'a> {
         e: &Expr<'a>,
     ) -> R<(Chosen, Vec<Val>)> {
         let Some((first, rest)) = arguments.split_first() else {
-            return self.refuse(format!("`{name}` is given nothing"));
+            return self.refuse(format!("`{name}` takes at least one argument"));
         };
         let chosen = self.chosen(first)?;
         let mut values = Vec::new();
@@ -105,7 +105,7 @@ impl<'a> Body<'_, 'a> {
         Ok((chosen, values))
     }
 
-    /// A texture function; `None` when it is none.
+    /// Lowers a texture function; `None` if it is not one.
     pub fn texture_call(
         &mut self,
         name: &str,
@@ -151,7 +151,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Some(value))
     }
 
-    /// A sampled value.
+    /// Lowers a sampling function.
     fn sample(
         &mut self,
         pair: &HandlePair,
@@ -160,7 +160,7 @@ impl<'a> Body<'_, 'a> {
         arguments: &mut Arguments,
     ) -> R<Val> {
         let (texture, sampler) = (self.source(pair.image)?, self.source(pair.sampler)?);
-        let Some(given) = arguments.take() else { return self.refuse("coordinates are missing") };
+        let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let given = self.float(&given)?;
         let own = coordinates(image);
         let (_, count) = given.ty.components().unwrap_or((Kind::Float, 1));
@@ -168,7 +168,7 @@ impl<'a> Body<'_, 'a> {
         let count = if form.projected { count - 1 } else { count };
         let first: Vec<u8> = (0..own).collect();
         if count < own + u8::from(image.arrayed) {
-            return self.refuse(format!("a `{}` is no coordinate here", given.ty));
+            return self.refuse(format!("expected coordinates, found `{}`", given.ty));
         }
         let mut coordinate =
             if own == count { given.clone() } else { self.select(&given, &first)? };
@@ -187,7 +187,7 @@ impl<'a> Body<'_, 'a> {
         let mut level = self.level(image, form, arguments)?;
         let mut offset = None;
         if form.offset {
-            let Some(by) = arguments.take() else { return self.refuse("the offset is missing") };
+            let Some(by) = arguments.take() else { return self.refuse("missing offset") };
             if self.is_constant(by.expr) {
                 offset = Some(by.expr);
             } else {
@@ -226,7 +226,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty })
     }
 
-    /// The layer of an array that coordinates name: rounded, GLSL 4.60 §8.9.
+    /// Returns the array layer of coordinates, rounded (GLSL 4.60 §8.9).
     fn layer(&mut self, given: &Val, at: u8) -> R<Handle<Expression>> {
         let layer = self.select(given, &[at])?;
         let half = self.number(Kind::Float, 0.5);
@@ -235,8 +235,8 @@ impl<'a> Body<'_, 'a> {
         Ok(self.convert(&Val { expr: layer, ty: Ty::FLOAT }, &Ty::INT)?.expr)
     }
 
-    /// The number that depths are compared with: the last component of the coordinates; a cube
-    /// array's and a gather's stand alone.
+    /// Returns the reference value of a depth comparison: the last component of the coordinates, or
+    /// a separate argument for cube arrays and gathers.
     fn reference(
         &mut self,
         image: &Image,
@@ -251,12 +251,12 @@ impl<'a> Body<'_, 'a> {
             return Ok(self.select(given, &[inside])?.expr);
         }
         let Some(reference) = arguments.take() else {
-            return self.refuse("what to compare with is missing");
+            return self.refuse("missing reference value of the depth comparison");
         };
         Ok(self.coerce(&reference, &Ty::FLOAT)?.expr)
     }
 
-    /// The size of a texture as floats.
+    /// Returns the size of a texture as floats.
     fn texels(&mut self, texture: Handle<Expression>, components: u8) -> R<Val> {
         let query = ImageQuery::Size { level: None };
         let size = self.add(Expression::ImageQuery { image: texture, query });
@@ -264,10 +264,10 @@ impl<'a> Body<'_, 'a> {
         self.convert(&size, &Ty::of(Kind::Float, components))
     }
 
-    /// The level of detail that a function is given, or the automatic one.
+    /// Returns the explicit level of detail of a function, or the automatic one.
     fn level(&mut self, image: &Image, form: Form, arguments: &mut Arguments) -> R<SampleLevel> {
         if form.lod {
-            let Some(lod) = arguments.take() else { return self.refuse("the level is missing") };
+            let Some(lod) = arguments.take() else { return self.refuse("missing level of detail") };
             let lod = self.coerce(&lod, &Ty::FLOAT)?;
             return Ok(match image.depth {
                 // naga compares at the first level only.
@@ -277,7 +277,7 @@ impl<'a> Body<'_, 'a> {
         }
         if form.grad {
             let (Some(x), Some(y)) = (arguments.take(), arguments.take()) else {
-                return self.refuse("the derivatives are missing");
+                return self.refuse("missing derivatives");
             };
             let ty = Ty::of(Kind::Float, coordinates(image));
             let (x, y) = (self.coerce(&x, &ty)?.expr, self.coerce(&y, &ty)?.expr);
@@ -289,7 +289,7 @@ impl<'a> Body<'_, 'a> {
         Ok(self.automatic_level())
     }
 
-    /// The component that `textureGather` takes of each texel.
+    /// Returns the component that `textureGather` reads.
     fn gathered(&mut self, arguments: &mut Arguments) -> R<naga::SwizzleComponent> {
         use naga::Literal::I32;
         use naga::SwizzleComponent as Component;
@@ -299,11 +299,11 @@ impl<'a> Body<'_, 'a> {
             Some(Expression::Literal(I32(1))) => Ok(Component::Y),
             Some(Expression::Literal(I32(2))) => Ok(Component::Z),
             Some(Expression::Literal(I32(3))) => Ok(Component::W),
-            Some(_) => self.refuse("the component that is gathered is no constant"),
+            Some(_) => self.refuse("the component to gather must be a constant"),
         }
     }
 
-    /// Level by derivatives where there are some, else the first.
+    /// Returns the automatic level where derivatives exist, else level 0.
     fn automatic_level(&self) -> SampleLevel {
         match self.cx.stage {
             Some(Stage::Fragment) | None => SampleLevel::Auto,
@@ -311,8 +311,8 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// Whole-number textures are not filtered: naga has no sampling of them, so the texel
-    /// that a nearest, repeating sampler gives is loaded.
+    /// Lowers sampling of integer textures, which naga does not support, to a load of the texel
+    /// that a nearest, repeating sampler returns.
     fn nearest(
         &mut self,
         texture: Handle<Expression>,
@@ -322,7 +322,7 @@ impl<'a> Body<'_, 'a> {
     ) -> R<Val> {
         let own = coordinates(image);
         if image.dim == ImageDimension::Cube {
-            return self.refuse("a cube of whole numbers cannot be sampled");
+            return self.refuse("integer cube textures cannot be sampled");
         }
         let zero = self.number(Kind::Int, 0.0);
         let query = ImageQuery::Size { level: Some(zero.expr) };
@@ -343,7 +343,7 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
     }
 
-    /// Coordinates divided by the last of them.
+    /// Returns the coordinates divided by the last one.
     fn project(&mut self, given: &Val, count: u8) -> R<Val> {
         let last = self.select(given, &[count - 1])?;
         let rest: Vec<u8> = (0..count - 1).collect();
@@ -371,7 +371,7 @@ impl<'a> Body<'_, 'a> {
         arguments: &mut Arguments,
     ) -> R<Val> {
         let texture = self.source(pair.image)?;
-        let Some(given) = arguments.take() else { return self.refuse("coordinates are missing") };
+        let Some(given) = arguments.take() else { return self.refuse("missing coordinates") };
         let (mut coordinate, array_index) = self.texel(image, &given)?;
         let extra = if image.rectangle { None } else { arguments.take() };
         let extra = match extra {
@@ -379,7 +379,7 @@ impl<'a> Body<'_, 'a> {
             None => self.number(Kind::Int, 0.0),
         };
         if form.offset {
-            let Some(by) = arguments.take() else { return self.refuse("the offset is missing") };
+            let Some(by) = arguments.take() else { return self.refuse("missing offset") };
             coordinate = self.operate(Binary::Add, &coordinate, &by)?;
         }
         let (sample, level) =
@@ -398,16 +398,16 @@ impl<'a> Body<'_, 'a> {
         Ok(Val { expr, ty: Ty::Vector(image.kind, 4) })
     }
 
-    /// Whole coordinates, and the layer of an array.
+    /// Returns integer coordinates, and the layer of an array.
     pub fn texel(&mut self, image: &Image, given: &Val) -> R<(Val, Option<Handle<Expression>>)> {
         let own = coordinates(image);
         // The sides of a cube are layers of it to images.
         let Some((_, count)) = given.ty.components().filter(|(k, _)| k.is_integer()) else {
-            return self.refuse(format!("a `{}` is no coordinate of a texel", given.ty));
+            return self.refuse(format!("expected texel coordinates, found `{}`", given.ty));
         };
         let wanted = own + u8::from(image.arrayed);
         if count < wanted {
-            return self.refuse(format!("a `{}` is no coordinate here", given.ty));
+            return self.refuse(format!("expected coordinates, found `{}`", given.ty));
         }
         let first: Vec<u8> = (0..own).collect();
         let coordinate = if count == own { given.clone() } else { self.select(given, &first)? };
@@ -420,7 +420,7 @@ impl<'a> Body<'_, 'a> {
         Ok((coordinate, layer))
     }
 
-    /// Sizes and counts.
+    /// Lowers queries of sizes and counts.
     fn query(&mut self, name: &str, chosen: &Chosen, image: &Image, values: Vec<Val>) -> R<Val> {
         let count = image_size(image);
         let sized = name == "textureSize" || name == "imageSize";
@@ -458,7 +458,7 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-/// Coordinates without the layer.
+/// Returns the number of coordinates without the layer.
 fn coordinates(image: &Image) -> u8 {
     match image.dim {
         ImageDimension::D1 => 1,
@@ -467,7 +467,7 @@ fn coordinates(image: &Image) -> u8 {
     }
 }
 
-/// Components of `textureSize`.
+/// Returns the number of components of `textureSize`.
 fn image_size(image: &Image) -> u8 {
     let own = match image.dim {
         ImageDimension::D1 => 1,

@@ -1,11 +1,11 @@
-//! The types of GLSL's values, and the naga types that carry them outside of blocks.
+//! The types of GLSL values.
 
 use std::fmt;
 use std::rc::Rc;
 
 use naga::{ScalarKind, VectorSize};
 
-/// What a component is.
+/// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     Bool,
@@ -20,7 +20,7 @@ pub enum Kind {
     Ulong,
 }
 
-/// A type of a value.
+/// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ty {
     Void,
@@ -28,21 +28,21 @@ pub enum Ty {
     Vector(Kind, u8),
     /// Component, columns, rows.
     Matrix(Kind, u8, u8),
-    /// `None`: as many as the buffer, or the initialiser, holds.
+    /// An array; `None` if the buffer or the initialiser determines its size.
     Array(Rc<Ty>, Option<u32>),
     Struct(Rc<Structure>),
     Opaque(Opaque),
 }
 
-/// A structure: two of one name and other members are two types.
+/// A structure; two of the same name with different members are different types.
 #[derive(Debug)]
 pub struct Structure {
     pub id: u32,
     pub name: String,
     pub members: Vec<Field>,
-    /// Whether a sampler or image is in it, at any depth.
+    /// Whether it contains a sampler or image, at any depth.
     pub opaque: bool,
-    /// Scalars, vectors, matrices and handles in it, elements of arrays counted each.
+    /// The number of scalars, vectors, matrices and handles in it, elements of arrays counted each.
     pub leaves: u64,
 }
 
@@ -58,10 +58,10 @@ impl PartialEq for Structure {
     }
 }
 
-/// A handle: what it is to naga.
+/// The type of a handle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Opaque {
-    /// `sampler2D`: an image and how it is sampled.
+    /// `sampler2D`: a texture with a sampler.
     Combined(Image),
     /// Vulkan's `texture2D`.
     Texture(Image),
@@ -69,7 +69,7 @@ pub enum Opaque {
     Sampler { comparison: bool },
     /// `image2D`.
     Storage(Image),
-    /// A handle naga has no counterpart for, by its name.
+    /// A handle that naga does not support, by its name.
     Foreign(String),
 }
 
@@ -113,7 +113,7 @@ impl Kind {
         matches!(self, Kind::Int | Kind::Short | Kind::Long)
     }
 
-    /// GLSL 4.60 §4.1.10: how far up the ladder of implicit conversions it stands.
+    /// Returns the rank in the implicit conversions of GLSL 4.60 §4.1.10.
     fn rank(self) -> u8 {
         match self {
             Kind::Bool => 0,
@@ -129,7 +129,7 @@ impl Kind {
         }
     }
 
-    /// Whether a value converts to another kind by itself.
+    /// Returns whether a kind converts to another implicitly.
     pub fn converts_to(self, to: Kind) -> bool {
         self == to || (self != Kind::Bool && to != Kind::Bool && self.rank() < to.rank())
     }
@@ -242,12 +242,12 @@ impl Ty {
     pub const UINT: Ty = Ty::Scalar(Kind::Uint);
     pub const FLOAT: Ty = Ty::Scalar(Kind::Float);
 
-    /// A scalar or a vector of that many components.
+    /// Returns a scalar or vector of that many components.
     pub fn of(kind: Kind, size: u8) -> Ty {
         if size == 1 { Ty::Scalar(kind) } else { Ty::Vector(kind, size) }
     }
 
-    /// Component and number of them, of a scalar or vector.
+    /// Returns the component kind and the number of components of a scalar or vector.
     pub fn components(&self) -> Option<(Kind, u8)> {
         match self {
             Ty::Scalar(kind) => Some((*kind, 1)),
@@ -256,7 +256,7 @@ impl Ty {
         }
     }
 
-    /// Component of a scalar, vector or matrix.
+    /// Returns the component kind of a scalar, vector or matrix.
     pub fn kind(&self) -> Option<Kind> {
         match self {
             Ty::Scalar(kind) | Ty::Vector(kind, _) | Ty::Matrix(kind, ..) => Some(*kind),
@@ -264,7 +264,7 @@ impl Ty {
         }
     }
 
-    /// The same shape with another component.
+    /// Returns the same shape with another component kind.
     pub fn with_kind(&self, kind: Kind) -> Ty {
         match self {
             Ty::Scalar(_) => Ty::Scalar(kind),
@@ -274,7 +274,7 @@ impl Ty {
         }
     }
 
-    /// Whether a value becomes one of another type by itself.
+    /// Returns whether a value converts to another type implicitly.
     pub fn converts_to(&self, to: &Ty) -> bool {
         self == to
             || match (self.kind(), to.kind()) {
@@ -283,7 +283,8 @@ impl Ty {
             }
     }
 
-    /// Scalars, vectors, matrices and handles in a value, elements of arrays counted each.
+    /// Returns the number of scalars, vectors, matrices and handles in a value, elements of arrays
+    /// counted each.
     pub fn leaves(&self) -> u64 {
         match self {
             Ty::Array(element, len) => element.leaves().saturating_mul(len.unwrap_or(1).into()),
@@ -301,7 +302,8 @@ impl Ty {
         }
     }
 
-    /// Components, columns, elements: what an index may be below; `None` if nothing is indexed.
+    /// Returns the number of components, columns or elements that an index selects from; `None` if
+    /// the type cannot be indexed.
     pub fn indexed(&self) -> Option<(Ty, Option<u32>)> {
         match self {
             Ty::Vector(kind, size) => Some((Ty::Scalar(*kind), Some((*size).into()))),
@@ -320,12 +322,12 @@ pub fn vector_size(size: u8) -> VectorSize {
     }
 }
 
-/// The members of a structure that hold values: those that are no handles.
+/// Returns the members of a structure that are not handles.
 pub fn carried(s: &Structure) -> impl Iterator<Item = &Field> {
     s.members.iter().filter(|field| holds_values(&field.ty))
 }
 
-/// Whether anything but handles is in a type.
+/// Returns whether a type contains anything but handles.
 pub fn holds_values(ty: &Ty) -> bool {
     match ty {
         Ty::Void | Ty::Opaque(_) => false,

@@ -1,11 +1,11 @@
-//! The functions, textures and samplers of a naga module, as its text names them.
+//! The functions, textures and samplers of a naga module, with their names in the text.
 
 use landfall_layout::source::Span;
 use naga::{ArraySize, Handle, TypeInner};
 
 use super::{Direction, FunctionInfo, HandleKind, ModuleHandle, Parameter};
 
-/// The functions of a module, as WGSL spells their types.
+/// Returns the functions of a module, with their types in WGSL.
 pub(super) fn functions(ir: &naga::Module) -> Vec<FunctionInfo> {
     let bases = ir.functions.iter().map(|(handle, function)| {
         let parameters = function.arguments.iter().map(|argument| {
@@ -28,7 +28,7 @@ pub(super) fn functions(ir: &naga::Module) -> Vec<FunctionInfo> {
     bases.collect()
 }
 
-/// The textures and samplers of a module.
+/// Returns the textures and samplers of a module.
 pub(super) fn handles(ir: &naga::Module) -> Vec<ModuleHandle> {
     let all = ir.global_variables.iter().filter_map(|(variable, global)| {
         let kind = match ir.types[global.ty].inner {
@@ -44,7 +44,7 @@ pub(super) fn handles(ir: &naga::Module) -> Vec<ModuleHandle> {
     all.collect()
 }
 
-/// A type as WGSL spells it.
+/// Returns a type in WGSL.
 fn spelled(ir: &naga::Module, ty: Handle<naga::Type>) -> String {
     let scalar = |scalar: &naga::Scalar| {
         let kind = match scalar.kind {

@@ -1,6 +1,6 @@
-//! The bytes of a block to values by name: JSON, or rows of a table.
+//! Decodes the bytes of a block to named values: JSON, or rows of a table.
 //!
-//! Nothing is copied: values are read from the bytes as they are written out.
+//! Values are read from the bytes as they are written out; nothing is copied.
 
 use std::convert::Infallible;
 use std::fmt::Write;
@@ -18,45 +18,46 @@ use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::ArrayLen;
 
-/// The values in a block's bytes. Serializes as the JSON that [`encode`](super::encode()) takes,
-/// members in the order of the shader.
+/// The values in a block's bytes. Serializes as the JSON that [`encode`](super::encode()) accepts,
+/// with members in declaration order.
 #[derive(Clone, Debug)]
 pub struct Decoded<'a> {
     pub(crate) block: &'a BlockLayout,
     pub(crate) bytes: &'a [u8],
     /// Elements of the runtime-sized array.
     pub(crate) tail: usize,
-    /// The part that is asked for, and its path; the block and nothing for all of it.
+    /// The selected part; the whole block unless [`only`](Decoded::only) was called.
     root: Place<'a>,
     path: String,
-    /// Bytes and values that look wrong, in order of their offsets.
+    /// Suspicious bytes and values, by offset.
     pub findings: Findings,
-    /// What is odd about the length.
+    /// Remarks on the number of bytes.
     pub notes: Vec<String>,
 }
 
 /// One element of a leaf with its components.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Element<'r> {
-    /// `data[3].color`.
+    /// The path: `data[3].color`.
     pub path: &'r str,
-    /// From the start of the block.
+    /// Offset from the start of the block.
     pub offset: u64,
-    /// The type, in the shader's spelling.
+    /// The type in the shader's spelling.
     pub ty: &'r str,
-    /// Components of a column: a vector's all, a scalar's one.
+    /// Components per column: all of a vector's, one for a scalar.
     pub rows: usize,
-    /// Its components, column by column.
+    /// The components, column by column.
     pub cells: &'r [Datum],
     pub(crate) grid: Grid,
 }
 
-/// Reads the bytes of a block.
+/// Decodes the bytes of a block.
 ///
-/// Bytes that lack nothing but padding at the end, and bytes past the end, are noted.
+/// Missing padding at the end and bytes past the end are noted.
 ///
 /// # Errors
-/// A block whose length is not known, and fewer bytes than its members take.
+/// A block of unknown size, or fewer bytes than its members need.
 pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>, BufferError> {
     let extent = Extent::of(block)?;
     if bytes.len() < extent.fixed_end {
@@ -92,33 +93,33 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
 }
 
 impl<'a> Decoded<'a> {
-    /// The elements of the runtime-sized array at the end; 0 where there is none.
+    /// Elements of the runtime-sized array at the end; 0 if there is none.
     pub fn tail_len(&self) -> usize {
         self.tail
     }
 
-    /// The block the bytes are of.
+    /// The block.
     pub fn block(&self) -> &'a BlockLayout {
         self.block
     }
 
-    /// Bytes that were decoded.
+    /// Number of bytes decoded.
     pub fn len(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no bytes.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
-    /// Only what a path names, with what looks wrong there: `data[3]`, `data[3].color`, `view`.
+    /// Restricts the values and findings to one path: `data[3]`, `data[3].color`, `view`.
     ///
-    /// Serializes as an object with that path as its key, which [`encode`](super::encode())
-    /// takes too.
+    /// Serializes as an object with that path as its key, which [`encode`](super::encode()) accepts
+    /// too.
     ///
     /// # Errors
-    /// A path that names nothing, an index out of range.
+    /// A path that does not exist, or an index out of range.
     pub fn only(self, path: &str) -> Result<Decoded<'a>, BufferError> {
         let root = resolve(self.block, self.tail, path, None)?;
         let path = match root.what {
@@ -130,7 +131,7 @@ impl<'a> Decoded<'a> {
         Ok(part)
     }
 
-    /// The bytes of the part that is asked for, its padding included.
+    /// The bytes of the selected part, its padding included.
     pub(crate) fn range(&self) -> Range<usize> {
         let len = self.bytes.len();
         let start = self.root.offset as usize;
@@ -146,7 +147,7 @@ impl<'a> Decoded<'a> {
         start..end
     }
 
-    /// Gives every element of every leaf, in the order of the shader.
+    /// Calls `then` with every element of every leaf, in declaration order.
     pub fn for_each(&self, mut then: impl FnMut(Element<'_>)) {
         let done: Result<(), Infallible> = self.try_for_each(|element| {
             then(element);
@@ -155,10 +156,10 @@ impl<'a> Decoded<'a> {
         let Ok(()) = done;
     }
 
-    /// Gives every element of every leaf, in the order of the shader, until one is refused.
+    /// Calls `then` with every element of every leaf, in declaration order, until it fails.
     ///
     /// # Errors
-    /// That of `then`.
+    /// The error of `then`.
     pub fn try_for_each<E>(
         &self,
         mut then: impl FnMut(Element<'_>) -> Result<(), E>,
@@ -166,7 +167,7 @@ impl<'a> Decoded<'a> {
         self.walk(self.root, &mut self.path.clone(), &mut then)
     }
 
-    /// Gives every element of the block, whatever part is asked for.
+    /// Calls `then` with every element of the block, ignoring the selection.
     pub(crate) fn for_each_of_block(&self, mut then: impl FnMut(Element<'_>)) {
         let mut then = |element: Element<'_>| {
             then(element);
@@ -254,7 +255,7 @@ impl Serialize for Decoded<'_> {
     }
 }
 
-/// What stands at a place, to be serialized.
+/// A place with its value, for serialization.
 struct At<'d, 'a> {
     decoded: &'d Decoded<'a>,
     place: Place<'a>,

@@ -1,9 +1,9 @@
-//! Which bytes of a buffer were written since they were last uploaded.
+//! Tracking of the bytes of a buffer written since the last upload.
 //!
-//! One bit stands for a word of 4 bytes: an upload in fewer is refused by WebGPU and no faster
-//! elsewhere. A bit map takes a 32nd of the block whatever the order of the writes, marking is
-//! an `or`, and neighbours merge by themselves; a sorted list of ranges would cost a search and
-//! a move for each write of a scattered pattern.
+//! One bit stands for a word of 4 bytes: WebGPU rejects smaller uploads, and they are no faster
+//! elsewhere. A bit map takes a 32nd of the block whatever the order of writes, marking is an `or`,
+//! and neighbours merge by themselves; a sorted list of ranges would cost a search and a move for
+//! each write of a scattered pattern.
 
 use std::ops::Range;
 
@@ -14,17 +14,17 @@ const CLEAN: u64 = u64::MAX;
 /// The words written since the last [`clear`](Dirty::clear).
 #[derive(Clone, Debug)]
 pub(crate) struct Dirty {
-    /// Bit `i % 64` of entry `i / 64` is set while word `i` is clean, so that one test tells
+    /// Bit `i % 64` of entry `i / 64` is set while word `i` is clean, so that one test shows
     /// whether there is anything to mark; one entry more than needed.
     map: Vec<u64>,
     /// Bytes of the buffer.
     len: usize,
 }
 
-/// The bits of bytes whose place is known beforehand.
+/// Precomputed bits for bytes at a known offset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark {
-    /// Of no map, when the bits are in more than one entry.
+    /// The entry of the map; past its end if the bits span more than one entry.
     entry: usize,
     bits: u64,
 }
@@ -62,18 +62,18 @@ impl Dirty {
         }
     }
 
-    /// Marks `size` bytes at `offset`, for which `mark` was computed beforehand.
+    /// Marks `size` bytes at `offset`, for which `mark` was precomputed.
     #[inline]
     pub fn mark_at(&mut self, mark: Mark, offset: usize, size: usize) {
         match self.map.get_mut(mark.entry) {
-            // What is marked already is not stored again: the next write need not wait for it.
+            // Bits already set are not stored again, so the next write need not wait for the store.
             Some(bits) if *bits & mark.bits == 0 => {}
             Some(bits) => *bits &= !mark.bits,
             None => self.mark(offset, size),
         }
     }
 
-    /// Marks 1 to 64 words from `offset` on, a multiple of 4 within the buffer.
+    /// Marks 1 to 64 words from `offset`, a multiple of 4 within the buffer.
     #[inline]
     pub fn mark_words(&mut self, offset: usize, count: usize) {
         let (entry, bit) = (offset / (WORD * BITS), offset / WORD % BITS);
@@ -82,7 +82,7 @@ impl Dirty {
         }
         let mask = (u64::MAX >> (BITS - count)) << bit;
         if let Some(bits) = self.map.get_mut(entry) {
-            // What is marked already is not stored again: the next write need not wait for it.
+            // Bits already set are not stored again, so the next write need not wait for the store.
             if *bits & mask != 0 {
                 *bits &= !mask;
             }
@@ -106,7 +106,7 @@ impl Dirty {
         Ranges { dirty: self, word: 0, gap }
     }
 
-    /// The first word from `from` on that is dirty, or that is not.
+    /// Returns the first word at or after `from` that is dirty, or clean.
     fn find(&self, from: usize, dirty: bool) -> Option<usize> {
         let flip = if dirty { u64::MAX } else { 0 };
         let mut entry = from / BITS;
@@ -119,10 +119,9 @@ impl Dirty {
     }
 }
 
-/// Ranges of bytes to upload, in order; made by [`Buffer::dirty`](super::Buffer::dirty).
+/// Dirty byte ranges in order, returned by [`Buffer::dirty`](super::Buffer::dirty).
 ///
-/// Their starts are multiples of 4, and so are their ends, except at the end of a buffer whose
-/// length is not.
+/// Starts and ends are multiples of 4, except the end of a buffer whose length is not.
 #[derive(Clone, Debug)]
 pub struct Ranges<'b> {
     dirty: &'b Dirty,
@@ -147,20 +146,20 @@ impl Iterator for Ranges<'_> {
     }
 }
 
-/// What an upload of the dirty ranges would move.
+/// The cost of uploading the dirty ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Upload {
-    /// Ranges: one call each.
+    /// Number of ranges, and so of upload calls.
     pub ranges: usize,
-    /// Bytes in them.
+    /// Bytes in the ranges.
     pub bytes: usize,
     /// Bytes of the whole buffer.
     pub whole: usize,
 }
 
 impl Upload {
-    /// Whether one call with the whole buffer costs no more than a call for each range, where a
-    /// call itself costs as much as moving `call` bytes.
+    /// Whether one call with the whole buffer costs no more than one per range, if a call costs as
+    /// much as moving `call` bytes.
     pub fn whole_is_cheaper(&self, call: usize) -> bool {
         let parts = call.saturating_mul(self.ranges).saturating_add(self.bytes);
         self.ranges > 0 && self.whole.saturating_add(call) <= parts

@@ -1,6 +1,6 @@
-//! JSON values to the bytes of a block.
+//! Encodes JSON values to the bytes of a block.
 //!
-//! Objects are structures, arrays are arrays, vectors, and matrices as their columns; components
+//! Objects are structures; arrays are arrays, vectors, and matrices as lists of columns; components
 //! are as [`Datum`](super::Datum) writes them. A key may also be a path: `"data[3].color"`.
 
 use std::collections::HashSet;
@@ -17,22 +17,23 @@ use super::zeroes;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Scalar};
 
-/// What becomes of members, and elements at the end of arrays, that are not given.
+/// The treatment of members, and elements at the end of arrays, without a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Missing {
-    /// They are zero.
+    /// Missing values are zero.
     Zero,
-    /// They are an error.
+    /// Missing values are an error.
     Error,
 }
 
-/// Makes the bytes of a block from JSON; padding is zero.
+/// Encodes JSON to the bytes of a block; padding is zero.
 ///
-/// A runtime-sized array at the end gets as many elements as are given.
+/// A runtime-sized array at the end has as many elements as the JSON.
 ///
 /// # Errors
-/// A block whose length is not known; keys that are no member; values that are not what the
-/// shader's type wants; members that are not given, when `missing` says so.
+/// A block of unknown size; keys that are not members; values that do not fit the shader's type;
+/// missing members, if `missing` is [`Missing::Error`].
 pub fn encode(
     block: &BlockLayout,
     values: &Value,
@@ -59,7 +60,7 @@ pub fn encode(
     }
 }
 
-/// Elements of the tail that an object speaks of, under any spelling.
+/// Returns the number of tail elements an object gives, in any spelling.
 fn elements(block: &BlockLayout, tail: &Tail, map: &Map<String, Value>) -> usize {
     let own = [block.instance.as_deref(), Some(&*block.name)];
     let of_entry = |(key, value): (&String, &Value)| {
@@ -86,9 +87,9 @@ struct Encoder<'b> {
     /// Elements of the runtime-sized array.
     tail: usize,
     bytes: Vec<u8>,
-    /// A bit for each byte that a component was written to the start of.
+    /// A bit for each byte where a component that was written starts.
     given: Vec<u64>,
-    /// Where in the JSON it is.
+    /// The current path in the JSON.
     path: String,
 }
 
@@ -109,7 +110,7 @@ impl<'b> Encoder<'b> {
         value: &Value,
     ) -> Result<(), EncodeError> {
         let Value::Object(map) = value else {
-            return Err(self.wrong(place.what, "an object of its members", value));
+            return Err(self.wrong(place.what, "an object of members", value));
         };
         let mut found = 0;
         for member in members {
@@ -200,7 +201,8 @@ impl<'b> Encoder<'b> {
         Ok(())
     }
 
-    /// Whether every component from a place on was given; if not, `path` names the first.
+    /// Whether every component from a place on was written; if not, `path` names the first missing
+    /// one.
     fn is_complete(&mut self, place: Place<'b>) -> bool {
         match place.what {
             What::Block => self.are_complete(&self.block.members, place),
@@ -252,7 +254,7 @@ impl<'b> Encoder<'b> {
         result
     }
 
-    /// Does something below an index.
+    /// Calls `then` with an index appended to the current path.
     fn index<R>(&mut self, index: usize, then: impl FnOnce(&mut Self) -> R) -> R {
         let before = self.path.len();
         self.path.push_str(&format!("[{index}]"));
@@ -261,7 +263,7 @@ impl<'b> Encoder<'b> {
         result
     }
 
-    /// A key that names nothing in the object where it stands.
+    /// Returns the error for a key that the enclosing object does not have.
     fn no_key(&self, error: BufferError) -> EncodeError {
         let at = self.path.clone();
         let below = |path: String| if at.is_empty() { path } else { format!("{at}.{path}") };

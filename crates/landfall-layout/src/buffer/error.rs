@@ -1,52 +1,53 @@
-//! Why bytes could not be set, read or made by name.
+//! Errors of setting, reading and creating buffers by name.
 
 use crate::diagnostic::Code;
 use std::fmt;
 
-/// Why a [`Buffer`](super::Buffer) refused; nothing was written.
+/// An error of a [`Buffer`](super::Buffer); nothing was written.
 #[derive(Clone, PartialEq, Eq)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum BufferError {
-    /// Loose uniforms are set one by one: they have no bytes.
+    /// Loose uniforms have no bytes; they are set individually.
     NoBytes { block: String },
     /// A size depends on a specialisation constant or override without a value.
     Unsized { block: String, path: String, name: String },
-    /// The block ends in a runtime-sized array: how many elements must be said.
+    /// The block ends in a runtime-sized array whose length is required.
     NeedsTail { block: String, path: String },
     /// The block does not end in a runtime-sized array.
     NoTail { block: String },
-    /// More bytes than a block may have, or than this machine can hold.
+    /// The size exceeds the limit of a block or the memory of this machine.
     TooLarge { block: String, bytes: u64 },
-    /// A path that is not one: byte `at` is not what must stand there.
+    /// Malformed path: byte `at` is not what is expected.
     Malformed { path: String, at: usize, expected: &'static str },
-    /// No such member; `inside` is what was understood of the path.
+    /// No such member; `inside` is the part of the path that was resolved.
     UnknownPath { path: String, name: String, inside: String, nearest: Option<String> },
-    /// The path stops at a structure or array; `next` is how it could go on.
+    /// The path ends at a structure or array; `next` lists possible continuations.
     NotALeaf { path: String, ty: String, next: String },
-    /// An index on something that is no array.
+    /// An index on a value that is not an array.
     NotAnArray { path: String, ty: String },
-    /// `[]` where a number is wanted, or no brackets at all.
+    /// `[]` where a number is required, or a missing index.
     MissingIndex { path: String, len: u64 },
     /// An index at or past the end.
     OutOfRange { path: String, index: u64, len: u64 },
-    /// An index past the elements that this buffer's runtime-sized tail was made with.
+    /// An index past the end of this buffer's runtime-sized array.
     TailTooShort { path: String, index: u64, len: u64 },
     /// The value's type is not the shader's.
     WrongType { path: String, shader: String, given: String, wanted: String },
-    /// A mirror of another size.
+    /// The mirror's size is not the shader's.
     WrongSize { path: String, shader: String, wanted: u64, given: u64 },
-    /// Bytes past the end.
+    /// Bytes past the end of the buffer.
     OutOfBounds { offset: u64, size: u64, len: u64 },
-    /// Bytes for a block of another length; `cut` is the member where they end.
+    /// Bytes of the wrong length for the block; `cut` is the member where they end.
     WrongLength { block: String, wanted: u64, given: u64, cut: Option<String> },
-    /// A handle made for a block that is laid out differently.
+    /// A handle created for a block with a different layout.
     OtherBlock { block: String },
-    /// A handle with more or fewer arrays on the way than indices were given.
+    /// The number of indices is not the number of open dimensions of the handle.
     WrongIndices { path: String, wanted: usize, given: usize },
 }
 
 impl BufferError {
-    /// The path it was asked for, where it is about one.
+    /// The path the error is about, if any.
     pub fn path(&self) -> Option<&str> {
         match self {
             BufferError::Unsized { path, .. }
@@ -70,7 +71,7 @@ impl BufferError {
         }
     }
 
-    /// The kebab-case name of its kind.
+    /// Returns the diagnostic code.
     pub fn code(&self) -> Code {
         match self {
             BufferError::NoBytes { .. } => Code::NoBytes,
@@ -119,7 +120,7 @@ impl fmt::Display for BufferError {
                 "`{block}` does not end in a runtime-sized array\nhelp: use `Buffer::new`"
             ),
             BufferError::TooLarge { block, bytes } => {
-                write!(f, "`{block}` would be {bytes} bytes, more than can be held")
+                write!(f, "`{block}` would be {bytes} bytes, more than can be allocated")
             }
             BufferError::Malformed { path, at, expected } => {
                 write!(f, "`{path}` is not a path: expected {expected} at byte {at}")
@@ -169,7 +170,7 @@ impl fmt::Display for BufferError {
                 }
             }
             BufferError::OtherBlock { block } => {
-                write!(f, "the handle was made for another block than `{block}`")
+                write!(f, "the handle was created for another block than `{block}`")
             }
             BufferError::WrongIndices { path, wanted, given } => {
                 write!(f, "`{path}` takes {wanted} indices, but {given} were given")
@@ -178,7 +179,7 @@ impl fmt::Display for BufferError {
     }
 }
 
-/// `main` prints errors through `Debug`, so it reads like `Display`.
+/// Prints like `Display`, since `main` prints errors through `Debug`.
 impl fmt::Debug for BufferError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -1,13 +1,13 @@
-//! Floats of fewer than 32 bits, which Rust has no types for: to bits and back.
+//! Floats of fewer than 32 bits, which Rust has no types for: conversion to and from bits.
 //!
-//! IEEE 754 binary16, bfloat16 and E5M2 differ in the widths of their fields only; E4M3 has no
+//! IEEE 754 binary16, bfloat16 and E5M2 differ only in the widths of their fields; E4M3 has no
 //! infinity. The two 8-bit formats are those of the OCP 8-bit floating point specification 1.0, §5.
 
 use std::cmp::Ordering;
 
 use crate::shape::{Scalar, ScalarKind};
 
-/// Widths of the exponent and of the mantissa of a float laid out as IEEE 754 lays it out.
+/// Widths of the exponent and mantissa of a float in IEEE 754 layout.
 #[derive(Clone, Copy)]
 struct Fields {
     exponent: u32,
@@ -22,12 +22,12 @@ impl Fields {
         (1 << (self.exponent - 1)) - 1
     }
 
-    /// The bits of infinity: every bit of the exponent.
+    /// The bits of infinity: every exponent bit set.
     fn infinity(self) -> u64 {
         ((1 << self.exponent) - 1) << self.mantissa
     }
 
-    /// The bits of the float nearest to a number, ties to even; a NaN keeps its upper bits.
+    /// Returns the bits of the nearest float, ties to even; a NaN keeps its upper bits.
     fn narrow(self, number: f64) -> u64 {
         let bits = number.to_bits();
         let sign = (bits >> 63) << (self.exponent + self.mantissa);
@@ -41,12 +41,12 @@ impl Fields {
         }
         let mantissa = self.mantissa as i32;
         let steps = (number.abs() * 2f64.powi(mantissa - exponent)).round_ties_even() as u64;
-        // Normal numbers have the leading 1 that the exponent stands for; a carry goes into it.
+        // The leading 1 of normal numbers is implied by the exponent; a carry goes into it.
         let magnitude = ((exponent + self.bias() - 1) as u64) << self.mantissa;
         sign | (magnitude + steps).min(self.infinity())
     }
 
-    /// The number that bits stand for, exactly.
+    /// Returns the exact value of the bits.
     fn widen(self, bits: u64) -> f64 {
         let sign = bits >> (self.exponent + self.mantissa) & 1;
         let exponent = (bits & self.infinity()) >> self.mantissa;
@@ -64,13 +64,13 @@ impl Fields {
     }
 }
 
-/// E4M3: bias 7, no infinity, and only the mantissa of all ones is a NaN.
+/// The largest finite E4M3: bias 7, no infinity, and only the mantissa of all ones is a NaN.
 const E4M3_MAX: u8 = 0x7e;
-/// E5M2: the upper half of a binary16.
+/// The largest finite E5M2: the upper half of a binary16.
 const E5M2_MAX: u8 = 0x7b;
 
-/// The bits of the component nearest to a number, ties to even; infinity past the largest, or
-/// NaN in E4M3, which has none. Integers and bools have no nearest: 0.
+/// Returns the bits of the nearest component, ties to even; past the largest number infinity, or
+/// NaN in E4M3, which has no infinity. 0 for integers and bools.
 pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => number.to_bits(),
@@ -83,9 +83,9 @@ pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
     }
 }
 
-/// A number rounded to an `f32` with an odd last bit where it is none: what is rounded to fewer
-/// bits after that is rounded as if at once. `from_f64` of `half` 2.7.1 drops the lower 32 bits
-/// instead, and what lies just above the middle of two numbers goes to the wrong one.
+/// Rounds a number to `f32` by round-to-odd, so that rounding to fewer bits afterwards is as exact
+/// as in one step. `from_f64` of `half` 2.7.1 drops the lower 32 bits instead, so that a number
+/// just above the middle of two rounds the wrong way.
 pub fn odd(number: f64) -> f32 {
     let near = number as f32;
     let bits = near.to_bits();
@@ -96,7 +96,7 @@ pub fn odd(number: f64) -> f32 {
     }
 }
 
-/// The number a float component's bits stand for, exactly. Integers and bools: their bits.
+/// Returns the exact value of a float component's bits; for integers and bools, the bits.
 pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => f64::from_bits(bits),
@@ -118,14 +118,15 @@ pub(crate) fn widen(scalar: Scalar, bits: u64) -> f64 {
     }
 }
 
-/// The unit of the last place of the `f32` nearest to a number; that of the largest beyond it.
+/// Returns the unit in the last place of the `f32` nearest to a number; past the largest, that of
+/// the largest.
 pub fn last_place(number: f64) -> f64 {
     let magnitude = number.abs().max(f64::from(f32::MIN_POSITIVE));
     let exponent = (magnitude.to_bits() >> 52) as i32 - 1023;
     f64::powi(2.0, exponent.min(127) - 23)
 }
 
-/// The bits of the quiet NaN that `"nan"` alone means; `None` for integers and bools.
+/// Returns the bits of the quiet NaN that `"nan"` denotes; `None` for integers and bools.
 pub(crate) fn quiet_nan(scalar: Scalar) -> Option<u64> {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => Some(0x7ff8 << 48),
@@ -138,7 +139,7 @@ pub(crate) fn quiet_nan(scalar: Scalar) -> Option<u64> {
     }
 }
 
-/// The 8-bit float nearest to a number: `max` is the largest finite one, `over` what lies beyond.
+/// Returns the nearest 8-bit float: `max` is the largest finite one, `over` the result past it.
 fn nearest(scalar: Scalar, number: f64, max: u8, over: u8) -> u8 {
     let sign = if number.is_sign_negative() { 0x80 } else { 0 };
     if number.is_nan() {

@@ -1,14 +1,14 @@
-//! Where the components of one leaf lie, and what a buffer must know of a block's size.
+//! The positions of a leaf's components, and the byte extent of a block.
 //!
-//! Reads the [model](crate::layout()), feeds everything else in this module.
+//! Reads the [model](crate::layout()); used by the rest of this module.
 
 use super::error::BufferError;
 use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Scalar, Type};
 use crate::source::Language;
 
-/// A scalar, vector or matrix in the bytes: component (column c, row r) starts at
-/// `c * column_step + r * row_step`.
+/// The component positions of a scalar, vector or matrix: component (column c, row r) starts at `c
+/// * column_step + r * row_step`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Grid {
     pub scalar: Scalar,
@@ -19,7 +19,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The grid of a leaf type; `None` for structures and arrays.
+    /// Returns the grid of a leaf type; `None` for structures and arrays.
     pub fn of(ty: &Type, matrix_stride: Option<u64>, row_major: bool) -> Option<Grid> {
         let vector = |scalar: Scalar, rows| Grid {
             scalar,
@@ -44,29 +44,29 @@ impl Grid {
         }
     }
 
-    /// The grid of the leaves of a member; `None` when it is a structure.
+    /// Returns the grid of a member's leaves; `None` if it is a structure.
     pub fn of_member(member: &MemberLayout) -> Option<Grid> {
         Grid::of(member.ty.innermost(), member.matrix_stride, member.row_major)
     }
 
-    /// Where a component starts.
+    /// Returns the offset of a component.
     pub fn component(&self, column: usize, row: usize) -> usize {
         column * self.column_step + row * self.row_step
     }
 
-    /// From the first byte of the first component to the last byte of the last.
+    /// Bytes from the start of the first component to the end of the last.
     pub fn span(&self) -> usize {
         let last = self.component(usize::from(self.columns) - 1, usize::from(self.rows) - 1);
         last + usize::from(self.scalar.width)
     }
 
-    /// Every column and row, columns outermost.
+    /// Iterates over (column, row), columns outermost.
     pub fn cells(self) -> impl Iterator<Item = (usize, usize)> {
         (0..usize::from(self.columns))
             .flat_map(move |c| (0..usize::from(self.rows)).map(move |r| (c, r)))
     }
 
-    /// Whether the components follow each other without a gap, column by column.
+    /// Whether the components follow each other without gaps, column by column.
     pub fn is_plain(&self) -> bool {
         let width = usize::from(self.scalar.width);
         let rows = usize::from(self.rows);
@@ -74,17 +74,17 @@ impl Grid {
             && (self.columns == 1 || self.column_step == width * rows)
     }
 
-    /// One column, as a vector.
+    /// The grid of one column, a vector.
     pub fn column(self) -> Grid {
         Grid { columns: 1, column_step: 0, ..self }
     }
 
-    /// One component, as a scalar.
+    /// The grid of one component, a scalar.
     pub fn cell(self) -> Grid {
         Grid { rows: 1, row_step: 0, ..self.column() }
     }
 
-    /// The type in a language's spelling.
+    /// Returns the type in a language's spelling.
     pub fn spelled(&self, language: Language) -> String {
         let (scalar, columns, rows) = (self.scalar, self.columns, self.rows);
         let ty = match (columns, rows) {
@@ -96,15 +96,15 @@ impl Grid {
     }
 }
 
-/// An array dimension on the way to a place.
+/// An array dimension along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Dim {
-    /// `None` when runtime-sized: as many as the buffer was made with.
+    /// The length; `None` if runtime-sized, then it is that of the buffer's tail.
     pub len: Option<usize>,
     pub stride: usize,
 }
 
-/// The language whose spelling messages about a block use.
+/// Returns the language whose spelling messages about a block use.
 pub(crate) fn language(block: &BlockLayout) -> Language {
     match block.rules {
         Rules::Wgsl => Language::Wgsl,
@@ -115,9 +115,9 @@ pub(crate) fn language(block: &BlockLayout) -> Language {
 /// The bytes of a block that a buffer can hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Extent {
-    /// What a buffer must hold, a runtime-sized tail counted with one element.
+    /// Bytes a buffer must hold; a runtime-sized tail counts as one element.
     pub size: usize,
-    /// End of the last member, a runtime-sized one left out.
+    /// End of the last member, without a runtime-sized one.
     pub fixed_end: usize,
     /// The runtime-sized array at the end.
     pub tail: Option<Tail>,
@@ -132,10 +132,10 @@ pub(crate) struct Tail {
 }
 
 impl Extent {
-    /// Bytes for that many elements of the tail; `None` when past every limit.
+    /// Returns the bytes for that many elements of the tail; `None` on overflow.
     ///
-    /// Not a byte more than [`size`](Self::size) and the elements need: a shader counts the
-    /// elements of a runtime-sized array from the bytes that are bound.
+    /// Exactly the larger of [`size`](Self::size) and what the elements need: a shader derives the
+    /// length of a runtime-sized array from the bytes bound.
     pub fn bytes(&self, elements: usize) -> Option<usize> {
         let Some(tail) = &self.tail else { return Some(self.size) };
         let end = tail.stride.checked_mul(elements)?.checked_add(tail.offset)?;
@@ -143,7 +143,7 @@ impl Extent {
         (bytes as u64 <= LARGEST_BLOCK).then_some(bytes)
     }
 
-    /// Elements of the tail that a shader finds in that many bytes.
+    /// Returns the number of tail elements a shader finds in that many bytes.
     pub fn elements(&self, bytes: usize) -> usize {
         match &self.tail {
             Some(tail) => bytes.saturating_sub(tail.offset) / tail.stride.max(1),
@@ -151,7 +151,7 @@ impl Extent {
         }
     }
 
-    /// What a block needs.
+    /// Returns the extent of a block.
     ///
     /// # Errors
     /// [`BufferError::NoBytes`], [`BufferError::Unsized`], [`BufferError::TooLarge`].

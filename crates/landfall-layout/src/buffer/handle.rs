@@ -1,4 +1,4 @@
-//! A leaf resolved once, to be set and read many times without its name.
+//! Handles: paths of leaves resolved once, to set and read many times.
 
 use std::marker::PhantomData;
 
@@ -10,22 +10,22 @@ use super::value;
 use super::value::{Fit, Value};
 use super::{Buffer, wrong_type};
 
-/// A leaf of a block, with the Rust type that it is set from and read as.
+/// A resolved leaf of a block, with the Rust type it is set from and read as.
 ///
-/// Made by [`Buffer::handle`]; works with every buffer of a block that is laid out alike.
+/// Created by [`Buffer::handle`]; works with every buffer of a block with the same layout.
 #[derive(Clone, Debug)]
 pub struct Handle<T> {
-    /// The key of the buffer it was made for and the number of open dimensions; of no buffer
-    /// where the components are not to be copied as they are.
+    /// The buffer's key combined with the number of open dimensions; a key no buffer has where the
+    /// components cannot be copied as they are.
     key: u64,
-    /// Of the first element.
+    /// Offset of the first element.
     offset: u32,
-    /// What marks it as written, where no dimension is open.
+    /// The mark for dirty tracking, where no dimension is open.
     mark: Mark,
-    /// The first open dimension; one element where there is none.
+    /// Length of the first open dimension; 1 if there is none.
     len: usize,
     stride: usize,
-    /// The dimensions left open, outermost first.
+    /// The open dimensions, outermost first.
     dims: Box<[Dim]>,
     fingerprint: u64,
     grid: Grid,
@@ -33,11 +33,11 @@ pub struct Handle<T> {
     value: PhantomData<fn() -> T>,
 }
 
-/// More dimensions than any path has.
+/// Exceeds the number of dimensions of any path.
 const NOT_PLAIN: u64 = 1 << 32;
 
 impl<T> Handle<T> {
-    /// The path it was made of.
+    /// The path the handle was created from.
     pub fn path(&self) -> &str {
         &self.path
     }
@@ -77,15 +77,15 @@ impl Buffer {
     /// Resolves a path to a handle; `[]` leaves an index open: `data[].color`, `w[2][]`.
     ///
     /// # Errors
-    /// What [`set`](Buffer::set) says of a path and a type.
+    /// Those of [`set`](Buffer::set) about the path and the type.
     pub fn handle<T: Value>(&self, path: &str) -> Result<Handle<T>, BufferError> {
         Handle::new(self, path)
     }
 
-    /// Sets the element of a handle at those indices, as many as it left open.
+    /// Sets the element of a handle at `at`, one index per open dimension.
     ///
     /// # Errors
-    /// An index out of range, or the handle of another block.
+    /// An index out of range, or a handle of another block.
     #[inline]
     pub fn set_at<T: Value, const N: usize>(
         &mut self,
@@ -101,15 +101,15 @@ impl Buffer {
         if stored {
             return Ok(());
         }
-        // Copies, so that the fast path need not have them in memory.
+        // Copies, so that the fast path need not keep them in memory.
         let (at, value) = (at.map(|index| index), T::build(|c, r| value.component(c, r)));
         self.set_slowly(handle, &at, value)
     }
 
-    /// Reads the element of a handle at those indices, as many as it left open.
+    /// Reads the element of a handle at `at`, one index per open dimension.
     ///
     /// # Errors
-    /// An index out of range, or the handle of another block.
+    /// An index out of range, or a handle of another block.
     #[inline]
     pub fn get_at<T: Value, const N: usize>(
         &self,
@@ -123,8 +123,8 @@ impl Buffer {
         }
     }
 
-    /// The offset of an element, if the handle was made for a buffer like this, its components
-    /// follow each other without a gap, and the indices are right.
+    /// Returns the offset of an element, if the handle fits this buffer, its components have no
+    /// gaps, and the indices are in range.
     #[inline]
     fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<usize> {
         if handle.key != self.key.wrapping_add(N as u64) {
@@ -147,7 +147,8 @@ impl Buffer {
         Some(offset)
     }
 
-    /// The offset of an element, if handle and indices are those of this buffer.
+    /// Returns the offset of an element, if the handle fits this buffer and the indices are in
+    /// range.
     fn locate_slowly<T>(&self, handle: &Handle<T>, at: &[usize]) -> Option<usize> {
         if handle.fingerprint != self.compiled.index.fingerprint || handle.dims.len() != at.len() {
             return None;
@@ -193,7 +194,7 @@ impl Buffer {
                 return super::resolve::out_of_range(&path, index as u64, len as u64, *dim);
             }
         }
-        // The handle itself names an element that this buffer's tail does not have.
+        // The handle's own offset lies past this buffer's tail.
         let (offset, size) = (handle.offset.into(), handle.grid.span() as u64);
         BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
     }

@@ -1,11 +1,11 @@
-//! The leaves of a block as an automaton over their paths, so that a path is found without a
-//! search and without a copy.
+//! An automaton over the paths of a block's leaves that resolves a path without searching or
+//! copying.
 //!
-//! A path is read in chunks: 8 bytes, or fewer up to and with a `[`, or what is left. The digits
-//! after a `[` are the index of the array that everything read so far names; reading goes on at
-//! the `]`. Each chunk is a step from one state to the next, found in a hash table by state and
-//! chunk, so what was found is exact and every stride is at hand when its index is. What is not
-//! found here, whether another spelling or an error, goes to [`resolve`](super::resolve).
+//! A path is read in chunks: 8 bytes, or fewer up to and including a `[`, or the rest. The digits
+//! after a `[` index the array named so far; reading continues at the `]`. Each chunk is a
+//! transition between states, looked up in a hash table by state and chunk, so a match is exact and
+//! each stride is known when its index is. Paths not matched here, whether other spellings or
+//! errors, go to [`resolve`](super::resolve).
 
 use std::hash::Hasher;
 
@@ -16,44 +16,43 @@ use super::value::code;
 use crate::layout::BlockLayout;
 use crate::shape::ArrayLen;
 
-/// The leaves of a block by path.
+/// The index of a block's leaves by path.
 #[derive(Debug)]
 pub(crate) struct Index {
-    /// A power of two of slots, probed one after the other from the hash on.
+    /// Slots, a power of two, probed linearly from the hash on.
     slots: Box<[Step]>,
-    /// The same for any two blocks laid out alike.
+    /// A fingerprint of the layout, equal for blocks laid out alike.
     pub fingerprint: u64,
 }
 
-/// A chunk that leads from one state to the next; one cache line.
+/// A transition from one state to the next by a chunk; one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Step {
-    /// Its bytes, the first one lowest; no name has a zero byte.
+    /// The chunk's bytes, the first one lowest; no name contains a zero byte.
     chunk: u64,
-    /// The state before it.
+    /// The source state.
     from: u32,
-    /// The state after it; [`NOWHERE`] in a free slot.
+    /// The target state; [`NOWHERE`] in a free slot.
     to: u32,
-    /// How many bytes it has.
+    /// Number of bytes in the chunk.
     size: usize,
-    /// The array whose index follows, when it ends in `[`.
+    /// The array indexed next, if the chunk ends in `[`.
     dim: Dim,
-    /// The leaf, when a path may end here.
+    /// The leaf, if a path may end here.
     row: Row,
 }
 
-/// A leaf as setting it needs it.
+/// The data needed to set a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
-    /// Of its first element.
+    /// Offset of the first element.
     pub offset: usize,
-    /// The [`code`] of its type; [`NO_CODE`] where its components do not follow each other
-    /// without a gap, or no path ends.
+    /// The [`code`] of the type; [`NO_CODE`] where the components have gaps or no path ends.
     pub code: u32,
 }
 
-/// No type has this code.
+/// A code that no type has.
 pub(crate) const NO_CODE: u32 = u32::MAX;
 
 const START: u32 = 0;
@@ -73,11 +72,11 @@ const FREE: Step = Step {
 };
 
 impl Index {
-    /// The index of a block whose size is known to fit.
+    /// Builds the index of a block whose size is known to fit.
     pub fn of(block: &BlockLayout) -> Index {
         let chunks: usize = block.leaves.iter().map(|leaf| leaf.path.len() / 8 + 2).sum();
         let dims: usize = block.leaves.iter().map(|leaf| leaf.dims.len()).sum();
-        // Most of a small table is free, so that steps seldom meet; a large one is to stay small.
+        // A small table is sparse, so that transitions rarely collide; a large one is kept small.
         let sparse = if chunks + dims < 1000 { 8 } else { 2 };
         let bits = (sparse * (chunks + dims)).next_power_of_two().trailing_zeros().max(4);
         let slots = vec![FREE; 1 << bits].into();
@@ -121,8 +120,8 @@ impl Index {
         index
     }
 
-    /// The leaf that a path names, at the offset of the element; `None` when it takes more
-    /// thought. `tail` is the length of a runtime-sized dimension.
+    /// Resolves a path to its leaf, at the offset of the element; `None` if it needs
+    /// [`resolve`](super::resolve). `tail` is the length of a runtime-sized dimension.
     #[inline]
     pub fn find(&self, path: &str, tail: usize) -> Option<Row> {
         let path = path.as_bytes();
@@ -141,7 +140,7 @@ impl Index {
                 at = end;
                 offset += index * step.dim.stride;
             } else if at >= path.len() {
-                // Zero bytes at the end are the one thing that a chunk does not tell.
+                // Only the size tells zero bytes at the end of a path from padding of the chunk.
                 let code = if size == step.size { step.row.code } else { NO_CODE };
                 return Some(Row { offset: step.row.offset + offset, code });
             }
@@ -166,7 +165,7 @@ impl Index {
             .find(|step| step.chunk == chunk && step.from == state)
     }
 
-    /// The slot of a step, or the free one that it is to take.
+    /// Returns the slot of a transition, or the free one for it.
     fn slot_for(&self, state: u32, chunk: u64) -> Option<usize> {
         let home = self.home(state, chunk);
         (0..PROBES).map(|probe| (home + probe) & (self.slots.len() - 1)).find(|&slot| {
@@ -182,16 +181,16 @@ impl Index {
     }
 }
 
-/// A byte in each of 8.
+/// Repeats a byte 8 times.
 const fn each(byte: u8) -> u64 {
     u64::from_le_bytes([byte; 8])
 }
 
-/// A path to be read 8 bytes at a time.
+/// A path read 8 bytes at a time.
 #[derive(Clone, Copy)]
 struct Text<'p> {
     bytes: &'p [u8],
-    /// Its last 8 bytes, the very last one highest; zeros before a shorter one.
+    /// Its last 8 bytes, the very last one highest; zeros before a shorter path.
     last: u64,
 }
 
@@ -205,13 +204,13 @@ impl<'p> Text<'p> {
         Text { bytes, last }
     }
 
-    /// The 8 bytes from `at` on, the first one lowest, and how many there are: those past the
-    /// end are zero.
+    /// Returns the 8 bytes from `at`, the first one lowest, and their number: those past the end
+    /// are zero.
     #[inline]
     fn word(self, at: usize) -> (u64, usize) {
         let have = self.bytes.len().saturating_sub(at);
         if have < 8 {
-            // No bytes are a shift by 64.
+            // With no bytes left this is a shift by 64.
             return (self.last.checked_shr(64 - 8 * have as u32).unwrap_or(0), have);
         }
         match self.bytes.get(at..).and_then(<[u8]>::first_chunk) {
@@ -221,16 +220,16 @@ impl<'p> Text<'p> {
     }
 }
 
-/// The high bit of the first byte of a word that is `byte`, or 0.
+/// Returns the high bit of the first byte equal to `byte` in a word, or 0.
 #[inline]
 fn first(word: u64, byte: u64) -> u64 {
     let differs = word ^ byte;
-    // Those above the lowest may be set wrongly.
+    // Bits above the lowest may be false positives.
     let found = differs.wrapping_sub(each(1)) & !differs & each(0x80);
     found & found.wrapping_neg()
 }
 
-/// The chunk of a path that starts at `at`: its bytes, how many, and whether it ends in `[`.
+/// Returns the chunk of a path at `at`: its bytes, their number, and whether it ends in `[`.
 #[inline]
 fn chunk(path: Text<'_>, at: usize) -> (u64, usize, bool) {
     let (word, have) = path.word(at);
@@ -242,9 +241,9 @@ fn chunk(path: Text<'_>, at: usize) -> (u64, usize, bool) {
     (word & (bracket | (bracket - 1)), bracket.trailing_zeros() as usize / 8 + 1, true)
 }
 
-/// The number of 1 to 9 digits that starts at `at`, and where it ends.
+/// Returns the number of 1 to 9 digits at `at`, and the offset after it.
 ///
-/// Few enough for a loop to be faster than arithmetic on all digits at once.
+/// So few digits are read faster by a loop than by arithmetic on all at once.
 #[inline]
 fn number(path: &[u8], at: usize) -> Option<(usize, usize)> {
     let digit = |at: usize| path.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|&d| d < 10);
@@ -261,7 +260,7 @@ fn number(path: &[u8], at: usize) -> Option<(usize, usize)> {
     Some((number, end))
 }
 
-/// The same for any two blocks laid out alike.
+/// Returns a fingerprint of the layout, equal for blocks laid out alike.
 fn fingerprint(block: &BlockLayout) -> u64 {
     let mut print = FxHasher::default();
     for leaf in &block.leaves {

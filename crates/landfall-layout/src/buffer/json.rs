@@ -1,4 +1,4 @@
-//! Reading JSON that says what a block is to hold, and what can be wrong with it.
+//! Parsing of the JSON values of a block, and the errors of encoding them.
 
 use crate::diagnostic::Code;
 use std::fmt;
@@ -10,30 +10,31 @@ use serde_json::{Map, Number, Value};
 use super::error::BufferError;
 use crate::text::locate::{at_line, locate};
 
-/// Why JSON could not be turned into bytes. `at` is the place in it, spelled like a path.
+/// An error of encoding JSON. `at` is the place in it, spelled like a path.
 #[derive(Clone, PartialEq, Eq)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum EncodeError {
-    /// The block itself has no bytes of a known length.
+    /// The block has no known size.
     Block(BufferError),
-    /// Not JSON, or an object with the same key twice.
+    /// Not JSON, or an object with a duplicate key.
     Syntax { line: usize, column: usize, message: String },
-    /// A key that is no member and no path.
+    /// A key that is neither a member nor a path.
     Key { at: String, error: BufferError },
-    /// Something else than what must stand there.
+    /// A value of the wrong JSON type.
     Kind { at: String, ty: String, wanted: String, found: String },
-    /// A number that the type cannot hold.
+    /// A number out of the type's range.
     Range { at: String, ty: String, found: String },
     /// Too many or too few values.
     Length { at: String, ty: String, wanted: u64, found: u64 },
-    /// The same bytes were given before, by another spelling.
+    /// A second value for the same bytes, in another spelling.
     Twice { at: String },
-    /// Nothing was given for a member.
+    /// A member without a value.
     Missing { path: String },
 }
 
 impl EncodeError {
-    /// The kebab-case name of its kind.
+    /// Returns the diagnostic code.
     pub fn code(&self) -> Code {
         match self {
             EncodeError::Block(error) | EncodeError::Key { error, .. } => error.code(),
@@ -48,8 +49,8 @@ impl EncodeError {
 }
 
 impl EncodeError {
-    /// The bytes of the text it is about: of the key that names nothing, of the value that does
-    /// not fit, of what is not JSON. `None` when it is about something that is not there.
+    /// Returns the bytes of the text that the error is about: the unknown key, the value that does
+    /// not fit, the invalid JSON. `None` if it is about something missing.
     pub fn locate(&self, text: &str) -> Option<Range<usize>> {
         match self {
             EncodeError::Block(_) | EncodeError::Missing { .. } => None,
@@ -80,7 +81,7 @@ impl fmt::Display for EncodeError {
                 at => write!(f, "in `{at}`: {error}"),
             },
             EncodeError::Kind { at, ty, wanted, found } => {
-                write!(f, "{}: `{ty}` wants {wanted}, not {found}", place(at))
+                write!(f, "{}: expected {wanted} for `{ty}`, found {found}", place(at))
             }
             EncodeError::Range { at, ty, found } => {
                 write!(f, "{}: {found} does not fit `{ty}`", place(at))
@@ -88,16 +89,15 @@ impl fmt::Display for EncodeError {
             EncodeError::Length { at, ty, wanted, found } => {
                 write!(f, "{}: `{ty}` has {wanted} elements, not {found}", place(at))
             }
-            EncodeError::Twice { at } => write!(f, "{}: its value was given before", place(at)),
-            EncodeError::Missing { path } => write!(
-                f,
-                "`{path}` is not given\nhelp: give it, or ask for missing members to be zero"
-            ),
+            EncodeError::Twice { at } => write!(f, "{}: its value is given twice", place(at)),
+            EncodeError::Missing { path } => {
+                write!(f, "`{path}` is missing\nhelp: add it, or allow missing members to be zero")
+            }
         }
     }
 }
 
-/// `main` prints errors through `Debug`, so it reads like `Display`.
+/// Prints like `Display`, since `main` prints errors through `Debug`.
 impl fmt::Debug for EncodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -110,10 +110,10 @@ fn place(at: &str) -> String {
     if at.is_empty() { "the block".to_string() } else { format!("`{at}`") }
 }
 
-/// Reads JSON for [`encode`](super::encode()). A key given twice is an error.
+/// Parses JSON for [`encode`](super::encode()). A duplicate key is an error.
 ///
 /// # Errors
-/// [`EncodeError::Syntax`] with the line and column, both counted from 1.
+/// [`EncodeError::Syntax`] with line and column, both from 1.
 pub fn read_json(text: &str) -> Result<Value, EncodeError> {
     let read: Result<Once, serde_json::Error> = serde_json::from_str(text);
     read.map(|once| once.0).map_err(|error| {
@@ -124,7 +124,7 @@ pub fn read_json(text: &str) -> Result<Value, EncodeError> {
     })
 }
 
-/// What stands there instead, in words.
+/// Describes the JSON type of a value, with its text if short.
 pub fn kind(value: &Value) -> String {
     match value {
         Value::Null => "null".to_string(),
@@ -140,7 +140,7 @@ pub fn kind(value: &Value) -> String {
     }
 }
 
-/// A JSON value without a key given twice.
+/// A JSON value in which duplicate keys are an error.
 struct Once(Value);
 
 impl<'de> Deserialize<'de> for Once {

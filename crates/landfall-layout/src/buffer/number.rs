@@ -1,8 +1,8 @@
-//! One component of a leaf between its bits and JSON.
+//! Conversion of one component between its bits and JSON.
 //!
-//! Numbers are numbers and bools are `true` and `false`. What JSON cannot say is a string:
-//! `"inf"`, `"-inf"`, `"nan"` for the quiet NaN without a payload, `"nan:0x7fc00001"` for the
-//! bits of any other. A bool whose 4 bytes are neither 0 nor 1 is their number.
+//! Numbers are JSON numbers and bools are `true` and `false`. Values JSON cannot represent are
+//! strings: `"inf"`, `"-inf"`, `"nan"` for the quiet NaN without a payload, `"nan:0x7fc00001"` for
+//! the bits of any other. A bool whose 4 bytes are neither 0 nor 1 is their number.
 
 use std::fmt;
 
@@ -12,16 +12,16 @@ use serde_json::Value;
 use super::float::{narrow, quiet_nan, widen};
 use crate::shape::{Scalar, ScalarKind};
 
-/// One component as it stands in the bytes.
+/// The bits of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Datum {
-    /// What it is.
+    /// The component type.
     pub scalar: Scalar,
-    /// Its bits; those above its width are 0.
+    /// The bits; those above the width are 0.
     pub bits: u64,
 }
 
-/// What a component is, as a Rust number.
+/// The value of a component as a Rust number.
 enum Meaning {
     Bool(bool),
     Int(i64),
@@ -30,7 +30,7 @@ enum Meaning {
 }
 
 impl Datum {
-    /// Whether it is a float that is not a number.
+    /// Whether it is a NaN.
     pub fn is_nan(self) -> bool {
         matches!(self.meaning(), Meaning::Float(number) if number.is_nan())
     }
@@ -41,7 +41,7 @@ impl Datum {
     }
 
     /// Whether it is a bool that is neither 0 nor 1.
-    pub fn is_odd_bool(self) -> bool {
+    pub(crate) fn is_odd_bool(self) -> bool {
         self.scalar.kind == ScalarKind::Bool && self.bits > 1
     }
 
@@ -59,7 +59,7 @@ impl Datum {
         }
     }
 
-    /// The string for a float that JSON has no number for.
+    /// Returns the string for a float that JSON has no number for.
     fn word(self, number: f64) -> Option<String> {
         if number.is_nan() {
             let digits = usize::from(self.scalar.width) * 2;
@@ -72,8 +72,8 @@ impl Datum {
         number.is_infinite().then(|| format!("{sign}inf"))
     }
 
-    /// The shortest number that reads back as this one through an `f64`, as a reader of JSON
-    /// takes it; `None` when only the exact one does.
+    /// Returns the shortest number that reads back as this one through an `f64`, as JSON parsers
+    /// do; `None` if only the exact one does.
     fn short(self, number: f64) -> Option<f32> {
         let short = number as f32;
         let read: f64 = format!("{short:e}").parse().ok()?;
@@ -111,15 +111,15 @@ impl Serialize for Datum {
     }
 }
 
-/// Why a JSON value cannot be a component.
+/// An error of converting a JSON value to a component.
 pub enum Unfit {
-    /// It is not such a thing: what would be.
+    /// The wrong JSON type; the text names the right one.
     Kind(&'static str),
-    /// It is, but too large, too small, or not in the format.
+    /// The right JSON type, but out of range or malformed.
     Range,
 }
 
-/// The bits of a component given in JSON.
+/// Returns the bits of a component from JSON.
 pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
     let width = u32::from(scalar.width);
     let mask = u64::MAX >> (64 - 8 * width);
@@ -160,7 +160,7 @@ pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
     }
 }
 
-/// The bits of `inf`, `-inf`, `nan` or `nan:0x…`.
+/// Returns the bits of `inf`, `-inf`, `nan` or `nan:0x…`.
 fn word_bits(scalar: Scalar, word: &str) -> Result<u64, Unfit> {
     let kind = Unfit::Kind("a number, \"inf\", \"-inf\", \"nan\" or \"nan:0x…\" with its bits");
     let infinite = |number: f64| {

@@ -1,4 +1,4 @@
-//! What looks wrong in the bytes of a block: padding that is not zero, NaN, infinity, odd bools.
+//! Suspicious bytes of a block: non-zero padding, NaN, infinity, invalid bools.
 
 use crate::diagnostic::Code;
 use std::fmt;
@@ -9,26 +9,27 @@ use super::number::Datum;
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
 
-/// Findings listed in full; beyond, they are counted.
+/// The limit on findings listed; further ones are only counted.
 const MOST_FINDINGS: usize = 1000;
 
-/// Something that looks wrong in a block's bytes.
+/// A suspicious value in a block's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum Finding {
-    /// Padding that is not zero: the bytes from the first to the last that is not, and the leaves
-    /// before and after it.
+    /// Non-zero padding: the bytes from the first to the last that is not zero, and the leaves
+    /// before and after.
     Padding { offset: u64, bytes: Vec<u8>, after: Option<String>, before: Option<String> },
-    /// A float that is not a number; the path ends in its component.
+    /// A NaN; the path ends in its component.
     Nan { path: String, offset: u64, datum: Datum },
     /// An infinite float.
     Infinite { path: String, offset: u64, datum: Datum },
-    /// A bool that is neither 0 nor 1: drivers differ in what they make of it.
+    /// A bool that is neither 0 nor 1; drivers differ in how they interpret it.
     OddBool { path: String, offset: u64, datum: Datum },
 }
 
 impl Finding {
-    /// The kebab-case name of its kind.
+    /// Returns the diagnostic code.
     pub fn code(&self) -> Code {
         match self {
             Finding::Padding { .. } => Code::NonzeroPadding,
@@ -38,7 +39,7 @@ impl Finding {
         }
     }
 
-    /// The first byte it is about.
+    /// Offset of the first byte of the finding.
     pub fn offset(&self) -> u64 {
         match self {
             Finding::Padding { offset, .. }
@@ -80,16 +81,17 @@ impl fmt::Display for Finding {
     }
 }
 
-/// All that looks wrong in a block's bytes.
+/// All suspicious values in a block's bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Findings {
-    /// The first thousand, in order of their offsets.
+    /// The first thousand, by offset.
     pub list: Vec<Finding>,
-    /// How many more there are.
+    /// Number of further findings.
     pub more: usize,
 }
 
-/// Looks through the bytes of a block, or of the part of it that was asked for.
+/// Finds suspicious values in the selected part of a block's bytes.
 pub(crate) fn find(decoded: &Decoded<'_>) -> Findings {
     let mut used = vec![0u64; decoded.bytes.len() / 64 + 1];
     let mut found = Findings::default();
@@ -146,7 +148,7 @@ impl Findings {
     }
 }
 
-/// What looks wrong with one component.
+/// Returns the finding about one component, if any.
 fn finding(
     datum: Datum,
     path: &str,
@@ -169,7 +171,7 @@ fn finding(
     })
 }
 
-/// The path of the leaf that a byte of the block belongs to; `None` for padding.
+/// Returns the path of the leaf that owns a byte of the block; `None` for padding.
 pub(crate) fn name_at(block: &BlockLayout, byte: u64) -> Option<String> {
     match owner_of_byte(block, byte) {
         ByteOwner::Component { leaf, .. } => Some(leaf),

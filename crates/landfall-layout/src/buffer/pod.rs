@@ -1,4 +1,4 @@
-//! Whole mirrors in and out: structures, arrays and blocks as `bytemuck` types.
+//! Mirrors read and written as a whole: structures, arrays and blocks as `bytemuck` types.
 
 use bytemuck::Pod;
 
@@ -6,28 +6,27 @@ use super::Buffer;
 use super::error::BufferError;
 use super::resolve::{What, data_size, resolve, size, spelled};
 
-/// Bytes of a place: what a mirror of it may occupy, and how many of those hold anything.
+/// The sizes a mirror of a place may have.
 struct Sizes {
     offset: usize,
-    /// With the padding at its end.
+    /// Size including the padding at the end.
     size: usize,
-    /// Without.
+    /// Size without it.
     data_size: usize,
-    /// The type, in the shader's spelling.
+    /// The type in the shader's spelling.
     what: String,
 }
 
 impl Buffer {
-    /// Writes a mirror over what a path names: an element of an array of structures, a
-    /// structure, an array, a leaf, or with `""` the block (its part before a runtime-sized
-    /// array, if it ends in one).
+    /// Writes a mirror at a path: that of an element of an array of structures, a structure, an
+    /// array, a leaf, or with `""` the block (the part before a runtime-sized array at its end).
     ///
-    /// Its bytes are copied as they are, so that a mirror's own padding must be zero where that
-    /// matters; padding at the end is left out.
+    /// The bytes are copied as they are, so the mirror's own padding must be zeroed where that
+    /// matters; padding at the end is omitted.
     ///
     /// # Errors
-    /// A path that names nothing, or a mirror of another size: as large as what it stands for,
-    /// padding at the end counted or not.
+    /// A path that does not exist, or a mirror whose size is neither that of the place with the
+    /// padding at its end nor without.
     pub fn write_pod<T: Pod>(&mut self, path: &str, mirror: &T) -> Result<(), BufferError> {
         let place = self.sizes(path)?;
         check_size::<T>(path, &place)?;
@@ -36,12 +35,11 @@ impl Buffer {
         self.write_bytes(place.offset, &bytes[..held])
     }
 
-    /// Writes mirrors over elements of an array that follow each other: those of `data` from the
-    /// first on, those of `data[5]` from the sixth on.
+    /// Writes mirrors to consecutive elements of an array: `data` starts at the first, `data[5]` at
+    /// the sixth.
     ///
-    /// # Errors
-    /// A path that names no array or element of one, mirrors of another size than the distance
-    /// of elements, more mirrors than elements are left.
+    /// A path that is not an array or an element of one, mirrors whose size is not the array
+    /// stride, or more mirrors than remaining elements.
     pub fn write_slice<T: Pod>(&mut self, path: &str, mirrors: &[T]) -> Result<(), BufferError> {
         let place = resolve(self.block(), self.tail, path, None)?;
         let (member, first) = match place.what {
@@ -72,12 +70,12 @@ impl Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(mirrors);
         let element = super::resolve::element(member, member.dims.len());
         let data = data_size(self.block(), element).unwrap_or(stride);
-        // The padding after the last element may be another member's place in scalar layout.
+        // The padding after the last element may belong to another member in scalar layout.
         let held = bytes.len().saturating_sub((stride - data.min(stride)) as usize);
         self.write_bytes(place.offset as usize, &bytes[..held])
     }
 
-    /// Reads a mirror from what a path names; padding that the buffer does not hold is zero.
+    /// Reads a mirror from a path; padding that the buffer does not hold is zero.
     ///
     /// # Errors
     /// Those of [`write_pod`](Buffer::write_pod).
@@ -96,7 +94,7 @@ impl Buffer {
         Ok(mirror)
     }
 
-    /// Writes bytes at an offset, whatever stands there.
+    /// Writes bytes at an offset, regardless of members.
     ///
     /// # Errors
     /// Bytes that would end past the buffer.

@@ -1,7 +1,7 @@
-//! What a path names, step by step through the members: structures and arrays, columns and
-//! components, the optional name of the block, and every way a path can be wrong.
+//! Resolution of paths member by member: structures and arrays, columns and components, the
+//! optional name of the block, and the errors in a path.
 //!
-//! The common case, the full path of a leaf, is found by [`index`](super::index) instead.
+//! Full paths of leaves, the common case, are resolved by [`index`](super::index) instead.
 
 use super::error::BufferError;
 use super::grid::{Dim, Grid, language};
@@ -9,13 +9,13 @@ use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Type};
 use crate::text::edit_distance::nearest;
 
-/// A place in a block that has a name.
+/// A named place in a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place<'b> {
-    /// From the start of the block.
+    /// Offset from the start of the block.
     pub offset: u64,
     pub what: What<'b>,
-    /// The last index on the way, 0 where there is none.
+    /// The last index of the path; 0 if there is none.
     pub index: u64,
 }
 
@@ -23,20 +23,20 @@ impl<'b> Place<'b> {
     /// The whole block.
     pub const BLOCK: Place<'static> = Place { offset: 0, what: What::Block, index: 0 };
 
-    /// A member of what stands here.
+    /// Returns the place of a member of this structure.
     pub fn member(self, member: &'b MemberLayout) -> Place<'b> {
         let offset = self.offset + member.offset.unwrap_or(0);
         Place { offset, what: element(member, 0), index: 0 }
     }
 
-    /// An element of the array that stands here: a member from that dimension inwards.
+    /// Returns the place of an element of this array: a member from dimension `dim` inwards.
     pub fn element(self, member: &'b MemberLayout, dim: usize, index: u64) -> Place<'b> {
         let offset = self.offset + index * member.strides[dim];
         Place { offset, what: element(member, dim + 1), index }
     }
 }
 
-/// What stands at a place.
+/// The kind of a place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What<'b> {
     /// The whole block.
@@ -49,7 +49,7 @@ pub(crate) enum What<'b> {
     Leaf(Grid),
 }
 
-/// A path being read.
+/// A path being resolved.
 struct Reader<'p, 'b> {
     block: &'b BlockLayout,
     path: &'p str,
@@ -58,10 +58,10 @@ struct Reader<'p, 'b> {
     tail: usize,
 }
 
-/// What a path names. `[]` is given to `open`, or refused when that is `None`.
+/// Resolves a path. `[]` goes to `open`, or is an error if that is `None`.
 ///
-/// Member names go first; a path that starts with none may start with the block's instance name
-/// (as the shader spells its members) or its own name (as OpenGL's queries do).
+/// Member names take precedence; a path that does not start with one may start with the block's
+/// instance name (as in the shader) or its own name (as in OpenGL's queries).
 pub(crate) fn resolve<'b>(
     block: &'b BlockLayout,
     tail: usize,
@@ -86,7 +86,7 @@ pub(crate) fn resolve<'b>(
     reader.member(&reader.block.members, Place::BLOCK, open)
 }
 
-/// What a path names from one element of a structure on; the block for `What::Block`.
+/// Resolves a path from one element of a structure, or from the block for `What::Block`.
 pub(crate) fn resolve_in<'b>(
     block: &'b BlockLayout,
     tail: usize,
@@ -101,7 +101,7 @@ pub(crate) fn resolve_in<'b>(
 }
 
 impl<'b> Reader<'_, 'b> {
-    /// Reads a member of a structure, and on.
+    /// Resolves a member of a structure and the rest of the path.
     fn member(
         &mut self,
         mut members: &'b [MemberLayout],
@@ -156,13 +156,13 @@ impl<'b> Reader<'_, 'b> {
         }
     }
 
-    /// The name that starts here, up to `.` or `[`; may be empty.
+    /// Returns the name at the cursor, up to `.` or `[`; may be empty.
     fn peek_name(&self) -> &str {
         let rest = &self.path[self.at..];
         &rest[..rest.find(['.', '[']).unwrap_or(rest.len())]
     }
 
-    /// The next `[index]`, `[]` or `.`; `None` at the end.
+    /// Reads the next `[index]`, `[]` or `.`; `None` at the end.
     fn step(&mut self) -> Result<Option<Step>, BufferError> {
         let rest = &self.path[self.at..];
         match rest.as_bytes().first() {
@@ -187,7 +187,7 @@ impl<'b> Reader<'_, 'b> {
         }
     }
 
-    /// A column or component of a leaf, as an offset in it and what is there.
+    /// Resolves a column or component of a leaf to its offset in the leaf and its grid.
     fn inside(&mut self, grid: Grid, step: Step) -> Result<(usize, Grid), BufferError> {
         let (columns, rows) = (u64::from(grid.columns), u64::from(grid.rows));
         let shape = |len: u64| Dim { len: Some(len as usize), stride: 0 };
@@ -265,7 +265,7 @@ impl<'b> Reader<'_, 'b> {
         BufferError::MissingIndex { path: self.path.to_string(), len }
     }
 
-    /// The path before the last step.
+    /// Returns the path before the last step.
     fn before(&self) -> String {
         let read = &self.path[..self.at];
         let end = read.rfind(['.', '[']).unwrap_or(read.len());
@@ -284,7 +284,7 @@ enum Step {
     Dot,
 }
 
-/// A member below its first `dim` dimensions.
+/// Returns the kind of a member below its first `dim` dimensions.
 pub(crate) fn element(member: &MemberLayout, dim: usize) -> What<'_> {
     if dim < member.dims.len() {
         return What::Array(member, dim);
@@ -295,7 +295,7 @@ pub(crate) fn element(member: &MemberLayout, dim: usize) -> What<'_> {
     }
 }
 
-/// An index past the end of a dimension.
+/// Returns the error for an index past the end of a dimension.
 pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> BufferError {
     let path = path.to_string();
     match dim.len {
@@ -304,7 +304,7 @@ pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> Buffer
     }
 }
 
-/// The path where a scalar, vector or matrix is wanted but something larger was named.
+/// Returns the error for a path to a structure or array where a leaf is required.
 pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: What<'_>) -> BufferError {
     let names = |members: &[MemberLayout]| {
         let mut names: Vec<String> = members.iter().map(|m| format!("`.{}`", m.name)).collect();
@@ -322,7 +322,7 @@ pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: What<'_>) -> Buf
     BufferError::NotALeaf { path: path.to_string(), ty: spelled(block, what), next }
 }
 
-/// The type at a place, in the shader's spelling.
+/// Returns the type at a place in the shader's spelling.
 pub(crate) fn spelled(block: &BlockLayout, what: What<'_>) -> String {
     let language = language(block);
     match what {
@@ -341,7 +341,7 @@ pub(crate) fn spelled(block: &BlockLayout, what: What<'_>) -> String {
     }
 }
 
-/// Bytes of what stands at a place, padding at its end included; `None` when runtime-sized.
+/// Returns the size of a place, padding at its end included; `None` if runtime-sized.
 pub(crate) fn size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
     match what {
         What::Block => block.size,
@@ -357,7 +357,7 @@ pub(crate) fn size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
     }
 }
 
-/// Bytes of what stands at a place up to where its last member ends.
+/// Returns the bytes of a place up to the end of its last member.
 pub(crate) fn data_size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
     match what {
         What::Block => block.data_size,
@@ -367,7 +367,8 @@ pub(crate) fn data_size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
         }
         What::Array(member, dim) => match block.rules {
             Rules::Std140 | Rules::Std430 | Rules::Wgsl => size(block, what),
-            // GL_EXT_scalar_block_layout: the padding after the last element is not the array's.
+            // GL_EXT_scalar_block_layout: the padding after the last element is not part of the
+            // array.
             Rules::Scalar => {
                 if dim == 0 {
                     member.size

@@ -1,40 +1,40 @@
-//! Rust values that can stand for a scalar, vector or matrix of a shader.
+//! Rust values that represent a scalar, vector or matrix of a shader.
 //!
 //! A component is a Rust number; `[T; N]` is a vector, `[[T; R]; C]` a `matCxR` as its C columns.
-//! Nothing is converted, except that `f32` is what 16-bit and 8-bit floats are set from and read
-//! as, because Rust has no such types. Vectors of a maths library come in and out as arrays
-//! (`glam::Vec3::to_array`, `Mat4::to_cols_array_2d`): a dependency on one would tie this crate
-//! to one of its yearly major versions. Or they are written whole, as
-//! [`bytemuck::Pod`], with [`Buffer::write_pod`](super::Buffer::write_pod).
+//! Nothing is converted, except that 16-bit and 8-bit floats are set from and read as `f32`,
+//! because Rust has no such types. Vectors of a maths library are passed as arrays
+//! (`glam::Vec3::to_array`, `Mat4::to_cols_array_2d`): a dependency on one would tie this crate to
+//! one of its yearly major versions. Alternatively they are written whole, as [`bytemuck::Pod`],
+//! with [`Buffer::write_pod`](super::Buffer::write_pod).
 
 use super::float::{narrow, widen};
 use super::grid::Grid;
 use crate::shape::{Scalar, ScalarKind, wgsl_scalar};
 
-/// A Rust number as a component of a shader's type.
+/// A Rust number that represents a component of a shader's type.
 pub trait Component: Copy + Sealed {
-    /// Its name in Rust.
+    /// The name of the Rust type.
     const NAME: &'static str;
-    /// Bytes it occupies in a buffer.
+    /// Size in a buffer, in bytes.
     const WIDTH: usize;
-    /// The component it stands for.
+    /// The component type it represents.
     #[doc(hidden)]
     const SCALAR: Scalar;
-    /// Whether it stands for such a component.
+    /// How it represents a component type.
     #[doc(hidden)]
     fn is(scalar: Scalar) -> Fit {
         if scalar == Self::SCALAR { Fit::Same } else { Fit::No }
     }
-    /// Writes [`WIDTH`](Self::WIDTH) bytes in the machine's order.
+    /// Writes [`WIDTH`](Self::WIDTH) bytes in native order.
     #[doc(hidden)]
     fn put(self, out: &mut [u8]);
-    /// Reads [`WIDTH`](Self::WIDTH) bytes in the machine's order.
+    /// Reads [`WIDTH`](Self::WIDTH) bytes in native order.
     #[doc(hidden)]
     fn take(from: &[u8]) -> Self;
-    /// Writes it as a component of another format: only for [`Fit::Narrowed`].
+    /// Writes it in a smaller format: only for [`Fit::Narrowed`].
     #[doc(hidden)]
     fn put_as(self, scalar: Scalar, out: &mut [u8]);
-    /// Reads it from a component of another format: only for [`Fit::Narrowed`].
+    /// Reads it from a smaller format: only for [`Fit::Narrowed`].
     #[doc(hidden)]
     fn take_as(scalar: Scalar, from: &[u8]) -> Self;
 }
@@ -43,36 +43,36 @@ pub trait Component: Copy + Sealed {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
-    /// The same bytes.
+    /// Same bytes.
     Same,
-    /// The nearest number of a smaller format.
+    /// Rounded to the nearest number of a smaller format.
     Narrowed,
-    /// Not at all.
+    /// Not representable.
     No,
 }
 
-/// A Rust value as a scalar, vector or matrix.
+/// A Rust value that represents a scalar, vector or matrix.
 pub trait Value: Copy + Sealed {
-    /// What its components are.
+    /// The component type.
     #[doc(hidden)]
     type Component: Component;
-    /// 1, or the columns of a matrix.
+    /// Number of columns; 1 unless a matrix.
     const COLUMNS: usize;
-    /// Components of a vector, or of a column.
+    /// Number of components of a vector or column.
     const ROWS: usize;
-    /// Bytes it occupies without a gap.
+    /// Size in bytes without gaps.
     #[doc(hidden)]
     const BYTES: usize = Self::COLUMNS * Self::ROWS * Self::Component::WIDTH;
-    /// The [`code`] of its type.
+    /// The [`code`] of the type.
     #[doc(hidden)]
     const CODE: u32 = code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8);
-    /// One component.
+    /// Returns one component.
     #[doc(hidden)]
     fn component(&self, column: usize, row: usize) -> Self::Component;
-    /// The value of those components.
+    /// Builds a value from its components.
     #[doc(hidden)]
     fn build(cell: impl FnMut(usize, usize) -> Self::Component) -> Self;
-    /// Writes it without a gap; `out` holds [`BYTES`](Self::BYTES).
+    /// Writes the value without gaps; `out` has [`BYTES`](Self::BYTES) bytes.
     #[doc(hidden)]
     #[inline]
     fn store(&self, out: &mut [u8]) {
@@ -84,7 +84,7 @@ pub trait Value: Copy + Sealed {
             }
         }
     }
-    /// Reads it without a gap; `from` holds [`BYTES`](Self::BYTES).
+    /// Reads the value without gaps; `from` has [`BYTES`](Self::BYTES) bytes.
     #[doc(hidden)]
     #[inline]
     fn fetch(from: &[u8]) -> Self {
@@ -96,29 +96,29 @@ pub trait Value: Copy + Sealed {
     }
 }
 
-/// Only this crate says what stands for what.
+/// Seals the traits: only this crate implements them.
 mod sealed {
     pub trait Sealed {}
 }
 pub(crate) use sealed::Sealed;
 
-/// A scalar, vector or matrix type as a number: equal for equal types.
+/// Encodes a scalar, vector or matrix type as a number, distinct for distinct types.
 pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {
     u32::from_be_bytes([scalar.kind as u8, scalar.width, columns, rows])
 }
 
-/// How a value of that type relates to a leaf.
+/// Returns how a value of that type represents a leaf.
 pub(crate) fn fit<T: Value>(grid: &Grid) -> Fit {
     let same = T::COLUMNS == usize::from(grid.columns) && T::ROWS == usize::from(grid.rows);
     if same { T::Component::is(grid.scalar) } else { Fit::No }
 }
 
-/// The Rust type as its user writes it: `[f32; 3]`.
+/// Returns the Rust type as written in source: `[f32; 3]`.
 pub(crate) fn spelled<T: Value>() -> String {
     shape_of(T::Component::NAME, T::COLUMNS, T::ROWS)
 }
 
-/// The Rust type that fits a leaf.
+/// Returns the Rust type that represents a leaf.
 pub(crate) fn wanted(grid: &Grid) -> String {
     let narrow = match grid.scalar.kind {
         ScalarKind::Float => grid.scalar.width != 8,
@@ -210,14 +210,14 @@ impl Component for f32 {
     }
 
     fn take_as(scalar: Scalar, from: &[u8]) -> f32 {
-        // Every number of the smaller formats is one of f32.
+        // Every number of the smaller formats is representable as f32.
         widen(scalar, take_bits(from)) as f32
     }
 }
 
 impl Sealed for bool {}
 
-/// 4 bytes, 0 or 1; any other number reads as true, as shaders do.
+/// 4 bytes, 0 or 1; any other number reads as true, as in shaders.
 impl Component for bool {
     const NAME: &'static str = "bool";
     const WIDTH: usize = 4;
@@ -242,7 +242,7 @@ impl Component for bool {
     }
 }
 
-/// Writes the low bytes of a component's bits in the machine's order; `out` is as wide as it.
+/// Writes the low bytes of a component's bits in native order; `out` has its width.
 pub(crate) fn put_bits(bits: u64, out: &mut [u8]) {
     let width = out.len();
     if cfg!(target_endian = "little") {
@@ -252,7 +252,7 @@ pub(crate) fn put_bits(bits: u64, out: &mut [u8]) {
     }
 }
 
-/// The bits of a component as wide as `from`.
+/// Reads the bits of a component as wide as `from`.
 pub(crate) fn take_bits(from: &[u8]) -> u64 {
     let mut bytes = [0; 8];
     if cfg!(target_endian = "little") {

@@ -1,16 +1,16 @@
-//! Layouts as a C11 and C++17 header: structures with explicit padding that the
-//! compiler holds to the shader's offsets, offset macros, and a table of names.
+//! Layouts as a C11 and C++17 header: structures with explicit padding and static assertions
+//! on their offsets, offset macros, and a table of names.
 //!
-//! `types` (with `plain`) says what C declares a member as and keeps each
-//! structure once, `structs` writes them, `table` writes macros and the
-//! table of a block, `reach` knows the way to each leaf, `names` makes
-//! identifiers of shader names, and `prelude` is what all headers share.
+//! `types` (with `plain`) maps members to C types and keeps each structure once, `structs`
+//! writes them, `table` writes the macros and table of a block, `reachable` builds the access
+//! expression of each leaf, `names` makes C identifiers, and `prelude` is the text all headers
+//! share.
 
 mod comments;
 mod names;
 mod plain;
 mod prelude;
-mod reach;
+mod reachable;
 mod structs;
 mod table;
 mod types;
@@ -21,51 +21,53 @@ use crate::{Diagnostic, ShaderLayout};
 use names::Names;
 use types::{Refusal, Types};
 
-/// How a header is written.
+/// Options of the C header.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct COptions {
     /// The header's file name, from which its include guard is made: `lights.h`.
     pub file: String,
-    /// Put before every type, macro and function: `engine_` gives `engine_PointLight`
+    /// The prefix of every type, macro and function: `engine_` gives `engine_PointLight`
     /// and `ENGINE_POINT_LIGHT_BLOCK_SIZE`.
     pub prefix: String,
 }
 
-/// A header, and what it lacks.
+/// A header, and the diagnostics of the blocks it leaves out.
 #[derive(Clone, Debug)]
 pub struct COutput {
     /// The text of the header.
     pub text: String,
-    /// How C reaches each leaf of each block in the header.
+    /// The access expression of each leaf of each block in the header.
     pub leaves: Vec<CLeaf>,
-    /// One finding for every block that no C structure can mirror; the rest is in the text.
+    /// One error for every block that no C structure can mirror; `text` holds the others.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// How C reaches a leaf.
+/// The C names that access a leaf.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CLeaf {
     /// The block's name in the shader.
     pub block: String,
     /// The name its macros begin with: `POINT_LIGHT_BLOCK`.
     pub macros: String,
-    /// The macro of its offset: `POINT_LIGHT_BLOCK_DATA_POS_OFFSET`; takes the indices, if any.
+    /// The macro of its offset: `POINT_LIGHT_BLOCK_DATA_POS_OFFSET`; its parameters are the array
+    /// indices, if any.
     pub offset: String,
     /// The block's function from a path to an offset: `point_light_block_lookup`.
     pub lookup: String,
-    /// The structure of the block; `None` when the block is a runtime-sized array only.
+    /// The structure of the block; `None` when the block holds only a runtime-sized array.
     pub structure: Option<String>,
     /// The leaf's path in the shader: `data[].pos`.
     pub path: String,
-    /// From a structure to the leaf, indices left out: `.data[].pos`, `.weights[].value`.
-    /// Below a runtime-sized tail: from an element of the tail.
+    /// The field access from the structure to the leaf, without indices: `.data[].pos`,
+    /// `.weights[].value`. Starts at an element of the tail for a leaf of a runtime-sized tail.
     pub access: String,
-    /// For a leaf of a runtime-sized tail, the function that finds the tail's elements.
+    /// The function that returns the tail's elements, for a leaf of a runtime-sized tail.
     pub tail: Option<String>,
 }
 
-/// Writes one header for the blocks of some shaders. Loose uniforms have no offsets and are
-/// passed over; lay the shader out with `gather` to have them.
+/// Writes one header for the blocks of `shaders`. Skips loose uniforms, which have no offsets;
+/// lay the shader out with `gather` to include them.
 pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     let mut names = Names::new(&options.prefix, shaders);
     let mut types = Types::default();
@@ -98,7 +100,7 @@ pub fn c(shaders: &[&ShaderLayout], options: &COptions) -> COutput {
     COutput { text, leaves, diagnostics }
 }
 
-/// What no C structure can be, seen from the block alone.
+/// Checks for blocks that C cannot mirror: no layout, override-sized arrays, too many dimensions.
 fn check(block: &BlockLayout) -> Result<(), Refusal> {
     if block.size.is_none() {
         return Err(Refusal { span: block.span, why: "it has no layout".to_string() });

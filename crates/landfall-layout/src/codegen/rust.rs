@@ -1,10 +1,9 @@
-//! Rust mirrors of blocks, and tables from a member's name to its offset.
+//! Rust mirrors of blocks, and tables from member names to offsets.
 //!
-//! Reads only the layout model and the comments of the shader. `plan` decides
-//! which Rust type stands for each member (`types`, `leaf` and `array` are what
-//! it can choose from), `naming` and `names` give every type its Rust name, and
-//! `mirror`, `tail`, `small`, `strided`, `check` and `table` print one kind of
-//! item each. `docs` carries the shader's comments over.
+//! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
+//! each member (with `types`, `leaf` and `array`), `naming` and `names` name every type, and
+//! `mirror`, `tail`, `small`, `strided`, `check` and `table` print one kind of item each.
+//! `docs` copies the shader's comments.
 
 mod array;
 mod check;
@@ -29,10 +28,11 @@ pub use field::field;
 use crate::ShaderLayout;
 use crate::diagnostic::Diagnostic;
 
-/// How vectors and matrices are written in a mirror.
+/// The Rust types of vectors and matrices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Vectors {
-    /// `glam::Vec3`, `glam::Mat4`, where their size and alignment fit.
+    /// `glam::Vec3`, `glam::Mat4`, where size and alignment match.
     #[default]
     Glam,
     /// `[f32; 3]`, `[[f32; 4]; 4]`.
@@ -40,7 +40,7 @@ pub enum Vectors {
 }
 
 impl Vectors {
-    /// The name used in `--vectors`.
+    /// The name in `--vectors`.
     pub fn name(self) -> &'static str {
         match self {
             Vectors::Glam => "glam",
@@ -48,14 +48,15 @@ impl Vectors {
         }
     }
 
-    /// The way of that name.
+    /// The variant with this name.
     pub fn from_name(name: &str) -> Option<Vectors> {
         [Vectors::Glam, Vectors::Array].into_iter().find(|vectors| vectors.name() == name)
     }
 }
 
-/// Who may use the items that are written.
+/// The visibility of the generated items.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Visibility {
     /// `pub`.
     #[default]
@@ -64,44 +65,45 @@ pub enum Visibility {
     Crate,
 }
 
-/// Whether the tables from names to offsets are written beside the mirrors.
+/// Whether to generate tables from names to offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tables {
-    /// One module a block.
+    /// One module per block.
     #[default]
     Beside,
     /// Mirrors only.
     Without,
 }
 
-/// What the Rust text is to be like.
+/// Options of the Rust output.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct RustOptions {
-    /// How vectors and matrices are written.
+    /// The types of vectors and matrices.
     pub vectors: Vectors,
-    /// Who may use the items.
+    /// The visibility of the items.
     pub visibility: Visibility,
-    /// Whether tables stand beside the mirrors.
+    /// Whether to generate tables.
     pub tables: Tables,
-    /// What each shader is called in the text, in the order of the shaders. One without a name
-    /// here goes by its own path, of which only the file name is used when it is absolute.
+    /// The name of each shader in the text, in the order of the shaders. A shader without one is
+    /// named by its path, or by its file name if the path is absolute.
     pub inputs: Vec<String>,
 }
 
 /// Mirrors and tables as Rust text.
 #[derive(Clone, Debug)]
 pub struct RustOutput {
-    /// The file: for `include!`, or to be checked in.
+    /// The file's text, for `include!` or to be checked in.
     pub text: String,
-    /// One finding for every block that has no mirror.
+    /// One error for every block without a mirror.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Writes a mirror of every block of `shaders` and of every structure in them, and the tables.
+/// Writes mirrors of every block and structure of `shaders`, and the tables.
 ///
-/// The text needs `bytemuck`, and `glam` where it is asked for; its head says which features.
-/// The same layout in two shaders is written once. A block that no Rust type can mirror is
-/// left out and has a finding; its neighbours are written.
+/// The text needs `bytemuck`, and `glam` with [`Vectors::Glam`]; its head lists the features.
+/// A layout that two shaders share is written once. A block that no Rust type can mirror is
+/// left out and reported; the others are written.
 pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let inputs: Vec<String> =
         shaders.iter().enumerate().map(|(i, shader)| header::input(shader, options, i)).collect();

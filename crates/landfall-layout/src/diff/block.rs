@@ -1,5 +1,4 @@
-//! What happened to a block besides its bytes: size, rules, where it is bound, what things are
-//! called.
+//! Changes of a block besides its members' bytes: size, rules, binding, names.
 
 use std::cell::OnceCell;
 
@@ -9,17 +8,17 @@ use super::{Block, Change, Class, Kind, shown_name};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Type};
 
-/// A block that only the old side has.
+/// The change of a block that only the old side has.
 pub(super) fn removed(block: &BlockLayout) -> Change {
     let name = shown_name(block);
     change(
         (Kind::BlockRemoved, Class::Breaking),
         (Some(name.clone()), None),
-        format!("block `{name}` is gone"),
+        format!("block `{name}` was removed"),
     )
 }
 
-/// A block that only the new side has.
+/// The change of a block that only the new side has.
 pub(super) fn added(block: &BlockLayout) -> Change {
     let name = shown_name(block);
     let size = match block.size {
@@ -30,7 +29,7 @@ pub(super) fn added(block: &BlockLayout) -> Change {
     change((Kind::BlockAdded, Class::Compatible), (None, Some(name)), message)
 }
 
-/// A block that lives elsewhere now.
+/// The change of a block's address space.
 pub(super) fn space(old: &BlockLayout, new: &BlockLayout) -> Change {
     let (was, is) = (old.space.name(), new.space.name());
     let message = format!("is in the address space `{is}`, was in `{was}`");
@@ -46,7 +45,7 @@ fn change(
     Change { kind, class, path: String::new(), old, new, message }
 }
 
-/// Adds what happened to a block whose leaves have been compared.
+/// Adds the changes of a block whose leaves have been compared.
 pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>) {
     let (a, b) = (old.layout, new.layout);
     let leaves_changed = changes.iter().any(|change| change.class > Class::Cosmetic);
@@ -71,10 +70,12 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
     }
     if a.rules_declared != b.rules_declared {
         let (class, message) = match b.rules_declared {
-            true => (Class::Compatible, "its rules are declared now; the driver chose them before"),
+            true => {
+                (Class::Compatible, "its rules are now declared; before, the driver chose them")
+            }
             false => (
                 Class::Breaking,
-                "its rules are not declared any more: the driver decides where members lie",
+                "its rules are no longer declared: the driver chooses the offsets",
             ),
         };
         let values = (Some(a.rules_declared.to_string()), Some(b.rules_declared.to_string()));
@@ -93,13 +94,13 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
     let order =
         |block: &BlockLayout| block.members.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
     if changes.is_empty() && order(a) != order(b) {
-        let message = "lists its members in another order, each in its old place".to_string();
+        let message = "lists its members in another order, each at its old offset".to_string();
         changes.push(change((Kind::Order, Class::Cosmetic), (None, None), message));
     }
     if changes.is_empty() && a.align != b.align {
         let number = |n: Option<u64>| n.map_or("none".to_string(), |n| n.to_string());
         let (was, is) = (number(a.align), number(b.align));
-        let message = format!("is aligned to {is}, was to {was}");
+        let message = format!("alignment changed from {was} to {is}");
         changes.push(change((Kind::Alignment, Class::Cosmetic), (Some(was), Some(is)), message));
     }
 }
@@ -109,14 +110,14 @@ fn slot(what: &str, old: Option<u32>, new: Option<u32>, changes: &mut Vec<Change
     let (class, message) = match (old, new) {
         (Some(was), Some(is)) if was != is => (
             Class::Breaking,
-            format!("{what} changed from {was} to {is}: it reads what is bound there"),
+            format!("{what} changed from {was} to {is}: it now reads the buffer bound there"),
         ),
         (Some(was), None) => (
             Class::Breaking,
-            format!("{what} {was} is not declared any more: the host has to choose it"),
+            format!("{what} {was} is no longer declared: the host must choose it"),
         ),
         (None, Some(is)) => {
-            (Class::Compatible, format!("{what} {is} is declared; until now the host chose it"))
+            (Class::Compatible, format!("{what} {is} is now declared; before, the host chose it"))
         }
         (Some(_), Some(_)) | (None, None) => return,
     };
@@ -149,7 +150,7 @@ fn count(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
 fn names(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
     if old.name != new.name {
         let (was, is) = (shown_name(old), shown_name(new));
-        let message = format!("block `{was}` is called `{is}` now");
+        let message = format!("block `{was}` was renamed to `{is}`");
         let values = (Some(was), Some(is));
         changes.push(change((Kind::BlockRenamed, Class::Cosmetic), values, message));
     }
@@ -163,8 +164,7 @@ fn names(old: &BlockLayout, new: &BlockLayout, changes: &mut Vec<Change>) {
     }
 }
 
-/// Facts about members that no byte shows: the name of a structure, an alignment, room that
-/// `@size` reserves.
+/// Adds changes of members that move no byte: structure names, alignments, sizes set by `@size`.
 fn below(
     old: &[MemberLayout],
     new: &[MemberLayout],
@@ -174,7 +174,7 @@ fn below(
 ) {
     let by_name: OnceCell<FxHashMap<&str, &MemberLayout>> = OnceCell::new();
     for (i, a) in old.iter().enumerate() {
-        // Most stand where they stood.
+        // Most members keep their index.
         let same = new.get(i).filter(|b| b.name == a.name);
         let other = || {
             let names = by_name.get_or_init(|| new.iter().map(|b| (&*b.name, b)).collect());
@@ -184,15 +184,15 @@ fn below(
         let path =
             if parent.is_empty() { a.name.to_string() } else { format!("{parent}.{}", a.name) };
         if let (Type::Struct(x), Type::Struct(y)) = (a.ty.innermost(), b.ty.innermost()) {
-            let said = x.name == y.name
+            let reported = x.name == y.name
                 || found.iter().any(|change| {
                     change.kind == Kind::StructureRenamed
                         && (change.old.as_deref(), change.new.as_deref())
                             == (Some(&*x.name), Some(&*y.name))
                 });
-            if !said {
+            if !reported {
                 let message =
-                    format!("structure `{}` of `{path}` is called `{}` now", x.name, y.name);
+                    format!("structure `{}` of `{path}` was renamed to `{}`", x.name, y.name);
                 found.push(Change {
                     path: path.clone(),
                     ..change(

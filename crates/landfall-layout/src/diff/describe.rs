@@ -1,4 +1,4 @@
-//! Facts about leaves as changes: one line for all leaves of a member that share a fate.
+//! Turns facts about leaves into changes: one for all leaves of a member with the same facts.
 //!
 //! Reads [`super::leaves`].
 
@@ -9,7 +9,7 @@ use super::{Block, Change, Class, Kind};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::ArrayLen;
 
-/// The changes that those facts are, in the order of the bytes.
+/// The changes that describe `facts`, by offset.
 pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec<Change> {
     if facts.is_empty() {
         return Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
         new,
         old_members: by_path(old.layout),
         new_members: by_path(new.layout),
-        said: FxHashMap::default(),
+        reported: FxHashMap::default(),
         changes: Vec::new(),
     };
     let moved = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
@@ -61,9 +61,9 @@ fn start(leaf: &Leaf) -> u64 {
     leaf.offset.unwrap_or(0)
 }
 
-/// Which members stand for leaves that share a fate.
+/// The members all of whose leaves have the same facts.
 struct Group<'a> {
-    /// The fate of all leaves below a path; `None` where they differ.
+    /// The facts of all leaves below a path, hashed; `None` where they differ.
     below: FxHashMap<&'a str, Option<u64>>,
 }
 
@@ -93,14 +93,14 @@ impl<'a> Group<'a> {
         Group { below }
     }
 
-    /// The shortest path that stands for a leaf and only for leaves of the same fate.
+    /// The shortest prefix of a leaf's path whose leaves all have the same facts.
     fn whole<'p>(&self, leaf: &'p Leaf) -> &'p str {
         let same = |prefix: &&str| self.below.get(prefix).is_some_and(Option::is_some);
         prefixes(&leaf.path).find(same).unwrap_or(&leaf.path)
     }
 }
 
-/// `data[]`, `data[].pos`, …
+/// The prefixes of a path that are members: `data[]`, `data[].pos`, …
 fn prefixes(path: &str) -> impl Iterator<Item = &str> {
     let dots = path.match_indices('.').map(|(at, _)| at);
     dots.chain([path.len()]).map(|end| &path[..end])
@@ -110,7 +110,7 @@ fn is_below(path: &str, prefix: &str) -> bool {
     path.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// A path without the brackets at its end: `data` for `data[]`.
+/// A path without trailing brackets: `data` for `data[]`.
 fn bare(path: &str) -> &str {
     let mut path = path;
     while let Some(less) = path.strip_suffix("[]") {
@@ -119,12 +119,12 @@ fn bare(path: &str) -> &str {
     path
 }
 
-/// Pairs of old and new paths that are renames, the ends they share cut off.
+/// Renames as pairs of old and new paths, without their common ends.
 struct Renames<'a> {
     all: FxHashSet<(&'a str, &'a str)>,
     leaves: &'a [Leaf],
     at: FxHashMap<&'a str, usize>,
-    /// Members that are known to be renamed as a whole, or not to be.
+    /// Whether a pair of members is renamed as a whole, cached.
     known: FxHashMap<(String, String), bool>,
 }
 
@@ -138,13 +138,13 @@ impl<'a> Renames<'a> {
         Renames { all, leaves, at, known: FxHashMap::default() }
     }
 
-    /// The members that are one, if all leaves of the old one are in the new one; else the leaves.
+    /// The renamed members, if all leaves of the old one are in the new one; else the leaves.
     fn pair<'p>(&mut self, old: &'p Leaf, new: &'p Leaf) -> (&'p str, &'p str) {
         let (mut a, mut b) = (old.path.as_str(), new.path.as_str());
         while let (Some((rest_a, end_a)), Some((rest_b, end_b))) =
             (a.rsplit_once('.'), b.rsplit_once('.'))
         {
-            // What stands above a rename that is not at the end has been renamed itself.
+            // A rename above the last name is a rename of the enclosing member.
             if end_a != end_b || rest_a == rest_b {
                 break;
             }
@@ -163,7 +163,7 @@ impl<'a> Renames<'a> {
     }
 
     fn is_whole(&self, leaf: &Leaf, a: &str, b: &str) -> bool {
-        // The leaves of a member stand together.
+        // The leaves of a member are contiguous.
         let at = self.at.get(leaf.path.as_str()).copied().unwrap_or(0);
         let is_below = |leaf: &&Leaf| is_below(&leaf.path, a);
         let before = self.leaves[..at].iter().rev().take_while(is_below);
@@ -175,7 +175,7 @@ impl<'a> Renames<'a> {
     }
 }
 
-/// Every member of a block by its pattern, and where it starts.
+/// Every member of a block by its path pattern, with its offset.
 fn by_path(block: &BlockLayout) -> FxHashMap<String, (&MemberLayout, u64)> {
     fn collect<'a>(
         members: &'a [MemberLayout],
@@ -199,8 +199,8 @@ struct Out<'a> {
     new: Block<'a>,
     old_members: FxHashMap<String, (&'a MemberLayout, u64)>,
     new_members: FxHashMap<String, (&'a MemberLayout, u64)>,
-    /// What has been said of a member for all its leaves, and as which change.
-    said: FxHashMap<(Kind, String), usize>,
+    /// The index of the change already reported for a member, by kind and path.
+    reported: FxHashMap<(Kind, String), usize>,
     changes: Vec<(u64, Change)>,
 }
 
@@ -214,15 +214,15 @@ impl Out<'_> {
         message: String,
     ) {
         let key = format!("{path}\0{old:?}\0{new:?}");
-        match self.said.get(&(kind, key.clone())) {
-            // Leaves of one structure may fare differently with it: the worst is said.
+        match self.reported.get(&(kind, key.clone())) {
+            // The leaves of one member may differ in class: keep the most serious.
             Some(&known) if self.changes[known].1.class < class => {
                 let change = &mut self.changes[known].1;
                 (change.class, change.message) = (class, message);
             }
             Some(_) => {}
             None => {
-                self.said.insert((kind, key), self.changes.len());
+                self.reported.insert((kind, key), self.changes.len());
                 let path = bare(path).to_string();
                 self.changes.push((at, Change { kind, class, path, old, new, message }));
             }
@@ -242,7 +242,7 @@ impl Out<'_> {
         let at = self.old_members.get(path).map_or(0, |(_, at)| *at);
         let ty = spelled(&self.old_members, self.old, path);
         let name = bare(path);
-        let message = format!("`{name}` (`{ty}` at {at}) is gone");
+        let message = format!("`{name}` (`{ty}` at {at}) was removed");
         self.say(at, (Kind::Removed, Class::Breaking), path, (Some(ty), None), message);
     }
 
@@ -259,7 +259,7 @@ impl Out<'_> {
             New::Padding => (
                 Kind::PaddingUsed,
                 Class::Compatible,
-                format!("`{name}` (`{ty}`) takes bytes at {at} that were padding"),
+                format!("`{name}` (`{ty}`) uses former padding at {at}"),
             ),
             New::Reads(other) => {
                 let message = format!(
@@ -273,27 +273,27 @@ impl Out<'_> {
 
     fn renamed(&mut self, (from, to): (&str, &str), leaf: &Leaf) {
         let (name, now) = (bare(from), bare(to));
-        // Within one structure the last part of the path says it all.
+        // Within one structure the last name suffices.
         let short = match (from.rsplit_once('.'), to.rsplit_once('.')) {
             (Some((a, _)), Some((b, last))) if a == b => bare(last),
             _ => now,
         };
         if name == now {
-            // `x` and `x[]` are other paths, but the name is the same.
+            // `x` and `x[]` differ in path, but not in name.
             let was = spelled(&self.old_members, self.old, from);
             let is = spelled(&self.new_members, self.new, to);
             let message =
-                format!("`{name}` is `{is}` now, was `{was}`: what it had stays in place");
+                format!("`{name}` is now `{is}`, was `{was}`: its elements stay in place");
             let values = (Some(was), Some(is));
             self.say(start(leaf), (Kind::Reshaped, Class::Cosmetic), from, values, message);
             return;
         }
-        let message = format!("`{name}` is called `{short}` now, in the same place");
+        let message = format!("`{name}` was renamed to `{short}`, in the same place");
         let values = (Some(name.to_string()), Some(now.to_string()));
         self.say(start(leaf), (Kind::Renamed, Class::Cosmetic), from, values, message);
     }
 
-    /// What can happen to a leaf that both have.
+    /// Adds the change of a leaf that both sides have.
     fn both(&mut self, old: &Leaf, new: &Leaf, what: &What) {
         let path = old.path.as_str();
         let name = bare(path);
@@ -306,12 +306,12 @@ impl Out<'_> {
                 let kind = (Kind::Retyped, Class::Breaking);
                 self.say(at, kind, path, (Some(was), Some(is)), message);
             }
-            What::Majorness => {
+            What::MatrixLayout => {
                 let word = |rows| if rows { "rows" } else { "columns" };
                 let (was, is) = (word(old.row_major), word(new.row_major));
                 let message = format!("`{name}` is stored by {is}, was by {was}");
                 let values = (Some(was.to_string()), Some(is.to_string()));
-                self.say(at, (Kind::Majorness, Class::Breaking), path, values, message);
+                self.say(at, (Kind::MatrixLayout, Class::Breaking), path, values, message);
             }
             What::MatrixStride => {
                 let (was, is) = (old.matrix_stride.unwrap_or(0), new.matrix_stride.unwrap_or(0));
@@ -336,10 +336,10 @@ impl Out<'_> {
                 let owner = owner_of_dim(path, *dim);
                 let name = bare(owner);
                 let (class, rest) = match how {
-                    None => (Class::Cosmetic, "over what had names of its own".to_string()),
+                    None => (Class::Cosmetic, "over former separate members".to_string()),
                     Some(New::Past) => (Class::Compatible, "the new ones at the end".to_string()),
                     Some(New::Padding) => {
-                        (Class::Compatible, "the new ones in what was padding".to_string())
+                        (Class::Compatible, "the new ones in former padding".to_string())
                     }
                     Some(New::Reads(other)) => {
                         (Class::Breaking, format!("the new ones where old uploads have `{other}`"))
@@ -354,12 +354,12 @@ impl Out<'_> {
                 let owner = owner_of_dim(path, *dim);
                 let name = bare(owner);
                 let class = if *lost { Class::Breaking } else { Class::Cosmetic };
-                let rest = if *lost { "the last are gone" } else { "the last have other names" };
+                let rest = if *lost { "the last were removed" } else { "the last were renamed" };
                 let values = (Some(was.clone()), Some(is.clone()));
                 let message = format!("`{name}` shrank from {was} to {is} elements: {rest}");
                 self.say(at, (Kind::Shortened, class), owner, values, message);
             }
-            // Said of whole members, or of leaves that only one side has.
+            // Reported for whole members, or for leaves of one side only.
             What::Moved | What::Renamed | What::Gone | What::New(_) => {}
         }
     }
@@ -373,18 +373,18 @@ fn len(len: &ArrayLen) -> String {
     }
 }
 
-/// The part of a path that a dimension belongs to: `data[]` for the first of `data[].w[]`.
+/// The member that array dimension `dim` belongs to: `data[]` for the first of `data[].w[]`.
 fn owner_of_dim(path: &str, dim: usize) -> &str {
     let brackets = path.match_indices("[]").nth(dim);
     let mut end = brackets.map_or(path.len(), |(at, _)| at + 2);
-    // All dimensions of one member are its own.
+    // Include all dimensions of the member.
     while path[end..].starts_with("[]") {
         end += 2;
     }
     &path[..end]
 }
 
-/// The type of the member that a path stands for.
+/// The spelled type of the member at a path.
 fn spelled(
     members: &FxHashMap<String, (&MemberLayout, u64)>,
     block: Block<'_>,

@@ -1,15 +1,14 @@
-//! Leaves as sets of elements: which of them another leaf has too, where each is, which bytes it
-//! takes.
+//! Leaves as sets of elements: common elements, their offsets, and their bytes.
 //!
-//! Feeds [`super::leaves`].
+//! Used by [`super::leaves`].
 
 use crate::layout::{Leaf, occupied};
 use crate::shape::{ArrayLen, Type};
 
-/// Elements that are looked at one by one before only patterns are compared.
+/// The most elements compared one by one; of larger leaves only the patterns are compared.
 pub(super) const MOST_ELEMENTS: u64 = 1 << 16;
 
-/// Whether an array of that length has every element that one of the other length has.
+/// Whether an array of length `new` has every element of one of length `old`.
 pub(super) fn covers(new: &ArrayLen, old: &ArrayLen) -> bool {
     match (old, new) {
         (_, ArrayLen::Runtime) => true,
@@ -20,7 +19,7 @@ pub(super) fn covers(new: &ArrayLen, old: &ArrayLen) -> bool {
     }
 }
 
-/// Elements that arrays of both lengths have; `None` for more than can be counted.
+/// The number of elements common to arrays of both lengths; `None` if it is unbounded.
 pub(super) fn common(a: &ArrayLen, b: &ArrayLen) -> Option<u64> {
     match (a, b) {
         (ArrayLen::Fixed(a), ArrayLen::Fixed(b)) => Some(u64::from(*a.min(b))),
@@ -32,7 +31,7 @@ pub(super) fn common(a: &ArrayLen, b: &ArrayLen) -> Option<u64> {
     }
 }
 
-/// Number of elements; `None` when the text does not say, or more than [`MOST_ELEMENTS`].
+/// The number of elements; `None` if unspecified or more than [`MOST_ELEMENTS`].
 pub(super) fn count(leaf: &Leaf) -> Option<u64> {
     let product = leaf.dims.iter().try_fold(1u64, |product, len| match len {
         ArrayLen::Fixed(n) => product.checked_mul(u64::from(*n)),
@@ -41,8 +40,8 @@ pub(super) fn count(leaf: &Leaf) -> Option<u64> {
     product.filter(|count| *count <= MOST_ELEMENTS)
 }
 
-/// Where each element is that is not also one of an array with those lengths; all of them
-/// without. Only for leaves that [`count`] counts.
+/// The offsets of a leaf's elements, without those inside the lengths `beyond` if given. Only for
+/// leaves that [`count`] counts.
 pub(super) fn places(leaf: &Leaf, beyond: Option<&[ArrayLen]>) -> Vec<u64> {
     let mut places = vec![(leaf.offset.unwrap_or(0), beyond.is_none())];
     for (i, (len, stride)) in leaf.dims.iter().zip(&leaf.strides).enumerate() {
@@ -59,12 +58,12 @@ pub(super) fn places(leaf: &Leaf, beyond: Option<&[ArrayLen]>) -> Vec<u64> {
     places.into_iter().filter(|(_, out)| *out).map(|(at, _)| at).collect()
 }
 
-/// Whether one element of the one holds what one of the other holds.
+/// Whether elements of both leaves have the same type.
 pub(super) fn same_kind(a: &Leaf, b: &Leaf) -> bool {
     a.ty == b.ty && a.matrix_stride == b.matrix_stride && a.row_major == b.row_major
 }
 
-/// Whether every element of the old leaf is one of the new one, at its place and of its kind.
+/// Whether the new leaf has every element of the old one, at the same offset with the same type.
 pub(super) fn contains(new: &Leaf, old: &Leaf) -> bool {
     if new.offset != old.offset || !same_kind(new, old) {
         return false;
@@ -74,13 +73,13 @@ pub(super) fn contains(new: &Leaf, old: &Leaf) -> bool {
         || a.len() == b.len() && a.iter().zip(&b).all(|((n, s), (m, t))| s == t && covers(m, n))
 }
 
-/// Whether both have the same elements, at the same places and of one kind.
+/// Whether both leaves have the same elements, at the same offsets with the same type.
 pub(super) fn same(new: &Leaf, old: &Leaf) -> bool {
     new.offset == old.offset && same_kind(new, old) && plain(old) == plain(new)
 }
 
-/// Dimensions and strides with what makes no difference taken out: a dimension of one element,
-/// and two that are as good as one (`[2][3]` with strides 48 and 16 is `[6]` with 16).
+/// Normalises dimensions and strides: drops dimensions of one element, and merges contiguous ones
+/// (`[2][3]` with strides 48 and 16 is `[6]` with 16).
 fn plain(leaf: &Leaf) -> Vec<(ArrayLen, u64)> {
     let mut dims: Vec<(ArrayLen, u64)> = Vec::new();
     for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
@@ -105,7 +104,7 @@ fn plain(leaf: &Leaf) -> Vec<(ArrayLen, u64)> {
     dims
 }
 
-/// The bytes that hold components of the element at that place: first byte and number.
+/// The byte ranges of an element's components, as offset and length.
 pub(super) fn bytes(leaf: &Leaf, at: u64) -> Vec<(u64, u64)> {
     match (&leaf.ty, leaf.matrix_stride) {
         (Type::Matrix { scalar, columns, rows }, Some(stride)) => {

@@ -1,6 +1,6 @@
-//! What happened to the bytes of a block, leaf by leaf.
+//! Compares the bytes of two versions of a block, leaf by leaf.
 //!
-//! Uses [`super::elements`]; what it finds is put into words by [`super::describe`].
+//! Uses [`super::elements`]; [`super::describe`] turns the facts into messages.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -12,12 +12,12 @@ use crate::layout::measure::reach;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::ArrayLen;
 
-/// One thing that happened to a leaf.
+/// One fact about a leaf.
 #[derive(Debug)]
 pub(super) struct Fact<'a> {
-    /// As it was; `None` for a new one.
+    /// The old leaf; `None` if it is new.
     pub old: Option<&'a Leaf>,
-    /// As it is; `None` for one that is gone.
+    /// The new leaf; `None` if it was removed.
     pub new: Option<&'a Leaf>,
     pub what: What,
 }
@@ -27,47 +27,47 @@ pub(super) enum What {
     Moved,
     Retyped,
     MatrixStride,
-    Majorness,
-    /// Of that dimension; whether an element both have is elsewhere for it.
+    MatrixLayout,
+    /// The stride of a dimension changed; whether this moves a common element.
     Stride {
         dim: usize,
         matters: bool,
     },
-    /// That dimension has more elements; `None` when other leaves stood for all of them.
+    /// A dimension has more elements; `None` if other old leaves had all of them.
     Longer {
         dim: usize,
         new: Option<New>,
     },
-    /// That dimension has fewer elements; whether nothing stands for them now.
+    /// A dimension has fewer elements; whether no other leaf has the rest.
     Shorter {
         dim: usize,
         lost: bool,
     },
     Gone,
-    /// Old and new leaf are one; whether the new one has more elements.
+    /// The leaf has another path.
     Renamed,
     New(New),
 }
 
-/// Where a new element lies.
+/// The old contents of a new element's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum New {
     /// Past the last byte of the old block.
     Past,
-    /// In bytes that nobody had.
+    /// Padding.
     Padding,
-    /// In the bytes of that old leaf.
+    /// The named old leaf.
     Reads(String),
 }
 
-/// Elements of one side that the other does not have under the same path.
+/// The elements of one side that the other lacks under the same path.
 struct Rest<'a> {
     leaf: &'a Leaf,
-    /// The leaf of the same path on the other side.
+    /// The other side's leaf with the same path.
     other: Option<&'a Leaf>,
-    /// Nothing of it is left to be matched.
+    /// Whether all its elements are matched.
     done: bool,
-    /// Places that are matched.
+    /// The offsets of matched elements.
     matched: Vec<u64>,
 }
 
@@ -76,14 +76,14 @@ impl<'a> Rest<'a> {
         Rest { leaf, other, done: false, matched: Vec::new() }
     }
 
-    /// Where its elements are, if they can be counted.
+    /// The offsets of its elements, if they can be counted.
     fn places(&self) -> Option<Vec<u64>> {
         count(self.leaf)?;
         Some(places(self.leaf, self.other.map(|other| other.dims.as_slice())))
     }
 }
 
-/// What happened to the leaves of a block.
+/// The facts about the leaves of a block.
 pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<'a>> {
     let at: FxHashMap<&str, &Leaf> = new.leaves.iter().map(|l| (l.path.as_str(), l)).collect();
     let was: FxHashMap<&str, &Leaf> = old.leaves.iter().map(|l| (l.path.as_str(), l)).collect();
@@ -135,14 +135,14 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
 
 fn is_breaking(what: &What) -> bool {
     match what {
-        What::Moved | What::Retyped | What::MatrixStride | What::Majorness | What::Gone => true,
+        What::Moved | What::Retyped | What::MatrixStride | What::MatrixLayout | What::Gone => true,
         What::Stride { matters, .. } => *matters,
         What::Shorter { lost, .. } => *lost,
         What::Longer { .. } | What::Renamed | What::New(_) => false,
     }
 }
 
-/// A leaf that both have, its elements under one path.
+/// Adds the facts about a leaf that both sides have under one path.
 fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
     let mut fact = |what| facts.push(Fact { old: Some(old), new: Some(new), what });
     let shared: Vec<Option<u64>> =
@@ -157,7 +157,7 @@ fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
         fact(What::Retyped);
     } else {
         if old.row_major != new.row_major {
-            fact(What::Majorness);
+            fact(What::MatrixLayout);
         }
         if old.matrix_stride != new.matrix_stride {
             fact(What::MatrixStride);
@@ -180,7 +180,7 @@ fn shorter<'a>(old: &'a Leaf, new: &'a Leaf, lost: bool, facts: &mut Vec<Fact<'a
 
 fn longer<'a>(old: &'a Leaf, new: &'a Leaf, lies: Option<New>, facts: &mut Vec<Fact<'a>>) {
     for (dim, (a, b)) in old.dims.iter().zip(&new.dims).enumerate() {
-        // What is neither longer nor shorter has been said to be shorter.
+        // A dimension that is neither longer nor shorter counts as shorter.
         if !covers(a, b) && covers(b, a) {
             let what = What::Longer { dim, new: lies.clone() };
             facts.push(Fact { old: Some(old), new: Some(new), what });
@@ -188,7 +188,7 @@ fn longer<'a>(old: &'a Leaf, new: &'a Leaf, lies: Option<New>, facts: &mut Vec<F
     }
 }
 
-/// Leaves whose elements are all those of one other leaf.
+/// Adds the renames of leaves whose elements are all those of one other leaf.
 fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec<Fact<'a>>) {
     let mut at: FxHashMap<u64, Vec<usize>> = FxHashMap::default();
     for (i, rest) in new.iter().enumerate().filter(|(_, rest)| rest.other.is_none()) {
@@ -198,7 +198,7 @@ fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec
         let leaf = rest.leaf;
         let Some(here) = at.get(&leaf.offset.unwrap_or(0)) else { continue };
         let found = here.iter().copied().find(|&i| {
-            // What can be counted is compared one by one where it is not simply the same.
+            // Countable leaves that are not the same are compared element by element later.
             let uncounted = count(leaf).is_none() || count(new[i].leaf).is_none();
             !new[i].done && (same(new[i].leaf, leaf) || uncounted && contains(new[i].leaf, leaf))
         });
@@ -209,7 +209,7 @@ fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec
     }
 }
 
-/// Elements that are one by one at the same place under another path.
+/// Adds the renames of single elements: same offset, another path.
 fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec<Fact<'a>>) {
     let mut at: FxHashMap<u64, usize> = FxHashMap::default();
     for (i, rest) in new.iter().enumerate().filter(|(_, rest)| !rest.done) {
@@ -245,10 +245,10 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
     }
 }
 
-/// Elements of a new leaf whose bytes are looked up in the old block.
+/// The most elements of a new leaf whose bytes are looked up in the old block.
 const MOST_LOOKED_UP: usize = 512;
 
-/// Where the elements of a leaf lie that nothing old stands for; `None` when there is none.
+/// The old contents under the unmatched elements of a leaf; `None` if all are matched.
 fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
     let places = match rest.places() {
         Some(mut places) => {
@@ -259,7 +259,7 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
         None => vec![first(rest)],
     };
     let start = places.iter().min().copied()?;
-    // A new element beside old ones that are all in place shares no byte with them.
+    // If all old elements are in place, a new one shares no byte with them.
     if !intact {
         for place in places.into_iter().take(MOST_LOOKED_UP) {
             for byte in bytes(rest.leaf, place).into_iter().flat_map(|(at, n)| at..at + n) {
@@ -273,13 +273,13 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
     Some(if start >= end { New::Past } else { New::Padding })
 }
 
-/// Steps on the way to the owners of bytes, for one block.
+/// The most steps in searching the owners of bytes of one block.
 const MOST_STEPS: usize = 20_000_000;
 
-/// Who had which byte of the old block.
+/// The owners of the old block's bytes.
 struct Owners<'a> {
     block: &'a BlockLayout,
-    /// Where each member starts, and its index.
+    /// The start of each member, and its index.
     starts: Vec<(u64, usize)>,
     steps: usize,
 }
@@ -299,7 +299,7 @@ impl Owners<'_> {
         if is_past && member.dims.first() != Some(&ArrayLen::Runtime) {
             return None;
         }
-        // The block is misread whatever is found: past some effort the member's name will do.
+        // The change is breaking anyway: beyond this effort, report the member only.
         self.steps += self.block.members.len();
         if self.steps > MOST_STEPS {
             return Some(member.name.to_string());
@@ -311,7 +311,7 @@ impl Owners<'_> {
     }
 }
 
-/// The first element that the other leaf does not have.
+/// The offset of the first element that the other leaf lacks.
 fn first(rest: &Rest<'_>) -> u64 {
     let leaf = rest.leaf;
     let start = leaf.offset.unwrap_or(0);

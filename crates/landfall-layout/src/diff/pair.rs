@@ -1,12 +1,11 @@
-//! Which block of one side is which of the other.
+//! Matches the blocks of both sides.
 
 use crate::layout::BlockLayout;
 
-/// Indices of blocks that belong together, in the order of the new ones; then what is gone.
+/// The indices of matching blocks, in the order of the new ones, then the removed ones.
 ///
-/// The same name is the same block; where several have it, the same instance too. What is left
-/// is matched by what else tells a block from others, each only where it is a reason and not a
-/// coincidence: set and binding, the instance's name, exactly the same leaves.
+/// Blocks match by name, and by instance if several share a name. The others match by set and
+/// binding, by instance name, or by equal leaves, each only where it identifies one block.
 pub(super) fn pairs(
     old: &[BlockLayout],
     new: &[BlockLayout],
@@ -38,7 +37,7 @@ pub(super) fn pairs(
 }
 
 fn slot(block: &BlockLayout) -> (u32, Option<u32>) {
-    // A set that is not written is set 0.
+    // The default set is 0.
     (block.group.unwrap_or(0), block.binding)
 }
 

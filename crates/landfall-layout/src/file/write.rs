@@ -1,8 +1,8 @@
-//! The one writer of files: whole or not at all, and never over what the user cannot get back.
+//! Atomic file writes that never overwrite an input.
 //!
-//! A file is written beside its place under a name of its own and then renamed, so that whoever
-//! looks finds the old text or the new one. What a process that was killed left behind is removed
-//! by the next one that writes into the same folder.
+//! A file is written under a temporary name in the same folder and then renamed, so that others
+//! see either the old text or the new one. Temporary files of a killed process are removed by the
+//! next process that writes to the folder.
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -17,48 +17,48 @@ use std::time::Duration;
 use super::reason;
 use crate::error::Error;
 
-/// Names of files that are being written: `.landfall-PID-TOKEN-N.partial`.
+/// The start of temporary file names: `.landfall-PID-TOKEN-N.partial`.
 const PARTIAL_START: &str = ".landfall-";
 const PARTIAL_END: &str = ".partial";
 
-/// How often a file is written again whose partial file somebody else removed.
+/// The number of retries when another process removes the partial file.
 const ATTEMPTS: u32 = 3;
 
-/// Where nobody can say whether a process lives, its partial files are left alone for this long.
+/// The age after which partial files are removed if their process cannot be checked.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
-/// Links that are followed one after the other, as Linux does.
+/// The most symbolic links followed in a row, as on Linux.
 const MOST_LINKS: u32 = 40;
 
-/// What became of a file that was to be written.
+/// The result of writing a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Written {
-    /// It held those bytes already.
+    /// The file already held these bytes.
     Unchanged,
-    /// It was made or replaced.
+    /// The file was created or replaced.
     Changed,
 }
 
-/// Writes files, none of them over an input, and none through a symbolic link out of its tree.
+/// Writes files, but never over an input, and never through a symbolic link out of its tree.
 #[derive(Clone, Debug, Default)]
 pub struct FileWriter {
-    /// Inputs without links.
+    /// The paths of inputs, links resolved.
     paths: HashSet<PathBuf>,
-    /// Their devices and numbers on those.
+    /// Their device and inode numbers.
     nodes: HashSet<(u64, u64)>,
     tree: Option<PathBuf>,
 }
 
-/// What says that two paths are one file.
+/// The identity of a file behind its paths.
 struct Identity {
-    /// Without links.
+    /// The path, links resolved.
     path: PathBuf,
-    /// Device and number on the device: the same for all hard links.
+    /// The device and inode number, the same for all hard links.
     node: Option<(u64, u64)>,
 }
 
 impl Identity {
-    /// The identity of a regular file.
+    /// The identity of a regular file, if it exists.
     fn of(path: &Path) -> Option<Identity> {
         let found = fs::metadata(path).ok().filter(Metadata::is_file)?;
         Some(Identity { path: fs::canonicalize(path).ok()?, node: node(&found) })
@@ -77,14 +77,14 @@ fn node(_: &Metadata) -> Option<(u64, u64)> {
 }
 
 impl FileWriter {
-    /// A writer that leaves these files alone.
+    /// Creates a writer that protects `inputs`.
     pub fn new(inputs: impl IntoIterator<Item = impl AsRef<Path>>) -> FileWriter {
         let mut writer = FileWriter::default();
         writer.protect(inputs);
         writer
     }
 
-    /// Leaves these files alone, too.
+    /// Protects more files.
     pub fn protect(&mut self, inputs: impl IntoIterator<Item = impl AsRef<Path>>) {
         for found in inputs.into_iter().filter_map(|path| Identity::of(path.as_ref())) {
             self.paths.insert(found.path);
@@ -92,19 +92,19 @@ impl FileWriter {
         }
     }
 
-    /// The same writer for files below a folder: whatever links stand on the way, nothing is
-    /// written or removed outside of it.
+    /// Restricts the writer to files below `tree`: nothing is written or removed outside it, even
+    /// through links.
     pub fn inside(self, tree: &Path) -> FileWriter {
         FileWriter { tree: Some(real(tree)), ..self }
     }
 
-    /// Writes a file whole or not at all, and not when it already holds those bytes.
+    /// Writes a file atomically, unless it already holds these bytes.
     ///
-    /// Behind a symbolic link the file it leads to is replaced; a pipe or device is written to.
+    /// The target of a symbolic link is replaced; a pipe or device is written to.
     ///
     /// # Errors
     /// The file is an input, is read-only, or lies behind a symbolic link out of the tree; the
-    /// directory cannot be made or the file cannot be written. What was there before still is.
+    /// directory cannot be created or the file cannot be written. The old file is kept.
     pub fn write(&self, path: &Path, bytes: impl AsRef<[u8]>) -> Result<Written, Error> {
         let bytes = bytes.as_ref();
         let failed = |cause: io::Error| {
@@ -114,8 +114,8 @@ impl FileWriter {
         let there = fs::metadata(path).ok();
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
         if is_device && self.tree.is_some() {
-            return Err(Error::new(path.display().to_string(), "is no file, and is left alone")
-                .with_help("remove it, or keep the files of landfall elsewhere"));
+            return Err(Error::new(path.display().to_string(), "is not a regular file")
+                .with_help("remove it, or choose another directory"));
         }
         if is_device || is_stream(path) {
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
@@ -137,16 +137,16 @@ impl FileWriter {
             .with_help("make it writable, or name another file"));
         }
         fs::create_dir_all(folder).map_err(|cause| {
-            let message = format!("cannot be made a directory: {}", reason(&cause));
+            let message = format!("cannot be created as a directory: {}", reason(&cause));
             Error::new(folder.display().to_string(), message)
         })?;
         replace(target, folder, bytes, there).map(|()| Written::Changed).map_err(failed)
     }
 
-    /// Removes a file, but neither an input nor one outside of the tree.
+    /// Removes a file.
     ///
     /// # Errors
-    /// It is one of those, or cannot be removed.
+    /// The file is an input, lies outside the tree, or cannot be removed.
     pub fn remove(&self, path: &Path) -> Result<(), Error> {
         self.allows(path)?;
         fs::remove_file(path).map_err(|cause| {
@@ -155,23 +155,26 @@ impl FileWriter {
         })
     }
 
-    /// Whether a file may be written.
+    /// Checks whether a file may be written.
     ///
     /// # Errors
-    /// It is an input, or lies behind a symbolic link out of the tree.
+    /// The file is an input, or lies behind a symbolic link out of the tree.
     pub fn allows(&self, path: &Path) -> Result<(), Error> {
         let shown = || path.display().to_string();
         let is_input = |found: Identity| {
             self.paths.contains(&found.path) || found.node.is_some_and(|n| self.nodes.contains(&n))
         };
         if Identity::of(path).is_some_and(is_input) {
-            return Err(Error::new(shown(), "is an input of this command, which would be lost")
-                .with_help("name another file for the output"));
+            return Err(Error::new(
+                shown(),
+                "is an input of this command, and would be overwritten",
+            )
+            .with_help("name another file for the output"));
         }
         let target = real(path);
         let trees = match &self.tree {
             Some(tree) => vec![tree.clone()],
-            // Who names a file may well name one behind links of folders.
+            // Links of folders are fine in a path that the user names.
             None if !path.is_symlink() => return Ok(()),
             None => vec![real(folder_of(path)), real(Path::new("."))],
         };
@@ -181,20 +184,19 @@ impl FileWriter {
         let tree = trees.first().map(|tree| tree.display().to_string()).unwrap_or_default();
         let message =
             format!("leads through a symbolic link to `{}`, out of `{tree}`", target.display());
-        Err(Error::new(shown(), message).with_help("remove the link, or name where it leads to"))
+        Err(Error::new(shown(), message).with_help("remove the link, or name its target"))
     }
 }
 
-/// Writes a file whole or not at all, and not when it already holds those bytes.
+/// Writes a file atomically, unless it already holds these bytes.
 ///
 /// # Errors
-/// Those of [`FileWriter::write`] without inputs.
+/// Returns the errors of [`FileWriter::write`] without inputs.
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
     FileWriter::default().write(path, bytes).map(|_| ())
 }
 
-/// A name for a stream that is open already: `/dev/stdout` may lead to a file that is being
-/// written.
+/// Whether a path names an open stream: `/dev/stdout` may refer to a file that is being written.
 fn is_stream(path: &Path) -> bool {
     cfg!(unix) && (path.starts_with("/dev") || path.starts_with("/proc"))
 }
@@ -206,14 +208,14 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A path without links, as far as it exists: what would be made below has none.
+/// Resolves the links of a path, as far as it exists.
 fn real(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         if let Ok(real) = fs::canonicalize(&path) {
             return real;
         }
-        // A link that leads nowhere is where it leads to.
+        // A dangling link resolves to its target.
         let Ok(link) = fs::read_link(&path) else { break };
         path = folder_of(&path).join(link);
     }
@@ -223,7 +225,7 @@ fn real(path: &Path) -> PathBuf {
     }
 }
 
-/// Writes beside the target, then renames.
+/// Writes a temporary file, then renames it to `target`.
 fn replace(
     target: &Path,
     folder: &Path,
@@ -234,7 +236,7 @@ fn replace(
     loop {
         let partial = folder.join(partial_name());
         let written = fill(&partial, bytes).and_then(|()| {
-            // Whoever might read or run the old file may still.
+            // Keep the old file's permissions.
             if let Some(old) = &old {
                 fs::set_permissions(&partial, old.permissions())?;
             }
@@ -242,7 +244,7 @@ fn replace(
         });
         match written {
             Ok(()) => return Ok(()),
-            // Somebody who does not see this process took it for one that is gone.
+            // A process that cannot see this one removed the partial file.
             Err(cause) if cause.kind() == io::ErrorKind::NotFound && attempt < ATTEMPTS => {
                 attempt += 1;
             }
@@ -254,12 +256,12 @@ fn replace(
     }
 }
 
-/// Makes a file that is not there yet, so that no link stands in its place.
+/// Creates a new file, failing if anything, such as a link, is in its place.
 fn fill(path: &Path, bytes: &[u8]) -> Result<(), io::Error> {
     OpenOptions::new().write(true).create_new(true).open(path)?.write_all(bytes)
 }
 
-/// A number of this process that a later one with its identifier does not have.
+/// A token that distinguishes this process from later ones with the same identifier.
 static TOKEN: LazyLock<u32> =
     LazyLock::new(|| RandomState::new().hash_one(std::process::id()) as u32);
 
@@ -269,7 +271,7 @@ fn partial_name() -> String {
     format!("{PARTIAL_START}{}-{:08x}-{number}{PARTIAL_END}", std::process::id(), *TOKEN)
 }
 
-/// Removes what processes that were killed left in a folder; once a folder and process.
+/// Removes the partial files of killed processes from a folder, once per folder and process.
 fn sweep(folder: &Path) {
     static SWEPT: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
@@ -295,7 +297,7 @@ fn is_abandoned(entry: &fs::DirEntry) -> bool {
     modified.is_ok_and(|when| when.elapsed().is_ok_and(|age| age > ABANDONED))
 }
 
-/// The process that writes a partial file, and its token.
+/// The identifier and token of the process that writes a partial file.
 fn owner(name: &OsStr) -> Option<(u32, u32)> {
     let parts = name.to_str()?.strip_prefix(PARTIAL_START)?.strip_suffix(PARTIAL_END)?;
     let mut parts = parts.split('-');

@@ -1,13 +1,14 @@
-//! Rows of tables: words to the left, numbers to the right.
+//! Table rows: text aligned left, numbers right.
 //!
 //! Used by the tables of `landfall devices` and `landfall lights`.
 
 use unicode_width::UnicodeWidthStr as _;
 
-/// What stands between two columns.
+/// The separator of two columns.
 pub const GAP: &str = "  ";
 
-/// One row; from the column `numbers` on cells stand to the right. `paint` is given the column.
+/// Formats one row. Columns from index `numbers` on are aligned right; `paint` gets the column
+/// index and the cell.
 pub fn row(
     cells: &[String],
     widths: &[usize],

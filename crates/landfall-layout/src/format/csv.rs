@@ -1,4 +1,4 @@
-//! CSV (RFC 4180, lines end in a newline alone): one row a leaf.
+//! CSV (RFC 4180, except that lines end in LF only): one row per leaf.
 
 use std::fmt::{Display, Write as _};
 
@@ -39,7 +39,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     text
 }
 
-/// What all rows of a block begin with.
+/// The leading cells of all rows of a block.
 fn block_cells(shader: &ShaderLayout, block: &BlockLayout) -> String {
     let mut text = quoted(name(&shader.path).into_owned());
     cell(&mut text, &block.name);
@@ -59,7 +59,7 @@ fn leaf_cells(text: &mut String, leaf: &Leaf, shader: &ShaderLayout) {
     cell(text, leaf.ty.spelled(shader.language));
     optional(text, leaf.offset);
     optional(text, leaf.size);
-    // `?` stands for a length the text does not say.
+    // `?` is a length that the shader does not specify.
     several(text, leaf.dims.iter().map(fixed));
     several(text, leaf.strides.iter().copied().map(Some));
     optional(text, leaf.matrix_stride);
@@ -68,7 +68,7 @@ fn leaf_cells(text: &mut String, leaf: &Leaf, shader: &ShaderLayout) {
     text.push('\n');
 }
 
-/// A comma and the cell after it.
+/// Appends a comma and a cell.
 fn cell(text: &mut String, value: impl Display) {
     text.push(',');
     let start = text.len();
@@ -86,7 +86,7 @@ fn optional(text: &mut String, value: Option<impl Display>) {
     }
 }
 
-/// Numbers with spaces between them.
+/// Appends a cell of numbers separated by spaces.
 fn several(text: &mut String, values: impl Iterator<Item = Option<u64>>) {
     text.push(',');
     for (i, value) in values.enumerate() {
@@ -100,11 +100,11 @@ fn several(text: &mut String, values: impl Iterator<Item = Option<u64>>) {
     }
 }
 
-/// What a field with any of stands in quotes for.
+/// Characters that a field must be quoted for.
 const SPECIAL: [char; 4] = [',', '"', '\n', '\r'];
 
-/// RFC 4180 §2.6 and 2.7: a field with a comma, quote or line break stands in quotes, its quotes
-/// doubled.
+/// Quotes a field that holds a comma, quote or line break, doubling its quotes (RFC 4180 §2.6 and
+/// §2.7).
 pub fn quoted(field: String) -> String {
     if field.contains(SPECIAL) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }
 }

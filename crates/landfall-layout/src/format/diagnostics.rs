@@ -1,4 +1,4 @@
-//! Findings for people, with an excerpt of the text, and as JSON, one object a line.
+//! Findings as text with source excerpts, and as JSON, one object per line.
 
 mod excerpt;
 pub mod render;
@@ -9,18 +9,17 @@ use super::shown;
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{Files, Location, Span};
 use crate::text::escape;
-use render::{Drawing, Pen};
+use render::Pen;
 
-/// Findings of one shader that are shown to people; the rest are counted.
+/// The most findings of one shader shown as text; the rest are counted.
 pub const MOST_SHOWN: usize = 100;
 
-/// The findings of one shader as people read them; at most [`MOST_SHOWN`] errors, then how many
-/// more there are.
+/// Renders the findings of one shader as text: at most [`MOST_SHOWN`], then the number left out.
 pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String {
     let mut pen = Pen::new(files, paint);
     let mut text = String::new();
     for diagnostic in diagnostics.iter().take(MOST_SHOWN) {
-        text.push_str(&pen.draw(drawing(diagnostic)));
+        text.push_str(&pen.draw(diagnostic, origin(diagnostic).as_ref()));
     }
     if diagnostics.len() > MOST_SHOWN {
         let more = diagnostics.len() - MOST_SHOWN;
@@ -30,25 +29,16 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
     shown(text, paint)
 }
 
-fn drawing(diagnostic: &Diagnostic) -> Drawing<'_> {
-    // An unreadable file's own message already begins with its path.
+/// The file of a diagnostic without labels, unless the message already begins with its path.
+fn origin(diagnostic: &Diagnostic) -> Option<Location> {
     let path = diagnostic
         .path
         .as_ref()
         .filter(|path| diagnostic.labels.is_empty() && !diagnostic.message.contains(path.as_str()));
-    Drawing {
-        severity: diagnostic.severity,
-        code: diagnostic.code.name(),
-        message: &diagnostic.message,
-        origin: path.map(|path| Location { path: path.clone(), line: 0, column: 0 }),
-        labels: &diagnostic.labels,
-        notes: diagnostic.notes.clone(),
-        listing: None,
-        help: diagnostic.help.as_deref(),
-    }
+    path.map(|path| Location { path: path.clone(), line: 0, column: 0 })
 }
 
-/// The findings of one shader as JSON, one object a line, all of them.
+/// Renders all findings of one shader as JSON, one object per line.
 pub fn json(diagnostics: &[Diagnostic], files: &Files) -> String {
     let mut places = Places::new(files);
     let mut text = String::new();
@@ -91,7 +81,7 @@ impl<'a> Object<'a> {
         let labels: Vec<LabelObject<'a>> = diagnostic
             .labels
             .iter()
-            .filter(|label| files.get(label.span.file).is_some())
+            .filter(|label| files.get(label.at.file).is_some())
             .map(|label| label_object(label, places))
             .collect();
         let main = labels.first();
@@ -113,8 +103,8 @@ impl<'a> Object<'a> {
 }
 
 fn label_object<'a>(label: &'a Label, places: &mut Places<'_>) -> LabelObject<'a> {
-    let start = places.locate(label.span);
-    let end = places.locate(Span { start: label.span.end, ..label.span });
+    let start = places.locate(label.at);
+    let end = places.locate(Span { start: label.at.end, ..label.at });
     LabelObject {
         path: start.path,
         line: start.line,
@@ -180,8 +170,8 @@ error[unknown-type]: unknown type `vec33`
             Diagnostic::error(Code::DuplicateName, at(&files, 0, "A { int"), "`A` twice")
                 .with_label(at(&files, 0, "A { float"), "first here")
                 .with_label(at(&files, 1, "A"), "and here");
-        found.labels[0].span.end = found.labels[0].span.start + 1;
-        found.labels[1].span.end = found.labels[1].span.start + 1;
+        found.labels[0].at.end = found.labels[0].at.start + 1;
+        found.labels[1].at.end = found.labels[1].at.start + 1;
         let text = shown(&found, &files);
         assert!(text.contains(" --> a.frag:502:8\n"), "{text}");
         assert!(text.contains("- first here"), "{text}");

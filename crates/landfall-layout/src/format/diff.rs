@@ -1,7 +1,7 @@
-//! What [`diff`](crate::diff::diff) found as text: for the eye, as JSON, as Markdown for a comment on a pull
-//! request.
+//! Output of [`diff`](crate::diff::diff): as text, as JSON, and as Markdown for a comment on a
+//! pull request.
 //!
-//! `beside` puts the old and the new block next to each other.
+//! `beside` prints the old and the new block side by side.
 
 mod beside;
 
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, STRONG};
-use super::{Paint, SCHEMA_VERSION, words};
+use super::{Paint, SCHEMA_VERSION, phrases};
 use crate::ShaderLayout;
 use crate::codegen::rust;
 use crate::diff::{BlockDiff, Change, Class};
@@ -20,23 +20,23 @@ use crate::text::escape::{markdown_code, markdown_name, name};
 
 pub use beside::{Width, beside};
 
-/// JSON Schema (draft 2020-12) of the JSON output of `diff`.
+/// The JSON Schema (draft 2020-12) of the JSON output of `diff`.
 pub const DIFF_SCHEMA: &str = include_str!("../../schema/diff.json");
 
-/// Blocks with more leaves times changes than this are written without Rust's names: each name
-/// depends on those of all the members before it, and is found anew for each change.
+/// The most leaves times changes of a block for which Rust names are written: each name depends
+/// on those of all members before it, and is computed for each change.
 const MOST_NAMED: usize = 1 << 17;
 
-/// Two layouts of one shader, and what is different.
+/// Two layouts of one shader, and their differences.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared<'a> {
-    /// What the report calls the shader.
+    /// The shader's name in the report.
     pub name: &'a str,
-    /// As it was.
+    /// The old layout.
     pub old: &'a ShaderLayout,
-    /// As it is.
+    /// The new layout.
     pub new: &'a ShaderLayout,
-    /// What changed; may be empty.
+    /// The changed blocks; may be empty.
     pub blocks: &'a [BlockDiff],
 }
 
@@ -49,7 +49,7 @@ impl<'a> Compared<'a> {
         diff.new.map(|at| &self.new.blocks[at])
     }
 
-    /// The Rust field a change is about: the one of the old mirror, if there was one.
+    /// The Rust field of a change: the old mirror's if it has one, else the new mirror's.
     fn field(&self, diff: &BlockDiff, change: &Change) -> Option<String> {
         let named = |block: Option<&BlockLayout>| {
             let block =
@@ -59,7 +59,7 @@ impl<'a> Compared<'a> {
         named(self.was(diff)).or_else(|| named(self.is(diff)))
     }
 
-    /// Both listings of a block beside each other.
+    /// Both listings of a block, side by side.
     pub fn beside(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
         let old = self.was(diff).map(|block| (block, self.old.language));
         let new = self.is(diff).map(|block| (block, self.new.language));
@@ -67,7 +67,7 @@ impl<'a> Compared<'a> {
     }
 }
 
-/// One shader's changes for the eye; empty when there are none.
+/// The changes of one shader as text; empty when there are none.
 pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
     let mut text = String::new();
     for diff in compared.blocks {
@@ -95,7 +95,7 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
     text
 }
 
-/// A class, all of one width.
+/// The name of a class, padded to one width.
 fn class(class: Class, paint: Paint) -> String {
     let style = match class {
         Class::Breaking => super::paint::REMOVED,
@@ -106,7 +106,7 @@ fn class(class: Class, paint: Paint) -> String {
     paint.text(style, class.name()) + &room
 }
 
-/// The last line: how many blocks changed, and the verdict.
+/// The last line: the number of changed blocks, by class.
 pub fn summary(all: &[Compared<'_>]) -> String {
     let of = |class: Class| {
         all.iter().flat_map(|one| one.blocks).filter(|diff| diff.class() == class).count()
@@ -142,7 +142,7 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
                 let _ = writeln!(text, "| {} | {message} | {field} |", change.class.name());
             }
             let beside = compared.beside(diff, Width::Unified, Paint::Plain);
-            // A fence longer than any run of backticks in the shader's own text.
+            // A fence longer than any run of backticks in the listing.
             let _ = writeln!(
                 text,
                 "\n<details><summary>old and new listing</summary>\n\n````diff\n{beside}````\n\n</details>"
@@ -181,7 +181,7 @@ struct BlockObject<'a> {
     changes: Vec<ChangeObject<'a>>,
 }
 
-/// A block on one side.
+/// The old or new block in JSON.
 #[derive(Serialize)]
 struct Side {
     name: String,
@@ -200,7 +200,7 @@ struct ChangeObject<'a> {
     rust: Option<String>,
 }
 
-/// All changes as JSON that keeps to [`DIFF_SCHEMA`].
+/// All changes as JSON that follows [`DIFF_SCHEMA`].
 pub fn json(all: &[Compared<'_>]) -> String {
     let worst = all.iter().flat_map(|one| one.blocks).map(BlockDiff::class).max();
     let changed = all.iter().filter(|one| !one.blocks.is_empty());
@@ -215,7 +215,7 @@ pub fn json(all: &[Compared<'_>]) -> String {
 
 fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
     let side = |block: &BlockLayout, shader: &ShaderLayout| Side {
-        name: words::block_name(block),
+        name: phrases::block_name(block),
         size: block.size,
         line: shader.files.locate(block.span).line,
     };

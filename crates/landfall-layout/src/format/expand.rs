@@ -1,4 +1,4 @@
-//! Every element of every array by its own path, for `--expand`.
+//! Every element of every array with its own path, for `--expand`.
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
@@ -7,30 +7,30 @@ use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::Type;
 use crate::{Error, ShaderLayout};
 
-/// A block is expanded to at most this many elements.
+/// The most elements to which a block is expanded.
 pub const MOST_OFFSETS: u64 = 1_000_000;
 
 /// One scalar, vector or matrix with its own path.
 pub(super) struct Element<'a> {
     /// `data[3].color`.
     pub path: &'a str,
-    /// From the start of the block.
+    /// Bytes from the start of the block.
     pub offset: u64,
-    /// The member it is, or is an element of.
+    /// The member that it is, or is an element of.
     pub member: &'a MemberLayout,
 }
 
-/// Number of elements of a block; a runtime-sized array counts once.
+/// The number of elements of a block; a runtime-sized array counts as one element.
 pub(super) fn count(block: &BlockLayout) -> u64 {
     block.leaves.iter().fold(0, |sum: u64, leaf| sum.saturating_add(elements(&leaf.dims)))
 }
 
-/// Whether a block has offsets, and few enough of them to write out.
+/// Whether a block has offsets, and at most [`MOST_OFFSETS`] of them.
 pub(super) fn can_expand(block: &BlockLayout) -> bool {
     block.size.is_some() && count(block) <= MOST_OFFSETS
 }
 
-/// The findings about blocks with too many elements.
+/// Errors for the blocks with too many elements.
 pub(super) fn refused(shader: &ShaderLayout) -> Vec<Diagnostic> {
     let many = shader.blocks.iter().filter(|b| b.size.is_some() && count(b) > MOST_OFFSETS);
     many.map(|block| {
@@ -45,8 +45,8 @@ pub(super) fn refused(shader: &ShaderLayout) -> Vec<Diagnostic> {
     .collect()
 }
 
-/// Calls `each` for every element in the order of the text, those of one array element together.
-/// A runtime-sized array is written with its first element.
+/// Calls a function for every element in source order, grouped by array element. Of a
+/// runtime-sized array only the first element is visited.
 pub(super) fn each<'a, E>(
     block: &'a BlockLayout,
     each: &mut dyn FnMut(Element<'_>) -> Result<(), E>,
@@ -101,7 +101,7 @@ fn in_elements<E>(
     }
 }
 
-/// The same for code that cannot fail.
+/// [`each`] for a function that cannot fail.
 pub(super) fn for_each(block: &BlockLayout, mut f: impl FnMut(Element<'_>)) {
     let done: Result<(), Error> = each(block, &mut |element| {
         f(element);

@@ -1,9 +1,9 @@
-//! An [`Explanation`], and the owner of a byte, as text and as JSON.
+//! Output of `explain`: an [`Explanation`], or the owner of a byte, as text and as JSON.
 
 use super::SCHEMA_VERSION;
 use super::json::{Tool, to_lines};
 use super::paint::{FAINT, HEADING, Paint, STRONG, TYPE};
-use super::words;
+use super::phrases;
 use crate::layout::BlockLayout;
 use crate::layout::byte::ByteOwner;
 use crate::layout::explain::{Explanation, Step, StepKind};
@@ -11,18 +11,18 @@ use crate::layout::padding::PaddingKind;
 use crate::shape::Rules;
 use crate::source::Language;
 
-/// One block's answer.
+/// The answer of one block to a query.
 #[derive(Clone, Debug)]
 pub enum Answer {
-    /// To a path.
+    /// The steps to a path.
     Path(Explanation),
-    /// To a byte offset.
+    /// The owner of the byte at an offset.
     Byte(u64, ByteOwner),
 }
 
-/// An answer as people read it.
+/// Renders an answer as text.
 pub fn text(block: &BlockLayout, language: Language, answer: &Answer, paint: Paint) -> String {
-    let mut text = paint.text(HEADING, &words::block_name(block));
+    let mut text = paint.text(HEADING, &phrases::block_name(block));
     text.push_str(&paint.text(FAINT, " · "));
     text.push_str(block.rules.name());
     if !block.rules_declared {
@@ -61,7 +61,7 @@ fn path_text(explanation: &Explanation, rules: Rules, paint: Paint, text: &mut S
     ));
 }
 
-/// `144 + 16 = 160`.
+/// The sum of a step: `144 + 16 = 160`.
 fn sum(step: &Step) -> String {
     format!("{} + {} = {}", step.base, step.adds, step.base + step.adds)
 }
@@ -92,7 +92,7 @@ fn every_element(step: &Step) -> Option<String> {
     }
 }
 
-/// What a step adds, in words, and the rules it rests on.
+/// The explanation of a step, and the rules it cites.
 fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
     match &step.kind {
         StepKind::Member {
@@ -108,10 +108,10 @@ fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
             let cited = vec![format!("{}: {}", rule.cite(rules), rule.text(rules))];
             let mut why = vec![match align == own_align {
                 true => format!("alignment {align}"),
-                false => format!("alignment {own_align}, raised to {align} in the text"),
+                false => format!("alignment {own_align}, raised to {align} in the shader"),
             }];
             why.push(match (after, written) {
-                (_, true) => format!("the text puts it at offset {}", step.adds),
+                (_, true) => format!("the shader puts it at offset {}", step.adds),
                 (None, false) => "the first member: starts at 0".to_string(),
                 (Some(after), false) if previous_end == &step.adds => {
                     format!("`{after}` ends at {previous_end}, a multiple of {align}")
@@ -124,7 +124,7 @@ fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
                 }
             });
             if let (Some(own), Some(size)) = (own_size, size) {
-                why.push(format!("size {own}, raised to {size} in the text"));
+                why.push(format!("size {own}, raised to {size} in the shader"));
             }
             (why, cited)
         }
@@ -196,7 +196,7 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
             text
         }
         ByteOwner::Beyond { size } => {
-            format!("byte {byte} lies past the end: the block has {}", words::bytes(*size))
+            format!("byte {byte} lies past the end: the block has {}", phrases::bytes(*size))
         }
         ByteOwner::Loose => {
             "loose uniforms have no bytes: --gather lays them out as a block".to_string()
@@ -204,7 +204,7 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
     }
 }
 
-/// All answers of one shader as a JSON document.
+/// Renders all answers of one shader as a JSON document.
 pub fn json(path: &str, language: Language, answers: &[(&BlockLayout, Answer)]) -> String {
     let document = Document {
         schema_version: SCHEMA_VERSION,
@@ -316,7 +316,7 @@ fn answer_object<'a>(
             ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
                 What::Padding {
                     byte: *byte,
-                    padding: kind.words(),
+                    padding: kind.name(),
                     owner: owner.noun(),
                     path,
                     offset: *offset,

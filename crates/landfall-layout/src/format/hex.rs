@@ -1,4 +1,4 @@
-//! The bytes of a block as a hex dump: 16 a line, and what each word of 4 belongs to.
+//! Hex dumps of a block's bytes: 16 bytes per line, with the component of each 4-byte word.
 
 use std::io::{self, Write};
 
@@ -9,18 +9,18 @@ use crate::layout::byte::{ByteOwner, owner_of_byte};
 const LINE: usize = 16;
 const WORD: usize = 4;
 
-/// What stands for a word of padding.
+/// The label of a word of padding.
 const PADDING: &str = "--";
 
-/// What stands for a word in which no component starts.
-const GOES_ON: &str = "..";
+/// The label of a word in which no component starts.
+const CONTINUED: &str = "..";
 
-/// Writes the bytes of a block, and behind each line the component that each word is: by its path,
-/// or by its last step where the word before is of the same leaf; `--` is padding, `..` the rest
+/// Writes the bytes of a block, each line followed by the component of each word: its path, or
+/// only its last step if the word before belongs to the same leaf. `--` is padding, `..` the rest
 /// of a component longer than a word.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the errors of `out`.
 pub fn dump(
     block: &BlockLayout,
     bytes: &[u8],
@@ -46,14 +46,14 @@ pub fn dump(
     Ok(())
 }
 
-/// What each word of a line is.
+/// The label of each word of a line.
 fn names(block: &BlockLayout, start: u64, len: u64, paint: Paint) -> Vec<String> {
     let mut before = String::new();
     let words = (start..start + len).step_by(WORD);
     words.map(|word| name(block, word..(start + len).min(word + 4), &mut before, paint)).collect()
 }
 
-/// What a word is; `before` is the leaf named last.
+/// The label of a word; `before` is the last leaf named.
 fn name(
     block: &BlockLayout,
     mut word: std::ops::Range<u64>,
@@ -61,13 +61,13 @@ fn name(
     paint: Paint,
 ) -> String {
     let mut parts = Vec::new();
-    let mut goes_on = false;
+    let mut continues = false;
     while word.start < word.end {
         match owner_of_byte(block, word.start) {
             ByteOwner::Component { leaf, path, offset, size, byte, .. } => {
                 word.start = offset + size;
                 if byte > 0 {
-                    goes_on = true;
+                    continues = true;
                 } else if leaf == *before && path.len() > leaf.len() {
                     parts.push(path[leaf.len()..].to_string());
                 } else {
@@ -80,7 +80,7 @@ fn name(
         }
     }
     match parts.as_slice() {
-        [] if goes_on => paint.text(FAINT, GOES_ON),
+        [] if continues => paint.text(FAINT, CONTINUED),
         [] => {
             before.clear();
             paint.text(FAINT, PADDING)

@@ -1,12 +1,12 @@
-//! JSON as [`LAYOUT_SCHEMA`](super::LAYOUT_SCHEMA) describes it: snake_case,
-//! bytes, the order of the text, each object of an array on a line of its own.
+//! JSON that follows [`LAYOUT_SCHEMA`](super::LAYOUT_SCHEMA): snake_case keys, sizes in bytes,
+//! source order, each object of an array on its own line.
 
 mod lines;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::place::Places;
-use super::{EmitOptions, SCHEMA_VERSION, expand, words};
+use super::{EmitOptions, SCHEMA_VERSION, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
@@ -14,7 +14,7 @@ use crate::source::{Language, Span};
 
 pub use lines::{to_lines, write_lines};
 
-/// The tool's name and version, as every JSON document has it.
+/// The tool's name and version in JSON documents.
 #[derive(serde::Serialize)]
 pub struct Tool {
     name: &'static str,
@@ -22,17 +22,17 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// This program and its version.
+    /// Landfall, with this crate's version.
     pub const LANDFALL: Tool = Tool { name: super::NAME, version: env!("CARGO_PKG_VERSION") };
 }
 
-/// Everything before the first shader.
+/// The text before the first shader.
 pub(super) fn opening() -> String {
     let tool = to_lines(&Tool::LANDFALL, 0);
     format!("{{\"schema_version\":{SCHEMA_VERSION},\"tool\":{tool},\"shaders\":[\n")
 }
 
-/// One shader, without a newline at the end.
+/// One shader, without a trailing newline.
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut places = Places::new(&shader.files);
     let blocks = shader.blocks.iter().map(|block| {
@@ -145,7 +145,7 @@ struct LeafObject<'a> {
     naga_strides: Option<&'a [u64]>,
 }
 
-/// Line and column from 1; the path only when it is not the shader's own.
+/// A line and column, from 1; the path only in included files.
 #[derive(serde::Serialize)]
 struct Place {
     line: u32,
@@ -178,17 +178,17 @@ fn block_object<'a>(
         name: &block.name,
         instance: block.instance.as_deref(),
         address_space: block.space.name(),
-        // Loose uniforms have no offsets, so no rules either.
+        // Loose uniforms have no offsets, and so no rules.
         rules: (block.space != AddressSpace::Default).then(|| block.rules.name()),
         rules_declared: block.rules_declared,
         group: block.group,
         binding: block.binding,
-        count: words::buffers(block),
+        count: phrases::buffers(block),
         size: block.size,
         data_size: block.data_size,
         align: block.align,
         span: context.place(block.span),
-        opaque: words::opaque(block),
+        opaque: phrases::opaque(block),
         members: block.members.iter().map(|m| member_object(m, context)).collect(),
         leaves: block.leaves.iter().map(|leaf| leaf_object(leaf, context.language)).collect(),
         offsets: expanded.then_some(Offsets(block)),
@@ -228,7 +228,7 @@ fn leaf_object(leaf: &Leaf, language: Language) -> LeafObject<'_> {
     }
 }
 
-/// Only matrices are stored one way or the other.
+/// The majorness of a matrix; `None` for types without one.
 fn row_major(ty: &Type, row_major: bool) -> Option<bool> {
     match ty.innermost() {
         Type::Matrix { .. } => Some(row_major),
@@ -245,7 +245,7 @@ fn dims(dims: &[ArrayLen]) -> Vec<Option<u64>> {
     dims.iter().map(crate::layout::measure::fixed).collect()
 }
 
-/// Every element's path and offset, written as they are met.
+/// The path and offset of every element, serialised without collecting them.
 struct Offsets<'a>(&'a BlockLayout);
 
 impl Serialize for Offsets<'_> {

@@ -1,10 +1,10 @@
-//! Structures and blocks in their own language, each member with offset,
-//! alignment, size and strides in a comment before it, holes spelled out.
+//! Structures and blocks in the shader's language, each member after a comment with its offset,
+//! alignment, size and strides, and with padding shown.
 
 use unicode_width::UnicodeWidthStr;
 
 use super::paint::{FAINT, PLAIN, Paint, STRONG};
-use super::{EmitOptions, words};
+use super::{EmitOptions, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, own_size, reach, structure};
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order};
@@ -29,7 +29,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         text.push('\n');
         listing.block();
         write(&listing.lines, paint, &mut text);
-        let summary = words::summary(block);
+        let summary = phrases::summary(block);
         if !summary.is_empty() {
             text.push_str(&paint.text(FAINT, &format!("// {summary}\n")));
         }
@@ -37,7 +37,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     text
 }
 
-/// One line: a comment of numbers, and code.
+/// One line: a comment with numbers, then code.
 #[derive(Default)]
 struct Line {
     offset: Option<u64>,
@@ -48,8 +48,8 @@ struct Line {
     faint: bool,
 }
 
-/// The named structures of a block, those others are made of first; one that is laid out in two
-/// ways (matrices by columns here, by rows there) is listed twice.
+/// The named structures of a block, each after those it contains. A structure with two layouts
+/// (matrices by columns and by rows) is listed twice.
 fn structures(block: &BlockLayout) -> Vec<(&Struct, &MemberLayout)> {
     let mut found = Vec::new();
     collect(&block.members, &mut found);
@@ -103,7 +103,7 @@ impl Listing<'_> {
             ..Line::default()
         });
         let whole = (!loose).then(|| element_size(member, rules));
-        let owner = (PaddingOwner::Structure, words::structure_name(&member.ty));
+        let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
         self.members(&member.members, whole, owner, 1);
         for name in &s.opaque {
             self.code(1, format!("// {name}: opaque, no bytes"));
@@ -174,7 +174,7 @@ impl Listing<'_> {
         });
         self.members(&block.members, block.size, (PaddingOwner::Block, None), 1);
         let instance = block.instance.as_deref().map(|i| format!(" {i}")).unwrap_or_default();
-        self.code(0, format!("}}{instance}{};", words::dims(&block.count)));
+        self.code(0, format!("}}{instance}{};", phrases::dims(&block.count)));
     }
 
     fn wgsl_block(&mut self) {
@@ -186,7 +186,7 @@ impl Listing<'_> {
             | AddressSpace::BufferReference
             | AddressSpace::ShaderRecord => "immediate",
         };
-        let slot = words::slot(block, Language::Wgsl);
+        let slot = phrases::slot(block, Language::Wgsl);
         let slot = if slot.is_empty() { slot } else { format!("{slot} ") };
         let name = block.instance.as_ref().unwrap_or(&block.name);
         // `var<storage> data: array<f32>` is a block of one member that is the variable itself.
@@ -219,7 +219,7 @@ impl Listing<'_> {
         let mut gaps = in_text_order(gaps).into_iter().peekable();
         for i in 0..=members.len() {
             while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                self.gap(&gap, &words::padding(gap.kind, owner.0, owner.1), depth);
+                self.gap(&gap, &phrases::padding(gap.kind, owner.0, owner.1), depth);
             }
             if let Some(member) = members.get(i) {
                 self.member(member, depth);
@@ -240,7 +240,7 @@ impl Listing<'_> {
     fn member(&mut self, member: &MemberLayout, depth: usize) {
         let indent = "    ".repeat(depth);
         let mut line = self.member_line(member);
-        // A structure without a name is written where it stands.
+        // A nameless structure is written in place.
         let nameless = match member.ty.innermost() {
             Type::Struct(s) => s.name.is_empty(),
             Type::Scalar(_)
@@ -256,7 +256,7 @@ impl Listing<'_> {
         if nameless {
             let whole = member.offset.map(|_| element_size(member, self.block.rules));
             self.members(&member.members, whole, (PaddingOwner::Structure, None), depth + 1);
-            self.code(depth, format!("}} {}{};", member.name, words::dims(&member.dims)));
+            self.code(depth, format!("}} {}{};", member.name, phrases::dims(&member.dims)));
         }
         if let Some(offset) = member.offset {
             let own = own_size(member, self.block.rules);
@@ -287,13 +287,13 @@ impl Listing<'_> {
         }
     }
 
-    /// `layout(row_major) mat4 m[2];`, `m : array<mat4x4<f32>, 2>,`.
+    /// The declaration of a member: `layout(row_major) mat4 m[2];`, `m : array<mat4x4<f32>, 2>,`.
     fn declaration(&self, member: &MemberLayout) -> String {
         match self.language {
             Language::Glsl => {
                 let row_major = if member.row_major { "layout(row_major) " } else { "" };
-                let ty = words::type_name(&member.ty, self.language);
-                format!("{row_major}{ty} {}{};", member.name, words::dims(&member.dims))
+                let ty = phrases::type_name(&member.ty, self.language);
+                format!("{row_major}{ty} {}{};", member.name, phrases::dims(&member.dims))
             }
             Language::Wgsl => format!("{} : {},", member.name, member.ty.spelled(self.language)),
         }

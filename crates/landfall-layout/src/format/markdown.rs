@@ -1,6 +1,6 @@
-//! Markdown: a heading a shader and block, a table of the leaves and padding.
+//! Markdown: a heading per shader and block, and a table of the leaves and padding.
 
-use super::{EmitOptions, expand, words};
+use super::{EmitOptions, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
 use crate::layout::{BlockLayout, Leaf, targets};
@@ -25,7 +25,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
                     "| {} | {} | {} | {} |\n",
                     element.offset,
                     element_size(element.member, block.rules),
-                    code(&words::type_name(&element.member.ty, shader.language)),
+                    code(&phrases::type_name(&element.member.ty, shader.language)),
                     code(element.path),
                 ));
             });
@@ -41,11 +41,11 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
                 text.push_str(&leaf_row(leaf, shader.language));
             }
         }
-        let summary = words::summary(block);
+        let summary = phrases::summary(block);
         if !summary.is_empty() {
             text.push_str(&format!("\n{summary}\n"));
         }
-        let opaque = words::opaque(block);
+        let opaque = phrases::opaque(block);
         if !opaque.is_empty() {
             let names: Vec<String> = opaque.iter().map(|path| code(path)).collect();
             text.push_str(&format!("\nOpaque, no bytes: {}\n", names.join(", ")));
@@ -55,7 +55,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 }
 
 fn heading(block: &BlockLayout, language: Language) -> String {
-    let mut text = format!("\n## {}\n", code(&words::block_name(block)));
+    let mut text = format!("\n## {}\n", code(&phrases::block_name(block)));
     if block.space == AddressSpace::Default {
         text.push_str("\nSet one by one, no offsets.\n");
         return text;
@@ -64,25 +64,25 @@ fn heading(block: &BlockLayout, language: Language) -> String {
     if !block.rules_declared {
         text.push_str(" (not declared: the driver's offsets may differ)");
     }
-    let slot = words::slot(block, language);
+    let slot = phrases::slot(block, language);
     if !slot.is_empty() {
         text.push_str(&format!(", {slot}"));
     }
     if !block.count.is_empty() {
-        text.push_str(&format!(", buffers {}", words::dims(&block.count)));
+        text.push_str(&format!(", buffers {}", phrases::dims(&block.count)));
     }
     text.push('\n');
     text
 }
 
 fn leaf_row(leaf: &Leaf, language: Language) -> String {
-    let mut strides = words::spaced(&leaf.strides);
+    let mut strides = phrases::spaced(&leaf.strides);
     if let (Type::Matrix { .. }, Some(stride)) = (&leaf.ty, leaf.matrix_stride) {
         let vectors = if leaf.row_major { "rows" } else { "columns" };
         let comma = if strides.is_empty() { "" } else { ", " };
         strides.push_str(&format!("{comma}{vectors} {stride}"));
     }
-    let caution = words::naga(leaf).map(|naga| format!(" ({naga})")).unwrap_or_default();
+    let caution = phrases::naga(leaf).map(|naga| format!(" ({naga})")).unwrap_or_default();
     let number = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
     format!(
         "| {} | {} | {strides} | {} | {}{caution} |\n",
@@ -93,13 +93,13 @@ fn leaf_row(leaf: &Leaf, language: Language) -> String {
     )
 }
 
-/// The path with its lengths: `data[128].pos`.
+/// A path with its array lengths: `data[128].pos`.
 fn with_dims(leaf: &Leaf) -> String {
     let mut dims = leaf.dims.iter();
     let mut parts = leaf.path.split("[]");
     let mut text = parts.next().unwrap_or("").to_string();
     for part in parts {
-        text.push_str(&words::dims(&dims.next().cloned().into_iter().collect::<Vec<_>>()));
+        text.push_str(&phrases::dims(&dims.next().cloned().into_iter().collect::<Vec<_>>()));
         text.push_str(part);
     }
     text

@@ -1,13 +1,13 @@
-//! Colours: the few styles the formats for the eye use.
+//! The styles of text output.
 
 use anstyle::{AnsiColor, Style};
 
 use crate::text::escape::Styles;
 
-/// Whether text carries ANSI colours.
+/// Whether output uses ANSI colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Paint {
-    /// Text alone.
+    /// Plain text.
     #[default]
     Plain,
     /// Text with ANSI escapes.
@@ -31,7 +31,7 @@ pub const CAUTION: Style = AnsiColor::Yellow.on_default();
 pub(super) const ADDED: Style = AnsiColor::Green.on_default();
 
 impl Paint {
-    /// Whether styles in a text are ours.
+    /// Whether text of this kind may hold style sequences.
     pub fn styles(self) -> Styles {
         match self {
             Paint::Plain => Styles::Shown,
@@ -39,7 +39,7 @@ impl Paint {
         }
     }
 
-    /// The text in that style.
+    /// `text` in `style`.
     pub fn text(self, style: Style, text: &str) -> String {
         match self {
             Paint::Ansi if style != PLAIN && !text.is_empty() => {

@@ -1,14 +1,13 @@
-//! Line and column of many spans, quickly: what [`Files::locate`] says, with the
-//! line starts of each file kept.
+//! Lines and columns of many spans: [`Files::locate`] with cached line starts.
 
 use crate::source::{Files, Location, Span};
 
 /// The line starts of a shader's files.
 pub(super) struct Places<'a> {
     files: &'a Files,
-    /// For each file looked at, the byte each line starts at.
+    /// The start byte of each line, per file, computed on first use.
     lines: Vec<Option<Vec<usize>>>,
-    /// The last answer, to count on from: file, byte, line, column.
+    /// The last result, to continue from: file, byte, line, column.
     last: (u32, usize, usize, u32),
 }
 
@@ -17,7 +16,7 @@ impl<'a> Places<'a> {
         Places { files, lines: vec![None; files.iter().count()], last: (u32::MAX, 0, 0, 0) }
     }
 
-    /// Line and column of a span's first byte, as [`Files::locate`] gives them.
+    /// The line and column of a span's first byte, as [`Files::locate`] returns them.
     pub fn locate(&mut self, span: Span) -> Location {
         let Some(file) = self.files.get(span.file) else { return self.files.locate(span) };
         let text = file.text.as_bytes();

@@ -1,14 +1,14 @@
-//! The default format: a block as a table of its members, indented as they
-//! nest, with rows for padding and a line that sums it up.
+//! The default format: a table of a block's members, indented by nesting, with rows for padding
+//! and a summary line.
 //!
-//! Offsets are from the start of the block; in an array they are those of its
-//! first element, and the strides beside them lead to the others.
+//! Offsets are from the start of the block; those in an array are of its first element, with the
+//! strides beside them.
 
 use anstyle::Style;
 use unicode_width::UnicodeWidthStr;
 
 use super::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG, TYPE};
-use super::{EmitOptions, expand, words};
+use super::{EmitOptions, expand, phrases};
 use crate::ShaderLayout;
 use crate::layout::measure::element_size;
 use crate::layout::padding::{Gap, PaddingKind, PaddingOwner, gaps, in_text_order, tails};
@@ -50,7 +50,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
 }
 
 pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> String {
-    let mut text = paint.text(HEADING, &words::block_name(block));
+    let mut text = paint.text(HEADING, &phrases::block_name(block));
     let mut part = |style: Style, part: &str| {
         if !part.is_empty() {
             text.push_str(&paint.text(FAINT, " · "));
@@ -66,15 +66,15 @@ pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> 
     if !block.rules_declared {
         part(CAUTION, "rules not declared: the driver's offsets may differ");
     }
-    part(PLAIN, &words::slot(block, language));
+    part(PLAIN, &phrases::slot(block, language));
     if !block.count.is_empty() {
-        let buffers = words::buffers(block).map_or_else(
-            || format!("buffers {}", words::dims(&block.count)),
+        let buffers = phrases::buffers(block).map_or_else(
+            || format!("buffers {}", phrases::dims(&block.count)),
             |n| format!("{n} buffers"),
         );
         part(PLAIN, &buffers);
     }
-    part(STRONG, &block.size.map(words::bytes).unwrap_or_default());
+    part(STRONG, &block.size.map(phrases::bytes).unwrap_or_default());
     text.push('\n');
     text
 }
@@ -87,11 +87,11 @@ fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
             text.push('\n');
         }
     };
-    line(STRONG, &words::summary(block));
+    line(STRONG, &phrases::summary(block));
     if rows.iter().any(|row| row.inherited > 0) {
         line(FAINT, "offsets are those of element 0; element i lies i × stride further");
     }
-    let opaque = words::opaque(block);
+    let opaque = phrases::opaque(block);
     if !opaque.is_empty() {
         line(FAINT, &format!("opaque, no bytes: {}", opaque.join(", ")));
     }
@@ -101,10 +101,10 @@ fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
 #[derive(Default)]
 struct Row {
     cells: [String; COLUMNS],
-    /// Characters of the stride cell that repeat the strides of arrays around it.
+    /// The characters of the stride cell that repeat the strides of enclosing arrays.
     inherited: usize,
     padding: bool,
-    /// What naga reads instead.
+    /// How naga reads the member, if that differs.
     caution: Option<String>,
 }
 
@@ -117,7 +117,7 @@ fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
     table.rows
 }
 
-/// A place on the way down.
+/// The enclosing structure or block during the walk.
 struct Scope<'a> {
     base: u64,
     depth: usize,
@@ -127,7 +127,7 @@ struct Scope<'a> {
 struct Table<'a> {
     rules: Rules,
     language: Language,
-    /// Leaves stand in the order of the tree, so the next one is the next member without members.
+    /// The remaining leaves, in the order in which the walk meets them.
     leaves: std::slice::Iter<'a, Leaf>,
     rows: Vec<Row>,
 }
@@ -143,7 +143,7 @@ impl Table<'_> {
         let mut gaps = in_text_order(gaps).into_iter().peekable();
         for i in 0..=members.len() {
             while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                let words = words::padding(gap.kind, owner.0, owner.1);
+                let words = phrases::padding(gap.kind, owner.0, owner.1);
                 let offset = scope.base + gap.offset;
                 self.padding(offset, gap.size, &words, scope.strides, scope.depth);
             }
@@ -157,7 +157,7 @@ impl Table<'_> {
         let mut row = Row { padding: true, ..Row::default() };
         row.cells[0] = offset.to_string();
         row.cells[1] = size.to_string();
-        row.cells[3] = words::spaced(strides);
+        row.cells[3] = phrases::spaced(strides);
         row.cells[NAME] = format!("{}-- {words}", "  ".repeat(depth));
         row.inherited = row.cells[3].len();
         self.rows.push(row);
@@ -175,21 +175,26 @@ impl Table<'_> {
                 number(member.offset.map(|_| base)),
                 number(member.size),
                 number(member.align),
-                words::spaced(&strides),
+                phrases::spaced(&strides),
                 matrix(member),
-                words::type_name(&member.ty, self.language),
-                format!("{}{}{}", "  ".repeat(scope.depth), member.name, words::dims(&member.dims)),
+                phrases::type_name(&member.ty, self.language),
+                format!(
+                    "{}{}{}",
+                    "  ".repeat(scope.depth),
+                    member.name,
+                    phrases::dims(&member.dims)
+                ),
             ],
-            caution: leaf.and_then(words::naga),
+            caution: leaf.and_then(phrases::naga),
             ..Row::default()
         };
-        row.inherited = words::spaced(scope.strides).len();
+        row.inherited = phrases::spaced(scope.strides).len();
         self.rows.push(row);
         let inner = Scope { base, depth: scope.depth + 1, strides: &strides };
         for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
             let words = match tail.owner {
                 PaddingOwner::Member => format!("tail padding of {}", member.name),
-                owner => words::padding(PaddingKind::Tail, owner, None),
+                owner => phrases::padding(PaddingKind::Tail, owner, None),
             };
             let strides = match tail.owner {
                 PaddingOwner::Member => scope.strides,
@@ -202,7 +207,7 @@ impl Table<'_> {
                 Some(_) => gaps(&member.members, element_size(member, self.rules)),
                 None => Vec::new(),
             };
-            let owner = (PaddingOwner::Structure, words::structure_name(&member.ty));
+            let owner = (PaddingOwner::Structure, phrases::structure_name(&member.ty));
             self.members(&member.members, gaps, owner, &inner);
         }
     }
@@ -225,7 +230,7 @@ fn expanded_rows(block: &BlockLayout, language: Language) -> Vec<Row> {
         row.cells[0] = element.offset.to_string();
         row.cells[1] = element_size(element.member, block.rules).to_string();
         row.cells[4] = matrix(element.member);
-        row.cells[5] = words::type_name(&element.member.ty, language);
+        row.cells[5] = phrases::type_name(&element.member.ty, language);
         row.cells[NAME] = element.path.to_string();
         rows.push(row);
     });
@@ -239,7 +244,7 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
             *width = (*width).max(cell.width());
         }
     }
-    // A column nothing stands in is left out, its title too.
+    // Empty columns are left out, with their titles.
     let shown: Vec<usize> = (0..COLUMNS).filter(|&i| widths[i] > 0).collect();
     for &i in &shown {
         widths[i] = widths[i].max(TITLES[i].width());
@@ -260,7 +265,7 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
     }
 }
 
-/// A cell filled up to its column's width: numbers to the right, words to the left.
+/// A cell padded to its column's width: numbers aligned right, text left.
 fn cell(row: &Row, column: usize, width: usize, paint: Paint) -> String {
     let content = &row.cells[column];
     let fill = " ".repeat(width - content.width());

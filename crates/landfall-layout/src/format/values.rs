@@ -1,6 +1,6 @@
-//! The values in a block's bytes: a row for each element of each leaf, or JSON.
+//! Output of decoded values: a row for each element of each leaf, or JSON.
 //!
-//! Reads [`Decoded`]; written out piece by piece, as a storage buffer may hold millions.
+//! Reads [`Decoded`] and writes incrementally, as a storage buffer may hold millions of values.
 
 use std::io::{self, Write};
 
@@ -8,32 +8,32 @@ use unicode_width::UnicodeWidthStr;
 
 use super::json::write_lines;
 use super::paint::{CAUTION, FAINT, Paint, TYPE};
+use super::phrases;
 use super::table::heading;
-use super::words;
 use crate::buffer::{Datum, Decoded, Element, Finding};
 use crate::shape::ArrayLen;
 use crate::source::Language;
 
-/// What stands for padding where a path would.
+/// The label of padding in the path column.
 const PADDING: &str = "-- padding";
 
-/// Bytes of padding that are shown.
+/// The most bytes of padding that are shown.
 const MOST_BYTES: usize = 16;
 
-/// The values as JSON that [`encode`](crate::buffer::encode()) takes back; each structure of an
-/// array on a line of its own.
+/// Writes the values as JSON that [`encode`](crate::buffer::encode()) accepts, each structure of
+/// an array on its own line.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the errors of `out`.
 pub fn json(decoded: &Decoded<'_>, out: &mut dyn Write) -> io::Result<()> {
     write_lines(decoded, 0, out)?;
     out.write_all(b"\n")
 }
 
-/// The values as a table in the order of the shader, padding that is not zero among them.
+/// Writes the values as a table in source order, including padding that is not zero.
 ///
 /// # Errors
-/// Those of the writer.
+/// Returns the errors of `out`.
 pub fn table(
     decoded: &Decoded<'_>,
     language: Language,
@@ -66,7 +66,7 @@ pub fn table(
     Ok(())
 }
 
-/// Where padding that is not zero starts, and its bytes.
+/// The offset and bytes of padding that is not zero.
 fn hole(finding: &Finding) -> Option<(u64, &[u8])> {
     match finding {
         Finding::Padding { offset, bytes, .. } => Some((*offset, bytes)),
@@ -74,14 +74,14 @@ fn hole(finding: &Finding) -> Option<(u64, &[u8])> {
     }
 }
 
-/// How many elements the bytes hold, where the shader does not say.
+/// The number of elements of a runtime-sized array that the bytes hold.
 fn length(decoded: &Decoded<'_>) -> Option<String> {
     let member = decoded.block().members.last()?;
     let text = match member.dims.first()? {
         ArrayLen::Fixed(_) => return None,
         ArrayLen::Runtime | ArrayLen::Override(_) => format!(
             "{} hold {} of `{}`",
-            words::bytes(decoded.len() as u64),
+            phrases::bytes(decoded.len() as u64),
             decoded.tail_len(),
             member.name
         ),
@@ -89,13 +89,13 @@ fn length(decoded: &Decoded<'_>) -> Option<String> {
     Some(text)
 }
 
-/// Places of a number in decimal.
+/// The number of decimal digits of a number.
 fn digits(number: u64) -> usize {
     number.checked_ilog10().unwrap_or(0) as usize + 1
 }
 
 struct Table<'o> {
-    /// Of all columns but the last.
+    /// The widths of all columns but the last.
     widths: [usize; 3],
     paint: Paint,
     out: &'o mut dyn Write,
@@ -116,11 +116,11 @@ impl Table<'_> {
         write!(self.out, "  {:>offset$}  {ty}{ty_fill}  ", element.offset)?;
         write!(self.out, "{}{path_fill} ", element.path)?;
         for (i, cell) in element.cells.iter().enumerate() {
-            // Columns of a matrix stand apart.
+            // A bar separates the columns of a matrix.
             let bar = if i > 0 && i % element.rows == 0 { " |" } else { "" };
             write!(self.out, "{bar} {cell}")?;
         }
-        self.flag(&odd(element))?;
+        self.flag(&suspicious(element))?;
         self.out.write_all(b"\n")
     }
 
@@ -129,7 +129,7 @@ impl Table<'_> {
         let mut hex: Vec<String> =
             bytes.iter().take(MOST_BYTES).map(|byte| format!("{byte:02x}")).collect();
         if bytes.len() > MOST_BYTES {
-            hex.push(format!("… ({})", words::bytes(bytes.len() as u64)));
+            hex.push(format!("… ({})", phrases::bytes(bytes.len() as u64)));
         }
         let row =
             format!("  {offset:>offset_width$}  {:ty$}  {PADDING:path$}  {}", "", hex.join(" "));
@@ -138,22 +138,22 @@ impl Table<'_> {
         self.out.write_all(b"\n")
     }
 
-    fn flag(&mut self, words: &str) -> io::Result<()> {
-        if words.is_empty() {
+    fn flag(&mut self, text: &str) -> io::Result<()> {
+        if text.is_empty() {
             return Ok(());
         }
-        write!(self.out, "  {}", self.paint.text(CAUTION, &format!("<- {words}")))
+        write!(self.out, "  {}", self.paint.text(CAUTION, &format!("<- {text}")))
     }
 }
 
-/// What looks wrong with an element's components; empty when nothing does.
-fn odd(element: &Element<'_>) -> String {
+/// A description of suspicious components (NaN, infinite, invalid `bool`); empty without any.
+fn suspicious(element: &Element<'_>) -> String {
     let any = |is: fn(Datum) -> bool| element.cells.iter().any(|cell| is(*cell));
     let kinds = [
         (any(Datum::is_nan), "not a number"),
         (any(Datum::is_infinite), "infinite"),
         (any(Datum::is_odd_bool), "neither 0 nor 1"),
     ];
-    let words: Vec<&str> = kinds.iter().filter(|(is, _)| *is).map(|(_, words)| *words).collect();
-    words.join(", ")
+    let names: Vec<&str> = kinds.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
+    names.join(", ")
 }

@@ -1,6 +1,6 @@
-//! WGSL's `@align` and `@size` (§11): what they may say of the type they stand at.
+//! Checks of WGSL's `@align` and `@size` attributes (§11) against the types they apply to.
 //!
-//! Reads [`shape`](crate::shape) before it is laid out: what is wrong here makes no layout.
+//! Reads [`shape`](crate::shape) before layout: a block with such an error is not laid out.
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -10,9 +10,9 @@ use rustc_hash::FxHashSet;
 use super::rules;
 use super::rules::Extent;
 use crate::diagnostic::Diagnostic;
-use crate::shape::{Block, Majorness, Member, Rules, Struct, Type};
+use crate::shape::{Block, MatrixLayout, Member, Rules, Struct, Type};
 
-/// The findings about attributes anywhere in a block, each structure looked at once.
+/// Returns the errors in attributes of a block; each structure is checked once.
 pub fn check(block: &Block) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     check_members(&block.members, &mut FxHashSet::default(), &mut diagnostics);
@@ -33,18 +33,18 @@ fn check_members(
         if member.align.is_none() && member.size.is_none() {
             continue;
         }
-        // A type too large to have an extent, or too much to walk, is refused when it is laid out.
+        // A type that is too large, or has too many leaves, is rejected when it is laid out.
         if member.ty.leaves() > super::MOST_LEAVES {
             continue;
         }
-        if let Ok(extent) = rules::extent(&member.ty, Rules::Wgsl, Majorness::Column) {
+        if let Ok(extent) = rules::extent(&member.ty, Rules::Wgsl, MatrixLayout::Column) {
             check_align(member, extent, diagnostics);
             check_size(member, extent, diagnostics);
         }
     }
 }
 
-/// §11.1: a power of two, and a multiple of the type's own alignment.
+/// Checks `@align` (§11.1): a power of two, and a multiple of the type's own alignment.
 fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
     let Some(written) = member.align else { return };
     let own = extent.align.bytes();
@@ -62,19 +62,19 @@ fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic
     let fits = written.value.checked_next_power_of_two().map_or(own, |power| power.max(own));
     diagnostics.push(
         Diagnostic::error(Code::InvalidAlign, written.span, message)
-            .with_label(member.span, "of this member")
+            .with_label(member.span, "on this member")
             .with_help(format!("write `@align({fits})`")),
     );
 }
 
-/// §11.10: at least the size of the type, which must have one.
+/// Checks `@size` (§11.10): at least the size of the type, which must not be runtime-sized.
 fn check_size(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
     let Some(written) = member.size else { return };
     let diagnostic = match extent.size {
         None => Diagnostic::error(
             Code::InvalidSize,
             written.span,
-            format!("`{}` is runtime-sized, `@size` cannot say its size", member.name),
+            format!("`@size` cannot apply to `{}`, which is runtime-sized", member.name),
         )
         .with_help("remove `@size`"),
         Some(own) if written.value < own => Diagnostic::error(
@@ -89,5 +89,5 @@ fn check_size(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>
         .with_help(format!("write `@size({own})`")),
         Some(_) => return,
     };
-    diagnostics.push(diagnostic.with_label(member.span, "of this member"));
+    diagnostics.push(diagnostic.with_label(member.span, "on this member"));
 }

@@ -1,4 +1,4 @@
-//! Which component, or which padding, a byte of a block belongs to.
+//! The component or padding that a byte of a block belongs to.
 //!
 //! Reads the [model](super) and [`padding`](super::padding), feeds
 //! [`format`](mod@crate::format).
@@ -10,56 +10,58 @@ use super::padding::{Gap, PaddingKind, PaddingOwner, gaps};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Scalar, Type};
 
-/// Who a byte belongs to. Offsets are from the start of the block.
+/// The owner of a byte; offsets are from the start of the block.
+///
+/// Exhaustive: a byte is in a component, in padding or in neither.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ByteOwner {
     /// A component of a scalar, vector or matrix.
     Component {
-        /// `data[3].color`.
+        /// The path of the leaf: `data[3].color`.
         leaf: String,
         /// The leaf's type.
         ty: Type,
-        /// First byte of the leaf.
+        /// Offset of the leaf.
         leaf_offset: u64,
-        /// Bytes of the leaf.
+        /// Size of the leaf in bytes.
         leaf_size: u64,
-        /// `data[3].color.x`; the leaf itself when it has one component.
+        /// The path of the component: `data[3].color.x`; that of the leaf if it has one component.
         path: String,
-        /// First byte of the component.
+        /// Offset of the component.
         offset: u64,
-        /// Bytes of the component.
+        /// Size of the component in bytes.
         size: u64,
-        /// Which of the component's bytes it is, from 0.
+        /// Index of the byte in the component, from 0.
         byte: u64,
     },
-    /// Nobody: padding.
+    /// Padding.
     Padding {
         /// Hole or tail padding.
         kind: PaddingKind,
-        /// What it belongs to.
+        /// The kind of owner.
         owner: PaddingOwner,
-        /// The owner: `data[3]`, empty for the block.
+        /// The path of the owner: `data[3]`; empty for the block.
         path: String,
-        /// First byte of the padding.
+        /// Offset of the padding.
         offset: u64,
-        /// Bytes of padding.
+        /// Size of the padding in bytes.
         size: u64,
-        /// The member right before it.
+        /// The member directly before the padding.
         after: Option<Arc<str>>,
-        /// The member right after it.
+        /// The member directly after the padding.
         before: Option<Arc<str>>,
     },
-    /// It lies past the end of the block.
+    /// Past the end of the block.
     Beyond {
-        /// Bytes of the block.
+        /// Size of the block in bytes.
         size: u64,
     },
     /// The block is loose uniforms, which have no bytes.
     Loose,
 }
 
-/// Who the byte at that offset of a block belongs to. A runtime-sized array goes on for as long
-/// as it is asked.
+/// Returns the owner of a byte at an offset from the start of a block. A runtime-sized array counts
+/// as unbounded.
 pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
     let Some(size) = block.size else { return ByteOwner::Loose };
     let scope = Scope { block, byte, path: String::new(), base: 0 };
@@ -72,7 +74,7 @@ pub fn owner_of_byte(block: &BlockLayout, byte: u64) -> ByteOwner {
     in_gap(&block.members, size, PaddingOwner::Block, &scope)
 }
 
-/// A place on the way down: the concrete path and the offset it starts at.
+/// A position in the tree of members: the concrete path and the offset it starts at.
 struct Scope<'a> {
     block: &'a BlockLayout,
     byte: u64,
@@ -104,7 +106,7 @@ fn in_members(members: &[MemberLayout], scope: &Scope<'_>) -> Option<ByteOwner> 
     Some(in_member(member, scope))
 }
 
-/// Whether it goes on to the end of the buffer.
+/// Whether the member extends to the end of the buffer.
 fn is_endless(member: &MemberLayout) -> bool {
     match member.dims.first() {
         Some(ArrayLen::Runtime | ArrayLen::Override(_)) => true,
@@ -219,7 +221,7 @@ fn width(scalar: Scalar) -> u64 {
     scalar.width.into()
 }
 
-/// `x`, `y`, `z`, `w`.
+/// Returns the name of a component: `x`, `y`, `z`, `w`.
 pub(crate) fn component_name(index: u64) -> &'static str {
     match index {
         0 => "x",

@@ -1,5 +1,5 @@
-//! Why a path such as `data[3].color` lands where it does: the chain of rules,
-//! round-ups and strides from the start of the block.
+//! Explanations of offsets: the rules, alignments and strides that place a path such as
+//! `data[3].color`.
 //!
 //! Reads the [model](super), [`rules`](super::rules) and [`path`](super::path),
 //! feeds [`format`](mod@crate::format).
@@ -15,104 +15,109 @@ use crate::shape::AddressSpace;
 use crate::source::Language;
 use walk::{Walk, unknown};
 
-/// The way to one path.
+/// The explanation of one path.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Explanation {
-    /// The path without the block's name, one spelling for each place.
+    /// The canonical path, without the block's name.
     pub path: String,
-    /// The type there, in the shader's spelling.
+    /// The type in the shader's spelling.
     pub ty: String,
-    /// One step for each member, index or component on the way.
+    /// One step for each member, index or component of the path.
     pub steps: Vec<Step>,
-    /// First byte, from the start of the block; of the first element where the path has `[]`.
+    /// Offset from the start of the block; that of the first element where the path has `[]`.
     pub offset: u64,
-    /// Bytes from the first to the last; `None` when runtime-sized.
+    /// Size in bytes; `None` if runtime-sized.
     pub size: Option<u64>,
 }
 
-/// One member, index or component.
+/// A member, index or component of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Step {
-    /// The path up to and with this step.
+    /// The path up to and including this step.
     pub path: String,
-    /// The type there, in the shader's spelling.
+    /// The type in the shader's spelling.
     pub ty: String,
     /// Offset from the start of the block before this step.
     pub base: u64,
-    /// What the step adds to it: to be read as `base + adds`.
+    /// Bytes this step adds to `base`.
     pub adds: u64,
-    /// Why it adds that.
+    /// The reason for `adds`.
     pub kind: StepKind,
 }
 
-/// Why a step adds what it adds.
+/// The reason a step adds its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum StepKind {
     /// A member of a block or structure.
     Member {
-        /// The rule that gives its alignment.
+        /// The rule that determines the alignment.
         rule: Rule,
-        /// The alignment its type has by the rule.
+        /// The alignment of the type by that rule.
         own_align: u64,
-        /// The alignment in force: `align = N` or `@align(N)` may raise it.
+        /// The alignment in effect, which `align = N` or `@align(N)` may raise.
         align: u64,
-        /// The member before it; `None` for the first.
+        /// The preceding member; `None` for the first.
         after: Option<Arc<str>>,
-        /// Where that one ends, in the block or structure.
+        /// End of the preceding member, from the start of the block or structure.
         previous_end: u64,
-        /// Whether `offset = N` puts it elsewhere than the next multiple of its alignment.
+        /// Whether `offset = N` places the member elsewhere than at the next multiple of its
+        /// alignment.
         written: bool,
-        /// Bytes it occupies; `None` when runtime-sized.
+        /// Size in bytes; `None` if runtime-sized.
         size: Option<u64>,
-        /// Bytes its type takes by itself, when `@size(N)` raises them.
+        /// Size of the type in bytes, where `@size(N)` raises it.
         own_size: Option<u64>,
     },
     /// An element of an array.
     Element {
-        /// Which; `None` for every.
+        /// The index; `None` for every element.
         index: Option<u64>,
-        /// Number of elements; `None` when runtime-sized.
+        /// Number of elements; `None` if runtime-sized.
         len: Option<u64>,
-        /// From one element to the next.
+        /// Distance between elements in bytes.
         stride: u64,
-        /// Bytes of an element, before rounding up to the stride.
+        /// Size of an element in bytes, before rounding up to the stride.
         element_size: u64,
-        /// What the size is rounded up to.
+        /// The alignment the size is rounded up to.
         align: u64,
-        /// The rule that gives the stride.
+        /// The rule that determines the stride.
         rule: Rule,
     },
-    /// A column of a matrix stored by columns.
+    /// A column of a column-major matrix.
     Column {
-        /// Which.
+        /// The index.
         index: u64,
-        /// From one column to the next.
+        /// Distance between columns in bytes.
         stride: u64,
         /// Bytes of a column that hold components.
         column_size: u64,
     },
-    /// A column of a matrix stored by rows: its components lie a row apart.
+    /// A column of a row-major matrix, whose components are one row apart.
     ColumnAcrossRows {
-        /// Which.
+        /// The index.
         index: u64,
-        /// Bytes of a component.
+        /// Size of a component in bytes.
         width: u64,
-        /// From one component to the next.
+        /// Distance between components in bytes.
         stride: u64,
     },
     /// A component of a vector or column.
     Component {
-        /// Which.
+        /// The index.
         index: u64,
-        /// From one component to the next.
+        /// Distance between components in bytes.
         stride: u64,
     },
 }
 
-/// Explains where a path lands in a block. The path may begin with the block's or instance's name.
+/// Explains the offset of a path in a block. The path may begin with the block's or instance's
+/// name.
 ///
 /// # Errors
-/// The path is malformed or leads nowhere in this block, or the block is loose uniforms.
+/// The path is malformed or does not exist in the block, or the block holds loose uniforms.
 pub fn explain(
     block: &BlockLayout,
     path: &str,
@@ -140,7 +145,8 @@ pub fn explain(
     Ok(Explanation { path: walk.path, ty, steps: walk.steps, offset: walk.at, size })
 }
 
-/// `u_lights.data[3]` and `LightBlock.data[3]` mean `data[3]`, unless a member has that name.
+/// Strips the block or instance name: `u_lights.data[3]` and `LightBlock.data[3]` mean `data[3]`,
+/// unless a member has that name.
 fn without_block_name<'a>(block: &BlockLayout, segments: &'a [Segment]) -> &'a [Segment] {
     let Some(Segment::Name(first)) = segments.first() else { return segments };
     let is_member = block.members.iter().any(|m| *m.name == **first);
@@ -148,7 +154,7 @@ fn without_block_name<'a>(block: &BlockLayout, segments: &'a [Segment]) -> &'a [
     if is_member || !is_block {
         return segments;
     }
-    // An array of blocks: each element is a buffer of its own, its index adds no bytes.
+    // An array of blocks: each element is a separate buffer, so its index adds no bytes.
     let names = segments[1..].iter().take(block.count.len());
     let indices = names.take_while(|s| matches!(s, Segment::Index(_))).count();
     &segments[1 + indices..]

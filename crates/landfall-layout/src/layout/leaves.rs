@@ -1,11 +1,11 @@
-//! The leaves of members: scalars, vectors and matrices at the end of the tree.
+//! The leaves of blocks: their scalar, vector and matrix members, nested ones included.
 //!
 //! Reads placed members; part of [`layout`](super).
 
 use super::{Leaf, MemberLayout};
 use crate::shape::{ArrayLen, Type};
 
-/// The leaves below the members of a block.
+/// Returns the leaves of the members of a block.
 pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
     let mut leaves = Vec::new();
     for member in members {
@@ -15,7 +15,7 @@ pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
     leaves
 }
 
-/// What is known of a leaf on the way down to it.
+/// The path, offset and dimensions accumulated on the way to a leaf.
 #[derive(Clone)]
 struct Pattern {
     path: String,
@@ -55,7 +55,7 @@ fn collect_leaves(member: &MemberLayout, mut at: Pattern, leaves: &mut Vec<Leaf>
     });
 }
 
-/// Bytes of one element of a member that is no structure.
+/// Returns the size in bytes of one element of a member that is not a structure.
 pub(super) fn leaf_size(member: &MemberLayout) -> u64 {
     match member.ty.innermost() {
         Type::Matrix { columns, rows, .. } => {
@@ -66,7 +66,7 @@ pub(super) fn leaf_size(member: &MemberLayout) -> u64 {
     }
 }
 
-/// Bytes of a scalar, vector or matrix that hold components, matrix padding not counted.
+/// Returns the bytes of a scalar, vector or matrix that hold components, without matrix padding.
 pub fn occupied(ty: &Type) -> u64 {
     match ty {
         Type::Scalar(s) | Type::Atomic(s) => s.width.into(),

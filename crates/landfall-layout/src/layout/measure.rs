@@ -1,5 +1,5 @@
-//! Sizes the model does not spell out: of one element, one column, an array from some dimension
-//! inwards, all computed from what was laid out.
+//! Sizes derived from placed members: of one element, of one column, of the inner dimensions of an
+//! array.
 //!
 //! Reads the [model](super), feeds [`padding`](super::padding), [`byte`](super::byte) and
 //! [`explain`](super::explain).
@@ -8,7 +8,7 @@ use super::MemberLayout;
 use super::leaves::leaf_size;
 use crate::shape::{ArrayLen, Rules, Type};
 
-/// A column of a matrix, or a row of a row-major one: the bytes that hold components.
+/// The columns of a matrix (rows, if row-major), counting only bytes that hold components.
 #[derive(Clone, Copy, Debug)]
 pub struct MatrixVector {
     /// Size of one vector in bytes.
@@ -17,7 +17,7 @@ pub struct MatrixVector {
     pub count: u64,
 }
 
-/// The columns (rows) of a member that is a matrix or an array of them.
+/// Returns the columns (rows, if row-major) of a matrix member or array of matrices.
 pub fn matrix_vector(member: &MemberLayout) -> Option<MatrixVector> {
     match member.ty.innermost() {
         Type::Matrix { scalar, columns, rows } => {
@@ -37,12 +37,12 @@ pub fn matrix_vector(member: &MemberLayout) -> Option<MatrixVector> {
     }
 }
 
-/// Number of elements of all dimensions together, runtime-sized ones counted with one.
+/// Returns the number of elements of all dimensions together; a runtime-sized one counts as one.
 pub fn elements(dims: &[ArrayLen]) -> u64 {
     dims.iter().map(|len| fixed(len).unwrap_or(1)).product()
 }
 
-/// The length, if the text says it.
+/// Returns the length if the text determines it.
 pub fn fixed(len: &ArrayLen) -> Option<u64> {
     match len {
         ArrayLen::Fixed(n) => Some(u64::from(*n)),
@@ -50,12 +50,12 @@ pub fn fixed(len: &ArrayLen) -> Option<u64> {
     }
 }
 
-/// Bytes from a member's start to its end, a runtime-sized one counted with one element.
+/// Returns the bytes from a member's start to its end; a runtime-sized one counts as one element.
 pub fn reach(member: &MemberLayout) -> u64 {
     member.size.or_else(|| member.strides.first().copied()).unwrap_or(0)
 }
 
-/// Bytes a member's type takes up by itself, before `@size`.
+/// Returns the size of a member's type in bytes, without `@size`.
 pub(crate) fn own_size(member: &MemberLayout, rules: Rules) -> u64 {
     match (member.dims.first(), member.strides.first()) {
         (Some(len), Some(stride)) => {
@@ -65,18 +65,18 @@ pub(crate) fn own_size(member: &MemberLayout, rules: Rules) -> u64 {
     }
 }
 
-/// Bytes of an array from that dimension inwards; `None` when runtime-sized.
+/// Returns the size of an array from dimension `dim` inwards; `None` if runtime-sized.
 pub(crate) fn array_size(member: &MemberLayout, dim: usize, rules: Rules) -> Option<u64> {
     let whole = member.strides.get(dim)? * fixed(member.dims.get(dim)?)?;
     let last = member.strides.last()?.saturating_sub(element_size(member, rules));
     match rules {
         Rules::Std140 | Rules::Std430 | Rules::Wgsl => Some(whole),
-        // GL_EXT_scalar_block_layout: the padding after the last element is not the array's.
+        // GL_EXT_scalar_block_layout: the padding after the last element is not part of the array.
         Rules::Scalar => Some(whole.saturating_sub(last)),
     }
 }
 
-/// Bytes of one element below all array dimensions, a structure's tail padding included.
+/// Returns the size of one element below all array dimensions, a structure's tail padding included.
 pub fn element_size(member: &MemberLayout, rules: Rules) -> u64 {
     match member.ty.innermost() {
         Type::Struct(_) => {
@@ -107,7 +107,7 @@ pub struct StructureEnd {
     pub data_size: u64,
 }
 
-/// What the members of a structure make of it.
+/// Returns the alignment and the end of the last member of a structure.
 pub fn structure(members: &[MemberLayout], rules: Rules) -> StructureEnd {
     // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
     let least = match rules {

@@ -1,5 +1,5 @@
-//! The bytes of a block that hold nothing: holes between members, and tail
-//! padding of blocks, structures, array elements, columns and rows.
+//! Padding of blocks: holes between members, and tail padding of blocks, structures, array
+//! elements, columns and rows.
 //!
 //! Reads the [model](super), feeds [`format`](mod@crate::format) and [`byte`](super::byte).
 
@@ -9,18 +9,19 @@ use super::measure::{element_size, elements, matrix_vector, own_size, reach};
 use super::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Type};
 
-/// Where in its owner padding stands.
+/// The position of padding within its owner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PaddingKind {
     /// Between two members, or before the first.
     Hole,
-    /// After the last thing its owner holds.
+    /// After the last member or component of its owner.
     Tail,
 }
 
 impl PaddingKind {
-    /// The words used in messages: `hole` or `tail padding`.
-    pub fn words(self) -> &'static str {
+    /// Returns the name used in messages: `hole` or `tail padding`.
+    pub fn name(self) -> &'static str {
         match self {
             PaddingKind::Hole => "hole",
             PaddingKind::Tail => "tail padding",
@@ -28,13 +29,14 @@ impl PaddingKind {
     }
 }
 
-/// What padding belongs to.
+/// The kind of thing that padding belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum PaddingOwner {
     Block,
     Structure,
-    /// A member made larger with `@size`.
+    /// A member enlarged with `@size`.
     Member,
     /// An element of an array that is smaller than the array's stride.
     Element,
@@ -45,7 +47,7 @@ pub enum PaddingOwner {
 }
 
 impl PaddingOwner {
-    /// The noun used in messages.
+    /// Returns the noun used in messages.
     pub fn noun(self) -> &'static str {
         match self {
             PaddingOwner::Block => "block",
@@ -58,58 +60,60 @@ impl PaddingOwner {
     }
 }
 
-/// Unused bytes of a block; those of an array's elements are one entry.
+/// Unused bytes of a block; those in the elements of an array are one entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Padding {
     /// Hole or tail padding.
     pub kind: PaddingKind,
-    /// What it belongs to.
+    /// The kind of owner.
     pub owner: PaddingOwner,
-    /// The owner as a pattern: empty for the block, `data[]`, `view`.
+    /// The path of the owner as a pattern: `data[]`, `view`; empty for the block.
     pub path: String,
-    /// The owner's structure, where it is one with a name.
+    /// The name of the owner's structure, if any.
     pub structure: Option<Arc<str>>,
-    /// First byte, from the start of the owner.
+    /// Offset from the start of the owner.
     pub offset: u64,
-    /// First byte of its first occurrence, from the start of the block.
+    /// Offset of the first occurrence from the start of the block.
     pub block_offset: u64,
-    /// Bytes of one occurrence.
+    /// Size of one occurrence in bytes.
     pub size: u64,
-    /// How often it occurs: once an element of every array around it, runtime-sized ones counted
-    /// with one element.
+    /// Number of occurrences: one per element of every array around it, runtime-sized ones counted
+    /// as one element.
     pub times: u64,
-    /// The member right before it.
+    /// The member directly before the padding.
     pub after: Option<Arc<str>>,
-    /// The member right after it.
+    /// The member directly after the padding.
     pub before: Option<Arc<str>>,
 }
 
-/// What a block's bytes go to.
+/// How many bytes of a block are used and how many are padding.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// Bytes a buffer must hold, as [`BlockLayout::size`].
     pub size: u64,
     /// Bytes that hold components.
     pub used: u64,
-    /// The rest.
+    /// Bytes of padding: `size - used`.
     pub padding: u64,
 }
 
 impl Summary {
-    /// The share of padding in percent; 0 of an empty block.
+    /// Returns the share of padding in percent; 0 for an empty block.
     pub fn percent(&self) -> f64 {
         if self.size == 0 { 0.0 } else { self.padding as f64 * 100.0 / self.size as f64 }
     }
 }
 
-/// What a block's bytes go to; `None` for loose uniforms.
+/// Summarises the bytes of a block; `None` for loose uniforms.
 pub fn summary(block: &BlockLayout) -> Option<Summary> {
     let size = block.size?;
     let used = block.used();
     Some(Summary { size, used, padding: size.saturating_sub(used) })
 }
 
-/// Every hole and all tail padding of a block, owners before what they hold; empty for loose
+/// Returns all holes and tail padding of a block, owners before their members; empty for loose
 /// uniforms.
 pub fn padding(block: &BlockLayout) -> Vec<Padding> {
     let mut found = Vec::new();
@@ -121,7 +125,8 @@ pub fn padding(block: &BlockLayout) -> Vec<Padding> {
     found
 }
 
-/// A place on the way down: the pattern, the first byte of its first element, how many there are.
+/// A position in the tree of members: the pattern, the offset of its first occurrence, and the
+/// number of occurrences.
 struct Scope {
     path: String,
     base: u64,
@@ -187,7 +192,7 @@ fn of_members(
     }
 }
 
-/// Unused bytes between or after the members of one block or structure; members by index.
+/// Unused bytes between or after the members of one block or structure; members are indices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Gap {
     pub kind: PaddingKind,
@@ -197,7 +202,7 @@ pub(crate) struct Gap {
     pub before: Option<usize>,
 }
 
-/// The gaps of a block or structure of `whole` bytes, in order of their offsets.
+/// Returns the gaps of a block or structure of `whole` bytes, by offset.
 pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by_key(|&i| members[i].offset);
@@ -222,25 +227,25 @@ pub(crate) fn gaps(members: &[MemberLayout], whole: u64) -> Vec<Gap> {
     gaps
 }
 
-/// The same gaps, each right after the member it follows in the text: explicit offsets may put
-/// members out of order.
+/// Sorts gaps so that each follows its preceding member in the text, which explicit offsets may
+/// reorder.
 pub(crate) fn in_text_order(mut gaps: Vec<Gap>) -> Vec<Gap> {
     gaps.sort_by_key(|gap| gap.after);
     gaps
 }
 
-/// Tail padding a member has without being a structure: of itself, its elements, its columns.
+/// Tail padding of a member other than in its structure: of the member, its elements or columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tail {
     pub owner: PaddingOwner,
-    /// First byte of its first occurrence, from the start of the member.
+    /// Offset of the first occurrence from the start of the member.
     pub offset: u64,
     pub size: u64,
-    /// Occurrences in one whole member.
+    /// Number of occurrences in one whole member.
     pub times: u64,
 }
 
-/// The [`Tail`]s of a member, the outer ones first.
+/// Returns the [`Tail`]s of a member, the outer ones first.
 pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     let mut tails = Vec::new();
     let mut push = |owner, offset, end: u64, times| {
@@ -251,7 +256,7 @@ pub(crate) fn tails(member: &MemberLayout, rules: Rules) -> Vec<Tail> {
     push(PaddingOwner::Member, own_size(member, rules), reach(member), 1);
     let count = elements(&member.dims);
     if let Some(&stride) = member.strides.last() {
-        // In scalar the padding after the last element is not the array's.
+        // In scalar the padding after the last element is not part of the array.
         let unpadded = u64::from(rules == Rules::Scalar && member.size.is_some());
         let times = count.saturating_sub(unpadded);
         push(PaddingOwner::Element, element_size(member, rules), stride, times);
@@ -274,7 +279,7 @@ mod tests {
         let text = |p: &Padding| {
             format!(
                 "{} of {} `{}` {}+{} ×{}",
-                p.kind.words(),
+                p.kind.name(),
                 p.owner.noun(),
                 p.path,
                 p.offset,

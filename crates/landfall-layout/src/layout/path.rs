@@ -1,4 +1,4 @@
-//! Paths such as `data[3].color.x`: taking them apart, and why one leads nowhere.
+//! Paths such as `data[3].color.x`: parsing, and the errors of resolving them.
 //!
 //! Feeds [`explain`](super::explain).
 
@@ -6,88 +6,90 @@ use crate::diagnostic::Code;
 use std::fmt;
 use std::sync::Arc;
 
-/// One step of a path.
+/// A segment of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Segment {
-    /// `color`, `.color`.
+    /// A member: `color`, `.color`.
     Name(String),
-    /// `[3]`; `[]` stands for every element.
+    /// An index: `[3]`; `[]` means every element.
     Index(Option<u64>),
 }
 
-/// Why a path leads nowhere.
+/// An error in a path, and how much of it was resolved.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PathError {
-    /// What is wrong.
+    /// The error.
     pub kind: PathErrorKind,
-    /// Segments that did lead somewhere.
+    /// Number of segments resolved before the error.
     pub resolved: usize,
 }
 
-/// What is wrong with a path.
+/// The ways a path can be wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PathErrorKind {
-    /// Not a path at all.
+    /// Malformed path.
     Syntax {
         /// The whole path.
         path: String,
-        /// Character from 1.
+        /// Column of the error in characters, from 1.
         column: usize,
-        /// What should stand there.
+        /// The expected token.
         expected: &'static str,
     },
-    /// A block or structure has no member of that name.
+    /// No member of that name in the block or structure.
     UnknownMember {
         /// The block or structure, such as "block `B`".
         owner: String,
-        /// The name asked for.
+        /// The unknown name.
         name: String,
-        /// The member whose name is nearest.
+        /// The member with the nearest name.
         nearest: Option<Arc<str>>,
-        /// Its members.
+        /// The members there are.
         members: Vec<Arc<str>>,
     },
     /// The member is a sampler or image and occupies no bytes.
     Opaque {
-        /// Its name.
+        /// The member's name.
         name: String,
     },
-    /// `.name` of something that has no members.
+    /// `.name` on a value that is not a structure.
     NotAStructure {
-        /// The path up to there.
+        /// The path before `.name`.
         path: String,
-        /// Its type.
+        /// The type there.
         ty: String,
-        /// The name asked for.
+        /// The unknown name.
         name: String,
     },
-    /// `[n]` of something that is no array, vector or matrix.
+    /// `[n]` on a value that is not an array, vector or matrix.
     NotAnArray {
-        /// The path up to there.
+        /// The path before `[n]`.
         path: String,
-        /// Its type.
+        /// The type there.
         ty: String,
     },
     /// An index at or past the length.
     OutOfRange {
-        /// The path up to there.
+        /// The path before the index.
         path: String,
-        /// The index asked for.
+        /// The index.
         index: u64,
         /// Number of elements, columns or components.
         len: u64,
-        /// What it has that many of: `elements`.
+        /// The noun for what `len` counts: `elements`.
         what: &'static str,
     },
-    /// The whole block is loose uniforms, which have no offsets.
+    /// The block holds loose uniforms, which have no offsets.
     Loose {
-        /// The uniform asked for.
+        /// The path of the uniform.
         path: String,
     },
 }
 
 impl PathErrorKind {
-    /// Kebab-case name of the fault.
+    /// Returns the diagnostic code.
     pub fn code(&self) -> Code {
         match self {
             PathErrorKind::Syntax { .. } => Code::MalformedPath,
@@ -100,7 +102,7 @@ impl PathErrorKind {
         }
     }
 
-    /// What to do about it.
+    /// Returns a suggested remedy.
     pub fn help(&self) -> Option<String> {
         match self {
             PathErrorKind::Syntax { .. } => {
@@ -116,10 +118,9 @@ impl PathErrorKind {
             PathErrorKind::OutOfRange { path, len, .. } if *len > 0 => {
                 Some(format!("the last one is `{path}[{}]`", len - 1))
             }
-            PathErrorKind::Loose { .. } => Some(
-                "`--gather` lays loose uniforms out as the std140 block they would make"
-                    .to_string(),
-            ),
+            PathErrorKind::Loose { .. } => {
+                Some("`--gather` lays out loose uniforms as a std140 block".to_string())
+            }
             PathErrorKind::NotAStructure { path, ty, name }
                 if ty.ends_with(']') || ty.starts_with("array<") =>
             {
@@ -137,7 +138,7 @@ impl fmt::Display for PathErrorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PathErrorKind::Syntax { path, column, expected } => {
-                write!(f, "`{path}` is no path: expected {expected} at character {column}")
+                write!(f, "`{path}` is not a path: expected {expected} at character {column}")
             }
             PathErrorKind::UnknownMember { owner, name, .. } => {
                 write!(f, "{owner} has no member `{name}`")
@@ -155,13 +156,13 @@ impl fmt::Display for PathErrorKind {
                 write!(f, "`{path}[{index}]` is out of range: `{path}` has {len} {what}")
             }
             PathErrorKind::Loose { path } => {
-                write!(f, "`{path}` is a loose uniform: it is set by itself and has no offset")
+                write!(f, "`{path}` is a loose uniform, which is set on its own and has no offset")
             }
         }
     }
 }
 
-/// The first names of a list, in backticks.
+/// Lists names in backticks, at most `SHOWN` of them.
 fn name_list(names: &[Arc<str>]) -> String {
     const SHOWN: usize = 8;
     let mut text =
@@ -172,7 +173,7 @@ fn name_list(names: &[Arc<str>]) -> String {
     text
 }
 
-/// Takes a path apart.
+/// Parses a path into segments.
 pub fn segments(path: &str) -> Result<Vec<Segment>, PathError> {
     let fault = |at: usize, expected| PathError {
         kind: PathErrorKind::Syntax {

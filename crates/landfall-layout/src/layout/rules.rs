@@ -1,13 +1,12 @@
-//! The table of rules: alignment, size and strides of every type under std140,
-//! std430, scalar and WGSL.
+//! The layout rules: alignment, size and strides of every type under std140, std430, scalar and
+//! WGSL.
 //!
-//! Each arm cites the rule it applies: the numbers are those of OpenGL 4.6
-//! §7.6.2.2 for std140 and std430, `GL_EXT_scalar_block_layout` for scalar, and
-//! the sections of the WGSL specification.
+//! Each arm cites the rule it applies: OpenGL 4.6 §7.6.2.2 for std140 and std430,
+//! `GL_EXT_scalar_block_layout` for scalar, and sections of the WGSL specification.
 
-use crate::shape::{ArrayLen, Majorness, Member, Rules, Type};
+use crate::shape::{ArrayLen, MatrixLayout, Member, Rules, Type};
 
-/// A power of two that offsets are rounded up to.
+/// An alignment in bytes, a power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Alignment(u64);
 
@@ -17,35 +16,36 @@ impl Alignment {
     /// Sixteen bytes: a `vec4`.
     pub const VEC4: Alignment = Alignment(16);
 
-    /// The alignment of that many bytes, if it is a power of two.
+    /// Returns an alignment of `bytes`; `None` unless it is a power of two.
     pub fn new(bytes: u64) -> Option<Alignment> {
         bytes.is_power_of_two().then_some(Alignment(bytes))
     }
 
-    /// In bytes.
+    /// The alignment in bytes.
     pub fn bytes(self) -> u64 {
         self.0
     }
 
-    /// The first multiple that is not below `offset`.
+    /// Rounds `offset` up to this alignment.
     pub fn round_up(self, offset: u64) -> Result<u64, TooLarge> {
         offset.checked_next_multiple_of(self.0).ok_or(TooLarge)
     }
 
-    /// Whether `offset` is a multiple.
+    /// Whether `offset` is a multiple of this alignment.
     pub fn divides(self, offset: u64) -> bool {
         offset.is_multiple_of(self.0)
     }
 }
 
-/// A size left the numbers a byte offset can be counted in.
+/// A size or offset that overflows 64 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLarge;
 
-/// Which rule an [`Extent`] follows.
+/// The rule an [`Extent`] follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Rule {
-    /// One component.
+    /// A scalar.
     Scalar,
     /// A vector of two or four components.
     Vector2Or4,
@@ -70,7 +70,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// The rule as its specification numbers it: `std140 rule 4`, `WGSL §14.4.1`.
+    /// Returns the rule's citation: `std140 rule 4`, `WGSL §14.4.1`.
     pub fn cite(self, rules: Rules) -> String {
         let number = match self {
             Rule::Scalar => 1,
@@ -99,7 +99,7 @@ impl Rule {
         }
     }
 
-    /// What the rule says, in one line.
+    /// Returns the text of the rule, in one line.
     pub fn text(self, rules: Rules) -> &'static str {
         let packed = rules == Rules::Scalar;
         let rounded = rules == Rules::Std140;
@@ -130,24 +130,25 @@ impl Rule {
     }
 }
 
-/// What a type takes up.
+/// The alignment, size and strides of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Extent {
-    /// Its offset is a multiple of this.
+    /// The alignment.
     pub align: Alignment,
-    /// Bytes: a `vec3` is 12, an array stride × count, a structure rounded up to its alignment.
-    /// `None` when it ends in a runtime-sized array.
+    /// Size in bytes: a `vec3` is 12, an array stride × count, a structure is rounded up to its
+    /// alignment. `None` if it ends in a runtime-sized array.
     pub size: Option<u64>,
-    /// From one element to the next, when it is an array.
+    /// Distance between elements of an array.
     pub array_stride: Option<u64>,
-    /// From one column (row) to the next, when it is a matrix or an array of them.
+    /// Distance between columns (rows, if row-major) of a matrix or an array of matrices.
     pub matrix_stride: Option<u64>,
-    /// The rule that says so.
+    /// The rule that determines the extent.
     pub rule: Rule,
 }
 
-/// What a type takes up under `rules`; matrices in it are stored as `majorness` says.
-pub fn extent(ty: &Type, rules: Rules, majorness: Majorness) -> Result<Extent, TooLarge> {
+/// Returns the extent of a type under `rules`; matrices are stored by `matrix_layout`.
+pub fn extent(ty: &Type, rules: Rules, matrix_layout: MatrixLayout) -> Result<Extent, TooLarge> {
     match ty {
         // Rule 1; WGSL §14.4.1: a scalar is aligned to its size.
         Type::Scalar(scalar) | Type::Atomic(scalar) => Ok(plain(scalar.width.into(), 1, rules)),
@@ -156,9 +157,9 @@ pub fn extent(ty: &Type, rules: Rules, majorness: Majorness) -> Result<Extent, T
         Type::Vector { scalar, rows } => Ok(plain(scalar.width.into(), *rows, rules)),
         // Rules 5 and 7: a matrix is an array of its columns (or rows); WGSL §14.4.1 likewise.
         Type::Matrix { scalar, columns, rows } => {
-            let (count, length, rule) = match majorness {
-                Majorness::Column => (*columns, *rows, Rule::ColumnMajor),
-                Majorness::Row => (*rows, *columns, Rule::RowMajor),
+            let (count, length, rule) = match matrix_layout {
+                MatrixLayout::Column => (*columns, *rows, Rule::ColumnMajor),
+                MatrixLayout::Row => (*rows, *columns, Rule::RowMajor),
             };
             let vector = plain(scalar.width.into(), length, rules);
             let array = array_of(vector, &ArrayLen::Fixed(count.into()), rules, rule)?;
@@ -166,26 +167,26 @@ pub fn extent(ty: &Type, rules: Rules, majorness: Majorness) -> Result<Extent, T
         }
         // Rules 4, 6, 8 and 10; WGSL §14.4.3.
         Type::Array { element, len } => {
-            let rule = match (element.innermost(), majorness) {
-                (Type::Matrix { .. }, Majorness::Column) => Rule::ArrayOfColumnMajor,
-                (Type::Matrix { .. }, Majorness::Row) => Rule::ArrayOfRowMajor,
+            let rule = match (element.innermost(), matrix_layout) {
+                (Type::Matrix { .. }, MatrixLayout::Column) => Rule::ArrayOfColumnMajor,
+                (Type::Matrix { .. }, MatrixLayout::Row) => Rule::ArrayOfRowMajor,
                 (Type::Struct(_), _) => Rule::ArrayOfStructures,
                 _ => Rule::ArrayOfVectors,
             };
-            array_of(extent(element, rules, majorness)?, len, rules, rule)
+            array_of(extent(element, rules, matrix_layout)?, len, rules, rule)
         }
         // Rule 9; WGSL §14.4.2.
         Type::Struct(s) => {
             let mut cursor = Cursor::new(rules);
             for member in &s.members {
-                cursor.place(member, majorness)?;
+                cursor.place(member, matrix_layout)?;
             }
             cursor.structure()
         }
     }
 }
 
-/// A scalar (one component) or vector.
+/// Returns the extent of a vector, or of a scalar if `components` is 1.
 fn plain(width: u64, components: u8, rules: Rules) -> Extent {
     let (align, rule) = match (rules, components) {
         (_, 1) => (width, Rule::Scalar),
@@ -206,14 +207,14 @@ fn plain(width: u64, components: u8, rules: Rules) -> Extent {
     }
 }
 
-/// An array of an element with that extent.
+/// Returns the extent of an array of elements with extent `element`.
 fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result<Extent, TooLarge> {
     // Rule 4: std140 rounds the alignment of every array up to that of a vec4; the others do not.
     let align = match rules {
         Rules::Std140 => element.align.max(Alignment::VEC4),
         Rules::Std430 | Rules::Scalar | Rules::Wgsl => element.align,
     };
-    // An element without a size of its own is refused by the parsers.
+    // The parsers reject arrays whose elements have no size.
     let element_size = element.size.unwrap_or(0);
     let stride = align.round_up(element_size)?;
     let size = match len {
@@ -221,8 +222,8 @@ fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result
             let whole = stride.checked_mul((*n).into()).ok_or(TooLarge)?;
             Some(match rules {
                 Rules::Std140 | Rules::Std430 | Rules::Wgsl => whole,
-                // GL_EXT_scalar_block_layout: the next member follows the last byte consumed,
-                // so the padding after the last element is not the array's.
+                // GL_EXT_scalar_block_layout: the next member follows the last byte consumed, so
+                // the padding after the last element is not part of the array.
                 Rules::Scalar => whole - (stride - element_size),
             })
         }
@@ -237,39 +238,41 @@ fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result
     })
 }
 
-/// Where a member starts, and what it takes up.
+/// The placement of a member.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Placed {
-    /// From the start of the structure or block it is a member of.
+    /// Offset from the start of the enclosing structure or block.
     pub offset: u64,
-    /// Its type's extent; `align` and `size` as its attributes make them.
+    /// The extent of its type, with `align` and `size` after attributes.
     pub extent: Extent,
-    /// Matrix storage in force for it.
-    pub majorness: Majorness,
+    /// The matrix storage in effect.
+    pub matrix_layout: MatrixLayout,
 }
 
-/// Places the members of a structure or block one after the other.
+/// Places the members of a structure or block one after another.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
     rules: Rules,
     /// End of the last member placed; `None` after a runtime-sized one.
     end: Option<u64>,
-    /// Furthest end of any member, a runtime-sized one counted with one element.
+    /// The furthest end of any member; a runtime-sized one counts as one element.
     furthest: u64,
     align: Alignment,
 }
 
 impl Cursor {
-    /// At the start of a structure or block.
+    /// Starts at offset 0 of a structure or block.
     pub fn new(rules: Rules) -> Cursor {
         Cursor { rules, end: Some(0), furthest: 0, align: Alignment::ONE }
     }
 
-    /// Places the next member. Matrices of members that do not say are stored as `inherited` says.
-    pub fn place(&mut self, member: &Member, inherited: Majorness) -> Result<Placed, TooLarge> {
-        let majorness = member.majorness.unwrap_or(inherited);
-        let mut extent = extent(&member.ty, self.rules, majorness)?;
-        // GLSL 4.60 §4.4.5 `align`: the greater of it and the type's own; WGSL §14.4.2 `@align`.
+    /// Places the next member. Matrices without a majorness of their own are stored by `inherited`.
+    pub fn place(&mut self, member: &Member, inherited: MatrixLayout) -> Result<Placed, TooLarge> {
+        let matrix_layout = member.matrix_layout.unwrap_or(inherited);
+        let mut extent = extent(&member.ty, self.rules, matrix_layout)?;
+        // GLSL 4.60 §4.4.5 `align`: the greater of it and the type's alignment; WGSL §14.4.2
+        // `@align`.
         if let Some(align) = member.align.and_then(|written| Alignment::new(written.value)) {
             extent.align = extent.align.max(align);
         }
@@ -277,7 +280,7 @@ impl Cursor {
         if let Some(size) = member.size {
             extent.size = extent.size.map(|own| own.max(size.value));
         }
-        // GLSL 4.60 §4.4.5 `offset`: start there instead of after the predecessor.
+        // GLSL 4.60 §4.4.5 `offset`: start there instead of after the preceding member.
         let start = match member.offset {
             Some(written) => written.value,
             None => self.end.unwrap_or(self.furthest),
@@ -292,20 +295,20 @@ impl Cursor {
         self.end = end;
         self.furthest = self.furthest.max(reach);
         self.align = self.align.max(extent.align);
-        Ok(Placed { offset, extent, majorness })
+        Ok(Placed { offset, extent, matrix_layout })
     }
 
-    /// Where the next member without an explicit offset may start.
+    /// The end of the last member placed; `None` after a runtime-sized one.
     pub fn end(&self) -> Option<u64> {
         self.end
     }
 
-    /// Furthest end of any member placed so far, a runtime-sized one counted with one element.
+    /// The furthest end of any member placed so far; a runtime-sized one counts as one element.
     pub fn furthest(&self) -> u64 {
         self.furthest
     }
 
-    /// The extent of the structure whose members were placed.
+    /// Returns the extent of the structure with the members placed so far.
     pub fn structure(self) -> Result<Extent, TooLarge> {
         // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
         let align = match self.rules {

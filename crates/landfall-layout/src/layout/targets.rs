@@ -1,14 +1,14 @@
-//! Blocks of a text for OpenGL and Vulkan that are laid out otherwise for the other API.
+//! Comparison of block layouts under OpenGL and Vulkan, for shaders written for both.
 
 use crate::diagnostic::Code;
 use crate::layout::BlockLayout;
 use crate::source::Target;
 use crate::{Diagnostic, Span};
 
-/// The code of a block whose layout depends on the target; a lint goes by that name.
+/// The diagnostic code of a block whose layout depends on the target; the lint has the same name.
 pub const CODE: &str = Code::TargetChangesLayout.name();
 
-/// The name of an API in prose.
+/// Returns the name of an API in prose.
 pub fn name(target: Target) -> &'static str {
     match target {
         Target::OpenGl => "OpenGL",
@@ -16,7 +16,7 @@ pub fn name(target: Target) -> &'static str {
     }
 }
 
-/// The name of an API on the command line and in JSON.
+/// Returns the name of an API on the command line and in JSON.
 pub fn key(target: Target) -> &'static str {
     match target {
         Target::OpenGl => "opengl",
@@ -24,12 +24,7 @@ pub fn key(target: Target) -> &'static str {
     }
 }
 
-/// The API of that [`key`].
-pub fn from_key(text: &str) -> Option<Target> {
-    [Target::OpenGl, Target::Vulkan].into_iter().find(|target| key(*target) == text)
-}
-
-/// The API that a text was not read for.
+/// Returns the other API.
 pub fn other(target: Target) -> Target {
     match target {
         Target::OpenGl => Target::Vulkan,
@@ -37,15 +32,15 @@ pub fn other(target: Target) -> Target {
     }
 }
 
-/// `read as OpenGL's; for Vulkan its blocks differ`, for a shader that had a target assumed.
+/// Returns a note for a shader whose target was assumed; `None` if it was not.
 pub fn note(assumed: Option<Target>) -> Option<String> {
     let target = assumed?;
     let (this, that) = (name(target), name(other(target)));
     Some(format!("read as {this}'s, which the text does not say; for {that} its blocks differ"))
 }
 
-/// The diagnostics of blocks that are laid out otherwise for the other API, `there`; `None` where
-/// all are alike.
+/// Returns diagnostics for the blocks laid out differently under the other API, `there`; `None` if
+/// all are laid out alike.
 pub(crate) fn compare(
     here: &[BlockLayout],
     there: &[BlockLayout],
@@ -65,16 +60,16 @@ pub(crate) fn compare(
     (differs || !found.is_empty()).then_some(found)
 }
 
-/// The first leaf that is elsewhere, gone or new, or a block of another size.
+/// Describes the first leaf that is moved, removed or added, or a change of the block's size.
 fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Span>)> {
-    // Loose uniforms are set one by one: they have no layout.
+    // Loose uniforms are set individually: they have no layout.
     let (here, there) = (block.size?, copy.size?);
     let by_path: rustc_hash::FxHashMap<&str, _> =
         copy.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
     for leaf in &block.leaves {
         let path = &leaf.path;
         let Some(other) = by_path.get(path.as_str()) else {
-            return Some((format!("`{path}` is not there"), Some(leaf.span)));
+            return Some((format!("`{path}` is removed"), Some(leaf.span)));
         };
         if let (Some(here), Some(there), true) =
             (leaf.offset, other.offset, leaf.offset != other.offset)
@@ -87,7 +82,7 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
             && leaf.row_major == other.row_major
             && leaf.matrix_stride == other.matrix_stride;
         if !same {
-            return Some((format!("`{path}` has another type or stride"), Some(leaf.span)));
+            return Some((format!("`{path}` has a different type or stride"), Some(leaf.span)));
         }
     }
     if let Some(new) = copy.leaves.get(block.leaves.len()..).and_then(|rest| rest.first()) {
@@ -98,12 +93,10 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
 
 fn diagnostic(block: &BlockLayout, text: &str, span: Option<Span>, target: Target) -> Diagnostic {
     let (this, that) = (name(target), name(other(target)));
-    let message = format!("block `{}` is laid out otherwise for {that}: {text}", block.name);
+    let message = format!("block `{}` is laid out differently for {that}: {text}", block.name);
     Diagnostic::warning(Code::TargetChangesLayout, span.unwrap_or(block.span), message)
-        .with_note(format!("read as {this}'s: the text asks for `VULKAN` and would do for both"))
-        .with_help(format!(
-            "say which with `--target {}` or `--target {}`",
-            key(target),
-            key(other(target))
+        .with_note(format!(
+            "read for {this}: the text tests for `VULKAN` and is valid for both APIs"
         ))
+        .with_help(format!("pass `--target {}` or `--target {}`", key(target), key(other(target))))
 }

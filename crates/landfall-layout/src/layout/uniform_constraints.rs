@@ -1,8 +1,7 @@
-//! WGSL §14.4.5: what uniform memory wants of a layout besides the rules.
+//! Constraints on the layout of WGSL uniform buffers besides the layout rules (WGSL §14.4.5).
 //!
-//! The layout stands either way: with the language feature
-//! `uniform_buffer_standard_layout` these constraints are gone. Without it the
-//! shader is refused, by naga 30 always.
+//! The language feature `uniform_buffer_standard_layout` lifts these constraints; without it the
+//! shader is rejected. naga 30 always rejects it. The layout itself is the same either way.
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -12,10 +11,10 @@ use rustc_hash::FxHashSet;
 use super::rules;
 use super::rules::{Alignment, Cursor, Placed};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, Block, Majorness, Member, Rules, Struct, Type};
+use crate::shape::{AddressSpace, Block, MatrixLayout, Member, Rules, Struct, Type};
 use crate::source::Language;
 
-/// The warnings about a block; none unless it is WGSL's and in uniform memory.
+/// Returns the warnings about a block; none unless it is a WGSL block in uniform memory.
 pub fn check(block: &Block) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     let leaves = block.members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
@@ -34,8 +33,8 @@ fn check_members(
     let mut cursor = Cursor::new(Rules::Wgsl);
     let mut previous: Option<(&Member, u64)> = None;
     for member in members {
-        // What is too large is refused when it is laid out.
-        let Ok(placed) = cursor.place(member, Majorness::Column) else { return };
+        // A member that is too large is rejected when it is laid out.
+        let Ok(placed) = cursor.place(member, MatrixLayout::Column) else { return };
         diagnostics.extend(check_offset(member, placed));
         diagnostics.extend(check_strides(member));
         if let Some((before, offset)) = previous {
@@ -50,7 +49,7 @@ fn check_members(
     }
 }
 
-/// RequiredAlignOf: structures and arrays start at multiples of 16.
+/// Checks RequiredAlignOf: structures and arrays start at multiples of 16.
 fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
     let what = match member.ty {
         Type::Struct(_) => "structure",
@@ -71,11 +70,11 @@ fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
     Some(warning(member, message).with_help(format!("write `@align(16) {}: …`", member.name)))
 }
 
-/// The stride of every array is a multiple of 16.
+/// Checks that the stride of every array is a multiple of 16.
 fn check_strides(member: &Member) -> Option<Diagnostic> {
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
-        let stride = rules::extent(ty, Rules::Wgsl, Majorness::Column).ok()?.array_stride?;
+        let stride = rules::extent(ty, Rules::Wgsl, MatrixLayout::Column).ok()?.array_stride?;
         if !Alignment::VEC4.divides(stride) {
             let message = format!(
                 "the elements of `{}` are {stride} bytes apart, but in uniform memory their \
@@ -106,7 +105,7 @@ fn stride_help(element: &Type) -> String {
     }
 }
 
-/// What follows a structure starts no earlier than its size rounded up to 16.
+/// Checks that the member after a structure starts no earlier than its size rounded up to 16.
 fn check_after_struct(
     before: &Member,
     offset: u64,
@@ -114,7 +113,7 @@ fn check_after_struct(
     placed: Placed,
 ) -> Option<Diagnostic> {
     let Type::Struct(_) = before.ty else { return None };
-    let size = rules::extent(&before.ty, Rules::Wgsl, Majorness::Column).ok()?.size?;
+    let size = rules::extent(&before.ty, Rules::Wgsl, MatrixLayout::Column).ok()?.size?;
     let least = Alignment::VEC4.round_up(size).ok()?;
     let distance = placed.offset.saturating_sub(offset);
     if distance >= least {
@@ -133,6 +132,7 @@ fn check_after_struct(
 }
 
 fn warning(member: &Member, message: String) -> Diagnostic {
-    Diagnostic::warning(Code::UniformConstraints, member.span, message)
-        .with_note("refused unless the language feature `uniform_buffer_standard_layout` is there")
+    Diagnostic::warning(Code::UniformConstraints, member.span, message).with_note(
+        "rejected unless the language feature `uniform_buffer_standard_layout` is available",
+    )
 }

@@ -1,7 +1,7 @@
-//! Whether the numbers of a lock can all be true at once.
+//! Consistency checks of a lock's numbers.
 //!
-//! Called by [`super::read`], so that whatever takes a lock's blocks may trust them as it trusts
-//! those of a shader.
+//! Called by [`super::read`], so that the blocks of a lock are as trustworthy as those of a
+//! shader.
 
 use super::place::Place;
 use crate::error::Error;
@@ -10,16 +10,16 @@ use crate::layout::{BlockLayout, MemberLayout, occupied};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
 
-/// What is known of a block while its members are read.
+/// The block whose members are being read.
 pub(super) struct Within<'n> {
     pub language: Language,
-    /// Loose uniforms have names and types, and no numbers.
+    /// Whether these are loose uniforms, which have no offsets or sizes.
     pub loose: bool,
-    /// The paths of its leaves, where the JSON lists them.
+    /// The paths of its leaves, if the JSON lists them.
     pub leaves: Option<&'n [&'n str]>,
 }
 
-/// Two blocks may share a name, but not an instance as well.
+/// Checks that no two blocks share both name and instance.
 pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
     let key = |b: &BlockLayout| (b.name.clone(), b.instance.clone(), b.space, b.group, b.binding);
     let mut seen = std::collections::HashSet::new();
@@ -32,7 +32,7 @@ pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Er
     }
 }
 
-/// A block against its members.
+/// Checks a block against its members.
 pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error> {
     let refuse = |message: String| Err(place.contradiction(block.span.start, &message));
     let name = &block.name;
@@ -57,12 +57,12 @@ pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error>
         return refuse(format!("`{name}` is {size} bytes, but its members end at {data_size}"));
     }
     if !align.is_power_of_two() {
-        return refuse(format!("`{name}` is aligned to {align}, which is no power of two"));
+        return refuse(format!("`{name}` is aligned to {align}, which is not a power of two"));
     }
     Ok(())
 }
 
-/// A member against its type and its own members.
+/// Checks a member against its type and its own members.
 pub(super) fn member(
     place: &Place<'_>,
     member: &MemberLayout,
@@ -82,7 +82,7 @@ pub(super) fn member(
         return refuse(format!("`{name}` lacks `offset` or `align`"));
     };
     if !align.is_power_of_two() {
-        return refuse(format!("`{name}` is aligned to {align}, which is no power of two"));
+        return refuse(format!("`{name}` is aligned to {align}, which is not a power of two"));
     }
     if offset % align != 0 {
         return refuse(format!("`{name}` is at offset {offset}, but aligned to {align}"));
@@ -94,8 +94,8 @@ pub(super) fn member(
     let is_matrix = matches!(member.ty.innermost(), Type::Matrix { .. });
     if is_matrix != member.matrix_stride.is_some() {
         let message = match is_matrix {
-            true => format!("`{name}` is made of matrices and lacks `matrix_stride`"),
-            false => format!("`{name}` is made of no matrices and has a `matrix_stride`"),
+            true => format!("`{name}` holds matrices, but lacks `matrix_stride`"),
+            false => format!("`{name}` holds no matrices, but has `matrix_stride`"),
         };
         return refuse(message);
     }
@@ -114,13 +114,13 @@ pub(super) fn member(
     }
     match member.size {
         Some(size) if u128::from(size) >= needed => Ok(()),
-        Some(size) => refuse(format!("`{name}` is {size} bytes, but what is in it takes {needed}")),
+        Some(size) => refuse(format!("`{name}` is {size} bytes, but its contents take {needed}")),
         None if member.dims.iter().any(|len| !matches!(len, ArrayLen::Fixed(_))) => Ok(()),
         None => refuse(format!("`{name}` lacks `size`")),
     }
 }
 
-/// Bytes one element takes up to the end of the last thing in it.
+/// The bytes of one element, up to the end of its last member.
 fn element(member: &MemberLayout) -> u128 {
     match member.ty.innermost() {
         Type::Matrix { scalar, columns, rows } => {
@@ -136,7 +136,7 @@ fn element(member: &MemberLayout) -> u128 {
     }
 }
 
-/// Names are told apart, and so are bytes.
+/// Checks that members differ in name and do not overlap.
 fn siblings(place: &Place<'_>, members: &[MemberLayout]) -> Result<(), Error> {
     let mut seen = std::collections::HashSet::new();
     if let Some(twice) = members.iter().find(|member| !seen.insert(&member.name)) {

@@ -1,6 +1,6 @@
-//! A text of JSON and the objects in it: what should be there, and the message where it is not.
+//! Typed access to parsed JSON, with an error for each missing or mistyped value.
 //!
-//! Walks what [`json`](crate::text::json) gives; feeds [`read`](super::read()).
+//! Walks the nodes of [`json`](crate::text::json) for [`read`](super::read()).
 
 use crate::error::Error;
 use crate::layout::LARGEST_BLOCK;
@@ -9,18 +9,18 @@ use crate::text::edit_distance::nearest;
 use crate::text::escape::is_bidi;
 use crate::text::json::{Fault, Node, Value};
 
-/// What to do about a lock that cannot be trusted.
+/// The help for a lock that was edited.
 pub(super) const WRITE_AGAIN: &str =
-    "a lock is not edited by hand: write it again with `landfall lock`";
+    "locks are not edited by hand: write it again with `landfall lock`";
 
-/// The text that places are in.
+/// A JSON text, for error locations.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'t> {
     pub path: &'t str,
     pub text: &'t str,
 }
 
-/// An object, and where it stands.
+/// A JSON object and its offset.
 #[derive(Clone, Copy)]
 pub(super) struct Object<'n> {
     pub entries: &'n [(String, usize, Node)],
@@ -28,13 +28,13 @@ pub(super) struct Object<'n> {
 }
 
 impl<'n> Object<'n> {
-    /// The value of a key; one that is null is not there.
+    /// The value of a key; `None` if it is absent or null.
     pub(super) fn get(&self, key: &str) -> Option<&'n Node> {
         let found = self.entries.iter().find(|(name, _, _)| name == key).map(|(_, _, node)| node);
         found.filter(|node| !matches!(node.value, Value::Null))
     }
 
-    /// Refuses keys that nobody reads.
+    /// Rejects unknown keys.
     pub(super) fn known(&self, place: &Place<'_>, keys: &[&str]) -> Result<(), Error> {
         match self.entries.iter().find(|(key, _, _)| !keys.contains(&key.as_str())) {
             None => Ok(()),
@@ -59,12 +59,12 @@ impl Place<'_> {
         before.chars().rev().take_while(|c| *c != '\n').count() + 1
     }
 
-    /// An error about a byte: `has an unknown key at line 12`.
+    /// An error at a byte offset: `has an unknown key at line 12`.
     pub(super) fn error(&self, at: usize, message: &str) -> Error {
         Error::new(self.path, format!("{message}, at line {}", self.line(at)))
     }
 
-    /// An error about JSON that says two things.
+    /// An error about inconsistent JSON.
     pub(super) fn contradiction(&self, at: u32, message: &str) -> Error {
         let line = self.line(at as usize);
         Error::new(self.path, format!("contradicts itself at line {line}: {message}"))
@@ -95,9 +95,9 @@ impl Place<'_> {
             Fault::Twice { at, key } => self
                 .error(*at, &format!("has the key `{key}` twice in one object"))
                 .with_help(WRITE_AGAIN),
-            Fault::Deep { at } => self
-                .error(*at, "is no layout: it nests deeper than any shader")
-                .with_help(WRITE_AGAIN),
+            Fault::Deep { at } => {
+                self.error(*at, "is not a layout: it is nested too deeply").with_help(WRITE_AGAIN)
+            }
         }
     }
 
@@ -123,9 +123,9 @@ impl Place<'_> {
 
     pub(super) fn text<'n>(&self, node: &'n Node, what: &str) -> Result<&'n str, Error> {
         match &node.value {
-            // A path may be anybody's; names are those of a shader, and drivers have plain ones.
-            Value::Text(text) if what != "path" && text.contains(acts) => {
-                let message = format!("has a character in `{what}` that no shader's name has");
+            // Paths may hold any characters; names of shaders and drivers may not.
+            Value::Text(text) if what != "path" && text.contains(is_format_control) => {
+                let message = format!("has a control character in `{what}`");
                 Err(self.error(node.start, &message).with_help(WRITE_AGAIN))
             }
             Value::Text(text) => Ok(text),
@@ -140,7 +140,7 @@ impl Place<'_> {
         }
     }
 
-    /// A number of bytes: whole, and not past what 32 bits can address.
+    /// A number of bytes: an integer of at most [`LARGEST_BLOCK`].
     pub(super) fn number(&self, node: &Node, what: &str) -> Result<u64, Error> {
         let Value::Number(written) = &node.value else {
             return Err(self.kind(node, &format!("`{what}`"), "a whole number"));
@@ -153,10 +153,10 @@ impl Place<'_> {
         })
     }
 
-    /// The version comes before everything else: of a newer form nothing else can be said.
+    /// Checks the schema version first, since a newer format may differ in anything.
     pub(super) fn version(&self, root: &Object<'_>) -> Result<(), Error> {
         let Some(node) = root.get("schema_version") else {
-            return Err(Error::new(self.path, "is no lock: it has no `schema_version`")
+            return Err(Error::new(self.path, "is not a lock: it has no `schema_version`")
                 .with_help("name a lock, or JSON that `landfall layout --format json` wrote"));
         };
         let version = self.number(node, "schema_version")?;
@@ -164,7 +164,7 @@ impl Place<'_> {
             return Ok(());
         }
         let message = format!(
-            "is of schema version {version}, and this landfall ({}) reads version {SCHEMA_VERSION}",
+            "has schema version {version}, but this landfall ({}) reads version {SCHEMA_VERSION}",
             env!("CARGO_PKG_VERSION")
         );
         let help = if version > u64::from(SCHEMA_VERSION) {
@@ -176,7 +176,7 @@ impl Place<'_> {
     }
 }
 
-/// Whether a character does something else than show itself.
-fn acts(c: char) -> bool {
+/// Whether a character is a control or bidirectional formatting character.
+fn is_format_control(c: char) -> bool {
     c.is_control() || is_bidi(c)
 }

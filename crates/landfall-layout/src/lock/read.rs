@@ -1,6 +1,6 @@
-//! From JSON to real layouts: a lock, or the output of `layout --format json`.
+//! Reads layouts from JSON: a lock, or the output of `layout --format json`.
 //!
-//! [`super::json`] gives values with their places, `place` says what is wrong with one, and
+//! [`json`](crate::text::json) parses values with their offsets, `place` checks their types, and
 //! `blocks` reads the layout of one shader.
 
 mod blocks;
@@ -18,9 +18,8 @@ use blocks::{Reader, Shape};
 /// Reads a lock, or the layout of one shader as `layout --format json` prints it.
 ///
 /// # Errors
-/// The text is cut short, holds merge-conflict markers, is no JSON, is of a newer schema, has
-/// something else where a value of a certain kind must be, or contradicts itself; each is said
-/// with its line and what to do about it.
+/// The text is truncated, holds merge-conflict markers, is not JSON, has a newer schema, has a
+/// value of the wrong type, or is inconsistent. Each error has its line and a help.
 pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
     let mut all = read_all(path, text)?;
     match (all.pop(), all.len()) {
@@ -35,17 +34,17 @@ pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
     }
 }
 
-/// Reads a lock, or the layouts of all shaders in what `layout --format json` prints.
+/// Reads a lock, or the layouts of all shaders in the output of `layout --format json`.
 ///
 /// # Errors
-/// As [`read`].
+/// Returns the errors of [`read`].
 pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let place = Place { path, text };
     if let Some((line, marker)) = conflict(text) {
         let message = format!("has a merge conflict at line {line}: `{marker}`");
         return Err(Error::new(path, message).with_help(
-            "settle the shaders first, then write the lock again with `landfall lock`",
+            "resolve the conflicts in the shaders, then write the lock again with `landfall lock`",
         ));
     }
     if text.trim().is_empty() {
@@ -64,7 +63,7 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
         return Ok(vec![reader(root, Shape::Lock)?]);
     }
     let Some(shaders) = root.get("shaders") else {
-        return Err(Error::new(path, "is no lock: it has neither `blocks` nor `shaders`")
+        return Err(Error::new(path, "is not a lock: it has neither `blocks` nor `shaders`")
             .with_help("write it again with `landfall lock`"));
     };
     root.known(&place, &["schema_version", "tool", "shaders"])?;
@@ -75,7 +74,7 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
         .collect()
 }
 
-/// Whether a text was written by a newer landfall than this one, so that it must not be lost.
+/// Whether a text was written by a newer landfall, and so must not be overwritten.
 pub fn is_newer(text: &str) -> bool {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let Ok(Node { value: Value::Object(entries), .. }) = json::parse(text) else { return false };
@@ -87,8 +86,8 @@ pub fn is_newer(text: &str) -> bool {
     })
 }
 
-/// Whether a text is a lock or the output of `layout --format json`, or was before it was cut off
-/// or git left its marks in it: nothing else may be removed or written over as one.
+/// Whether a text is a lock or the output of `layout --format json`, possibly truncated or with
+/// merge-conflict markers; only such files may be removed or overwritten.
 pub fn is_lock(text: &str) -> bool {
     const MOST: usize = 4096;
     let start: String = text.chars().take(MOST).collect();
@@ -97,7 +96,7 @@ pub fn is_lock(text: &str) -> bool {
     start.contains('{') && has("schema_version") && ours
 }
 
-/// The first line that git left in a file it could not merge.
+/// The first merge-conflict marker, with its line number.
 fn conflict(text: &str) -> Option<(usize, &str)> {
     let lines = text.lines().enumerate();
     let marks = |line: &str| {

@@ -1,6 +1,6 @@
-//! Types from their spelling: `PointLight[128]`, `array<vec3<f32>, 4>`.
+//! Parses spelled types: `PointLight[128]`, `array<vec3<f32>, 4>`.
 //!
-//! The way back from [`Type::spelled`]; feeds [`super::read`].
+//! The inverse of [`Type::spelled`], for [`super::read`].
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,13 +9,13 @@ use rustc_hash::FxHashMap;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, Scalar, ScalarKind, Type};
 use crate::source::Language;
 
-/// What an array is made of, and its dimensions, outermost first.
+/// An array's element type and its dimensions, outermost first.
 pub(super) struct Spelling {
     pub base: String,
     pub dims: Vec<ArrayLen>,
 }
 
-/// Takes the dimensions off a spelled type; `None` when it is not spelled like one.
+/// Splits a spelled type into element and dimensions; `None` if it is malformed.
 pub(super) fn take_apart(text: &str, language: Language) -> Option<Spelling> {
     let (base, dims) = match language {
         Language::Glsl => glsl_dims(text)?,
@@ -26,14 +26,14 @@ pub(super) fn take_apart(text: &str, language: Language) -> Option<Spelling> {
         .then(|| Spelling { base: base.to_string(), dims })
 }
 
-/// An array of that element with those dimensions, outermost first.
+/// Builds an array type from its element and dimensions, outermost first.
 pub(super) fn array_of(element: Type, dims: &[ArrayLen]) -> Type {
     dims.iter()
         .rev()
         .fold(element, |element, len| Type::Array { element: Arc::new(element), len: len.clone() })
 }
 
-/// The scalar, vector or matrix of that spelling.
+/// The scalar, vector or matrix spelled `name`.
 pub(super) fn plain(name: &str, language: Language) -> Option<Type> {
     static GLSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
     static WGSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
@@ -44,7 +44,7 @@ pub(super) fn plain(name: &str, language: Language) -> Option<Type> {
     table.get(name).cloned()
 }
 
-/// Every plain type by its spelling.
+/// Every scalar, vector and matrix type by its spelling.
 fn table(language: Language) -> FxHashMap<String, Type> {
     let kinds: [(ScalarKind, &[u8]); 7] = [
         (ScalarKind::Bool, &[4]),
@@ -76,7 +76,7 @@ fn is_word(letter: char) -> bool {
     letter == '_' || letter.is_alphanumeric()
 }
 
-/// `N`, a name, or nothing.
+/// Parses an array length: a number, the name of a constant, or nothing.
 fn len(text: &str) -> Option<ArrayLen> {
     if text.is_empty() {
         return Some(ArrayLen::Runtime);
@@ -103,7 +103,7 @@ fn wgsl_dims(text: &str) -> Option<(&str, Vec<ArrayLen>)> {
     let mut dims = Vec::new();
     while let Some(inside) = base.strip_prefix("array<") {
         let inside = inside.strip_suffix('>')?;
-        // The length stands behind the last comma that is not inside the element's own brackets.
+        // The length follows the last comma outside the element's own brackets.
         let (element, last) = match inside.rsplit_once(", ") {
             Some((element, last)) if last.chars().all(is_word) => (element, len(last)?),
             Some(_) | None => (inside, ArrayLen::Runtime),

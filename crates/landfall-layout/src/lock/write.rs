@@ -1,7 +1,7 @@
-//! A lock as text: JSON that changes only where the layout does, one member a line.
+//! Writes a lock: JSON that changes only with the layout, one member per line.
 //!
-//! Reads the layout model; [`super::read`] reads it back. The keys are those of the layout's JSON,
-//! less what lines, tools and paths add to it.
+//! [`super::read`] reads it back. The keys are those of the layout's JSON, without lines, tools
+//! and paths.
 
 use std::fmt::Write as _;
 
@@ -11,13 +11,13 @@ use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
 
-/// The lock of a shader, with nothing verified.
+/// The text of a shader's lock, without verified devices.
 pub fn write(shader: &ShaderLayout) -> String {
     document(shader, &[])
 }
 
-/// The lock of a shader in the place of an older one: what was verified is kept while the layout
-/// is what it was.
+/// The text of a shader's lock that replaces `old`, keeping its verified devices if the layout is
+/// unchanged.
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
     let text = write(shader);
     match old {
@@ -154,7 +154,7 @@ impl Text {
     }
 }
 
-/// Buffers of an array of blocks; null when the text does not say.
+/// The number of buffers of an array of blocks; null if the shader does not specify it.
 fn count(dims: &[ArrayLen]) -> String {
     let product = dims.iter().try_fold(1u64, |product, len| match len {
         ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),

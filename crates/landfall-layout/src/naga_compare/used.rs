@@ -1,7 +1,7 @@
-//! Which members of each block the functions of a shader touch, by naga's module.
+//! The members of each block that a shader's functions access, by naga's module.
 //!
-//! Only a text that naga takes whole has an answer. Every doubt counts as use:
-//! a structure copied or passed as a whole uses all of its members.
+//! Available only for a text that naga parses completely. Doubtful cases count as use: a structure
+//! copied or passed as a whole uses all of its members.
 
 use naga::valid::{Capabilities, FunctionInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, GlobalVariable, Handle, Module, TypeInner};
@@ -12,12 +12,12 @@ use crate::layout::BlockLayout;
 use crate::naga_front::{glsl_whole, guarded_validation, wgsl_module};
 use crate::source::{Language, ReadOptions, Source};
 
-/// What functions touch of one block: paths as leaves spell them, each with all below it.
+/// Paths of a block that functions access, as leaves spell them; each includes everything below it.
 pub type Used = FxHashSet<String>;
 
-/// What functions touch of each block, in the order of `blocks`; `None` for a block that is no
-/// variable of naga's module. `None` for all where naga refuses the text, or where the text has
-/// no entry point and others may call what is in it.
+/// Returns the accessed paths of each block, in the order of `blocks`; `None` for a block that is
+/// not a variable of naga's module. `None` for all if naga rejects the text, or if it has no entry
+/// point and others may call its functions.
 pub fn used(
     source: &Source,
     options: &ReadOptions,
@@ -30,7 +30,7 @@ pub fn used(
     if module.entry_points.is_empty() {
         return None;
     }
-    // Layout faults do not matter here; no flag asks for them.
+    // Layout faults do not matter here, so no flag enables their checks.
     let info = guarded_validation(|| {
         Validator::new(ValidationFlags::empty(), Capabilities::all()).validate(&module).ok()
     })?;
@@ -50,16 +50,17 @@ pub fn used(
     Some(blocks.iter().map(of_block).collect())
 }
 
-/// One step from a variable to the place that is touched.
+/// One step from a variable to the place accessed.
 #[derive(Clone, Copy)]
 enum Step {
-    /// A member, or an element that is no array's.
+    /// A member, or an element of a non-array.
     Index(u32),
-    /// An element that is known only when the shader runs.
+    /// A dynamically indexed element.
     Any,
 }
 
-/// The places a function touches: expressions that something other than the next step refers to.
+/// Returns the places a function accesses: expressions used by anything other than a further access
+/// step.
 fn touches(
     module: &Module,
     function: &Function,
@@ -67,14 +68,15 @@ fn touches(
     language: Language,
     touched: &mut Vec<(Handle<GlobalVariable>, Vec<Step>)>,
 ) {
-    // How often an expression is only the base of a further step.
+    // The number of times an expression is only the base of a further step.
     let mut steps = vec![0usize; function.expressions.len()];
     for (_, expression) in function.expressions.iter() {
         match expression {
             Expression::Access { base, .. } | Expression::AccessIndex { base, .. } => {
                 steps[base.index()] += 1;
             }
-            // Of a block with an instance naga's GLSL loads the whole, then takes a member of it.
+            // For a block with an instance name, naga's GLSL front end loads the whole, then
+            // accesses a member.
             Expression::Load { pointer } => steps[pointer.index()] += 1,
             _ => {}
         }
@@ -87,7 +89,8 @@ fn touches(
             continue;
         }
         let Some(way) = way_to(module, function, handle) else { continue };
-        // naga's GLSL puts every variable into every function: only what is loaded is mentioned.
+        // naga's GLSL front end adds every variable to every function: only loaded ones are
+        // mentioned.
         let mentioned = match language {
             Language::Wgsl => true,
             Language::Glsl => way.loaded,
@@ -98,14 +101,14 @@ fn touches(
     }
 }
 
-/// The way from a variable to a place in it, or to the value there.
+/// The steps from a variable to a place in it, or to its value.
 struct Way {
     variable: Handle<GlobalVariable>,
     steps: Vec<Step>,
     loaded: bool,
 }
 
-/// The variable an expression is a part of, and the way there; `None` for what is computed.
+/// Returns the variable an expression is part of, and the steps to it; `None` for computed values.
 fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) -> Option<Way> {
     let (mut steps, mut loaded) = (Vec::new(), false);
     loop {
@@ -135,7 +138,7 @@ fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) 
     }
 }
 
-/// The way to a place as leaves spell it, as far down as there are members and elements.
+/// Returns the path of a place as leaves spell it, down to the last member or element.
 fn spelled(
     module: &Module,
     variable: Handle<GlobalVariable>,
@@ -144,12 +147,12 @@ fn spelled(
     source: &Source,
 ) -> String {
     let mut path = match (source.language, &block.instance) {
-        // A store type that is no structure: its one member is named as the variable.
+        // A store type that is not a structure: its one member has the variable's name.
         (Language::Wgsl, None) => block.name.to_string(),
         (Language::Wgsl, Some(_)) | (Language::Glsl, _) => String::new(),
     };
     let mut ty = module.global_variables[variable].ty;
-    // The dimensions of an array of blocks are no part of a path.
+    // The dimensions of an array of blocks are not part of a path.
     let mut outer = block.count.len();
     for step in steps {
         match (&module.types[ty].inner, step) {

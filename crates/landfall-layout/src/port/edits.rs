@@ -1,5 +1,4 @@
-//! Changes to a text, kept apart from it until the end: everything that no
-//! change covers stays byte for byte.
+//! Edits of a text, applied at the end: everything outside the edits stays byte for byte.
 
 use std::ops::Range;
 
@@ -13,12 +12,12 @@ pub(super) struct Edits {
 struct Edit {
     range: Range<usize>,
     text: String,
-    /// Whole lines stand before what is put into the line that begins there.
+    /// Whether these are whole lines, which come before other insertions at the same byte.
     lines: bool,
 }
 
 impl Edits {
-    /// Puts `text` in place of a range; a range that lies in another one is lost with it.
+    /// Replaces a range; an edit inside another edit's range is dropped.
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
         self.edits.push(Edit { range, text: text.into(), lines: false });
     }
@@ -27,26 +26,26 @@ impl Edits {
         self.replace(range, "");
     }
 
-    /// Puts `text` before the byte `at`; later insertions at one place come after earlier ones.
+    /// Inserts `text` before the byte `at`, after earlier insertions there.
     pub fn insert(&mut self, at: usize, text: impl Into<String>) {
         self.replace(at..at, text);
     }
 
-    /// Puts whole lines before the line that begins at `at`.
+    /// Inserts whole lines before the line that starts at `at`.
     pub fn insert_lines(&mut self, at: usize, text: impl Into<String>) {
         self.edits.push(Edit { range: at..at, text: text.into(), lines: true });
     }
 
-    /// A part of the text with the changes inside it made.
+    /// A part of the text with its edits applied.
     pub fn render(&self, text: &str, part: Range<usize>) -> String {
         let mut inside: Vec<&Edit> = self
             .edits
             .iter()
             .filter(|edit| edit.range.start >= part.start && edit.range.end <= part.end)
-            // What is put in where the part ends comes before the text after it.
+            // An insertion at the end of the part belongs to the text after it.
             .filter(|edit| edit.range.start < part.end || part.end == text.len())
             .collect();
-        // Insertions before what starts at the same byte, wide changes before those in them.
+        // Insertions come before edits that start at the same byte, wide edits before those inside.
         inside.sort_by_key(|edit| {
             (edit.range.start, !edit.range.is_empty(), !edit.lines, usize::MAX - edit.range.end)
         });

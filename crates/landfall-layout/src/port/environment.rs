@@ -1,11 +1,11 @@
-//! Version, extensions and conditions: the ported text declares another
-//! version, and yet takes the branches the original took.
+//! Version, extensions and conditions: the ported text declares another version, but keeps the
+//! active branches of the original.
 
 use super::edits::Edits;
 use super::shader::Shader;
 use crate::source::Target;
 
-/// Extensions whose words are part of GLSL 4.50, or that are asked for in vain.
+/// Extensions that are part of GLSL 4.50, or have no effect in it.
 const ABSORBED: &[&str] = &[
     "GL_OES_standard_derivatives",
     "GL_OES_texture_3D",
@@ -54,7 +54,7 @@ pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
                     enabled.push(name);
                 }
                 if ABSORBED.contains(name) {
-                    // The line stays, so that lines keep their numbers.
+                    // Comment the line out, so that line numbers stay.
                     edits.insert(bytes.start, "// ");
                 }
             }
@@ -62,7 +62,7 @@ pub(super) fn adapt(shader: &Shader<'_>, edits: &mut Edits) {
                 condition(shader, directive.start + 2..directive.end, &enabled, edits)
             }
             [word @ ("ifdef" | "ifndef"), name, ..] => {
-                if let Some(value) = seen(shader, name, &enabled) {
+                if let Some(value) = old_definition(shader, name, &enabled) {
                     let holds = value.is_some() == (*word == "ifdef");
                     edits.replace(bytes, format!("#if {}", u8::from(holds)));
                 }
@@ -79,7 +79,7 @@ fn needs_version(shader: &Shader<'_>) -> bool {
     shader.raw.es || shader.raw.version < 450
 }
 
-/// Replaces what the original's compiler defined, and the new one does not, in a condition.
+/// Replaces macros of the original's compiler, which the new one lacks, in a condition.
 fn condition(
     shader: &Shader<'_>,
     tokens: std::ops::Range<usize>,
@@ -119,18 +119,18 @@ fn replace(
     enabled: &[&str],
     edits: &mut Edits,
 ) {
-    let Some(value) = seen(shader, name, enabled) else { return };
+    let Some(value) = old_definition(shader, name, enabled) else { return };
     let text = if defined { u32::from(value.is_some()) } else { value.unwrap_or(0) };
     let raw = &shader.raw.tokens;
     edits.replace(raw[tokens.start].start..raw[tokens.end - 1].end, text.to_string());
 }
 
-/// What the original's compiler defined a name as, where the new one says otherwise:
-/// `Some(None)` is not defined.
-fn seen(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<Option<u32>> {
+/// The original compiler's definition of a macro, if the new compiler's differs: `Some(None)` if
+/// it was not defined.
+fn old_definition(shader: &Shader<'_>, name: &str, enabled: &[&str]) -> Option<Option<u32>> {
     let (version, es) = (shader.raw.version, shader.raw.es);
     match name {
-        // `__VERSION__` itself is replaced wherever it stands.
+        // `reserved` replaces `__VERSION__`.
         "GL_ES" => es.then_some(Some(1)),
         "GL_es_profile" => (es && version >= 300).then_some(Some(1)),
         "GL_FRAGMENT_PRECISION_HIGH" => Some(es.then_some(1)),

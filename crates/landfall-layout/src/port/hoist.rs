@@ -1,53 +1,54 @@
-//! Handles in structures: Vulkan's GLSL has none, so `material.diffuse`
-//! becomes a variable of its own, `material_diffuse`, through arrays and
-//! parameters of functions too.
+//! Moves handles (samplers, images) out of structures, where Vulkan's GLSL forbids them:
+//! `material.diffuse` becomes the variable `material_diffuse`, also in arrays and in function
+//! parameters.
 
 use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::edits::Edits;
-use super::outline::{Function, Parameter, Structure, Tokens};
-use super::shader::{Shader, is_opaque};
+use super::outline::Tokens;
+use super::shader::{Shader, is_opaque, structure};
 use crate::Diagnostic;
+use crate::syntax::glsl::ast::{FunctionDecl, Parameter, StructDecl, TypeSpec};
 use crate::syntax::glsl::lexer::Kind;
 
-/// The way from a structure to a handle in it.
+/// The path from a structure to a handle in it.
 #[derive(Clone, Debug)]
 pub(super) struct Path<'a> {
     pub fields: Vec<&'a str>,
     pub ty: &'a str,
-    /// Every array dimension on the way, outermost first, as written.
-    pub dims: Vec<&'a str>,
+    /// All array dimensions on the path, outermost first, as written: `[2][N]`.
+    pub dims: String,
 }
 
-/// Structures with handles in them.
+/// The structures that contain handles.
 pub(super) struct Handles<'s, 'a> {
     shader: &'s Shader<'a>,
-    structures: FxHashMap<&'a str, &'s Structure>,
+    structures: FxHashMap<&'a str, &'s StructDecl<'a>>,
     paths: FxHashMap<&'a str, Vec<Path<'a>>>,
-    /// Global variables of such types.
+    /// Global variables of these types.
     globals: FxHashMap<&'a str, Variable<'a>>,
-    /// Functions that take such structures: which parameters.
+    /// Functions with parameters of these types: index and structure of each.
     functions: FxHashMap<&'a str, Vec<(usize, &'a str)>>,
-    /// Structures with more than handles in them.
+    /// Structures that contain anything but handles.
     data: FxHashSet<&'a str>,
-    /// A structure with more handles than are taken out.
+    /// A structure with more than [`MOST_HANDLES`] handles.
     too_many: Option<&'a str>,
 }
 
-/// A variable whose type has handles in it.
+/// A variable whose type contains handles.
 #[derive(Clone, Debug)]
 struct Variable<'a> {
     structure: &'a str,
-    /// The name of each handle's own variable, in the order of the structure's paths.
+    /// The name of each handle's new variable, in the order of the structure's paths.
     names: Vec<String>,
 }
 
-/// Where a use of a variable leads.
+/// The fields and indices after a use of a variable.
 struct Chain<'a> {
-    /// Tokens of the fields passed, the `.` before each.
+    /// The tokens of the field names.
     fields: Vec<usize>,
-    /// What stands in brackets on the way, brackets included.
+    /// The indices, brackets included.
     indices: Vec<Tokens>,
     end: usize,
     to: Target<'a>,
@@ -55,7 +56,7 @@ struct Chain<'a> {
 
 enum Target<'a> {
     Handle,
-    /// A structure with handles in it.
+    /// A structure that contains handles.
     Structure(&'a str),
     Data,
 }
@@ -83,35 +84,31 @@ impl<'s, 'a> Handles<'s, 'a> {
             }
         }
         handles.data = with_data(shader, &handles.structures);
-        for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
-            let Some(structure) = handles.type_name(variables.ty, variables.structure.as_ref())
-            else {
-                continue;
-            };
-            for declarator in &variables.declarators {
-                let name = shader.code[declarator.name].text;
+        for variables in shader.variables().filter(|v| shader.has_word(&v.qualifiers, "uniform")) {
+            let Some(structure) = handles.type_name(&variables.ty) else { continue };
+            for declarator in &variables.names {
+                let name = declarator.name.text;
                 let variable = handles.variable(name, structure);
                 handles.globals.insert(name, variable);
             }
         }
         for function in shader.functions() {
             let taken = function.parameters.iter().enumerate().filter_map(|(index, parameter)| {
-                let name = shader.code[parameter.ty].text;
+                let name = shader.type_word(&parameter.ty);
                 handles.paths.contains_key(name).then_some((index, name))
             });
             let taken: Vec<_> = taken.collect();
             if !taken.is_empty() {
-                handles.functions.insert(shader.code[function.name].text, taken);
+                handles.functions.insert(function.name.text, taken);
             }
         }
         handles
     }
 
-    /// The name of a type that has handles in it.
-    fn type_name(&self, ty: usize, structure: Option<&Structure>) -> Option<&'a str> {
-        let token = structure.and_then(|s| s.name).unwrap_or(ty);
-        let (name, _) = self.paths.get_key_value(self.shader.code[token].text)?;
-        Some(name)
+    /// The name of a type, if it contains handles.
+    fn type_name(&self, ty: &TypeSpec<'a>) -> Option<&'a str> {
+        let name = structure(ty).map_or_else(|| self.shader.type_word(ty), |s| s.name.text);
+        self.paths.contains_key(name).then_some(name)
     }
 
     fn variable(&self, name: &str, structure: &'a str) -> Variable<'a> {
@@ -120,7 +117,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         Variable { structure, names: self.paths[structure].iter().map(own).collect() }
     }
 
-    /// Whether anything but handles is in a type.
+    /// Whether a type contains anything but handles.
     pub fn has_data(&self, ty: &str) -> bool {
         match self.structures.contains_key(ty) {
             true => self.data.contains(ty),
@@ -128,70 +125,73 @@ impl<'s, 'a> Handles<'s, 'a> {
         }
     }
 
-    /// The handles of a global variable: each with the name of its own variable.
+    /// The handles of a global variable, each with the name of its new variable.
     pub fn of_global(&self, name: &str) -> Vec<(&str, &Path<'a>)> {
         let Some(variable) = self.globals.get(name) else { return Vec::new() };
         let paths = &self.paths[variable.structure];
         variable.names.iter().map(String::as_str).zip(paths).collect()
     }
 
-    /// Takes the handles out of the structures.
+    /// Removes the handles from the structures.
     pub fn strip(&self, edits: &mut Edits) {
         for (name, structure) in &self.structures {
             if !self.paths.contains_key(name) {
                 continue;
             }
             if !self.has_data(name) {
-                edits.delete(self.shader.lines_of(&structure.tokens).bytes);
+                let mut tokens = structure.tokens.clone();
+                let next = self.shader.code.get(tokens.end);
+                tokens.end += usize::from(next.is_some_and(|next| next.text == ";"));
+                edits.delete(self.shader.lines_of(&tokens).bytes);
                 continue;
             }
             for member in &structure.members {
-                if !self.has_data(self.shader.code[member.ty].text) {
+                if !self.has_data(self.shader.type_word(&member.ty)) {
                     edits.delete(self.shader.lines_of(&member.tokens).bytes);
                 }
             }
         }
     }
 
-    /// Rewrites parameters and uses.
+    /// Rewrites parameters, arguments and uses.
     pub fn rewrite(&self, edits: &mut Edits, problems: &mut Vec<Diagnostic>) {
         for function in self.shader.functions() {
             let mut scope = self.globals.clone();
             for parameter in &function.parameters {
                 self.parameter(function, parameter, &mut scope, edits);
             }
-            if let Some(body) = &function.body {
+            if let Some(body) = &function.body_tokens {
                 self.body(body, &scope, edits, problems);
             }
         }
         self.refuse_macros(problems);
         if let Some(name) = self.too_many {
-            let at = self.structures[name].name.unwrap_or(0);
-            let message = format!("structure `{name}` has more than {MOST_HANDLES} handles in it");
-            problems.push(Diagnostic::error(Code::NotPortable, self.shader.span(at), message));
+            let span = self.structures[name].name.span;
+            let message = format!("structure `{name}` contains more than {MOST_HANDLES} handles");
+            problems.push(Diagnostic::error(Code::NotPortable, span, message));
         }
     }
 
     fn parameter(
         &self,
-        function: &Function,
-        parameter: &Parameter,
+        function: &FunctionDecl<'a>,
+        parameter: &Parameter<'a>,
         scope: &mut FxHashMap<&'a str, Variable<'a>>,
         edits: &mut Edits,
     ) {
-        let name = parameter.name.map(|name| self.shader.code[name].text);
-        let Some(structure) = self.type_name(parameter.ty, None) else {
+        let name = Some(parameter.name.text).filter(|name| !name.is_empty());
+        let Some(structure) = self.type_name(&parameter.ty) else {
             if let Some(name) = name {
                 scope.remove(name); // it hides the global one
             }
             return;
         };
         let variable = self.variable(name.unwrap_or("p"), structure);
-        let outer: Vec<&str> = parameter.dims.iter().map(|d| self.shader.text_of(d)).collect();
+        let outer = self.shader.dims(parameter.ty.dims.iter().chain(&parameter.dims));
+        let nameless = function.body_tokens.is_none() && name.is_none();
         let own = variable.names.iter().zip(&self.paths[structure]).map(|(own, path)| {
-            let dims = outer.iter().chain(&path.dims).map(|dim| format!("[{dim}]"));
-            let own = if function.body.is_none() && name.is_none() { "" } else { own.as_str() };
-            format!("{} {own}{}", path.ty, dims.collect::<String>()).trim_end().to_string()
+            let own = if nameless { "" } else { own.as_str() };
+            format!("{} {own}{outer}{}", path.ty, path.dims).trim_end().to_string()
         });
         let own: Vec<String> = own.collect();
         let bytes = self.shader.bytes(&parameter.tokens);
@@ -253,7 +253,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         }
     }
 
-    /// Passes the handles of an argument on beside it; `false` when it is no plain variable.
+    /// Adds the handles of an argument after it; `false` if the argument is not a plain variable.
     fn argument(
         &self,
         argument: &Tokens,
@@ -283,7 +283,7 @@ impl<'s, 'a> Handles<'s, 'a> {
         true
     }
 
-    /// Follows `[…]` and `.field` behind a variable.
+    /// Follows `[…]` and `.field` after a variable.
     fn chain(&self, at: usize, structure: &'a str) -> Chain<'a> {
         let code = &self.shader.code;
         let mut chain = Chain {
@@ -306,16 +306,16 @@ impl<'s, 'a> Handles<'s, 'a> {
             let field = chain.end + 1;
             let name = code.get(field).map_or("", |token| token.text);
             let members = &self.structures[current].members;
-            let member = members.iter().find(|m| {
-                m.declarators.iter().any(|declarator| code[declarator.name].text == name)
-            });
+            let member = members
+                .iter()
+                .find(|member| member.names.iter().any(|declarator| declarator.name.text == name));
             let Some(member) = member else {
                 chain.to = Target::Data;
                 break;
             };
             chain.fields.push(field);
             chain.end = field + 1;
-            let ty = code[member.ty].text;
+            let ty = self.shader.type_word(&member.ty);
             if is_opaque(ty) {
                 chain.to = Target::Handle;
                 break;
@@ -335,13 +335,13 @@ impl<'s, 'a> Handles<'s, 'a> {
     }
 
     fn copied(&self, at: usize, structure: &str) -> Diagnostic {
-        let message = format!("a copy of `{structure}` would copy the handles in it");
+        let message = format!("this copies `{structure}`, which contains handles");
         Diagnostic::error(Code::NotPortable, self.shader.span(at), message)
             .with_note("handles cannot be copied, so they are moved out of the structure")
             .with_help("use the uniform itself, or pass it to a function")
     }
 
-    /// A macro that reaches into such a variable is not followed.
+    /// Rejects macros that use such a variable.
     fn refuse_macros(&self, problems: &mut Vec<Diagnostic>) {
         for directive in self.shader.directives() {
             let words = directive.clone().map(|at| (at, self.shader.word(at)));
@@ -351,23 +351,23 @@ impl<'s, 'a> Handles<'s, 'a> {
                 let token = &self.shader.raw.tokens[at];
                 let span =
                     crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
-                let message = format!("a macro uses `{word}`, which has handles in it");
+                let message = format!("a macro uses `{word}`, which contains handles");
                 problems.push(
                     Diagnostic::error(Code::NotPortable, span, message)
-                        .with_help("write out what the macro stands for"),
+                        .with_help("expand the macro by hand"),
                 );
             }
         }
     }
 }
 
-/// Handles in one structure, those of its members among them; more are refused.
+/// The most handles in a structure, including those of its members.
 const MOST_HANDLES: usize = 1024;
 
 /// The handles in a structure; `None` when there are more than [`MOST_HANDLES`].
 fn paths<'a>(
     shader: &Shader<'a>,
-    structures: &FxHashMap<&'a str, &Structure>,
+    structures: &FxHashMap<&'a str, &StructDecl<'a>>,
     name: &'a str,
     depth: usize,
     known: &mut FxHashMap<&'a str, Option<Vec<Path<'a>>>>,
@@ -378,12 +378,12 @@ fn paths<'a>(
     let mut found = Vec::new();
     let Some(structure) = structures.get(name).filter(|_| depth < 32) else { return Some(found) };
     for member in &structure.members {
-        let ty = shader.code[member.ty].text;
+        let ty = shader.type_word(&member.ty);
         let inner = if is_opaque(ty) {
-            vec![Path { fields: Vec::new(), ty, dims: Vec::new() }]
+            vec![Path { fields: Vec::new(), ty, dims: String::new() }]
         } else {
             let inner = paths(shader, structures, ty, depth + 1, known);
-            match inner.filter(|inner| inner.len() * member.declarators.len() <= MOST_HANDLES) {
+            match inner.filter(|inner| inner.len() * member.names.len() <= MOST_HANDLES) {
                 Some(inner) => inner,
                 None => {
                     known.insert(name, None);
@@ -391,14 +391,12 @@ fn paths<'a>(
                 }
             }
         };
-        for declarator in &member.declarators {
-            let own = declarator.dims.iter().chain(&member.type_dims);
-            let own: Vec<&str> = own.map(|dim| shader.text_of(dim)).collect();
+        for declarator in &member.names {
+            let own = shader.dims(declarator.dims.iter().chain(&member.ty.dims));
             for path in &inner {
-                let mut fields = vec![shader.code[declarator.name].text];
+                let mut fields = vec![declarator.name.text];
                 fields.extend(&path.fields);
-                let dims = own.iter().chain(&path.dims).copied().collect();
-                found.push(Path { fields, ty: path.ty, dims });
+                found.push(Path { fields, ty: path.ty, dims: format!("{own}{}", path.dims) });
             }
         }
     }
@@ -407,15 +405,16 @@ fn paths<'a>(
     found
 }
 
-/// The structures with anything but handles in them, at any depth.
+/// The structures that contain anything but handles, at any depth.
 fn with_data<'a>(
     shader: &Shader<'a>,
-    structures: &FxHashMap<&'a str, &Structure>,
+    structures: &FxHashMap<&'a str, &StructDecl<'a>>,
 ) -> FxHashSet<&'a str> {
     let mut found = FxHashSet::default();
-    // Each structure is declared after those in it, so that one pass in their order does; the
-    // second is for texts that are no GLSL.
-    let mut order: Vec<(&'a str, &Structure)> = structures.iter().map(|(n, s)| (*n, *s)).collect();
+    // Structures are declared after those they contain, so one pass in order suffices; the second
+    // is for invalid GLSL.
+    let mut order: Vec<(&'a str, &StructDecl<'a>)> =
+        structures.iter().map(|(name, structure)| (*name, *structure)).collect();
     order.sort_by_key(|(_, structure)| structure.tokens.start);
     for _ in 0..2 {
         for (name, structure) in &order {
@@ -423,7 +422,7 @@ fn with_data<'a>(
                 true => found.contains(ty),
                 false => !is_opaque(ty),
             };
-            if structure.members.iter().any(|m| is_data(shader.code[m.ty].text)) {
+            if structure.members.iter().any(|member| is_data(shader.type_word(&member.ty))) {
                 found.insert(*name);
             }
         }
@@ -431,7 +430,7 @@ fn with_data<'a>(
     found
 }
 
-/// The arguments of a call, its `(` at `open`.
+/// The arguments of a call whose `(` is at `open`.
 pub(super) fn arguments(shader: &Shader<'_>, open: usize) -> Vec<Tokens> {
     let close = closing(shader, open);
     let mut all = Vec::new();
@@ -452,7 +451,7 @@ pub(super) fn arguments(shader: &Shader<'_>, open: usize) -> Vec<Tokens> {
     all
 }
 
-/// The partner of a bracket; the last token when it has none.
+/// The matching bracket; the last token if there is none.
 fn closing(shader: &Shader<'_>, open: usize) -> usize {
     let mut depth = 0usize;
     for (at, token) in shader.code.iter().enumerate().skip(open) {

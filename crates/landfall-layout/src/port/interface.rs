@@ -1,20 +1,20 @@
-//! What passes between stages: `attribute`, `varying`, `in` and `out` with
-//! locations both stages agree on, and `gl_FragColor` as an output.
+//! Inputs and outputs of stages: `attribute`, `varying`, `in` and `out` with locations that both
+//! stages share, and `gl_FragColor` as an output.
 
 use crate::diagnostic::Code;
 use std::collections::BTreeMap;
 
 use super::Location;
 use super::edits::Edits;
-use super::outline::{Declaration, Qualifiers, Tokens, Variables};
 use super::shader::Shader;
 use super::uniforms::{number, qualify};
+use crate::Diagnostic;
 use crate::shape::{ArrayLen, Type};
-use crate::source::{ReadOptions, Source, Stage};
+use crate::source::{ReadOptions, Source, Span, Stage};
+use crate::syntax::glsl::ast::{Declaration, Dim, Item, Name, Qualifiers};
 use crate::syntax::parse;
-use crate::{Diagnostic, Severity};
 
-/// Which way something passes.
+/// The direction of an interface variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Direction {
     /// Into the stage.
@@ -24,7 +24,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// `in` or `out`.
+    /// The GLSL keyword: `in` or `out`.
     pub fn name(self) -> &'static str {
         match self {
             Direction::In => "in",
@@ -33,20 +33,21 @@ impl Direction {
     }
 }
 
-/// One input or output as declared.
+/// An input or output as declared.
 #[derive(Clone, Debug)]
 pub(super) struct Passed {
     pub name: String,
     pub direction: Direction,
-    /// Locations it takes; `None` when its size could not be told.
+    pub span: Span,
+    /// The number of locations it takes; `None` if unknown.
     slots: Option<u32>,
     explicit: Option<u32>,
-    /// Index into the declarations, and of the declarator.
-    declaration: usize,
+    /// The index of its item, and of its declarator in that.
+    item: usize,
     declarator: usize,
 }
 
-/// The inputs and outputs of a shader, in the order of the text.
+/// The inputs and outputs of a shader, in source order.
 pub(super) fn passed(
     shader: &Shader<'_>,
     source: &Source,
@@ -55,49 +56,40 @@ pub(super) fn passed(
 ) -> Vec<Passed> {
     let mut all = Vec::new();
     let mut types = Vec::new();
-    for (index, declaration) in shader.declarations.iter().enumerate() {
-        match declaration {
-            Declaration::Variables(variables) => {
-                let Some(direction) = direction(shader, &variables.qualifiers, stage) else {
-                    continue;
-                };
-                for (declarator, declared) in variables.declarators.iter().enumerate() {
-                    let name = shader.code[declared.name].text;
-                    if name.starts_with("gl_") {
-                        continue;
-                    }
-                    let dims = declared.dims.iter().chain(&variables.type_dims);
-                    types.push(variable_type(shader, variables, dims, direction, stage));
-                    all.push(Passed {
-                        name: name.to_string(),
-                        direction,
-                        slots: None,
-                        explicit: number(shader, &variables.qualifiers, "location"),
-                        declaration: index,
-                        declarator,
-                    });
+    for (item, declared) in shader.items.iter().enumerate() {
+        let qualifiers = match declared {
+            Item::Variables(variables) => &variables.qualifiers,
+            Item::Block(block) | Item::Interface(block) => &block.qualifiers,
+            _ => continue,
+        };
+        let Some(direction) = direction(shader, qualifiers, stage) else { continue };
+        let mut add = |name: &Name<'_>, declarator, ty: String| {
+            if !name.text.starts_with("gl_") {
+                types.push(ty);
+                all.push(Passed {
+                    name: name.text.to_string(),
+                    direction,
+                    span: name.span,
+                    slots: None,
+                    explicit: number(shader, qualifiers, "location"),
+                    item,
+                    declarator,
+                });
+            }
+        };
+        match declared {
+            Item::Variables(variables) => {
+                for (index, declarator) in variables.names.iter().enumerate() {
+                    let dims = declarator.dims.iter().chain(&variables.ty.dims);
+                    let ty = variable_type(shader, variables, dims, direction, stage);
+                    add(&declarator.name, index, ty);
                 }
             }
-            Declaration::Block(block) => {
-                let Some(direction) = direction(shader, &block.qualifiers, stage) else { continue };
-                let name = shader.code[block.name].text;
-                if name.starts_with("gl_") {
-                    continue;
-                }
-                let members = block.members.iter().map(|member| {
-                    let start = member.ty;
-                    shader.text_of(&(start..member.tokens.end)).to_string()
-                });
-                let members: String = members.collect();
-                types.push(format!("struct {{ {members} }} X;"));
-                all.push(Passed {
-                    name: name.to_string(),
-                    direction,
-                    slots: None,
-                    explicit: number(shader, &block.qualifiers, "location"),
-                    declaration: index,
-                    declarator: 0,
-                });
+            Item::Block(block) | Item::Interface(block) => {
+                let members = block.members.iter();
+                let members = members.map(|m| shader.text_of(&(m.ty.at..m.tokens.end)));
+                let ty = format!("struct {{ {} }} X;", members.collect::<String>());
+                add(&block.name, 0, ty);
             }
             _ => {}
         }
@@ -108,30 +100,31 @@ pub(super) fn passed(
     all
 }
 
-/// The declaration of a uniform of that type, named `X`: what the front end is asked about.
-fn variable_type<'t>(
-    shader: &Shader<'_>,
-    variables: &Variables,
-    dims: impl Iterator<Item = &'t Tokens>,
+/// The declaration of a uniform `X` of a variable's type, to be measured by the front end.
+fn variable_type<'a: 'd, 'd>(
+    shader: &Shader<'a>,
+    variables: &Declaration<'_>,
+    dims: impl Iterator<Item = &'d Dim<'a>>,
     direction: Direction,
     stage: Stage,
 ) -> String {
-    // Each vertex of a patch or primitive has its own: the outermost dimension counts vertices.
+    // Each vertex of a patch or primitive has its own value: the outermost dimension is vertices.
     let per_vertex = match (stage, direction) {
         (
             Stage::Geometry | Stage::TessellationControl | Stage::TessellationEvaluation,
             Direction::In,
         )
-        | (Stage::TessellationControl, Direction::Out) => !shader.has_word(variables, "patch"),
+        | (Stage::TessellationControl, Direction::Out) => {
+            !shader.has_word(&variables.qualifiers, "patch")
+        }
         _ => false,
     };
-    let dims = dims.skip(usize::from(per_vertex));
-    let dims: String = dims.map(|dim| format!("[{}]", shader.text_of(dim))).collect();
-    format!("{} X{dims};", shader.code[variables.ty].text)
+    let dims = shader.dims(dims.skip(usize::from(per_vertex)));
+    format!("{} X{dims};", shader.type_word(&variables.ty))
 }
 
-fn direction(shader: &Shader<'_>, qualifiers: &Qualifiers, stage: Stage) -> Option<Direction> {
-    qualifiers.words.iter().find_map(|&at| match shader.code[at].text {
+fn direction(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, stage: Stage) -> Option<Direction> {
+    shader.words_of(qualifiers).into_iter().find_map(|word| match word {
         "attribute" | "in" => Some(Direction::In),
         "out" => Some(Direction::Out),
         "varying" if stage == Stage::Vertex => Some(Direction::Out),
@@ -140,7 +133,7 @@ fn direction(shader: &Shader<'_>, qualifiers: &Qualifiers, stage: Stage) -> Opti
     })
 }
 
-/// Locations each type takes: the front end reads the shader with a uniform of each behind it.
+/// The number of locations of each type, from parsing the shader with a uniform of each appended.
 fn slots(source: &Source, read: &ReadOptions, types: &[String]) -> Vec<Option<u32>> {
     let mut text = source.text.to_string();
     for (index, ty) in types.iter().enumerate() {
@@ -159,7 +152,8 @@ fn slots(source: &Source, read: &ReadOptions, types: &[String]) -> Vec<Option<u3
     (0..types.len()).map(find).collect()
 }
 
-/// GLSL 4.60 §4.4.1: a location holds a vec4; a dvec3 or dvec4 takes two, a matrix one a column.
+/// The locations of a type (GLSL 4.60 §4.4.1): a location holds a vec4; a dvec3 or dvec4 takes
+/// two, a matrix as many as its columns.
 fn slots_of(ty: &Type) -> Option<u32> {
     match ty {
         Type::Scalar(_) | Type::Atomic(_) => Some(1),
@@ -176,12 +170,11 @@ fn slots_of(ty: &Type) -> Option<u32> {
     }
 }
 
-/// Gives every input and output a location.
+/// Assigns a location to every input and output.
 ///
-/// What another stage sees goes in the order of names, `partner`'s own among them, so that both
-/// stages come to the same numbers; vertex attributes and fragment outputs keep the text's order.
+/// Variables shared with another stage are ordered by name, together with those of `partner`, so
+/// that both stages get the same numbers; vertex attributes and fragment outputs keep source order.
 pub(super) fn locate(
-    shader: &Shader<'_>,
     stage: Stage,
     passed: &[Passed],
     partner: &[Passed],
@@ -199,7 +192,7 @@ pub(super) fn locate(
             all.extend(theirs.filter(|p| own.iter().all(|own| own.name != p.name)));
             all.sort_by(|a, b| a.name.cmp(&b.name));
         }
-        let numbers = place(shader, &all, given, problems);
+        let numbers = place(&all, given, problems);
         for passed in own {
             if let Some(&location) = numbers.get(passed.name.as_str()) {
                 locations.push(Location { name: passed.name.clone(), direction, location });
@@ -210,7 +203,6 @@ pub(super) fn locate(
 }
 
 fn place<'p>(
-    shader: &Shader<'_>,
     all: &[&'p Passed],
     given: &[(String, u32)],
     problems: &mut Vec<Diagnostic>,
@@ -229,7 +221,7 @@ fn place<'p>(
     }
     for passed in all.iter().filter(|passed| wanted(passed).is_none()) {
         let Some(slots) = passed.slots else {
-            problems.push(unknown_size(shader, passed));
+            problems.push(unknown_size(passed));
             continue;
         };
         let mut at = 0;
@@ -242,18 +234,13 @@ fn place<'p>(
     numbers
 }
 
-fn unknown_size(shader: &Shader<'_>, passed: &Passed) -> Diagnostic {
-    let span = match shader.declarations.get(passed.declaration) {
-        Some(Declaration::Variables(v)) => shader.span(v.declarators[passed.declarator].name),
-        Some(Declaration::Block(block)) => shader.span(block.name),
-        _ => crate::Span::default(),
-    };
-    let message = format!("how many locations `{}` takes is not known", passed.name);
-    Diagnostic { severity: Severity::Error, ..Diagnostic::error(Code::NotPortable, span, message) }
+fn unknown_size(passed: &Passed) -> Diagnostic {
+    let message = format!("the number of locations of `{}` is unknown", passed.name);
+    Diagnostic::error(Code::NotPortable, passed.span, message)
         .with_help("write its type and size without macros")
 }
 
-/// Writes the locations into the text, and today's words for `attribute` and `varying`.
+/// Writes the locations into the text, and replaces `attribute` and `varying`.
 pub(super) fn write(
     shader: &Shader<'_>,
     stage: Stage,
@@ -270,7 +257,7 @@ pub(super) fn write(
                     && Some(l.location) == passed.explicit
             })
         {
-            return None; // it stands there already
+            return None; // already written
         }
         let found =
             locations.iter().find(|l| l.name == passed.name && l.direction == passed.direction);
@@ -278,8 +265,8 @@ pub(super) fn write(
     };
     for passed in passed {
         let Some(location) = number(passed) else { continue };
-        match &shader.declarations[passed.declaration] {
-            Declaration::Block(block) => {
+        match &shader.items[passed.item] {
+            Item::Block(block) | Item::Interface(block) => {
                 qualify(
                     shader,
                     &block.qualifiers,
@@ -289,20 +276,17 @@ pub(super) fn write(
                     edits,
                 );
             }
-            Declaration::Variables(variables) if passed.declarator == 0 => {
+            Item::Variables(variables) if passed.declarator == 0 => {
                 let start = variables.tokens.start;
                 qualify(shader, &variables.qualifiers, start, &[location], &["location"], edits);
             }
-            Declaration::Variables(variables) => {
-                // `in vec3 a, b;`: each has a location, so each has a declaration.
-                let declarator = &variables.declarators[passed.declarator];
-                let comma = shader.code[declarator.name - 1];
-                let words = variables.qualifiers.words.iter();
-                let words: Vec<&str> =
-                    words.map(|&at| modern(shader.code[at].text, stage)).collect();
-                let dims = variables.type_dims.iter().map(|d| format!("[{}]", shader.text_of(d)));
-                let ty = shader.code[variables.ty].text;
-                let dims: String = dims.collect();
+            Item::Variables(variables) => {
+                // `in vec3 a, b;`: each needs a declaration for its own location.
+                let comma = shader.code[variables.names[passed.declarator].name.at - 1];
+                let words = shader.words_of(&variables.qualifiers).into_iter();
+                let words: Vec<&str> = words.map(|word| modern(word, stage)).collect();
+                let ty = shader.type_word(&variables.ty);
+                let dims = shader.dims(&variables.ty.dims);
                 let text = format!("; layout({location}) {} {ty}{dims}", words.join(" "));
                 edits.replace(comma.start..comma.end, text);
             }
@@ -327,8 +311,8 @@ fn modern(word: &str, stage: Stage) -> &str {
     }
 }
 
-/// Replaces `gl_FragColor` and `gl_FragData`; returns the declaration of what stands for them,
-/// and the names that need it.
+/// Replaces `gl_FragColor` and `gl_FragData`; returns the declaration of the output that replaces
+/// them, and its location.
 pub(super) fn fragment_output(
     shader: &Shader<'_>,
     edits: &mut Edits,
@@ -355,10 +339,10 @@ pub(super) fn fragment_output(
                 _ => {
                     let span =
                         crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
-                    let message = "`gl_FragData` is indexed by what is no number";
+                    let message = "`gl_FragData` is not indexed by a literal";
                     problems.push(
                         Diagnostic::error(Code::NotPortable, span, message)
-                            .with_help("write the indices as numbers, or declare the outputs"),
+                            .with_help("use literal indices, or declare the outputs"),
                     );
                 }
             }

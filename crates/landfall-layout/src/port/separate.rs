@@ -1,5 +1,5 @@
-//! GLSL 4.50 as naga takes it: textures and samplers apart, no precision, no
-//! `bool` in blocks. Works on a text that is ported already.
+//! Rewrites a ported text for naga: separate textures and samplers, no precision qualifiers, no
+//! `bool` in blocks.
 
 use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -7,23 +7,24 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Binding;
 use super::edits::Edits;
 use super::hoist::arguments;
-use super::outline::{Declaration, Function, Tokens};
-use super::shader::{Shader, is_opaque};
+use super::outline::Tokens;
+use super::shader::{Shader, is_opaque, structure};
 use super::uniforms::number;
 use crate::Diagnostic;
+use crate::syntax::glsl::ast::{FunctionDecl, Item};
 use crate::syntax::glsl::lexer::Kind;
 
-/// A sampler that became a texture and a sampler.
+/// A combined sampler split into a texture and a sampler.
 #[derive(Clone, Debug)]
 struct Pair {
-    /// The type it had, which now joins the two: `sampler2D(t, t_sampler)`.
+    /// Its old type, which combines the two in uses: `sampler2D(t, t_sampler)`.
     joined: String,
     sampler: String,
 }
 
 type Scope<'a> = FxHashMap<&'a str, Pair>;
 
-/// Rewrites a ported text; new bindings are added to `bindings`.
+/// Rewrites a ported text; adds new bindings to `bindings`.
 pub(super) fn separate(
     shader: &Shader<'_>,
     bindings: &mut Vec<Binding>,
@@ -37,14 +38,14 @@ pub(super) fn separate(
         .functions()
         .map(|function| {
             let taken = function.parameters.iter().enumerate();
-            let taken = taken.filter(|(_, p)| is_joined(shader.code[p.ty].text));
-            (shader.code[function.name].text, taken.map(|(index, _)| index).collect::<Vec<_>>())
+            let taken = taken.filter(|(_, p)| is_joined(shader.type_word(&p.ty)));
+            (function.name.text, taken.map(|(index, _)| index).collect::<Vec<_>>())
         })
         .filter(|(_, taken)| !taken.is_empty())
         .collect();
     for function in shader.functions() {
         let scope = parameters(shader, function, &globals, &mut edits, problems);
-        if let Some(body) = &function.body {
+        if let Some(body) = &function.body_tokens {
             uses(shader, body, &scope, &takers, &bools, &mut edits);
         }
     }
@@ -52,12 +53,13 @@ pub(super) fn separate(
     edits.render(shader.text, 0..shader.text.len())
 }
 
-/// Whether a type is a texture and a sampler in one.
+/// Whether a type is a combined texture and sampler.
 fn is_joined(ty: &str) -> bool {
     is_opaque(ty) && ty.contains("sampler") && !matches!(ty, "sampler" | "samplerShadow")
 }
 
-/// `sampler2DShadow` is a `texture2D` and a `samplerShadow`.
+/// The texture and sampler types of a combined one: `texture2D` and `samplerShadow` for
+/// `sampler2DShadow`.
 fn parts(joined: &str) -> (String, &'static str) {
     let texture = joined.replacen("sampler", "texture", 1);
     match texture.strip_suffix("Shadow") {
@@ -66,7 +68,7 @@ fn parts(joined: &str) -> (String, &'static str) {
     }
 }
 
-/// Takes out what says nothing here and what naga does not read.
+/// Deletes qualifiers and statements without effect here, which naga does not parse.
 fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
     for at in shader.words() {
         let token = &shader.raw.tokens[at];
@@ -87,27 +89,27 @@ fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
     }
 }
 
-/// `precision …;` and `invariant gl_Position;`, not `invariant out vec3 v;`.
+/// Whether a word starts a whole statement: `precision …;` and `invariant gl_Position;`, not
+/// `invariant out vec3 v;`.
 fn is_statement(shader: &Shader<'_>, at: usize) -> bool {
     let builtin = at + 1 < shader.raw.tokens.len() && shader.word(at + 1).starts_with("gl_");
     shader.word(at) == "precision" || builtin
 }
 
-/// Members of blocks without an instance that are a plain `bool` become `uint`; their names.
+/// Changes `bool` members of blocks without an instance to `uint`; returns their names.
 fn bools<'a>(shader: &Shader<'a>, edits: &mut Edits) -> FxHashSet<&'a str> {
     let mut names = FxHashSet::default();
-    for declaration in &shader.declarations {
-        let Declaration::Block(block) = declaration else { continue };
-        if shader.code[block.tokens.end - 2].text != "}" {
+    for item in &shader.items {
+        let (Item::Block(block) | Item::Interface(block)) = item else { continue };
+        if block.instance.is_some() {
             continue;
         }
         for member in &block.members {
-            let ty = shader.code[member.ty];
-            let plain =
-                member.type_dims.is_empty() && member.declarators.iter().all(|d| d.dims.is_empty());
+            let ty = shader.code[member.ty.at];
+            let plain = member.ty.dims.is_empty() && member.names.iter().all(|d| d.dims.is_empty());
             if ty.text == "bool" && plain {
                 edits.replace(ty.start..ty.end, "uint");
-                names.extend(member.declarators.iter().map(|d| shader.code[d.name].text));
+                names.extend(member.names.iter().map(|d| d.name.text));
             }
         }
     }
@@ -121,24 +123,20 @@ fn globals<'a>(
     problems: &mut Vec<Diagnostic>,
 ) -> Scope<'a> {
     let mut scope = Scope::default();
-    for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
-        let ty = shader.code[variables.ty];
+    for variables in shader.variables().filter(|v| shader.has_word(&v.qualifiers, "uniform")) {
+        let ty = shader.code[variables.ty.at];
         if !is_joined(ty.text) {
             continue;
         }
         let (texture, sampler) = parts(ty.text);
-        let declarator = &variables.declarators[0];
-        let name = shader.code[declarator.name].text;
-        if ty.text.contains("Buffer")
-            || !declarator.dims.is_empty()
-            || !variables.type_dims.is_empty()
-        {
-            let message = format!("naga takes no `{}` like `{name}`", ty.text);
-            problems.push(Diagnostic::error(
-                Code::NotPortable,
-                shader.span(declarator.name),
-                message,
-            ));
+        let declarator = &variables.names[0];
+        let name = declarator.name.text;
+        let dims = shader.dims(variables.ty.dims.iter().chain(&declarator.dims));
+        if ty.text.contains("Buffer") || !dims.is_empty() {
+            let message =
+                format!("naga does not support the type of `{name}`: `{}{dims}`", ty.text);
+            let problem = Diagnostic::error(Code::NotPortable, declarator.name.span, message);
+            problems.push(problem);
             continue;
         }
         let own = shader.unused(&format!("{name}_sampler"));
@@ -157,10 +155,10 @@ fn globals<'a>(
     scope
 }
 
-/// Splits the parameters of a function; returns what its body sees.
+/// Splits the parameters of a function; returns the split samplers in scope of its body.
 fn parameters<'a>(
     shader: &Shader<'a>,
-    function: &Function,
+    function: &FunctionDecl<'a>,
     globals: &Scope<'a>,
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
@@ -170,15 +168,15 @@ fn parameters<'a>(
         for at in parameter.tokens.clone().filter(|&at| shader.code[at].text == "const") {
             edits.delete(shader.code[at].start..shader.code[at].end + 1);
         }
-        let ty = shader.code[parameter.ty];
-        let name = parameter.name.map(|name| shader.code[name].text);
+        let ty = shader.code[parameter.ty.at];
+        let name = Some(parameter.name.text).filter(|name| !name.is_empty());
         if !is_joined(ty.text) {
             name.map(|name| scope.remove(name));
             continue;
         }
-        if !parameter.dims.is_empty() {
-            let message = "naga takes no arrays of textures";
-            problems.push(Diagnostic::error(Code::NotPortable, shader.span(parameter.ty), message));
+        if !parameter.dims.is_empty() || !parameter.ty.dims.is_empty() {
+            let message = "naga does not support arrays of textures";
+            problems.push(Diagnostic::error(Code::NotPortable, parameter.ty.span, message));
         }
         let (texture, sampler) = parts(ty.text);
         edits.replace(ty.start..ty.end, texture);
@@ -225,20 +223,25 @@ fn uses<'a>(
     }
 }
 
-/// What naga reads wrongly without a word (as of 30.0.1).
+/// Rejects what naga (as of 30.0.1) silently misreads.
 fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnostic>) {
-    let members = shader.declarations.iter().flat_map(|declaration| match declaration {
-        Declaration::Block(block) => block.members.iter().collect(),
-        Declaration::Structure(structure) => structure.members.iter().collect(),
-        Declaration::Variables(variables) => vec![variables],
+    let declarators = shader.items.iter().flat_map(|item| match item {
+        Item::Block(block) | Item::Interface(block) => {
+            block.members.iter().flat_map(|member| &member.names).collect()
+        }
+        Item::Variables(variables) => match structure(&variables.ty) {
+            Some(structure) if variables.names.is_empty() => {
+                structure.members.iter().flat_map(|member| &member.names).collect()
+            }
+            _ => variables.names.iter().collect::<Vec<_>>(),
+        },
         _ => Vec::new(),
     });
-    for declarator in members.flat_map(|member| &member.declarators) {
+    for declarator in declarators {
         if declarator.dims.len() > 1 {
-            let name = shader.code[declarator.name].text;
-            let message = format!("naga swaps the dimensions of `{name}`");
+            let message = format!("naga swaps the dimensions of `{}`", declarator.name.text);
             problems.push(
-                Diagnostic::error(Code::NotPortable, shader.span(declarator.name), message)
+                Diagnostic::error(Code::NotPortable, declarator.name.span, message)
                     .with_help("use an array of one dimension"),
             );
         }
@@ -253,7 +256,7 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
         let message = format!("a macro uses the sampler `{}`", shader.word(at));
         problems.push(
             Diagnostic::error(Code::NotPortable, span, message)
-                .with_help("write out what the macro stands for"),
+                .with_help("expand the macro by hand"),
         );
     }
 }

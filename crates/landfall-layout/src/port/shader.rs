@@ -1,15 +1,15 @@
-//! A shader as the port sees it: its text, its tokens, its declarations, and
-//! the names in it.
+//! The shader being ported: its text, tokens, declarations and names.
 
 use std::cell::RefCell;
 use std::ops::Range;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::outline::{
-    Declaration, Function, Structure, Token, Tokens, Variables, code, declarations,
-};
+use super::outline::{self, Token, Tokens};
 use crate::source::Span;
+use crate::syntax::glsl::ast::{
+    Declaration, Dim, FunctionDecl, Item, Qualifiers, StructDecl, TypeBase, TypeSpec,
+};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::is_qualifier;
 use crate::syntax::glsl::raw::RawText;
@@ -19,20 +19,20 @@ use crate::syntax::glsl::types::{Builtin, builtin};
 pub(super) struct Shader<'a> {
     pub text: &'a str,
     pub raw: RawText,
-    /// What the compiler reads.
+    /// The active tokens outside directives.
     pub code: Vec<Token<'a>>,
-    pub declarations: Vec<Declaration>,
-    /// Every name in the text, and those given out since.
+    pub items: Vec<Item<'a>>,
+    /// Every name in the text, and those created since.
     names: RefCell<FxHashSet<String>>,
 }
 
 impl<'a> Shader<'a> {
     pub fn new(text: &'a str, raw: RawText) -> Shader<'a> {
-        let code = code(text, &raw);
-        let declarations = declarations(text, &code, qualifier_macros(text, &raw));
+        let code = outline::code(text, &raw);
+        let items = outline::declarations(text, &code, qualifier_macros(text, &raw));
         let words = raw.tokens.iter().filter(|token| token.kind == Kind::Name);
         let names = words.map(|token| text[token.start..token.end].to_string()).collect();
-        Shader { text, raw, code, declarations, names: RefCell::new(names) }
+        Shader { text, raw, code, items, names: RefCell::new(names) }
     }
 
     /// The spelling of a raw token.
@@ -41,7 +41,7 @@ impl<'a> Shader<'a> {
         &self.text[token.start..token.end]
     }
 
-    /// Raw tokens that are names, those of directives that speak to the compiler left out.
+    /// The indices of raw tokens that are names, except in directives without names of the shader.
     pub fn words(&self) -> impl Iterator<Item = usize> + '_ {
         let silent = ["version", "extension", "pragma", "error", "include", "line"];
         let mut skipped = None;
@@ -57,7 +57,7 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// Whether a raw token stands in `layout(…)`.
+    /// Whether a raw token is inside `layout(…)`.
     pub fn in_layout(&self, at: usize) -> bool {
         let mut before = (0..at).rev().take(64);
         let open = before.find(|&at| matches!(self.word(at), "(" | ")" | ";" | "{"));
@@ -66,7 +66,7 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The directives: the raw tokens of each, `#` included.
+    /// The raw tokens of each directive, `#` included.
     pub fn directives(&self) -> Vec<Range<usize>> {
         let mut all: Vec<Range<usize>> = Vec::new();
         for (at, token) in self.raw.tokens.iter().enumerate() {
@@ -79,7 +79,7 @@ impl<'a> Shader<'a> {
         all
     }
 
-    /// A name nothing in the shader has: that one, or with underscores behind it.
+    /// Claims a name unused in the shader: `name`, possibly with underscores appended.
     pub fn unused(&self, name: &str) -> String {
         let mut name = name.replace("__", "_");
         while !self.names.borrow_mut().insert(name.clone()) {
@@ -88,32 +88,51 @@ impl<'a> Shader<'a> {
         name
     }
 
-    pub fn functions(&self) -> impl Iterator<Item = &Function> {
-        self.declarations.iter().filter_map(|declaration| match declaration {
-            Declaration::Function(function) => Some(function),
+    pub fn functions(&self) -> impl Iterator<Item = &FunctionDecl<'a>> {
+        self.items.iter().filter_map(|item| match item {
+            Item::Function(function) => Some(&**function),
             _ => None,
         })
     }
 
-    pub fn variables(&self) -> impl Iterator<Item = &Variables> {
-        self.declarations.iter().filter_map(|declaration| match declaration {
-            Declaration::Variables(variables) => Some(variables),
+    /// The declarations of variables.
+    pub fn variables(&self) -> impl Iterator<Item = &Declaration<'a>> {
+        self.items.iter().filter_map(|item| match item {
+            Item::Variables(declaration) if !declaration.names.is_empty() => Some(&**declaration),
             _ => None,
         })
     }
 
-    /// Every structure by its name, those declared with variables too.
-    pub fn structures(&self) -> FxHashMap<&'a str, &Structure> {
-        let declared = self.declarations.iter().filter_map(|declaration| match declaration {
-            Declaration::Structure(structure) => Some(structure),
-            Declaration::Variables(variables) => variables.structure.as_ref(),
+    /// Every structure by name, including those declared with variables.
+    pub fn structures(&self) -> FxHashMap<&'a str, &StructDecl<'a>> {
+        let declared = self.items.iter().filter_map(|item| match item {
+            Item::Variables(declaration) => structure(&declaration.ty),
             _ => None,
         });
-        declared.filter_map(|s| Some((self.code[s.name?].text, s))).collect()
+        declared.filter(|s| !s.name.text.is_empty()).map(|s| (s.name.text, s)).collect()
     }
 
-    pub fn has_word(&self, variables: &Variables, word: &str) -> bool {
-        variables.qualifiers.words.iter().any(|&at| self.code[at].text == word)
+    /// The one-word qualifiers.
+    pub fn words_of(&self, qualifiers: &Qualifiers<'_>) -> Vec<&'a str> {
+        outline::words(&self.code, qualifiers)
+    }
+
+    pub fn has_word(&self, qualifiers: &Qualifiers<'_>, word: &str) -> bool {
+        self.words_of(qualifiers).contains(&word)
+    }
+
+    /// The type name of a declaration, or `struct`.
+    pub fn type_word(&self, ty: &TypeSpec<'_>) -> &'a str {
+        self.code[ty.at].text
+    }
+
+    /// Array dimensions as written: `[2][N]`.
+    pub fn dims<'d>(&self, dims: impl IntoIterator<Item = &'d Dim<'a>>) -> String
+    where
+        'a: 'd,
+    {
+        let dims = dims.into_iter();
+        dims.map(|dim| format!("[{}]", self.text_of(&dim.tokens))).collect()
     }
 
     /// The bytes of some tokens.
@@ -137,18 +156,18 @@ impl<'a> Shader<'a> {
         Span { file: 0, start: token.start as u32, end: token.end as u32 }
     }
 
-    /// Where the line of a byte begins.
+    /// The start of the line of a byte.
     pub fn line_start(&self, at: usize) -> usize {
         self.text[..at].rfind('\n').map_or(0, |newline| newline + 1)
     }
 
-    /// Where the line after that of a byte begins.
+    /// The start of the line after that of a byte.
     pub fn next_line(&self, at: usize) -> usize {
         self.text[at..].find('\n').map_or(self.text.len(), |newline| at + newline + 1)
     }
 
-    /// What a declaration takes with it when it goes: its lines with their comments when it is
-    /// alone on them, else itself.
+    /// The text removed with a declaration: whole lines with their comments if nothing else is on
+    /// them, else only the declaration.
     pub fn lines_of(&self, tokens: &Tokens) -> Taken<'a> {
         let bytes = self.bytes(tokens);
         let (mut start, end) = (self.line_start(bytes.start), self.next_line(bytes.end));
@@ -166,7 +185,7 @@ impl<'a> Shader<'a> {
             };
         }
         let own = start;
-        // Comments of whole lines right above belong to it.
+        // Whole-line comments right above belong to it.
         while start > 0 {
             let above = self.line_start(start - 1);
             if !self.text[above..start].trim_start().starts_with("//") {
@@ -178,7 +197,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Macros that stand for nothing but qualifiers: `#define MEDIUM mediump`.
+/// The macros that expand to qualifiers only: `#define MEDIUM mediump`.
 fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
     let mut lines: Vec<Vec<&'a str>> = Vec::new();
     for token in raw.tokens.iter().filter(|token| token.active) {
@@ -196,7 +215,7 @@ fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
     named.collect()
 }
 
-/// A part of the text that moves.
+/// A part of the text to be moved.
 #[derive(Clone, Debug)]
 pub(super) struct Taken<'a> {
     pub bytes: Range<usize>,
@@ -206,7 +225,15 @@ pub(super) struct Taken<'a> {
     pub after: &'a str,
 }
 
-/// Whether a type's name is that of a handle: a sampler, an image.
+/// The structure that a type declares.
+pub(super) fn structure<'s, 'a>(ty: &'s TypeSpec<'a>) -> Option<&'s StructDecl<'a>> {
+    match &ty.base {
+        TypeBase::Struct(structure) => Some(structure),
+        TypeBase::Name(_) => None,
+    }
+}
+
+/// Whether `name` is an opaque type: a sampler, an image.
 pub(super) fn is_opaque(name: &str) -> bool {
     builtin(name) == Some(Builtin::Opaque)
 }

@@ -1,5 +1,5 @@
-//! Where the new declarations go: behind what they need, before what needs
-//! them, and outside conditions where that can be.
+//! The place of the new declarations: after the types they use, before their first use, and
+//! outside conditions if possible.
 
 use super::edits::Edits;
 use super::shader::Shader;
@@ -8,7 +8,7 @@ use crate::Diagnostic;
 use crate::diagnostic::Code;
 use crate::source::Span;
 
-/// The byte to put declarations of `needed` at.
+/// The byte at which to insert the declarations of `needed`.
 pub(super) fn find(
     shader: &Shader<'_>,
     gathered: &Gathered,
@@ -29,13 +29,13 @@ pub(super) fn find(
     }
     let first = needed.first().map_or("", String::as_str);
     let span = Span { file: 0, start: most as u32, end: most as u32 };
-    let message = format!("`{first}` and the others are used before all their types are declared");
+    let message = format!("`{first}` is used before the types of all loose uniforms are declared");
     Err(Diagnostic::error(Code::NotPortable, span, message)
-        .with_note("one block holds all loose uniforms, so it stands behind all their types")
+        .with_note("one block holds all loose uniforms, so it must follow all their types")
         .with_help("move the structures above the first function"))
 }
 
-/// Puts whole lines at a byte.
+/// Inserts whole lines at a byte.
 pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &mut Edits) {
     if at > 0 && !shader.text[..at].ends_with('\n') {
         text.insert(0, '\n');
@@ -49,11 +49,11 @@ pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &m
 /// The start of the first function that uses one of the names, with the comments above it.
 fn first_use(shader: &Shader<'_>, needed: &[String]) -> Option<usize> {
     let uses = |word: &str| needed.iter().any(|name| name == word);
-    // A macro that uses one of them may stand in any function.
+    // A macro that uses one of them may be used in any function.
     let in_macro =
         shader.words().any(|at| shader.raw.tokens[at].directive.is_some() && uses(shader.word(at)));
     let function = shader.functions().find(|function| {
-        let body = function.body.clone();
+        let body = function.body_tokens.clone();
         body.is_some_and(|body| in_macro || shader.code[body].iter().any(|t| uses(t.text)))
     })?;
     Some(shader.lines_of(&function.tokens).bytes.start)

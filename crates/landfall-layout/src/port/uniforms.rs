@@ -1,33 +1,33 @@
-//! Uniforms: the loose ones are taken out of the text for one block, handles
-//! and blocks stay where they are and get their bindings.
+//! Uniforms: loose ones move into one block, handles and blocks stay in place and get bindings.
 
 use crate::diagnostic::Code;
 use std::collections::BTreeSet;
 
 use super::edits::Edits;
 use super::hoist::Handles;
-use super::outline::{Block, Declaration, Declarator, Qualifiers, Variables};
-use super::shader::{Shader, is_opaque};
+use super::outline::layouts;
+use super::shader::{Shader, is_opaque, structure};
 use super::{Binding, InitialValue};
 use crate::Diagnostic;
+use crate::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifiers};
 
 /// The loose uniforms of a shader.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gathered {
-    /// The members of the block, one line each, with their comments.
+    /// The block's members, one line each, with their comments.
     pub members: String,
-    /// Handles that were in structures: type, name and dimensions.
+    /// The handles moved out of structures: type, and name with dimensions.
     pub handles: Vec<(String, String)>,
-    /// Names that must be declared before they are used.
+    /// The names that must be declared before their use.
     pub names: Vec<String>,
     pub values: Vec<InitialValue>,
-    /// The byte where the last of them ended.
+    /// The end of the last loose uniform, as a byte offset.
     pub last: Option<usize>,
-    /// A place all their types are declared before.
+    /// The byte offset after the declarations of all their types.
     pub after: usize,
 }
 
-/// Takes the loose uniforms out of the text.
+/// Removes the loose uniforms from the text.
 pub(super) fn gather(
     shader: &Shader<'_>,
     handles: &Handles<'_, '_>,
@@ -35,30 +35,29 @@ pub(super) fn gather(
     problems: &mut Vec<Diagnostic>,
 ) -> Gathered {
     let mut gathered = Gathered::default();
-    for variables in shader.variables().filter(|v| shader.has_word(v, "uniform")) {
+    for variables in shader.variables().filter(|v| shader.has_word(&v.qualifiers, "uniform")) {
         let ty = type_of(shader, variables);
         if is_opaque(&ty) {
             if ty == "atomic_uint" {
                 let message = "Vulkan has no atomic counters";
                 problems.push(
-                    Diagnostic::error(Code::NotPortable, shader.span(variables.ty), message)
+                    Diagnostic::error(Code::NotPortable, variables.ty.span, message)
                         .with_help("use a `uint` in a `buffer` block and `atomicAdd`"),
                 );
             }
             continue;
         }
-        unsized_arrays(shader, variables, problems);
-        for declarator in &variables.declarators {
-            let name = shader.code[declarator.name].text;
+        unsized_arrays(variables, problems);
+        for declarator in &variables.names {
+            let name = declarator.name.text;
             gathered.names.push(name.to_string());
             for (own, path) in handles.of_global(name) {
-                let outer = dims(shader, declarator, variables);
-                let inner: String = path.dims.iter().map(|dim| format!("[{dim}]")).collect();
+                let outer = shader.dims(declarator.dims.iter().chain(&variables.ty.dims));
                 gathered.names.push(own.to_string());
-                gathered.handles.push((path.ty.to_string(), format!("{own}{outer}{inner}")));
+                gathered.handles.push((path.ty.to_string(), format!("{own}{outer}{}", path.dims)));
             }
-            if let Some(initialiser) = &declarator.initialiser {
-                let text = shader.text_of(&(initialiser.start + 1..initialiser.end));
+            if !declarator.tokens.is_empty() {
+                let text = shader.text_of(&declarator.tokens);
                 gathered
                     .values
                     .push(InitialValue { name: name.to_string(), value: text.to_string() });
@@ -70,41 +69,32 @@ pub(super) fn gather(
     gathered
 }
 
-fn type_of(shader: &Shader<'_>, variables: &Variables) -> String {
-    match &variables.structure {
-        None => shader.code[variables.ty].text.to_string(),
-        Some(structure) => match structure.name {
-            Some(name) => shader.code[name].text.to_string(),
-            None => {
-                let first = shader.code[variables.declarators[0].name].text;
-                shader.unused(&format!("{first}_type"))
-            }
-        },
+fn type_of(shader: &Shader<'_>, variables: &Declaration<'_>) -> String {
+    match structure(&variables.ty) {
+        None => shader.type_word(&variables.ty).to_string(),
+        Some(structure) if structure.name.text.is_empty() => {
+            shader.unused(&format!("{}_type", variables.names[0].name.text))
+        }
+        Some(structure) => structure.name.text.to_string(),
     }
 }
 
-fn dims(shader: &Shader<'_>, declarator: &Declarator, variables: &Variables) -> String {
-    let all = declarator.dims.iter().chain(&variables.type_dims);
-    all.map(|dim| format!("[{}]", shader.text_of(dim))).collect()
-}
-
-fn unsized_arrays(shader: &Shader<'_>, variables: &Variables, problems: &mut Vec<Diagnostic>) {
-    for declarator in &variables.declarators {
-        if declarator.dims.iter().chain(&variables.type_dims).any(|dim| dim.is_empty()) {
-            let name = shader.code[declarator.name].text;
-            let message = format!("the size of `{name}` is not written, and a block needs it");
+fn unsized_arrays(variables: &Declaration<'_>, problems: &mut Vec<Diagnostic>) {
+    for Declarator { name, dims, .. } in &variables.names {
+        if dims.iter().chain(&variables.ty.dims).any(|dim| dim.tokens.is_empty()) {
+            let message = format!("the array `{}` has no size, which a block needs", name.text);
             problems.push(
-                Diagnostic::error(Code::NotPortable, shader.span(declarator.name), message)
+                Diagnostic::error(Code::NotPortable, name.span, message)
                     .with_help("write the number of elements between the brackets"),
             );
         }
     }
 }
 
-/// Moves a declaration into the block, comments included; a structure it declares stays.
+/// Moves a declaration into the block, with its comments; a structure it declares stays.
 fn take(
     shader: &Shader<'_>,
-    variables: &Variables,
+    variables: &Declaration<'_>,
     ty: &str,
     has_data: bool,
     edits: &mut Edits,
@@ -112,18 +102,18 @@ fn take(
 ) {
     let taken = shader.lines_of(&variables.tokens);
     gathered.last = Some(shader.bytes(&variables.tokens).end);
-    let precision = variables.qualifiers.words.iter().map(|&word| shader.code[word].text);
+    let precision = shader.words_of(&variables.qualifiers).into_iter();
     let precision = precision.filter(|word| matches!(*word, "lowp" | "mediump" | "highp"));
     let precision: String = precision.map(|word| format!("{word} ")).collect();
     let all = shader.bytes(&variables.tokens);
-    for initialiser in variables.declarators.iter().filter_map(|d| d.initialiser.as_ref()) {
-        let name_end = shader.code[initialiser.start - 1].end;
-        edits.delete(name_end..shader.bytes(initialiser).end);
+    for value in variables.names.iter().map(|d| &d.tokens).filter(|value| !value.is_empty()) {
+        // From the token before `=`.
+        edits.delete(shader.code[value.start - 2].end..shader.bytes(value).end);
     }
-    let first = shader.code[variables.declarators[0].name].start;
-    let type_end = match &variables.structure {
-        Some(structure) => shader.bytes(&structure.body).end,
-        None => shader.code[variables.ty].end,
+    let first = shader.code[variables.names[0].name.at].start;
+    let type_end = match structure(&variables.ty) {
+        Some(structure) => shader.bytes(&structure.tokens).end,
+        None => shader.code[variables.ty.at].end,
     };
     let declared = edits.render(shader.text, type_end..all.end);
     if has_data {
@@ -134,12 +124,12 @@ fn take(
             if taken.after.is_empty() { String::new() } else { format!(" {}", taken.after) };
         gathered.members.push_str(&format!("    {precision}{ty}{declared}{after}\n"));
     }
-    match &variables.structure {
+    match structure(&variables.ty) {
         None => edits.delete(taken.bytes),
         Some(structure) => {
-            let body = shader.bytes(&structure.body);
+            let body = shader.bytes(&structure.tokens);
             edits.delete(all.start..body.start);
-            if structure.name.is_none() {
+            if structure.name.text.is_empty() {
                 edits.insert(body.start + "struct".len(), format!(" {ty}"));
             }
             edits.delete(body.end..first);
@@ -148,27 +138,22 @@ fn take(
     }
 }
 
-/// The end of the last declaration the members' types and sizes come from.
+/// The end of the last declaration that the members' types and sizes use.
 fn types_end(shader: &Shader<'_>, gathered: &Gathered) -> usize {
     let uses = |name: &str| {
         words(&gathered.members).any(|word| word == name)
             || gathered.handles.iter().any(|(_, text)| words(text).any(|word| word == name))
     };
     let mut end = 0;
-    for declaration in &shader.declarations {
-        let (name, tokens) = match declaration {
-            Declaration::Structure(structure) => (structure.name, &structure.tokens),
-            Declaration::Variables(variables) if shader.has_word(variables, "const") => {
-                (Some(variables.declarators[0].name), &variables.tokens)
-            }
-            Declaration::Variables(variables) if variables.structure.is_some() => {
-                let name = variables.structure.as_ref().and_then(|s| s.name);
-                (name.or(Some(variables.ty)), &variables.tokens)
-            }
-            _ => continue,
+    for item in &shader.items {
+        let Item::Variables(variables) = item else { continue };
+        let name = match (variables.names.first(), structure(&variables.ty)) {
+            (Some(first), _) if shader.has_word(&variables.qualifiers, "const") => first.name.text,
+            (_, Some(structure)) => structure.name.text,
+            (_, None) => continue,
         };
-        if name.is_some_and(|name| uses(shader.code[name].text)) {
-            end = end.max(shader.next_line(shader.bytes(tokens).end));
+        if !name.is_empty() && uses(name) {
+            end = end.max(shader.next_line(shader.bytes(&variables.tokens).end));
         }
     }
     for directive in shader.directives() {
@@ -184,7 +169,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
 }
 
-/// Gives out binding numbers, those written in the text first.
+/// Assigns binding numbers, skipping those written in the text.
 pub(super) struct Bindings {
     set: u32,
     next: u32,
@@ -195,17 +180,15 @@ pub(super) struct Bindings {
 impl Bindings {
     pub fn new(shader: &Shader<'_>, set: u32, first: u32) -> Bindings {
         let mut taken = BTreeSet::new();
-        for declaration in &shader.declarations {
-            if let Some(binding) =
-                qualifiers(declaration).and_then(|q| number(shader, q, "binding"))
-            {
+        for item in &shader.items {
+            if let Some(binding) = qualifiers(item).and_then(|q| number(shader, q, "binding")) {
                 taken.insert(binding);
             }
         }
         Bindings { set, next: first, taken, given: Vec::new() }
     }
 
-    /// The next free number, for something of that name.
+    /// Assigns the next free binding; returns set and binding.
     pub fn give(&mut self, name: &str) -> (u32, u32) {
         while self.taken.contains(&self.next) {
             self.next += 1;
@@ -220,54 +203,55 @@ impl Bindings {
     }
 }
 
-fn qualifiers(declaration: &Declaration) -> Option<&Qualifiers> {
-    match declaration {
-        Declaration::Block(block) => Some(&block.qualifiers),
-        Declaration::Variables(variables) => Some(&variables.qualifiers),
+fn qualifiers<'i, 'a>(item: &'i Item<'a>) -> Option<&'i Qualifiers<'a>> {
+    match item {
+        Item::Block(block) | Item::Interface(block) => Some(&block.qualifiers),
+        Item::Variables(variables) => Some(&variables.qualifiers),
         _ => None,
     }
 }
 
-/// `KEY = N` in a layout.
-pub(super) fn number(shader: &Shader<'_>, qualifiers: &Qualifiers, key: &str) -> Option<u32> {
-    let tokens = qualifiers.layouts.iter().cloned().flatten();
-    tokens.filter(|&at| shader.code[at].text == key).find_map(|at| {
-        let value = shader.code.get(at + 2)?.text;
-        (shader.code[at + 1].text == "=").then(|| value.parse().ok())?
-    })
+/// The number N of `KEY = N` in `layout(…)`.
+pub(super) fn number(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, key: &str) -> Option<u32> {
+    let ids = qualifiers.layout.iter().filter(|id| id.name.text.eq_ignore_ascii_case(key));
+    ids.filter(|id| !id.tokens.is_empty())
+        .find_map(|id| shader.code[id.tokens.start].text.parse().ok())
 }
 
-/// Gives the blocks and handles that stay their bindings, in the order of the text.
+/// Assigns bindings to the blocks and handles, in source order.
 pub(super) fn bind(
     shader: &Shader<'_>,
     bindings: &mut Bindings,
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
 ) {
-    let mut seen = BTreeSet::new();
-    for declaration in &shader.declarations {
-        match declaration {
-            Declaration::Block(block) => bind_block(shader, block, bindings, &mut seen, edits),
-            Declaration::Variables(variables)
-                if shader.has_word(variables, "uniform")
-                    && is_opaque(shader.code[variables.ty].text) =>
+    let mut used = BTreeSet::new();
+    for item in &shader.items {
+        match item {
+            Item::Block(block) | Item::Interface(block) => {
+                bind_block(shader, block, bindings, &mut used, edits)
+            }
+            Item::Variables(variables)
+                if !variables.names.is_empty()
+                    && shader.has_word(&variables.qualifiers, "uniform")
+                    && is_opaque(shader.type_word(&variables.ty)) =>
             {
-                bind_handles(shader, variables, bindings, &mut seen, edits, problems);
+                bind_handles(shader, variables, bindings, &mut used, edits, problems);
             }
             _ => {}
         }
     }
 }
 
-/// The number written, unless another thing has it already; else a new one.
+/// The binding written in the text, or a new one if there is none or it is already used.
 fn binding_for(
     shader: &Shader<'_>,
-    qualifiers: &Qualifiers,
+    qualifiers: &Qualifiers<'_>,
     name: &str,
     bindings: &mut Bindings,
-    seen: &mut BTreeSet<u32>,
+    used: &mut BTreeSet<u32>,
 ) -> (u32, u32) {
-    match number(shader, qualifiers, "binding").filter(|binding| seen.insert(*binding)) {
+    match number(shader, qualifiers, "binding").filter(|binding| used.insert(*binding)) {
         Some(binding) => bindings.note(name, binding),
         None => bindings.give(name),
     }
@@ -275,25 +259,19 @@ fn binding_for(
 
 fn bind_block(
     shader: &Shader<'_>,
-    block: &Block,
+    block: &BlockDecl<'_>,
     bindings: &mut Bindings,
-    seen: &mut BTreeSet<u32>,
+    used: &mut BTreeSet<u32>,
     edits: &mut Edits,
 ) {
-    let word = |word: &str| block.qualifiers.words.iter().any(|&at| shader.code[at].text == word);
+    let word = |word: &str| shader.has_word(&block.qualifiers, word);
     let has = |id: &str| ids(shader, &block.qualifiers).iter().any(|(key, _)| key == id);
     let (uniform, buffer) = (word("uniform"), word("buffer"));
     if !(uniform || buffer) || has("push_constant") || has("buffer_reference") {
         return;
     }
-    let name = shader.code[block.name].text;
-    let (set, binding) = match number(shader, &block.qualifiers, "set") {
-        Some(set) => {
-            let (_, binding) = binding_for(shader, &block.qualifiers, name, bindings, seen);
-            (set, binding)
-        }
-        None => binding_for(shader, &block.qualifiers, name, bindings, seen),
-    };
+    let (set, binding) = binding_for(shader, &block.qualifiers, block.name.text, bindings, used);
+    let set = number(shader, &block.qualifiers, "set").unwrap_or(set);
     let mut add = vec![format!("set = {set}"), format!("binding = {binding}")];
     if !has("std140") && !has("std430") && !has("scalar") {
         add.push(if uniform { "std140" } else { "std430" }.to_string());
@@ -304,40 +282,40 @@ fn bind_block(
 
 fn bind_handles(
     shader: &Shader<'_>,
-    variables: &Variables,
+    variables: &Declaration<'_>,
     bindings: &mut Bindings,
-    seen: &mut BTreeSet<u32>,
+    used: &mut BTreeSet<u32>,
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
 ) {
-    unsized_arrays(shader, variables, problems);
+    unsized_arrays(variables, problems);
     let drop = ["set", "binding", "location"];
     let places: Vec<Vec<String>> = variables
-        .declarators
+        .names
         .iter()
         .map(|declarator| {
-            let name = shader.code[declarator.name].text;
-            let (set, binding) = binding_for(shader, &variables.qualifiers, name, bindings, seen);
+            let name = declarator.name.text;
+            let (set, binding) = binding_for(shader, &variables.qualifiers, name, bindings, used);
             vec![format!("set = {set}"), format!("binding = {binding}")]
         })
         .collect();
     qualify(shader, &variables.qualifiers, variables.tokens.start, &places[0], &drop, edits);
-    // `uniform sampler2D a, b;`: each has a number, so each has a declaration.
-    for (declarator, place) in variables.declarators.iter().zip(&places).skip(1) {
-        let comma = shader.code[declarator.name - 1];
-        let words = variables.qualifiers.words.iter().map(|&at| shader.code[at].text);
-        let words: Vec<&str> = words.collect();
+    // `uniform sampler2D a, b;`: each needs a declaration for its own binding.
+    for (declarator, place) in variables.names.iter().zip(&places).skip(1) {
+        let comma = shader.code[declarator.name.at - 1];
+        let words = shader.words_of(&variables.qualifiers);
         let mut layout = place.clone();
         layout.extend(kept(shader, &variables.qualifiers, &drop));
-        let ty = shader.code[variables.ty].text;
+        let ty = shader.type_word(&variables.ty);
         let text = format!("; layout({}) {} {ty}", layout.join(", "), words.join(" "));
         edits.replace(comma.start..comma.end, text);
     }
 }
 
-/// What stands in the `layout(…)` of a declaration: keys and their whole text.
-fn ids(shader: &Shader<'_>, qualifiers: &Qualifiers) -> Vec<(String, String)> {
-    let texts = qualifiers.layouts.iter().map(|layout| shader.text_of(layout));
+/// The entries of a declaration's `layout(…)`: keys in lower case, and whole texts.
+fn ids(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>) -> Vec<(String, String)> {
+    let layouts = layouts(&shader.code, qualifiers);
+    let texts = layouts.iter().map(|layout| shader.text_of(layout));
     texts
         .flat_map(|text| text.split(','))
         .map(|id| {
@@ -348,15 +326,15 @@ fn ids(shader: &Shader<'_>, qualifiers: &Qualifiers) -> Vec<(String, String)> {
         .collect()
 }
 
-fn kept(shader: &Shader<'_>, qualifiers: &Qualifiers, drop: &[&str]) -> Vec<String> {
+fn kept(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, drop: &[&str]) -> Vec<String> {
     let ids = ids(shader, qualifiers).into_iter();
     ids.filter(|(key, _)| !drop.contains(&key.as_str())).map(|(_, text)| text).collect()
 }
 
-/// Writes a `layout(…)` in front of a declaration, or changes the one it has.
+/// Inserts a `layout(…)` before a declaration, or changes the existing one.
 pub(super) fn qualify(
     shader: &Shader<'_>,
-    qualifiers: &Qualifiers,
+    qualifiers: &Qualifiers<'_>,
     first: usize,
     add: &[String],
     drop: &[&str],
@@ -365,7 +343,7 @@ pub(super) fn qualify(
     let mut all = add.to_vec();
     all.extend(kept(shader, qualifiers, drop));
     let text = all.join(", ");
-    match qualifiers.layouts.as_slice() {
+    match layouts(&shader.code, qualifiers).as_slice() {
         [] => edits.insert(shader.code[first].start, format!("layout({text}) ")),
         [one, rest @ ..] => {
             let (open, close) = (shader.code[one.start - 1].end, shader.code[one.end].start);

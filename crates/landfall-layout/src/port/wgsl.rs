@@ -1,6 +1,5 @@
-//! The way through naga: a ported text has to be valid there, with every
-//! member where the original has it, and as WGSL only when WGSL's own rules
-//! put every member there as well.
+//! Checks a ported text with naga, and translates it to WGSL. Every member must keep its offset,
+//! both in naga's layout and under WGSL's rules.
 
 use crate::diagnostic::Code;
 use std::panic::{self, AssertUnwindSafe};
@@ -10,7 +9,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use crate::source::{Language, Source, Span, Stage};
 use crate::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
-/// Holds a GLSL text against naga: it is valid there, and read with the same offsets.
+/// Checks that naga accepts a GLSL text and reads the same offsets.
 pub(super) fn check(source: &Source, options: &Options) -> Result<(), Vec<Diagnostic>> {
     let found = layout(source, &Options { naga: true, ..options.clone() });
     let elsewhere = |leaf: &&Leaf| leaf.naga.is_some();
@@ -28,7 +27,7 @@ pub(super) fn check(source: &Source, options: &Options) -> Result<(), Vec<Diagno
     module(source).map(|_| ())
 }
 
-/// The text as WGSL.
+/// Translates a text to WGSL.
 pub(super) fn write(source: &Source, options: &Options) -> Result<Source, Vec<Diagnostic>> {
     let (module, info) = module(source)?;
     let flags = naga::back::wgsl::WriterFlags::empty();
@@ -41,13 +40,14 @@ pub(super) fn write(source: &Source, options: &Options) -> Result<Source, Vec<Di
     if problems.is_empty() { Ok(wgsl) } else { Err(problems) }
 }
 
-/// Members that WGSL's rules put elsewhere. naga may call them differently; their order stays.
+/// Errors for members that WGSL's rules put elsewhere. naga may rename members, but keeps their
+/// order.
 fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic> {
     let mut problems = Vec::new();
     for block in before {
         let same = after.iter().find(|b| b.group == block.group && b.binding == block.binding);
         let Some(same) = same.filter(|same| same.leaves.len() == block.leaves.len()) else {
-            problems.push(refused(&format!("block `{}` is not in the WGSL as it was", block.name)));
+            problems.push(refused(&format!("block `{}` differs in the WGSL", block.name)));
             continue;
         };
         for (leaf, new) in block.leaves.iter().zip(&same.leaves) {
@@ -80,7 +80,7 @@ fn refused(reason: &str) -> Diagnostic {
         }
         text => text,
     };
-    let message = format!("naga does not take the ported text: {reason}");
+    let message = format!("naga rejects the ported text: {reason}");
     Diagnostic::error(Code::NotPortable, Span::default(), message)
         .with_note("this is a limit of naga's GLSL front end")
 }
@@ -90,7 +90,7 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
         Some(Stage::Vertex) => naga::ShaderStage::Vertex,
         Some(Stage::Fragment) => naga::ShaderStage::Fragment,
         Some(Stage::Compute) => naga::ShaderStage::Compute,
-        _ => return Err(vec![refused("it has no such stage")]),
+        _ => return Err(vec![refused("it supports vertex, fragment and compute shaders only")]),
     };
     let read = || {
         let options = naga::front::glsl::Options::from(stage);

@@ -1,11 +1,11 @@
-//! Types as their language spells them.
+//! Types in the spelling of a language.
 
 use std::fmt;
 
 use super::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Language;
 
-/// A type to be printed in its language's spelling.
+/// Displays a type in the spelling of a language.
 pub struct Spelled<'a> {
     pub(super) ty: &'a Type,
     pub(super) language: Language,
@@ -16,6 +16,17 @@ impl fmt::Display for Spelled<'_> {
         match self.language {
             Language::Glsl => glsl_name(self.ty, f),
             Language::Wgsl => wgsl_name(self.ty, f),
+        }
+    }
+}
+
+/// A dimension as a suffix: `[2]`, `[]`, `[COUNT]`.
+impl fmt::Display for ArrayLen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ArrayLen::Fixed(n) => write!(f, "[{n}]"),
+            ArrayLen::Runtime => f.write_str("[]"),
+            ArrayLen::Override(name) => write!(f, "[{name}]"),
         }
     }
 }
@@ -52,11 +63,7 @@ fn glsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Type::Struct(s) => f.write_str(&s.name),
         Type::Array { .. } => {
             glsl_name(ty.innermost(), f)?;
-            ty.dims().iter().try_for_each(|len| match len {
-                ArrayLen::Fixed(n) => write!(f, "[{n}]"),
-                ArrayLen::Runtime => f.write_str("[]"),
-                ArrayLen::Override(name) => write!(f, "[{name}]"),
-            })
+            ty.dims().iter().try_for_each(|len| write!(f, "{len}"))
         }
     }
 }
@@ -103,7 +110,7 @@ fn wgsl_name(ty: &Type, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
 }
 
-/// A scalar as WGSL names it, or would.
+/// Returns WGSL's name of a scalar, or an analogous one where WGSL has none.
 pub(crate) fn wgsl_scalar(scalar: Scalar) -> &'static str {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => "bool",
@@ -118,7 +125,7 @@ pub(crate) fn wgsl_scalar(scalar: Scalar) -> &'static str {
         (ScalarKind::Float, 2) => "f16",
         (ScalarKind::Float, 8) => "f64",
         (ScalarKind::Float, _) => "f32",
-        // WGSL has none of these.
+        // Not in WGSL.
         (ScalarKind::Bfloat, _) => "bf16",
         (ScalarKind::FloatE5m2, _) => "f8e5m2",
         (ScalarKind::FloatE4m3, _) => "f8e4m3",

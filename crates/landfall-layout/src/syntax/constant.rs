@@ -1,7 +1,7 @@
-//! Values of constant expressions, and the operators and functions both
-//! languages have on them. The grammars live with their languages.
+//! Values of constant expressions, with the operators and functions common to both languages. The
+//! grammars are with each language.
 
-/// A constant: what an array size is computed from.
+/// The value of a constant expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// `true`, `false`.
@@ -18,24 +18,24 @@ pub enum Value {
     Ulong(u64),
     /// Any floating-point type.
     Float(f64),
-    /// A vector or array: its components or elements.
+    /// A vector or array, by components or elements.
     List(Vec<Value>),
 }
 
-/// Why an expression has no value.
+/// The reason an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// Division or remainder by zero.
     DivisionByZero,
-    /// A result its type cannot hold, where the language forbids wrapping.
+    /// A result out of range of its type, where the language forbids wrapping.
     Overflow,
-    /// Operands that do not go together.
+    /// Operands of incompatible types.
     Mismatch,
-    /// An operator or function that is not evaluated here.
+    /// An operator or function that is not implemented here.
     Unsupported,
 }
 
-/// A conversion target: the scalar constructors of both languages.
+/// The target of a conversion: the scalar constructors of both languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Kind {
@@ -50,7 +50,7 @@ pub enum Kind {
 use Value::{Abstract, Bool, Float, Int, List, Long, Uint, Ulong};
 
 impl Value {
-    /// The value as a whole number, if it is one.
+    /// Returns the value as an integer, if it is one.
     pub fn integer(&self) -> Option<i128> {
         match *self {
             Abstract(v) | Long(v) => Some(v.into()),
@@ -61,7 +61,7 @@ impl Value {
         }
     }
 
-    /// The value as a truth value, if it is one.
+    /// Returns the value as a boolean, if it is one.
     pub fn truth(&self) -> Option<bool> {
         match *self {
             Bool(v) => Some(v),
@@ -76,7 +76,7 @@ impl Value {
         }
     }
 
-    /// The value converted as a constructor such as `uint(x)` does; lists component by component.
+    /// Converts the value as a constructor such as `uint(x)` does, lists component by component.
     pub fn convert(&self, kind: Kind) -> Result<Value, Fault> {
         if let List(items) = self {
             return items.iter().map(|v| v.convert(kind)).collect::<Result<_, _>>().map(List);
@@ -101,7 +101,7 @@ impl Value {
     }
 }
 
-/// `op` before a value: `-`, `+`, `!`, `~`.
+/// Evaluates a prefix operator: `-`, `+`, `!`, `~`.
 pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
     if let List(items) = value {
         return items.iter().map(|v| unary(op, v)).collect::<Result<_, _>>().map(List);
@@ -125,7 +125,7 @@ pub fn unary(op: &str, value: &Value) -> Result<Value, Fault> {
     }
 }
 
-/// `a op b` for the operators both languages share; `^^` is GLSL's.
+/// Evaluates `a op b` for the operators both languages share, and GLSL's `^^`.
 pub fn binary(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
     match (a, b) {
         (List(x), List(y)) if matches!(op, "==" | "!=") => Ok(Bool((x == y) == (op == "=="))),
@@ -173,7 +173,7 @@ fn compare<T: PartialOrd>(op: &str, x: &T, y: &T) -> Result<Value, Fault> {
     }))
 }
 
-/// Computes wide, then brings the result back to the wider of both types.
+/// Computes in a wide type, then converts the result to the wider type of the operands.
 fn integers(op: &str, a: &Value, b: &Value) -> Result<Value, Fault> {
     let (Some(x), Some(y)) = (a.integer(), b.integer()) else { return Err(Fault::Mismatch) };
     let shift = matches!(op, "<<" | ">>");
@@ -214,7 +214,7 @@ fn narrow(like: &Value, wide: i128) -> Result<Value, Fault> {
     })
 }
 
-/// A call of a function both languages, or one of them, evaluate in constant expressions.
+/// Evaluates a builtin function that either language allows in constant expressions.
 pub fn call(name: &str, args: &[Value]) -> Result<Value, Fault> {
     let reduces = matches!(name, "dot" | "any" | "all");
     let components = args.iter().find_map(|arg| match arg {

@@ -1,11 +1,9 @@
-//! GLSL as people have it: desktop 1.10 to 4.60, ES 1.00 to 3.20, Vulkan flavour.
+//! The GLSL parser: desktop 1.10 to 4.60, ES 1.00 to 3.20, and Vulkan GLSL.
 //!
-//! `lexer` makes tokens of a file, `preprocess` (with `directive`,
-//! `include`, `macros`) makes one stream of a shader, `parser` makes a
-//! syntax tree (`ast`) of that, and `declarations` (with `members`,
-//! `blocks`, `constants`) takes what has a layout from the tree.
-//! `evaluate` computes constant expressions. Function bodies are passed over,
-//! or parsed on demand.
+//! `lexer` tokenises a file, `preprocess` (with `directive`, `include`, `macros`) produces one
+//! token stream per shader, `parser` builds a syntax tree (`ast`) from it, and `declarations` (with
+//! `members`, `blocks`, `constants`) extracts the blocks and types with a layout. `evaluate`
+//! computes constant expressions. Function bodies are skipped, or parsed on demand.
 
 pub mod ast;
 mod blocks;
@@ -13,6 +11,7 @@ mod constants;
 mod declarations;
 mod directive;
 pub mod evaluate;
+mod implicit_size;
 mod include;
 mod layout_ids;
 pub mod lexer;
@@ -28,7 +27,7 @@ pub mod types;
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, Majorness, OffsetOrder, Rules, Shape};
+use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::Parsed;
 use declarations::Reader;
@@ -37,50 +36,85 @@ use preprocess::Preprocessor;
 pub use preprocess::Texts;
 use target::Decision;
 
-/// Errors after which a text is read no further: what was read before them is not to be trusted.
+/// Errors that stop the parse and discard its results, which are unreliable then.
 const FATAL: &[Code] =
     &[Code::CyclicInclude, Code::MacroBomb, Code::IncludeBomb, Code::OtherLanguage];
 
-/// Reads the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
+/// Parses the declarations of a GLSL shader. With `gather`, loose uniforms become a std140 block.
 pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     let texts = Texts::new();
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, &texts, options);
-    preprocessor.note_foreign(0, source.foreign);
-    let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Skip));
+    let mut reader = reader(source, options, &texts, Bodies::Skip);
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
     reader.read(|parser, _| parser.forget());
+    if let Some(again) = with_lengths(&mut reader, source, options, &texts, Bodies::Skip) {
+        reader = again;
+        reader.read(|parser, _| parser.forget());
+    }
     shape(&mut reader, source, gather, empty)
 }
 
 /// A shader's syntax tree and the shape of its blocks.
 pub struct Shader<'a> {
-    /// Its declarations; expressions and bodies are parsed by [`Parser::complete`].
+    /// The declarations; expressions and bodies are parsed by [`Parser::complete`].
     pub items: Vec<ast::Item<'a>>,
-    /// The parser, with all tokens, bodies included and macros expanded.
+    /// The parser with all tokens, bodies included and macros expanded.
     pub parser: Parser<'a>,
-    /// The blocks and what was found on the way.
+    /// The blocks and diagnostics.
     pub parsed: Parsed,
 }
 
-/// Parses a GLSL shader, its function bodies kept to be parsed on demand; `texts` keeps what its
-/// tokens point into.
+/// Parses a GLSL shader, keeping function bodies to be parsed on demand; `texts` owns the text its
+/// tokens refer to.
 pub fn parse<'a>(
     source: &Source,
     options: &'a ReadOptions,
     texts: &'a Texts,
     gather: bool,
 ) -> Shader<'a> {
-    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
-    preprocessor.note_foreign(0, source.foreign);
-    let mut reader = Reader::new(Parser::new(preprocessor, Bodies::Keep));
+    let mut reader = reader(source, options, texts, Bodies::Keep);
     let empty = reader.parser.tokens()[0].kind == lexer::Kind::End;
     let mut items = Vec::new();
     reader.read(|_, item| items.push(item));
+    if let Some(again) = with_lengths(&mut reader, source, options, texts, Bodies::Keep) {
+        reader = again;
+        items.clear();
+        reader.read(|_, item| items.push(item));
+    }
     let parsed = shape(&mut reader, source, gather, empty);
     Shader { items, parser: reader.parser, parsed }
 }
 
-/// What a reader that is done has found.
+fn reader<'a>(
+    source: &Source,
+    options: &'a ReadOptions,
+    texts: &'a Texts,
+    bodies: Bodies,
+) -> Reader<'a> {
+    let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
+    preprocessor.note_foreign(0, source.foreign);
+    Reader::new(Parser::new(preprocessor, bodies))
+}
+
+/// Returns a new reader that knows the lengths of the members whose declarations leave them open,
+/// if the reader met such members.
+fn with_lengths<'a>(
+    reader: &mut Reader<'a>,
+    source: &Source,
+    options: &'a ReadOptions,
+    texts: &'a Texts,
+    bodies: Bodies,
+) -> Option<Reader<'a>> {
+    let members = std::mem::take(&mut reader.unsized_members);
+    if members.is_empty() {
+        return None;
+    }
+    let mut whole = self::reader(source, options, texts, Bodies::Keep);
+    whole.read(|_, _| ());
+    let lengths = implicit_size::lengths(&mut whole, &members);
+    Some(Reader { lengths, ..self::reader(source, options, texts, bodies) })
+}
+
+/// Returns the result of a finished reader.
 fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
     if let Some(default) = default_block(reader, gather) {
@@ -95,16 +129,16 @@ fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) ->
         diagnostics.push(Diagnostic::error(Code::EmptyFile, Span::default(), "the file is empty"));
     }
     if diagnostics.iter().any(|d| FATAL.contains(&d.code)) {
-        // A text that was read several times over says the same things several times.
-        let mut told = Vec::new();
+        // A text expanded several times repeats its diagnostics.
+        let mut reported = Vec::new();
         diagnostics.retain(|d| {
-            let new = d.code != Code::DuplicateName && !told.contains(&d.labels);
-            told.push(d.labels.clone());
+            let new = d.code != Code::DuplicateName && !reported.contains(&d.labels);
+            reported.push(d.labels.clone());
             new
         });
         blocks.clear();
     }
-    let assumed = match preprocessor.asked_for_vulkan.get() {
+    let assumed = match preprocessor.tests_vulkan.get() {
         true => match preprocessor.decision() {
             Decision::Assumed(target) => Some(target),
             Decision::Known(_) | Decision::Either => None,
@@ -121,7 +155,7 @@ fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) ->
     }
 }
 
-/// The loose uniforms as one block: without offsets of their own, or gathered.
+/// Returns the loose uniforms as one block, either gathered or without offsets.
 fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
     let mut members = std::mem::take(&mut reader.loose);
     let opaque = std::mem::take(&mut reader.loose_opaque);
@@ -130,8 +164,7 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
         members.retain(|member| {
             let sized = member.ty.dims().iter().all(|len| *len != crate::ArrayLen::Runtime);
             if !sized {
-                let message =
-                    format!("`{}` cannot be gathered: its size is not written", member.name);
+                let message = format!("`{}` cannot be gathered: its size is unknown", member.name);
                 let diagnostic = Diagnostic::error(Code::ArraySize, member.span, message);
                 let help = "write the number of elements between the brackets";
                 reader.report(diagnostic.with_help(help));
@@ -149,7 +182,7 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
         group: None,
         binding: None,
         count: Vec::new(),
-        majorness: Majorness::Column,
+        matrix_layout: MatrixLayout::Column,
         members,
         opaque,
         offset_order: OffsetOrder::Ascending,

@@ -1,8 +1,8 @@
-//! WGSL text to [`Shape`]: the module-scope declarations that blocks depend on.
+//! The WGSL parser: from text to [`Shape`], by the module-scope declarations that blocks depend on.
 //!
-//! [`outline`] finds the declarations in one pass that skips function bodies;
-//! then every buffer variable reads its type, and that type its structures and
-//! constants. What no block depends on is never looked at.
+//! [`outline`] finds the declarations in one pass that skips function bodies; then every buffer
+//! variable resolves its type, and the type its structures and constants. Declarations that no
+//! block depends on are not parsed.
 
 mod attributes;
 mod comments;
@@ -10,7 +10,7 @@ mod constants;
 mod expressions;
 #[cfg(feature = "naga")]
 mod fallback;
-/// Without naga no expression beyond ours has a value.
+/// Without naga, expressions that landfall cannot evaluate have no value.
 #[cfg(not(feature = "naga"))]
 mod fallback {
     pub(super) fn positive(
@@ -42,13 +42,13 @@ use crate::Diagnostic;
 use crate::shape::Shape;
 use crate::source::{Files, ReadOptions, Source, Span};
 
-/// Reads the blocks of a WGSL text.
+/// Parses the blocks of a WGSL text.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut files = Files::default();
     files.add(source.path.clone(), source.text.clone());
     if let Some(foreign) = source.foreign {
         let span = Span { file: 0, start: foreign.first, end: foreign.first };
-        let message = "WGSL is UTF-8, and a byte here is not";
+        let message = "WGSL must be UTF-8, which this byte is not";
         let found = Diagnostic::error(Code::NotUtf8, span, message);
         let diagnostics = vec![found.with_help("save the file as UTF-8")];
         return Parsed { files, diagnostics, ..Parsed::default() };
@@ -62,7 +62,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut blocks = Vec::new();
     let mut reader = Reader::new(text, &outline, options, reports);
     for item in outline.items.iter().filter(|item| item.class == Class::Var) {
-        // Otherwise it is no buffer; or it was refused, and a finding says why.
+        // Otherwise the variable is not a buffer, or an error was reported.
         if let Ok(Some(block)) = variables::block(&mut reader, item) {
             blocks.push(block);
         }
@@ -73,7 +73,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     Parsed { shape, files, diagnostics, bodies: outline.bodies, assumed: None, standard_uniforms }
 }
 
-/// The functions of a text, attributes included.
+/// Returns the functions of a text, attributes included.
 #[cfg(feature = "naga")]
 pub(crate) fn functions(text: &str) -> Vec<Span> {
     let outline = outline::read(text, &mut Reports::default());

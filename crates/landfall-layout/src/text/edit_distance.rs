@@ -1,6 +1,6 @@
 //! Edit distance between names, for suggestions.
 
-/// The known name a misspelt one is closest to, if it is close.
+/// Returns the known name closest to a misspelt one, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     let bound = if name.len() < 4 { 1 } else { 2 };
     known
@@ -10,7 +10,7 @@ pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&
         .map(|(_, other)| other)
 }
 
-/// Edits between two names: a letter added, taken away or changed; case does not count.
+/// Returns the edit distance of two names: letters inserted, deleted or replaced, ignoring case.
 fn distance(a: &str, b: &str) -> usize {
     let (a, b) = (a.to_ascii_lowercase().into_bytes(), b.to_ascii_lowercase().into_bytes());
     if a.len().abs_diff(b.len()) > 2 {

@@ -1,25 +1,25 @@
-//! Text of others, such as file names, comments and what drivers say, made safe for what reads it:
-//! one function a medium.
+//! Escaping of untrusted text, such as file names, comments and driver logs, for each output
+//! medium.
 //!
-//! Terminals obey control characters and turn text around at bidi marks; logs of continuous
-//! integration obey lines such as `::error::`; Markdown, HTML and SVG have their own signs, and
-//! rustc refuses bidi marks in comments and strings.
+//! Terminals act on control characters and reorder text at bidi marks; CI logs act on lines such as
+//! `::error::`; Markdown, HTML and SVG have markup; rustc rejects bidi marks in comments and
+//! strings.
 
 use std::borrow::Cow;
 
 use memchr::memmem;
 
-/// Whether styles (SGR of ECMA-48) in a text are ours.
+/// Whether a text contains styles (SGR of ECMA-48) that landfall emitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Styles {
-    /// They are, and stay.
+    /// Styles are landfall's own and are kept.
     Kept,
-    /// There are none of ours.
+    /// Styles are not landfall's own and are made visible.
     Shown,
 }
 
-/// Characters that turn the direction of text (UAX #9, section 2), and the two that end lines for
-/// some readers and not for others.
+/// Whether a character changes the direction of text (UAX #9, section 2), or is one of the two line
+/// separators that only some programs honour.
 pub fn is_bidi(c: char) -> bool {
     matches!(
         c,
@@ -27,23 +27,23 @@ pub fn is_bidi(c: char) -> bool {
     ) || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
-/// Whether a terminal does something else with it than show it.
+/// Whether a terminal acts on the character instead of displaying it.
 fn is_hostile(c: char) -> bool {
     c.is_control() || is_bidi(c)
 }
 
-/// What is shown for a character that does something.
+/// Returns a visible replacement for a character that has an effect.
 fn picture(c: char) -> char {
     match c {
-        // Unicode has a picture of each.
+        // Unicode has a picture of each control character.
         '\0'..='\u{1f}' => char::from_u32(0x2400 + u32::from(c)).unwrap_or('\u{fffd}'),
         '\u{7f}' => '\u{2421}',
         _ => '\u{fffd}',
     }
 }
 
-/// Text of several lines for a terminal: a picture for each control character but the ends of
-/// lines, spaces for tabs.
+/// Escapes multi-line text for a terminal: pictures for control characters except line ends, spaces
+/// for tabs.
 pub fn visible(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for c in text.replace("\r\n", "\n").chars() {
@@ -57,13 +57,13 @@ pub fn visible(text: &str) -> String {
     result
 }
 
-/// The same in one line.
+/// Escapes text for a terminal and joins its lines into one.
 pub fn in_one_line(text: &str) -> String {
     let lines = text.split(['\r', '\n']).map(str::trim).filter(|line| !line.is_empty());
     visible(&lines.collect::<Vec<_>>().join(" "))
 }
 
-/// A name, such as that of a file: one line whatever is in it.
+/// Escapes a name, such as a file's, into one line.
 pub fn name(text: &str) -> Cow<'_, str> {
     match text.contains(is_hostile) {
         true => text.chars().map(|c| if is_hostile(c) { picture(c) } else { c }).collect(),
@@ -71,8 +71,8 @@ pub fn name(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A whole output for people: nothing in it moves the cursor or turns text around, and no line
-/// is a command to what keeps the log. Styles stay where they are ours.
+/// Escapes a complete output: nothing in it moves the cursor or reorders text, and no line is a
+/// command to a CI runner.
 pub fn output(text: &str, styles: Styles) -> Cow<'_, str> {
     match commands(text) {
         Cow::Borrowed(text) => controls(text, styles),
@@ -80,7 +80,7 @@ pub fn output(text: &str, styles: Styles) -> Cow<'_, str> {
     }
 }
 
-/// The same without control characters, but for styles.
+/// Escapes control characters, except for kept styles.
 fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
     let shown = |c: char| matches!(c, '\n' | '\t') || !is_hostile(c);
     if text.chars().all(shown) {
@@ -102,16 +102,16 @@ fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
     Cow::Owned(result)
 }
 
-/// The length of a style (SGR of ECMA-48) that a text begins with.
+/// Returns the length of the style (SGR of ECMA-48) that a text begins with.
 fn style(text: &str) -> Option<usize> {
     let inside = text.strip_prefix("\x1b[")?;
     let end = inside.find(|c: char| !c.is_ascii_digit() && c != ';')?;
     inside[end..].starts_with('m').then_some(end + 3)
 }
 
-/// Lines that the runners of GitHub, Azure and TeamCity would take for commands: `::error::` at
-/// their start, `##[error]` and `##vso[` anywhere. The first is made the path of a file, which is
-/// what it mostly is.
+/// Defuses lines that the runners of GitHub, Azure and TeamCity would take for commands:
+/// `::error::` at their start, `##[error]` and `##vso[` anywhere. A leading `::` becomes a path,
+/// which is what it mostly is.
 fn commands(text: &str) -> Cow<'_, str> {
     let bytes = text.as_bytes();
     if memmem::find(bytes, b"::").is_none() && memmem::find(bytes, b"##").is_none() {
@@ -128,7 +128,8 @@ fn commands(text: &str) -> Cow<'_, str> {
             line = Cow::Owned(before.to_string() + &after.replace("##", "#\u{fe5f}"));
         }
         let at = command_start(&line);
-        // ` ::: shaders/a.vert:2:24` opens an excerpt of another file: no command without `::` again.
+        // ` ::: shaders/a.vert:2:24` opens an excerpt of another file: not a command without a
+        // second `::`.
         let excerpt = line[at..].strip_prefix("::: ").is_some_and(|rest| !rest.contains("::"));
         match line[at..].starts_with("::") && !excerpt {
             true => {
@@ -146,7 +147,7 @@ fn is_command(line: &str) -> bool {
     line[command_start(line)..].starts_with("::") || bracket(line).is_some()
 }
 
-/// Where the text of a line begins, behind blanks and styles.
+/// Returns the offset of a line's text after blanks and styles.
 fn command_start(line: &str) -> usize {
     let mut at = 0;
     loop {
@@ -162,7 +163,7 @@ fn command_start(line: &str) -> usize {
     }
 }
 
-/// Where `##[` or `##word[` is.
+/// Returns the offset of `##[` or `##word[`.
 fn bracket(line: &str) -> Option<usize> {
     line.match_indices("##").map(|(at, _)| at).find(|at| {
         let rest = line[at + 2..].trim_start_matches(|c: char| c.is_ascii_alphanumeric());
@@ -170,8 +171,8 @@ fn bracket(line: &str) -> Option<usize> {
     })
 }
 
-/// A text in JSON, of which only strings can hold such characters: the same values, no character
-/// that a terminal obeys and no command.
+/// Escapes JSON text, where only strings can hold such characters: the values stay the same,
+/// without characters that a terminal acts on and without commands.
 pub fn json(text: &str) -> Cow<'_, str> {
     let hostile = |c: char| c > '\u{7e}' && is_hostile(c);
     if !text.contains(hostile) && memmem::find(text.as_bytes(), b"##").is_none() {
@@ -187,7 +188,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(result)
 }
 
-/// Text in which no character means anything to Markdown or HTML.
+/// Escapes text for Markdown and HTML.
 pub fn markdown(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for c in text.chars() {
@@ -204,9 +205,9 @@ pub fn markdown(text: &str) -> String {
     result
 }
 
-/// Code in Markdown, in a table too.
+/// Formats code for Markdown, also inside a table.
 pub fn markdown_code(text: &str) -> String {
-    // In a code span a backslash stands for itself, even before a pipe that would end the cell.
+    // In a code span a backslash is literal, even before a pipe that would end the cell.
     let simple = !text.contains(['`', '|', '\\']) && !text.contains(is_hostile);
     match text.trim() {
         "" => markdown(text),
@@ -215,8 +216,8 @@ pub fn markdown_code(text: &str) -> String {
     }
 }
 
-/// A name in Markdown without a code span: one that is plain stays as it is.
-pub fn markdown_name(text: &str) -> Cow<'_, str> {
+/// Formats a name for Markdown without a code span; a plain name is unchanged.
+pub(crate) fn markdown_name(text: &str) -> Cow<'_, str> {
     let plain = |c: char| c.is_alphanumeric() || " _-./+,@=():".contains(c);
     match text.chars().all(plain) {
         true => Cow::Borrowed(text),
@@ -224,8 +225,8 @@ pub fn markdown_name(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Text for XML, HTML and SVG, between tags or in an attribute: of characters that XML 1.0 has
-/// (its production 2).
+/// Escapes text for XML, HTML and SVG, between tags or in an attribute; characters outside XML
+/// 1.0's production 2 are replaced.
 pub fn xml(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for c in text.chars() {
@@ -234,7 +235,8 @@ pub fn xml(text: &str) -> String {
             '<' => result.push_str("&lt;"),
             '>' => result.push_str("&gt;"),
             '"' => result.push_str("&quot;"),
-            // A reader turns them into spaces in an attribute, and \r into \n anywhere.
+            // XML parsers turn them into spaces in an attribute, and \r into
+            // anywhere.
             '\t' | '\n' | '\r' => result.push_str(&format!("&#{};", u32::from(c))),
             '\u{fffe}' | '\u{ffff}' => result.push('\u{fffd}'),
             c if is_hostile(c) => result.push('\u{fffd}'),
@@ -244,7 +246,7 @@ pub fn xml(text: &str) -> String {
     result
 }
 
-/// Text for a comment of generated Rust or C, in one line: rustc refuses bidi marks there
+/// Escapes text for a comment of generated Rust or C, in one line: rustc rejects bidi marks there
 /// (`text_direction_codepoint_in_comment`).
 pub fn comment(text: &str) -> String {
     name(text).replace("*/", "* /").replace("/*", "/ *").replace('`', "_")

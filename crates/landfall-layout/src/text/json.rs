@@ -1,10 +1,9 @@
-//! JSON with the place of every value, so that what is wrong in a lock can be pointed at.
+//! A JSON parser that keeps the byte range of every value, so that faults in a lock can be located.
 //!
-//! Feeds [`lock`](crate::lock) and the reader of scenes in `landfall_light`. Unlike a library's,
-//! this reader tells a text that ends too early from one that is no JSON, and keeps where each
-//! value stands.
+//! Feeds [`lock`](crate::lock) and the scene parser in `landfall_light`. It also distinguishes a
+//! truncated text from one that is not JSON.
 
-/// A value and the bytes it takes.
+/// A value and its byte range.
 #[derive(Debug)]
 pub struct Node {
     /// First byte.
@@ -15,54 +14,54 @@ pub struct Node {
     pub value: Value,
 }
 
-/// What stands there.
+/// A JSON value.
 #[derive(Debug)]
 pub enum Value {
     /// `null`.
     Null,
     /// `true` or `false`.
     Bool(bool),
-    /// As it is written.
+    /// A number as written.
     Number(String),
     /// A string.
     Text(String),
     /// An array.
     List(Vec<Node>),
-    /// Each key with the byte it starts at.
+    /// An object: each key with the offset of its first byte.
     Object(Vec<(String, usize, Node)>),
 }
 
-/// Why a text is no JSON.
+/// An error in JSON text.
 #[derive(Debug)]
 pub enum Fault {
-    /// It ends before it is complete.
+    /// The text ends before the value is complete.
     Truncated,
-    /// It has something else where that should be.
+    /// An unexpected character.
     Expected {
-        /// Byte of the text.
+        /// Byte offset in the text.
         at: usize,
-        /// What belongs there.
+        /// The expected syntax.
         wanted: &'static str,
     },
-    /// A key stands twice in one object.
+    /// A key that occurs twice in one object.
     Twice {
-        /// Byte of the text.
+        /// Byte offset in the text.
         at: usize,
         /// The repeated key.
         key: String,
     },
-    /// More objects in one another than any layout has.
+    /// Nesting deeper than the limit.
     Deep {
-        /// Byte of the text.
+        /// Byte offset in the text.
         at: usize,
     },
 }
 
-/// Structures nest 128 deep, each an object in a list.
+/// The nesting limit: structures nest 128 deep, each an object in a list.
 const DEEPEST: u32 = 320;
 
 impl Value {
-    /// What messages call it.
+    /// Returns the noun used in messages.
     pub fn noun(&self) -> &'static str {
         match self {
             Value::Null => "null",
@@ -75,7 +74,7 @@ impl Value {
     }
 }
 
-/// Reads a whole text.
+/// Parses a whole text.
 pub fn parse(text: &str) -> Result<Node, Fault> {
     let mut reader = Reader { text, at: 0 };
     let node = reader.value(0)?;
@@ -199,7 +198,7 @@ impl Reader<'_> {
     fn object(&mut self, depth: u32) -> Result<Value, Fault> {
         self.at += 1;
         let mut entries: Vec<(String, usize, Node)> = Vec::new();
-        // An object of a layout has two dozen keys; only `offsets` has more.
+        // A layout object has two dozen keys; only `offsets` has more.
         let mut many = std::collections::HashSet::new();
         self.blanks();
         if self.peek() == Some(b'}') {

@@ -1,10 +1,10 @@
-//! Where in the text of JSON a value stands, for messages about it.
+//! Locates values in JSON text, for messages about them.
 //!
-//! The text was read before, so that it is known to be JSON.
+//! The text was parsed before, so it is known to be valid JSON.
 
 use std::ops::Range;
 
-/// A value in JSON, and the key right before it.
+/// The byte ranges of a JSON value and of the key directly before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// The key before the value, if any.
@@ -13,14 +13,14 @@ pub struct Found {
     pub value: Range<usize>,
 }
 
-/// The value that a path leads to, its keys as they are written: `data[1].pos[2]`, and also with
-/// `{"data[1].pos": […]}`.
+/// Returns the value at a path whose keys are spelled as written: `data[1].pos[2]`, which also
+/// matches `{"data[1].pos": […]}`.
 pub fn locate(text: &str, path: &str) -> Option<Found> {
     let scan = Scan { text };
     scan.find(scan.space(0), path, None)
 }
 
-/// The first byte at a line and a column, both from 1, the column in bytes.
+/// Returns the offset of a line and column, both from 1, the column in bytes.
 pub(crate) fn at_line(text: &str, line: usize, column: usize) -> Range<usize> {
     let lines = text.split_inclusive('\n').take(line.saturating_sub(1));
     let line_start = lines.map(str::len).sum::<usize>();
@@ -53,7 +53,7 @@ impl Scan<'_> {
             let rest = path.strip_prefix(name.as_str());
             let whole = |rest: &&str| rest.is_empty() || rest.starts_with(['.', '[']);
             if let Some(rest) = rest.filter(whole) {
-                // Of keys such as `a` and `a[0]` either may be the one.
+                // Of keys such as `a` and `a[0]` either may match.
                 if let Some(found) = self.find(value, rest, Some(key)) {
                     return Some(found);
                 }
@@ -84,13 +84,13 @@ impl Scan<'_> {
         at + rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count()
     }
 
-    /// What follows a value and its comma.
+    /// Returns the offset after a value and its comma.
     fn next(&self, value: usize) -> Option<usize> {
         let at = self.space(self.end(value)?);
         Some(if self.byte(at)? == b',' { self.space(at + 1) } else { at })
     }
 
-    /// Where a value ends.
+    /// Returns the end of a value.
     fn end(&self, start: usize) -> Option<usize> {
         let (mut at, mut depth) = (start, 0usize);
         loop {
@@ -117,7 +117,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Where a string ends.
+    /// Returns the end of a string.
     fn string(&self, start: usize) -> Option<usize> {
         let mut at = start + 1;
         loop {

@@ -1,20 +1,21 @@
-//! Variants of lighting, or of a function, on readers: time against error, measured so that a
-//! busy machine is no excuse.
+//! Benches of lighting or of a function: variants on backends, time against error, in interleaved
+//! rounds that cancel out other load on the machine.
 //!
-//! A [`Workload`] is a variant on a reader; [`measure`] runs them in turns by a [`clock`] and
-//! gives [`Spread`]s; [`Errors`] hold what it gives against the truth, [`Permitted`] says what any
-//! device may give, [`Work`] what it does; [`rank`] says who is better. All of it is a [`Bench`],
-//! printed by the report of `landfall bench` and drawn by [`plot`](super::plot).
+//! A [`Workload`] is a variant on a backend; [`measure`] runs workloads in interleaved rounds by a
+//! [`clock`], for a [`Spread`] each; [`Errors`] compares its results with the truth, [`Permitted`]
+//! bounds those of any conformant device, [`Work`] counts operations; [`rank`] compares variants.
+//! The result is a [`Bench`], printed by the report of `landfall bench` and drawn by
+//! [`plot`](super::plot).
 
 pub mod called;
 pub mod clock;
-pub mod compiled;
 pub mod counted;
-pub mod driven;
+pub mod driver_calls;
 mod errors;
 pub mod function;
 mod kernel;
 pub mod machine;
+pub mod native;
 pub mod rank;
 mod report;
 mod rounds;

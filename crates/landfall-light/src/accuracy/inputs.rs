@@ -1,8 +1,7 @@
-//! What a function is called with: its inputs by role, what they may be, and values like those of
-//! published scenes.
+//! The inputs of a function by role, their domain, and values like those of published scenes.
 //!
-//! Made of a [`Pure`]; [`stress`](super::stress) looks among them for what breaks,
-//! [`bench`](mod@super::bench) takes the ordinary ones.
+//! Derived from a [`PureFunction`]; [`stress`](super::stress) searches them for failures,
+//! [`bench`](mod@super::bench) takes ordinary ones.
 
 pub(super) mod comments;
 pub mod domain;
@@ -21,14 +20,14 @@ pub use input::{Input, Sample};
 pub(super) use samples::published;
 
 use domain::{Domain, Refused};
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
-/// What the inputs of a function may be: by comments of its shader, then by JSON.
+/// Returns the domain of a function's inputs: from comments of its shader, then from JSON.
 pub(super) fn domain(
     source: &Source,
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &[Input],
     json: Option<&Value>,
 ) -> Result<Domain, Diagnostic> {
@@ -48,7 +47,7 @@ fn bad(refused: Refused, about: &str) -> Diagnostic {
     Diagnostic::about(Code::BadDomain, refused.message, refused.help, about)
 }
 
-/// Samples by scalar.
+/// Transposes samples to columns, one for each scalar.
 pub(super) fn columns(samples: &[Sample]) -> Vec<Vec<u64>> {
     let scalars = samples.first().map_or(0, Vec::len);
     (0..scalars).map(|at| samples.iter().map(|sample| sample[at]).collect()).collect()

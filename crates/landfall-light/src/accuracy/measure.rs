@@ -1,39 +1,38 @@
-//! How far an `f32` result is from its `f64`, and how such distances are summed up in constant
-//! memory.
+//! Errors of `f32` results against `f64` ones, and their distribution in constant memory.
 //!
-//! Reads what [`Pure::call`](landfall_exec::harness::call::pure::Pure::call) gives; feeds
-//! [`stress`](super::stress) and [`bench`](mod@super::bench).
+//! Reads results of [`PureFunction::call`](landfall_exec::harness::call::pure::PureFunction::call);
+//! used by [`stress`](super::stress) and [`bench`](mod@super::bench).
 
-use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
 use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::ScalarKind;
 
-/// How far a sample's result is off.
+/// The error of a sample's result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Off {
-    /// In units of the last place of an `f32`, the worst component.
+    /// In units of the last place of an `f32`, for the worst component.
     pub ulp: f64,
-    /// Relative to the value, but at least to 2^-10 of the full scale.
+    /// Relative to the value, or to 2^-10 of full scale if larger.
     pub relative: f64,
-    /// In steps of 1/255 of the full scale.
+    /// In steps of 1/255 of full scale.
     pub steps: f64,
 }
 
-/// What a sample came to.
+/// The outcome of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// It met a `discard`.
+    /// The function executed `discard`.
     Discarded,
-    /// A result is NaN, in `f32` or where the `f32` hides it.
+    /// A result is NaN, in `f32` or only in `f64`.
     NotANumber,
     /// A result is infinite.
     Infinite,
-    /// All are finite; whether the worst is above what it should be.
+    /// All results are finite: the error, and whether the worst is too large.
     Off(Off, bool),
 }
 
-/// Which scalars of the results are `f32`: the number of the result, and of the scalar in it.
-pub(super) fn floats(pure: &Pure) -> Vec<(usize, usize)> {
+/// Returns the results that are `f32`: the index of the result and of the scalar in it.
+pub(super) fn floats(pure: &PureFunction) -> Vec<(usize, usize)> {
     let mut all = Vec::new();
     for (nth, result) in pure.results.iter().enumerate() {
         for (at, scalar) in result.ty.scalars().iter().enumerate() {
@@ -45,7 +44,7 @@ pub(super) fn floats(pure: &Pure) -> Vec<(usize, usize)> {
     all
 }
 
-/// What one lane came to.
+/// Returns the outcome of one lane.
 pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usize) -> Outcome {
     if called.called.discarded.get(lane).copied().unwrap_or(false) {
         return Outcome::Discarded;
@@ -58,7 +57,7 @@ pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usiz
     outcome_of(floats.len(), pair)
 }
 
-/// What so many numbers come to, each an `f32` and what it should be.
+/// Returns the outcome of `count` numbers, each an `f32` and its expected value.
 pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
     let mut infinite = false;
     let mut scale = 1.0f64;
@@ -86,7 +85,7 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
     Outcome::Off(worst, above)
 }
 
-/// How far finite numbers are apart; `scale` is the full scale, at least 1.
+/// Returns the error of a finite number; `scale` is the full scale, at least 1.
 pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
     let apart = (f64::from(single) - double).abs();
     Off {
@@ -96,21 +95,22 @@ pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
     }
 }
 
-/// Bins of a power of two.
+/// The bins per power of two.
 const FINE: f64 = 8.0;
 
-/// The smallest power of two that has bins of its own; and how many bins there are.
+/// The exponent of the smallest power of two with bins of its own.
 const LOWEST: f64 = -40.0;
+/// The number of bins.
 const BINS: usize = 220 * 8;
 
-/// A distribution of positive numbers: counts by size, and the greatest.
+/// A distribution of positive numbers: a histogram and the maximum.
 #[derive(Clone, Debug)]
 pub struct Spread {
     counts: Vec<u64>,
     zeros: u64,
-    /// How many.
+    /// The number of values.
     pub count: u64,
-    /// The greatest.
+    /// The maximum.
     pub max: f64,
 }
 
@@ -133,7 +133,7 @@ impl Spread {
         self.counts[bin as usize] += 1;
     }
 
-    /// Adds all of another.
+    /// Adds the numbers of another distribution.
     pub fn merge(&mut self, other: &Spread) {
         self.counts.iter_mut().zip(&other.counts).for_each(|(sum, n)| *sum += n);
         self.zeros += other.zeros;
@@ -141,7 +141,7 @@ impl Spread {
         self.max = self.max.max(other.max);
     }
 
-    /// What that share of all does not exceed, to a twelfth.
+    /// Returns the quantile of a share, to a twelfth of its value.
     pub fn quantile(&self, share: f64) -> f64 {
         let mut rest = (self.count as f64 * share).ceil() as u64;
         if rest <= self.zeros {

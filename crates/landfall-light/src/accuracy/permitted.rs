@@ -1,31 +1,30 @@
-//! How far from the truth a conformant device may be: what tells an adapter that is wrong from
-//! code that any of them may get wrong.
+//! The largest error of a conformant device, to distinguish a wrong adapter from code that is
+//! inaccurate on all of them.
 //!
-//! Reads calls made with the bounds WGSL and Vulkan set to each operation
-//! ([`Precision::Permitted`](landfall_exec::interp::Precision::Permitted)). Feeds
+//! Reads calls with the bounds that WGSL and Vulkan set for each operation
+//! ([`Precision::Permitted`](landfall_exec::interp::Precision::Permitted)). Used by
 //! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
 use landfall_exec::harness::call::pure::PureCalled;
 
-/// The farthest from the truth that a conformant device may be; infinite where it may give
-/// anything.
+/// The largest error of a conformant device; infinite where results are unbounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Farthest {
-    /// The distance, of the worst component.
+    /// The absolute error of the worst component.
     pub far: f64,
-    /// In steps of 1/255 of full scale.
+    /// The error in steps of 1/255 of full scale.
     pub steps: f64,
-    /// Whether a branch may go the other way, and so lead anywhere.
+    /// Whether a branch may go the other way, with unbounded effect.
     pub unsure: bool,
 }
 
-/// The farthest from a truth in an interval.
+/// Returns the largest distance of an interval's points from the truth.
 pub(super) fn off_from([low, high]: [f64; 2], truth: f64) -> f64 {
     let off = (truth - low).abs().max((high - truth).abs());
     if off.is_nan() { f64::INFINITY } else { off }
 }
 
-/// What is permitted in a lane around the truth of those floats; none where it is not known.
+/// Returns the largest permitted error of the floats of a lane; `None` where it is unknown.
 pub(super) fn farthest(
     called: &PureCalled,
     floats: &[(usize, usize)],

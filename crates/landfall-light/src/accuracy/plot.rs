@@ -1,9 +1,9 @@
-//! Drawings of measurements, as SVG text that is the same for the same numbers.
+//! Drawings of measurements, as deterministic SVG text.
 //!
-//! [`scatter`](scatter()) draws run time against error; [`heat_map`](heat_map()) an error over
-//! two inputs. [`axis`] has their scales, `labels` puts text where nothing is, `svg` spells
-//! elements. Nothing here is told by colour alone, and each drawing brings a background with it,
-//! light or dark as the reader's screen is.
+//! [`scatter`](scatter()) draws run time against error; [`heat_map`](heat_map()) an error over two
+//! inputs. [`axis`] holds their scales, `labels` places text, `svg` writes elements. No information
+//! is in colour alone, and each drawing has a background of its own, light or dark by the viewer's
+//! preference.
 
 pub mod axis;
 mod heat_map;

@@ -1,9 +1,11 @@
-//! Where a shader function breaks, how wrong it gets, and why.
+//! Searches the inputs of a shader function for the largest errors and for undefined results.
 //!
-//! [`Pure`] makes the function callable; `generate` makes inputs,
-//! `sample` runs them in `f32` and `f64`, `classify` names what they meet, `find` makes
-//! findings of it. the report of `landfall stress` prints the [`Report`].
+//! [`PureFunction`] makes the function callable; `generate` makes inputs, `sample` runs them in
+//! `f32` and `f64`, `classify` assigns hazards, `find` makes findings. The report of `landfall
+//! stress` prints the [`Report`].
 
+mod backends;
+mod batch;
 mod blame;
 mod case;
 mod classify;
@@ -11,20 +13,22 @@ mod climb;
 mod condition;
 mod deadline;
 mod drivers;
-mod every;
+mod exhaustive;
 mod find;
+mod found;
 mod generate;
-mod judge;
+mod kept;
 mod map;
+pub mod messages;
 mod mutations;
 mod permitted;
-mod readers;
+mod plan;
 mod report;
 mod rewrite;
 mod sample;
 mod semantic;
 mod shrink;
-pub mod words;
+mod verdict;
 mod worker;
 
 use landfall_layout::diagnostic::Code;
@@ -39,54 +43,55 @@ use super::inputs::{input, matched, random, scene};
 use super::measure;
 pub use super::measure::{Off, Outcome, Spread};
 
+pub use backends::{BackendReport, Disagreement, DriverCase};
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
 pub use condition::Condition;
+pub use found::{Against, BackendResult, Found, Worst};
 pub use generate::Family;
-pub use judge::Came;
+pub use kept::Tally;
 pub use map::{MapRequest, error_map};
 pub use permitted::{PermittedAt, Verdict};
-pub use readers::{DriverCase, Odd, ReaderReport};
-pub use report::{Against, Asked, Found, Report, Worst};
+pub use report::Report;
 pub use rewrite::Gain;
-pub use sample::Tally;
+pub use verdict::DriverOutcome;
 
 use climb::{Climbs, Whose};
 use deadline::Deadline;
 use drivers::Drivers;
 use generate::Generator;
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::Refusal;
-use landfall_exec::harness::call::pure::{Pure, PureRequest};
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
+use plan::Plan;
 use random::Random;
-use sample::Plan;
 
-/// What is to be found out, and how long it may take.
+/// What to search, and the limits of the search.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The function, and what of its surroundings stays fixed.
+    /// The function and its fixed bindings.
     pub pure: PureRequest,
-    /// What its inputs may be, in JSON.
+    /// The domain of the inputs as JSON.
     pub domain: Option<Value>,
-    /// What random numbers start from.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// Samples to run; a domain of no more inputs is run whole, each input once.
+    /// The number of samples; a domain with no more inputs is run completely, each input once.
     pub samples: u64,
-    /// Time for sampling; what is found is looked at in half as much again.
+    /// The time limit for sampling; examining the findings takes up to half as much again.
     pub time: Option<Duration>,
-    /// Set by anybody, it ends with what it has: the report says so.
+    /// Set to stop early with the results so far, which the report states.
     pub stop: Arc<AtomicBool>,
-    /// Threads; 0 for as many as there are.
+    /// The number of threads; 0 for all of the machine.
     pub threads: usize,
-    /// Errors from which on a finding is made, in steps of 1/255 of full scale.
+    /// The error from which a sample is a finding, in steps of 1/255 of full scale.
     pub steps: f64,
-    /// And in units of the last place.
+    /// The error from which a sample is a finding, in units of the last place.
     pub ulp: Option<f64>,
-    /// A function that each finding is held against, and the shader it is in.
+    /// A function to compare each finding with, and its shader.
     pub against: Option<(Source, PureRequest)>,
-    /// Iterations of loops one invocation may take.
+    /// The most loop iterations of one invocation.
     pub budget: u32,
 }
 
@@ -108,37 +113,37 @@ impl Default for Request {
     }
 }
 
-/// What is found when it is told to stop is still looked at, for so long.
+/// The time to examine findings after a stop.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Threads at most.
+/// The most threads.
 const MOST_THREADS: usize = 256;
 
-/// Stresses a function; `progress` is told how many samples ran.
+/// Stresses a function; `progress` receives the number of samples run.
 ///
-/// The evaluator runs every sample in `f32` and `f64`, and each driver among the readers runs it
-/// too and is held against that `f64`. A driver that fails is left out from there on, and the
-/// report says why.
+/// The evaluator runs every sample in `f32` and `f64`; each driver among the backends runs it too,
+/// and its result is compared with that `f64`. A driver that fails runs no further samples, and the
+/// report states why.
 ///
 /// # Errors
-/// A shader that does not run; a function it does not have or that cannot be called by itself; a
-/// domain that is empty or about something else.
+/// A shader that does not run; a function that does not exist or cannot be called on its own; a
+/// domain that is empty or names other inputs.
 pub fn stress(
     source: &Source,
     options: &Options,
     request: &Request,
-    readers: &mut [Box<dyn Reader>],
+    backends: &mut [Box<dyn Backend>],
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Report, Box<Refusal>> {
     let began = Instant::now();
-    let pure = Pure::new(source, options, &request.pure)?;
+    let pure = PureFunction::new(source, options, &request.pure)?;
     let refused =
         |found: Diagnostic| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
     let against = match &request.against {
-        Some((source, other)) => Some(Pure::new(source, options, other)?),
+        Some((source, other)) => Some(PureFunction::new(source, options, other)?),
         None => None,
     };
-    let others: Vec<&Pure> = against.iter().collect();
+    let others: Vec<&PureFunction> = against.iter().collect();
     let inputs = matched::shared(&pure, &others);
     let against = match &against {
         Some(other) => Some((other, order(&pure, &inputs, other).map_err(&refused)?)),
@@ -162,7 +167,7 @@ pub fn stress(
     let failed = |failure: landfall_exec::backend::Failure| {
         refused(Diagnostic::about(Code::CannotRun, failure.message, None, &source.path))
     };
-    let mut drivers = Drivers::new(&pure, &inputs, readers, &plan);
+    let mut drivers = Drivers::new(&pure, &inputs, backends, &plan);
     let started = Instant::now();
     let sampled = sample::run(&pure, &generator, &plan, &mut drivers, progress);
     let mut sampled = sampled.map_err(&failed)?;
@@ -178,7 +183,7 @@ pub fn stress(
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
-        .filter(|((_, why), _)| *why == sample::Why::Endless)
+        .filter(|((_, why), _)| *why == kept::Why::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
     let climbing =
@@ -194,7 +199,7 @@ pub fn stress(
         tally.merge(&climbs.tally);
     }
     drivers.flush();
-    // What is written up is run again, each a sample, whatever the time is.
+    // Reported samples are run again one by one, regardless of the time limit.
     let writing = Plan { until: Deadline::default(), ..plan.clone() };
     Ok(report::report(report::Made {
         source,
@@ -218,12 +223,12 @@ pub fn stress(
     }))
 }
 
-/// The worst finite samples: the largest error in units of the last place, and in steps.
+/// Returns the worst finite samples: by units of the last place, and by steps.
 fn worst(
-    pure: &Pure,
+    pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
-    sampled: &sample::Sampled,
+    sampled: &kept::Sampled,
     climbs: &mut Climbs<'_, '_>,
 ) -> Vec<(Sample, Off)> {
     let mut random = Random::new(11, 11);
@@ -250,16 +255,16 @@ fn worst(
     all
 }
 
-/// What the scalars of a function that is held against another are given of its samples.
+/// Returns for each scalar of the compared function the matching one of the stressed function.
 fn order(
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &super::inputs::Inputs,
-    other: &Pure,
+    other: &PureFunction,
 ) -> Result<Vec<Option<usize>>, Diagnostic> {
     let [own, others] = [pure, other].map(|pure| measure::floats(pure).len());
     let order = matched::matched(pure, inputs, other).and_then(|order| match own == others {
         true => Ok(order),
-        false => Err(format!("it gives {others} floats, and `{}` {own}", pure.shown)),
+        false => Err(format!("it returns {others} floats, but `{}` returns {own}", pure.shown)),
     });
     order.map_err(|reason| {
         let message = format!("`{}` does not fit: {reason}", other.shown);
@@ -267,19 +272,20 @@ fn order(
     })
 }
 
-/// Climbs from the worst samples of each driver, which keeps what it finds there.
+/// Climbs from the worst samples of each driver, which records the results.
 fn worst_on_drivers(
-    pure: &Pure,
+    pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
     climbs: &mut Climbs<'_, '_>,
 ) {
     climbs.drivers.flush();
     let mut random = Random::new(13, 13);
-    let height =
-        |why: judge::Why| move |off: &Off| if why == judge::Why::Ulp { off.ulp } else { off.steps };
+    let height = |why: verdict::Why| {
+        move |off: &Off| if why == verdict::Why::Ulp { off.ulp } else { off.steps }
+    };
     for driver in 0..climbs.drivers.len() {
-        for why in [judge::Why::Ulp, judge::Why::Steps] {
+        for why in [verdict::Why::Ulp, verdict::Why::Steps] {
             for (start, from) in climbs.drivers.starts(driver, why) {
                 let up = (height(why), Whose::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);

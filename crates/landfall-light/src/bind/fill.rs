@@ -1,8 +1,8 @@
-//! The bytes of a shader's blocks, its textures and inputs, by a binding map.
+//! Writes the blocks, textures and inputs of a shader by a binding map.
 //!
-//! Reads an [`Upload`] and fragments; [`render`](crate::render) hands what it makes to
-//! [`fragments`](landfall_exec::harness::fragments). `write` says where in a block a member is, `given` what
-//! it is given, `varying` are textures and inputs.
+//! Reads an [`Upload`] and fragments; [`render`](crate::render) passes the results to
+//! [`fragments`](landfall_exec::harness::fragments). `write` locates members in their blocks,
+//! `given` evaluates sources, `varying` makes textures and inputs.
 
 mod given;
 mod mark;
@@ -19,36 +19,35 @@ use landfall_layout::buffer::Buffer;
 use landfall_layout::shape::ScalarKind;
 use write::{Len, Write, slots, write};
 
-/// The lights a list of fragments is lit by: their numbers in the upload, in the order of the
-/// sum.
+/// The lights of a list of fragments: indices into the upload, in the order of the sum.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lit<'a> {
-    /// Whether the light from everywhere is added.
+    /// Whether ambient light is added.
     pub ambient: bool,
-    /// Suns.
+    /// The directional lights.
     pub directional: &'a [u32],
-    /// Lamps.
+    /// The point lights.
     pub point: &'a [u32],
-    /// Lamps with a cone.
+    /// The spotlights.
     pub spot: &'a [u32],
 }
 
-/// Which of the point lights of a [`Lit`] each tile of the picture has, for shaders that ask.
+/// The point lights of a [`Lit`] for each tile of the picture, for shaders that use them.
 #[derive(Clone, Copy, Debug)]
 pub struct Tiles<'a> {
-    /// Pixels along a tile's side.
+    /// The side of a tile in pixels.
     pub size: u32,
-    /// Tiles in a row.
+    /// The tiles in a row.
     pub columns: u32,
-    /// Of each tile, the first of its entries in `indices`, and how many they are.
+    /// The start of each tile's list in `indices`, and its length.
     pub tiles: &'a [[u32; 2]],
-    /// Numbers of point lights.
+    /// The indices of point lights.
     pub indices: &'a [u32],
 }
 
-/// What becomes of lights for which a shader has no slot.
+/// The treatment of lights for which a shader has no slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Excess {
+pub enum OverflowPolicy {
     /// They are an error.
     #[default]
     Refuse,
@@ -56,28 +55,28 @@ pub enum Excess {
     LeaveOut,
 }
 
-/// A binding map made ready to write many uploads.
+/// A binding map prepared for writing many uploads.
 #[derive(Clone, Debug)]
-pub struct Filler {
+pub struct BlockWriter {
     writes: Vec<Write>,
-    /// Of each block, zeros; of one that ends in a runtime-sized array, none.
+    /// The zeros of each block; empty for a block that ends in a runtime-sized array.
     blocks: Vec<Vec<u8>>,
     layouts: Vec<landfall_layout::BlockLayout>,
-    /// Slots of each kind and the member that has the fewest.
+    /// The slots of each kind, and the member with the fewest.
     slots: [(usize, Option<String>); 3],
     textures: Vec<Source>,
     inputs: Vec<Source>,
-    /// Whether some texture carries the diffuse, or the specular, colour.
+    /// Whether a texture carries the ambient, the diffuse or the specular colour.
     textured: [bool; 3],
     rows_from_bottom: bool,
 }
 
-impl Filler {
-    /// Makes a map ready.
+impl BlockWriter {
+    /// Prepares a map.
     ///
     /// # Errors
-    /// A member that cannot be given what the map says.
-    pub fn new(shader: &FragmentShader, map: &BindingMap) -> Result<Filler, BindError> {
+    /// A member that does not fit its source.
+    pub fn new(shader: &FragmentShader, map: &BindingMap) -> Result<BlockWriter, BindError> {
         let layouts: Vec<_> = shader.blocks().iter().map(|block| block.layout.clone()).collect();
         let mut writes = Vec::new();
         for member in &map.members {
@@ -85,7 +84,7 @@ impl Filler {
                 writes.push(write(member, &layouts[member.block])?);
             }
         }
-        // An element on its own goes over what its array was given.
+        // A single element overrides its array.
         writes.sort_by_key(|write| write.len == Len::One);
         let blocks = layouts.iter().map(|layout| match Buffer::new(layout) {
             Ok(buffer) => buffer.into_bytes(),
@@ -96,7 +95,7 @@ impl Filler {
             let wanted = Some(Quantity::Material(part));
             textures.iter().any(|source| source.quantity() == wanted)
         };
-        Ok(Filler {
+        Ok(BlockWriter {
             blocks: blocks.collect(),
             slots: Kind::ALL.map(|kind| slots(&writes, kind)),
             writes,
@@ -109,16 +108,20 @@ impl Filler {
         })
     }
 
-    /// The lights of an upload that the shader has slots for; all of them, or an error.
+    /// Returns the lights of an upload for which the shader has slots.
     ///
     /// # Errors
-    /// More lights of a kind than slots, unless they are to be left out.
-    pub fn lights(&self, lights: &Lights, excess: Excess) -> Result<[Vec<u32>; 3], BindError> {
+    /// More lights of a kind than slots, unless the policy leaves them out.
+    pub fn lights(
+        &self,
+        lights: &Lights,
+        excess: OverflowPolicy,
+    ) -> Result<[Vec<u32>; 3], BindError> {
         let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
         let mut chosen: [Vec<u32>; 3] = Default::default();
         for (kind, chosen) in Kind::ALL.into_iter().zip(&mut chosen) {
             let (lights, (slots, member)) = (counts[kind as usize], &self.slots[kind as usize]);
-            if lights > *slots && excess == Excess::Refuse {
+            if lights > *slots && excess == OverflowPolicy::Refuse {
                 let (slots, member) = (*slots, member.clone());
                 return Err(BindError::TooManyLights { kind, lights, slots, member });
             }
@@ -127,13 +130,13 @@ impl Filler {
         Ok(chosen)
     }
 
-    /// Slots of the shader for lights of a kind; as many as there may be lights where its array
-    /// is as long as its buffer.
+    /// Returns the slots of the shader for lights of a kind; `usize::MAX` for a runtime-sized
+    /// array.
     pub fn slots(&self, kind: Kind) -> usize {
         self.slots[kind as usize].0
     }
 
-    /// The bytes of every block for fragments of one material.
+    /// Returns the bytes of every block for fragments of one material.
     ///
     /// # Errors
     /// More lights than slots.
@@ -151,7 +154,7 @@ impl Filler {
                 return Err(BindError::TooManyLights { kind, lights, slots, member });
             }
         }
-        // One tile of everything, for a shader that asks and a plan that has none.
+        // A single tile with all lights, for a shader that uses tiles and a plan without them.
         let all: Vec<u32> = (0..lit.point.len().max(1) as u32).collect();
         let one = [[0, lit.point.len() as u32]];
         let whole = Tiles { size: u32::MAX, columns: 1, tiles: &one, indices: &all };
@@ -162,7 +165,7 @@ impl Filler {
             let elements = match write.len {
                 Len::One => 1,
                 Len::Fixed(len) => len,
-                // The leaf need not be the first of its element, so the last is no whole stride.
+                // The leaf may start inside its element, so the last stride may be incomplete.
                 Len::Runtime => {
                     bytes.len().saturating_sub(write.offset).div_ceil(write.stride.max(1))
                 }
@@ -195,7 +198,7 @@ impl Filler {
         Ok(blocks)
     }
 
-    /// Zeros for each block, runtime-sized arrays as long as what goes into them.
+    /// Returns zeros for each block, with runtime-sized arrays as long as their contents.
     fn sized(&self, given: &Given<'_>) -> Vec<Vec<u8>> {
         let each = self.blocks.iter().enumerate().map(|(number, zeros)| {
             if !zeros.is_empty() {
@@ -235,7 +238,7 @@ impl Filler {
         }
     }
 
-    /// What of a material a member cannot be given as it is.
+    /// Returns notes on properties of a material that the shader cannot represent.
     pub fn notes(&self, material: &Material) -> Vec<String> {
         let mut notes = Vec::new();
         for write in &self.writes {
@@ -243,7 +246,7 @@ impl Filler {
             let textured = self.carried(part);
             if let (Some(Surface::Texture(_)), false) = (surface(material, part), textured) {
                 notes.push(format!(
-                    "`{}` is one colour, and the {} of `{}` a texture: its mean is given",
+                    "`{}` is a single colour, but the {} of `{}` is a texture: its mean is used",
                     write.key,
                     part.word(),
                     material.name

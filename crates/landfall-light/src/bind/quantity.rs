@@ -1,40 +1,40 @@
-//! The numbers of a scene by name: `camera.position`, `point[].color`, `material.shininess`.
+//! The quantities of a scene by name: `camera.position`, `point[].color`, `material.shininess`.
 
 use std::fmt;
 
-/// A number of a scene, or a vector of them.
+/// A number or vector of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
-    /// Where the camera is.
+    /// The position of the camera.
     Camera,
-    /// Of the ambient light: its colour, its intensity, or the product.
+    /// The colour, intensity or radiance of the ambient light.
     Ambient(LightPart),
-    /// Of one light, or of each of a kind.
+    /// A property of one light, or of each of a kind.
     Light {
-        /// Its kind.
+        /// The kind of light.
         kind: Kind,
-        /// Which of the kind.
+        /// The light of that kind.
         slot: Slot,
-        /// What of it.
+        /// The property.
         part: LightPart,
     },
-    /// How many lights of a kind there are.
+    /// The number of lights of a kind.
     Count(Kind),
-    /// Of the material of the fragments.
+    /// A property of the fragments' material.
     Material(MaterialPart),
-    /// Of the lists of point lights by tiles of the picture.
+    /// The lists of point lights per tile of the picture.
     Tiles(TilePart),
-    /// Where a fragment is.
+    /// The position of the fragment.
     Position,
-    /// Its normal, interpolated.
+    /// The interpolated normal of the fragment.
     Normal,
-    /// Its texture coordinates.
+    /// The texture coordinates of the fragment.
     Uv,
-    /// Where its pixel is, as `gl_FragCoord` says it.
+    /// The pixel position, as in `gl_FragCoord`.
     Pixel,
 }
 
-/// The kinds of lights a scene may have several of.
+/// The kinds of lights that a scene may have several of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Kind {
@@ -43,12 +43,12 @@ pub enum Kind {
     Spot,
 }
 
-/// Which light of a kind.
+/// The lights of a kind that a quantity selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Slot {
-    /// The one whose number is that of the array's element: `point[]`.
+    /// The light with the index of the array element: `point[]`.
     Each,
-    /// One by its number: `point[2]`.
+    /// The light with that index: `point[2]`.
     One(u32),
 }
 
@@ -61,10 +61,10 @@ macro_rules! parts {
         }
 
         impl $name {
-            /// All of them.
+            /// All parts.
             pub const ALL: &'static [$name] = &[$($name::$part,)*];
 
-            /// As it is written behind the dot.
+            /// Returns the name after the dot.
             pub fn word(self) -> &'static str {
                 match self {
                     $($name::$part => $word,)*
@@ -75,45 +75,45 @@ macro_rules! parts {
 }
 
 parts! {
-    /// What of a light.
+    /// A property of a light.
     LightPart {
-        /// Where it is.
+        /// The position.
         Position = "position",
-        /// Where it travels.
+        /// The direction of travel.
         Direction = "direction",
-        /// Its one colour.
+        /// The single colour.
         Color = "color",
-        /// What the one colour is multiplied with.
+        /// The factor of the single colour.
         Intensity = "intensity",
-        /// The product of the two.
+        /// The colour times the intensity.
         Radiance = "radiance",
-        /// Colour of its ambient term.
+        /// The colour of the ambient term.
         Ambient = "ambient",
-        /// Colour of its diffuse term.
+        /// The colour of the diffuse term.
         Diffuse = "diffuse",
-        /// Colour of its specular term.
+        /// The colour of the specular term.
         Specular = "specular",
-        /// Attenuation per nothing.
+        /// The constant attenuation coefficient.
         Constant = "constant",
-        /// Attenuation per distance.
+        /// The linear attenuation coefficient.
         Linear = "linear",
-        /// Attenuation per distance squared.
+        /// The quadratic attenuation coefficient.
         Quadratic = "quadratic",
-        /// The three of them.
+        /// All three attenuation coefficients.
         Attenuation = "attenuation",
-        /// Where it ends; 1e18 where it does not.
+        /// The range; 1e18 if unlimited.
         Range = "range",
-        /// Cosine of the angle inside which it is whole.
+        /// The cosine of the angle up to which the cone has full intensity.
         InnerCos = "inner_cos",
-        /// Cosine of the angle outside which there is none.
+        /// The cosine of the angle beyond which the cone has none.
         OuterCos = "outer_cos",
-        /// The first angle in degrees.
+        /// The inner angle in degrees.
         InnerDegrees = "inner_degrees",
-        /// The second.
+        /// The outer angle in degrees.
         OuterDegrees = "outer_degrees",
-        /// The first angle in radians.
+        /// The inner angle in radians.
         InnerRadians = "inner_radians",
-        /// The second.
+        /// The outer angle in radians.
         OuterRadians = "outer_radians",
         /// 1 for a light, 0 for an empty slot.
         Enabled = "enabled",
@@ -121,42 +121,42 @@ parts! {
 }
 
 parts! {
-    /// What of a material.
+    /// A property of a material.
     MaterialPart {
-        /// Colour of ambient reflection.
+        /// The colour of ambient reflection.
         Ambient = "ambient",
-        /// Colour of diffuse reflection.
+        /// The colour of diffuse reflection.
         Diffuse = "diffuse",
-        /// Colour of specular reflection.
+        /// The colour of specular reflection.
         Specular = "specular",
-        /// The power of the highlight.
+        /// The exponent of the highlight.
         Shininess = "shininess",
-        /// What some models gate or multiply the highlight with.
+        /// The factor or gate of the highlight in some models.
         Reflectance = "reflectance",
     }
 }
 
 parts! {
-    /// What of the lists of tiles.
+    /// A part of the light lists of tiles.
     TilePart {
-        /// Pixels along a tile's side.
+        /// The side of a tile in pixels.
         Size = "size",
-        /// Tiles in a row.
+        /// The tiles in a row.
         Columns = "columns",
-        /// For each tile, its first place in the list.
+        /// The start of each tile's list.
         First = "first",
-        /// For each tile, how many places.
+        /// The length of each tile's list.
         Count = "count",
-        /// The list: numbers of point lights.
+        /// The lists: indices of point lights.
         Index = "index",
     }
 }
 
 impl Kind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Kind; 3] = [Kind::Directional, Kind::Point, Kind::Spot];
 
-    /// As it is written: `point`.
+    /// Returns the name: `point`.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Directional => "directional",
@@ -165,7 +165,7 @@ impl Kind {
         }
     }
 
-    /// Whether a light of the kind has such a part.
+    /// Whether lights of this kind have that property.
     pub fn takes(self, part: LightPart) -> bool {
         use LightPart::*;
         match part {
@@ -208,7 +208,7 @@ impl fmt::Display for Quantity {
 }
 
 impl Quantity {
-    /// The quantity of that name.
+    /// Returns the quantity with that name.
     pub fn parse(word: &str) -> Option<Quantity> {
         if let Some(found) = Quantity::fixed().into_iter().find(|q| q.to_string() == word) {
             return Some(found);
@@ -224,7 +224,7 @@ impl Quantity {
         kind.takes(part).then_some(Quantity::Light { kind, slot, part })
     }
 
-    /// Every name without a number in it, those of lights with `[]`.
+    /// Returns all names without an index, those of lights with `[]`.
     pub fn names() -> Vec<String> {
         let lights = Kind::ALL.into_iter().flat_map(|kind| {
             let parts = LightPart::ALL.iter().copied().filter(move |part| kind.takes(*part));
@@ -244,7 +244,7 @@ impl Quantity {
         all
     }
 
-    /// Whether it is one for each element of an array.
+    /// Whether it has a value for each element of an array.
     pub fn is_each(self) -> bool {
         match self {
             Quantity::Light { slot, .. } => slot == Slot::Each,
@@ -263,7 +263,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it is of the fragment, and so for inputs alone.
+    /// Whether it belongs to the fragment, and so only to inputs.
     pub fn is_of_fragment(self) -> bool {
         matches!(self, Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel)
     }

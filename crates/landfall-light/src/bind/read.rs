@@ -1,18 +1,18 @@
-//! What a scene or a file says of the binding, over what was guessed.
+//! Overrides of a scene or a file for the inferred binding.
 //!
 //! `{"PointLightBlock.data[].pos": "point[].position", "dirLight.direction":
-//! "-directional[0].direction", "exposure": 1, "shadowMap": null}`: a member by its block and
-//! path, or a loose uniform, texture or input by its name; a quantity, its negative, numbers, or
-//! `null` for zero.
+//! "-directional[0].direction", "exposure": 1, "shadowMap": null}`: keys are members by block and
+//! path, or loose uniforms, textures and inputs by name; values are quantities, their negatives,
+//! numbers, or `null` for zero.
 
 use serde_json::{Map, Value};
 
 use super::{BindError, BindingMap, Bound, Member, Quantity, Source};
 
-/// A map with some of its sources replaced.
+/// Returns a map with some of its sources replaced.
 ///
 /// # Errors
-/// A key that names nothing of the shader's, a word that is no quantity, a value of another kind.
+/// A key that the shader does not have, an unknown quantity, or a value of another type.
 pub fn overridden(
     mut map: BindingMap,
     given: &Map<String, Value>,
@@ -27,8 +27,8 @@ pub fn overridden(
         let constant = matches!(source, Source::Number(_) | Source::Unknown);
         if of_fragment != is_input && !constant {
             let why = match is_input {
-                true => format!("is an input, and `{source}` is no number of a fragment"),
-                false => format!("is no input, and only inputs can be `{source}`"),
+                true => format!("is an input, but `{source}` is not a property of a fragment"),
+                false => format!("is not an input, and only inputs can be `{source}`"),
             };
             return Err(BindError::Misfit { key: key.clone(), why });
         }
@@ -53,7 +53,7 @@ fn put(map: &mut BindingMap, key: &str, source: &Source) -> bool {
     found || element(map, key, source)
 }
 
-/// One element of an array: a member of its own, after that of the pattern.
+/// Adds one element of an array as a member of its own, after that of the pattern.
 fn element(map: &mut BindingMap, key: &str, source: &Source) -> bool {
     let pattern = |path: &str| {
         let mut out = String::new();
@@ -89,7 +89,7 @@ fn source(key: &str, value: &Value) -> Result<Source, BindError> {
         other => other.as_f64(),
     };
     let misfit = || {
-        let why = "is to be a quantity, a number, an array of up to four numbers, or null";
+        let why = "must be a quantity, a number, an array of up to four numbers, or null";
         BindError::Misfit { key: key.to_string(), why: why.to_string() }
     };
     match value {

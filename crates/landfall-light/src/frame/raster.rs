@@ -1,12 +1,12 @@
-//! Which triangle each pixel sees.
+//! Finds the triangle at each pixel.
 //!
-//! In the camera's space a pixel's centre is a ray from the origin, and each edge of a triangle
-//! spans a plane with the origin: the ray meets the triangle where it is on the inner side of
-//! all three (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates",
-//! 1997). What is behind the camera needs no cutting off, depth is the triangle's volume by the
-//! sum of the three, and the three by their sum are the weights of the corners, perspective
-//! included. An edge's plane seen from its other triangle is its exact negative, so no pixel is
-//! lost between two triangles and none is theirs both.
+//! In camera space a pixel's centre is a ray from the origin, and each edge of a triangle spans a
+//! plane with the origin: the ray hits the triangle if it is on the inner side of all three (Olano
+//! and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). Triangles behind
+//! the camera need no clipping; depth is the triangle's volume over the sum of the three distances,
+//! and each distance over the sum is the weight of a corner, perspective included. The two
+//! triangles at an edge see exactly negated planes, so that each pixel belongs to exactly one of
+//! them.
 
 use std::ops::Range;
 use std::thread;
@@ -18,13 +18,13 @@ use super::vertices::{Corners, Lit};
 use crate::Scene;
 use crate::scene::Camera;
 
-/// Rows that are worth a thread.
+/// The fewest rows for a thread.
 const ROWS_A_THREAD: usize = 64;
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// What is seen, in the order of the pixels.
+/// Returns the visible fragments in pixel order.
 pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
     let [width, height] = scene.size.map(|size| size as usize);
     let Some(pixels) = width.checked_mul(height).filter(|pixels| *pixels < NONE as usize) else {
@@ -54,11 +54,11 @@ pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
     parts.concat()
 }
 
-/// Where the rays of the pixels' centres go: `(x[column], y[row], -1)`.
+/// The directions of the pixel centres' rays: `(x[column], y[row], -1)`.
 struct Screen {
     x: Vec<f64>,
     y: Vec<f64>,
-    /// Half of the picture's width and height at distance 1.
+    /// Half the picture's width and height at distance 1.
     half: [f64; 2],
     depths: Range<f64>,
 }
@@ -77,8 +77,8 @@ impl Screen {
         }
     }
 
-    /// Columns and rows that a triangle may cover: a pixel more on each side than its corners
-    /// say. None where all of it is before the near plane or behind the far one.
+    /// Returns the columns and rows that a triangle may cover, a pixel more on each side; `None` if
+    /// it is entirely before the near plane or behind the far one.
     fn bounds(&self, corners: &[DVec3; 3]) -> Option<[Range<usize>; 2]> {
         let near = self.depths.start;
         let nearest = corners.iter().fold(f64::INFINITY, |depth, corner| depth.min(-corner.z));
@@ -103,13 +103,13 @@ impl Screen {
                 take(corner);
             }
             if inside(corner) != inside(next) {
-                // Where the edge passes through the near plane.
+                // The point where the edge crosses the near plane.
                 let part = (-near - corner.z) / (next.z - corner.z);
                 take((corner + (next - corner) * part).with_z(-near));
             }
         }
         let range = |axis: usize| {
-            // A conversion to a whole number stops at 0 and at its largest.
+            // Conversion to an integer saturates.
             let first = (low[axis] - 1.0).floor() as usize;
             let last = (high[axis] + 1.0).ceil() as usize;
             first.min(size[axis])..last.min(size[axis])
@@ -119,13 +119,13 @@ impl Screen {
     }
 }
 
-/// A triangle that may be seen.
+/// A triangle that may be visible.
 struct Triangle {
-    /// The planes of the edges opposite to each corner, turned so that inside is positive.
+    /// The planes of the edges opposite to each corner, oriented so that inside is positive.
     planes: [DVec3; 3],
-    /// Which edges have the pixels' centres that are exactly on them.
+    /// Whether each edge includes the pixel centres exactly on it.
     owns: [bool; 3],
-    /// Six times the volume of the triangle and the camera.
+    /// Six times the volume of the tetrahedron of triangle and camera.
     volume: f64,
     columns: Range<usize>,
     rows: Range<usize>,
@@ -145,7 +145,7 @@ fn triangles(scene: &Scene, corners: &Corners, screen: &Screen) -> Vec<Triangle>
             triangles.extend(Triangle::new(at, number as u32, corners, screen));
         }
     }
-    // One more would be no number of a triangle.
+    // Further triangles would have no index.
     triangles.truncate(NONE as usize);
     triangles
 }
@@ -155,7 +155,7 @@ impl Triangle {
         let seen = corners.map(|corner| all.seen[corner]);
         let [a, b, c] = seen;
         let volume = a.dot(b.cross(c));
-        // Seen from its edge, or of no number.
+        // Seen edge-on, or not finite.
         if volume == 0.0 || !volume.is_finite() {
             return None;
         }
@@ -166,7 +166,7 @@ impl Triangle {
         Some(Triangle { planes, owns, volume: volume.abs(), columns, rows, corners, object })
     }
 
-    /// How far inside each plane a ray is.
+    /// Returns the signed distance of a ray from each plane.
     fn inside(&self, x: f64, y: f64) -> [f64; 3] {
         self.planes.map(|plane| plane.x * x + (plane.y * y - plane.z))
     }
@@ -176,7 +176,7 @@ impl Triangle {
     }
 }
 
-/// Some rows of the picture: how near the nearest triangle of each pixel is, and which.
+/// A band of rows: the nearest depth at each pixel, and its triangle.
 struct Band<'s> {
     screen: &'s Screen,
     rows: Range<usize>,
@@ -235,7 +235,7 @@ impl Band<'_> {
     }
 }
 
-/// What lies between three corners, by their weights.
+/// Interpolates three corners by their weights.
 fn between(corners: [Lit; 3], weights: [f64; 3]) -> Lit {
     let sum = weights[0] + weights[1] + weights[2];
     let [a, b, c] = corners;

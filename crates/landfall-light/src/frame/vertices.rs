@@ -1,4 +1,4 @@
-//! The corners of a scene's triangles, where they are seen and where they are lit.
+//! The corners of a scene's triangles, in camera and lighting space.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -8,15 +8,15 @@ use crate::scene::Space;
 
 /// All corners of a scene, object by object.
 pub(super) struct Corners {
-    /// Where they are for the camera: x right, y up, -z ahead.
+    /// The positions in camera space: x right, y up, -z ahead.
     pub seen: Vec<DVec3>,
-    /// What is interpolated.
+    /// The interpolated attributes.
     pub lit: Vec<Lit>,
     /// The first corner of each object.
     pub first: Vec<usize>,
 }
 
-/// What a fragment shader is given of a corner, in the space of the lighting.
+/// The attributes of a corner, in lighting space.
 #[derive(Clone, Copy)]
 pub(super) struct Lit {
     pub position: DVec3,
@@ -47,10 +47,10 @@ impl Corners {
     }
 }
 
-/// What turns an object's normals.
+/// The transform of an object's normals.
 struct Turned {
     linear: DMat3,
-    /// What makes the fourth component, for those who let it take part.
+    /// The coefficients of the fourth component, for the variant that uses it.
     fourth: DVec3,
     normals: VertexNormals,
 }
@@ -58,7 +58,7 @@ struct Turned {
 impl Turned {
     fn new(transform: &DMat4, normals: VertexNormals) -> Turned {
         let inverse = DMat3::from_mat4(*transform).inverse();
-        // The last row of the transposed inverse: minus the way back of the object's place.
+        // The last row of the transposed inverse, from the inverse translation.
         let fourth = -(inverse * transform.w_axis.truncate());
         Turned { linear: inverse.transpose(), fourth, normals }
     }

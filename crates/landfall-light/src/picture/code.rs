@@ -1,24 +1,24 @@
-//! Pictures as a screen gets them: 8 bits a channel.
+//! Pictures of 8 bits per channel.
 //!
-//! [`png`](super::png) writes and reads these; [`compare`](mod@super::compare) counts their steps.
+//! Written and read by [`png`](super::png), compared by [`compare`](mod@super::compare).
 
 use serde::{Deserialize, Serialize};
 
 use super::Picture;
 
-/// How a linear value becomes a code, and back.
+/// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Transfer {
-    /// IEC 61966-2-1: what a `*_SRGB` target and an untagged PNG mean.
+    /// IEC 61966-2-1: `*_SRGB` targets and untagged PNGs.
     #[default]
     Srgb,
-    /// The value itself: what a `*_UNORM` target stores.
+    /// The identity: `*_UNORM` targets.
     Linear,
 }
 
 impl Transfer {
-    /// `srgb` or `linear`.
+    /// Returns `srgb` or `linear`.
     pub fn name(self) -> &'static str {
         match self {
             Transfer::Srgb => "srgb",
@@ -26,7 +26,7 @@ impl Transfer {
         }
     }
 
-    /// The 0 to 1 that is stored for a linear value, which is clamped first; of NaN that is 0.
+    /// Encodes a linear value, clamped first, to 0 to 1; NaN becomes 0.
     pub fn encode(self, linear: f64) -> f64 {
         let linear = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
         match self {
@@ -36,7 +36,7 @@ impl Transfer {
         }
     }
 
-    /// The linear value of a stored 0 to 1.
+    /// Decodes a stored value from 0 to 1.
     pub fn decode(self, stored: f64) -> f64 {
         match self {
             Transfer::Srgb if stored <= 0.040_45 => stored / 12.92,
@@ -46,23 +46,23 @@ impl Transfer {
     }
 }
 
-/// Pixels of 8 bits a channel.
+/// A picture of 8 bits per channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Codes {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: u32,
-    /// Rows, from the top.
+    /// The height in pixels.
     pub height: u32,
-    /// Red, green, blue, alpha.
+    /// Red, green, blue and alpha, from the top.
     pub pixels: Vec<[u8; 4]>,
-    /// What the codes mean, where that is said.
+    /// The transfer function, if the file has it.
     pub transfer: Option<Transfer>,
-    /// Channels that were NaN or infinite and have a code by rule only.
+    /// The NaN or infinite channels that were clamped to a code.
     pub non_finite: u64,
 }
 
 impl Codes {
-    /// The linear picture: by `otherwise` where the codes do not say what they mean.
+    /// Decodes to a linear picture, with `otherwise` for codes without a transfer function.
     pub fn picture(&self, otherwise: Transfer) -> Picture {
         let transfer = self.transfer.unwrap_or(otherwise);
         let linear: Vec<f32> =
@@ -79,11 +79,11 @@ impl Codes {
     }
 }
 
-/// The codes of a picture.
+/// Encodes a picture.
 ///
-/// A value is clamped to 0 to 1, encoded, multiplied by 255 and rounded to the nearest code, a
-/// half upwards: Direct3D's rule; Vulkan and OpenGL leave the half open. NaN and −∞ become 0 and
-/// +∞ 255, and are counted. Alpha is always linear.
+/// A value is clamped to 0 to 1, encoded, multiplied by 255 and rounded to the nearest code, halves
+/// upwards: Direct3D's rule; Vulkan and OpenGL do not specify halves. NaN and −∞ become 0 and +∞
+/// 255, and are counted. Alpha is always linear.
 pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
     let mut non_finite = 0;
     let mut code = |value: f32, transfer| {
@@ -102,7 +102,7 @@ pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
     Codes { width, height, pixels, transfer: Some(transfer), non_finite }
 }
 
-/// The code of one value, by the rule of [`codes`].
+/// Returns the code of one value, by the rule of [`codes`].
 pub fn code(value: f32, transfer: Transfer) -> u8 {
     // 255 times an f32 is exact in f64: a tie is a tie.
     (255.0 * transfer.encode(f64::from(value)) + 0.5).floor() as u8

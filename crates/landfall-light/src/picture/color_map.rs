@@ -1,8 +1,8 @@
-//! A scale of colours from dark to light: more is lighter, for every eye and in print.
+//! A scale of colours of increasing lightness, readable with any colour vision and in print.
 //!
-//! For the maps of [`difference`](super::difference) and of [`accuracy`](crate::accuracy).
+//! Used by the maps of [`difference`](super::difference) and of [`accuracy`](crate::accuracy).
 
-/// sRGB codes at equal distances, ever lighter: the course of matplotlib's `magma`.
+/// sRGB codes at equal distances, in increasing lightness, after matplotlib's `magma`.
 const STOPS: [[u8; 3]; 9] = [
     [0, 0, 4],
     [28, 16, 68],
@@ -15,8 +15,7 @@ const STOPS: [[u8; 3]; 9] = [
     [252, 253, 191],
 ];
 
-/// The sRGB codes of a part of the scale; what is outside 0 to 1 has the colour of the end,
-/// NaN that of 0.
+/// Returns the sRGB codes at a position from 0 to 1; clamped to the ends, NaN to 0.
 pub fn color(part: f64) -> [u8; 3] {
     let part = if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) };
     let at = part * (STOPS.len() - 1) as f64;

@@ -1,7 +1,7 @@
-//! How far two pictures are apart: in floats before anything is cut off, in codes, and seen.
+//! Compares two pictures: in floats without clamping, in codes, and by visibility.
 //!
-//! Reads two [`Picture`]s; the binary prints a [`Comparison`] and gates on its numbers. A
-//! *step* is 1/255, whatever the transfer.
+//! Reads two [`Picture`]s; the command prints a [`Comparison`] and tests its numbers against
+//! limits. A *step* is 1/255, for any transfer function.
 
 use serde::Serialize;
 
@@ -11,47 +11,47 @@ use super::error::PictureError;
 use super::flip;
 use super::flip::FlipMap;
 
-/// How two pictures are compared.
+/// The options of a comparison.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Compare<'a> {
-    /// What makes codes of the linear values.
+    /// The transfer function of the codes.
     pub transfer: Transfer,
-    /// Pixels to leave out, one mark each: fragments whose lighting is undefined.
+    /// A mark for each pixel to leave out: fragments whose lighting is undefined.
     pub leave_out: Option<&'a [bool]>,
 }
 
-/// How far two pictures are apart. Alpha has a number of its own; all others are of red, green
-/// and blue of the pixels that are compared.
+/// The difference of two pictures. Alpha has a number of its own; all others are of red, green and
+/// blue of the compared pixels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: u32,
-    /// Rows.
+    /// The height in pixels.
     pub height: u32,
-    /// Pixels that are compared.
+    /// The pixels compared.
     pub pixels: u64,
-    /// Pixels that are not, as asked for.
+    /// The pixels left out.
     pub left_out: u64,
-    /// What is NaN or infinite, and so compared by no number below but FLIP.
+    /// The NaN or infinite values, which only FLIP below includes.
     pub non_finite: NonFinite,
     /// The difference of linear values, neither clamped nor rounded.
     pub linear: Linear,
     /// The difference of 8-bit codes.
     pub codes: CodeSteps,
-    /// Peak signal to noise of the codes.
+    /// The peak signal-to-noise ratio of the codes.
     pub psnr: Psnr,
-    /// How visible it is.
+    /// The visibility of the difference.
     pub flip: Visible,
 }
 
-/// Channels of red, green and blue that are NaN or infinite.
+/// The numbers of NaN or infinite channels of red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct NonFinite {
     /// In the first picture.
     pub a: u64,
-    /// In the second.
+    /// In the second picture.
     pub b: u64,
-    /// In either: this many channels are not compared.
+    /// In either; these channels are not compared.
     pub either: u64,
     /// Pixels with such a channel, or such an alpha, in either.
     pub pixels: u64,
@@ -60,40 +60,40 @@ pub struct NonFinite {
 /// Absolute differences in steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Linear {
-    /// The largest.
+    /// The maximum.
     pub max: f64,
-    /// The smallest that 99.9 % of the channels do not exceed.
+    /// The 99.9 % quantile of the channels.
     pub p999: f64,
-    /// The mean: close to the share of codes that flip, where it is small.
+    /// The mean; where small, close to the share of codes that flip.
     pub mean: f64,
-    /// Column and row of the largest.
+    /// The column and row of the maximum.
     pub at: Option<[u32; 2]>,
-    /// The largest of alpha.
+    /// The maximum of alpha.
     pub alpha_max: f64,
 }
 
 /// Differences of codes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CodeSteps {
-    /// How the codes were made.
+    /// The transfer function of the codes.
     pub transfer: Transfer,
-    /// Channels compared.
+    /// The channels compared.
     pub channels: u64,
-    /// The largest difference.
+    /// The maximum difference.
     pub max: u8,
-    /// Channels that differ by 0, 1, 2, and 3 or more.
+    /// The channels that differ by 0, 1, 2, and 3 or more.
     pub counts: [u64; 4],
-    /// Part of the channels that differ at all: the *flips*.
+    /// The share of channels that differ at all: the *flips*.
     pub flips: f64,
 }
 
-/// Peak signal to noise.
+/// The peak signal-to-noise ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Psnr {
     /// No code differs: the ratio is infinite.
     Identical,
-    /// Decibels.
+    /// The ratio in decibels.
     Db(f64),
     /// Nothing was compared.
     Nothing,
@@ -104,14 +104,14 @@ pub enum Psnr {
 pub struct Visible {
     /// The mean, 0 to 1.
     pub mean: f64,
-    /// The largest.
+    /// The maximum.
     pub max: f64,
 }
 
 /// Compares two pictures.
 ///
 /// # Errors
-/// Their sizes differ, one is not [whole](Picture::checked), or marks are missing.
+/// Different sizes, an [incomplete](Picture::checked) picture, or missing marks.
 pub fn compare(
     a: &Picture,
     b: &Picture,
@@ -120,10 +120,10 @@ pub fn compare(
     compare_and_map(a, b, options).map(|(comparison, _)| comparison)
 }
 
-/// The same, with the map of what is visible.
+/// Compares two pictures and returns the map of visible differences too.
 ///
 /// # Errors
-/// As [`compare`].
+/// Those of [`compare`].
 pub fn compare_and_map(
     a: &Picture,
     b: &Picture,
@@ -142,7 +142,7 @@ pub fn compare_and_map(
     }
     let out = |pixel: usize| options.leave_out.is_some_and(|marks| marks[pixel]);
     let (codes_a, mut codes_b) = (codes(a, options.transfer), codes(b, options.transfer));
-    // What is left out must not be seen from its neighbours either.
+    // Pixels left out must not affect their neighbours either.
     for (pixel, code) in codes_b.pixels.iter_mut().enumerate() {
         if out(pixel) {
             *code = codes_a.pixels[pixel];
@@ -201,7 +201,7 @@ fn linear(a: &Picture, b: &Picture, kept: &[usize]) -> (NonFinite, Linear) {
     if !errors.is_empty() {
         linear.mean = errors.iter().sum::<f64>() / errors.len() as f64;
         let (_, p999, _) = {
-            // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
+            // Nearest rank in integers: at least 999 of 1000 are not above it.
             let rank = (errors.len() * 999).div_ceil(1000);
             errors.select_nth_unstable_by(rank - 1, f64::total_cmp)
         };

@@ -1,6 +1,6 @@
-//! Pictures of the difference of two pictures, to be looked at.
+//! Pictures of the difference between two pictures.
 //!
-//! Draws what [`compare`](mod@super::compare) counts and the map of [`flip`](super::flip).
+//! Draws the differences of [`compare`](mod@super::compare) and the map of [`flip`](super::flip).
 
 use super::Picture;
 use super::code::Transfer;
@@ -8,13 +8,13 @@ use super::color_map;
 use super::error::PictureError;
 use super::flip::FlipMap;
 
-/// What is drawn where a picture is NaN or infinite: magenta, linear.
+/// The colour of pixels that are NaN or infinite: magenta, linear.
 pub const NON_FINITE: [f32; 4] = [1.0, 0.0, 1.0, 1.0];
 
-/// The absolute difference of each channel times `amplify`, opaque.
+/// Returns the absolute difference of each channel times `amplify`, opaque.
 ///
 /// # Errors
-/// The sizes differ, or a picture is not [whole](Picture::checked).
+/// Different sizes, or an [incomplete](Picture::checked) picture.
 pub fn difference(a: &Picture, b: &Picture, amplify: f32) -> Result<Picture, PictureError> {
     let (a, b) = (a.checked()?, b.checked()?);
     let sizes = [[a.width, a.height], [b.width, b.height]];
@@ -36,7 +36,7 @@ pub fn difference(a: &Picture, b: &Picture, amplify: f32) -> Result<Picture, Pic
     Ok(Picture { width: a.width, height: a.height, pixels })
 }
 
-/// The power of ten that lifts a largest difference, in steps, near the full scale.
+/// Returns the power of ten that brings a maximum difference, in steps, near full scale.
 pub fn amplification(max_steps: f64) -> f32 {
     match max_steps > 0.0 && max_steps < 255.0 {
         true => 10f64.powf((255.0 / max_steps).log10().floor()) as f32,
@@ -44,7 +44,7 @@ pub fn amplification(max_steps: f64) -> f32 {
     }
 }
 
-/// A FLIP map in the colours of [`color_map`], dark where nothing is visible.
+/// Returns a FLIP map in the colours of [`color_map`], dark where nothing is visible.
 pub fn flip_picture(map: &FlipMap) -> Picture {
     let pixels = map
         .errors

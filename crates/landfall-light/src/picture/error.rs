@@ -1,28 +1,28 @@
-//! Why a picture could not be read, written or compared.
+//! Errors in reading, writing and comparing pictures.
 
 use std::fmt;
 
 use super::MOST_PIXELS;
 
-/// What is wrong with a picture; whoever knows its file names it before this.
+/// An error of a picture; the caller puts the file's name before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum PictureError {
     /// No pixels.
     Empty { width: u32, height: u32 },
-    /// More pixels than are read.
+    /// More pixels than supported.
     TooLarge { width: u32, height: u32 },
-    /// Not as many pixels as its size says.
+    /// Another number of pixels than the size requires.
     WrongCount { wanted: u64, given: u64 },
-    /// Two pictures that cannot be compared.
+    /// Two pictures of different sizes.
     SizesDiffer { a: [u32; 2], b: [u32; 2] },
-    /// Not as many marks as there are pixels.
+    /// Another number of marks than of pixels.
     WrongMask { pixels: u64, marks: u64 },
-    /// Bytes that are not what a file of this kind has.
+    /// Bytes that are not a valid file of the format.
     Broken { format: &'static str, cause: String },
-    /// A file of this kind, but of a sort that is not read.
+    /// A file with an unsupported feature of the format.
     Unsupported { format: &'static str, what: String, instead: &'static str },
-    /// A file name that tells no format.
+    /// A file name without a known extension.
     UnknownFormat { path: String },
 }
 
@@ -32,7 +32,7 @@ impl fmt::Display for PictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PictureError::Empty { width, height } => {
-                write!(f, "a picture of {width} x {height} pixels has none")
+                write!(f, "a picture of {width} x {height} pixels is empty")
             }
             PictureError::TooLarge { width, height } => {
                 let pixels = u64::from(*width) * u64::from(*height);
@@ -51,14 +51,14 @@ impl fmt::Display for PictureError {
                  size"
             ),
             PictureError::WrongMask { pixels, marks } => {
-                write!(f, "{marks} marks for {pixels} pixels; give one for each")
+                write!(f, "{marks} marks for {pixels} pixels; there must be one for each")
             }
-            PictureError::Broken { format, cause } => write!(f, "is no whole {format}: {cause}"),
+            PictureError::Broken { format, cause } => write!(f, "is not a valid {format}: {cause}"),
             PictureError::Unsupported { format, what, instead } => {
-                write!(f, "is a {format} with {what}, which is not read; {instead}")
+                write!(f, "is a {format} with {what}, which is not supported; {instead}")
             }
             PictureError::UnknownFormat { path } => {
-                write!(f, "`{path}` names no format; end it in `.png`, `.exr` or `.pfm`")
+                write!(f, "`{path}` has no known extension; use `.png`, `.exr` or `.pfm`")
             }
         }
     }

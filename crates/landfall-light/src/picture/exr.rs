@@ -1,7 +1,7 @@
-//! OpenEXR: linear floats with alpha, bit for bit, for measuring.
+//! OpenEXR: linear floats with alpha, bit for bit, for measurements.
 //!
-//! Written as four channels of 32 bits; read from the first layer with red, green and blue, of
-//! whatever width. EXR is linear by definition.
+//! Written as four channels of 32 bits; read from the first layer with red, green and blue of any
+//! width. EXR is linear by definition.
 
 use std::io::Cursor;
 
@@ -13,10 +13,10 @@ use super::{Picture, size};
 
 const FORMAT: &str = "EXR";
 
-/// The file of a picture.
+/// Returns the file of a picture.
 ///
 /// # Errors
-/// The picture is not [whole](Picture::checked).
+/// An [incomplete](Picture::checked) picture.
 pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let Picture { width, height, pixels } = picture.checked()?;
     let width = *width as usize;
@@ -30,12 +30,12 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     Ok(bytes.into_inner())
 }
 
-/// The picture of a file.
+/// Parses a picture from a file.
 ///
 /// # Errors
-/// The bytes are no whole EXR with red, green and blue, or one of too many pixels.
+/// An invalid EXR, one without red, green and blue, or one of too many pixels.
 pub fn read(bytes: &[u8]) -> Result<Picture, PictureError> {
-    // The size is known before anything is made of it.
+    // Check the size before allocating.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {
         let [width, height] = [header.layer_size.0, header.layer_size.1]

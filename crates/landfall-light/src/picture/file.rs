@@ -1,4 +1,4 @@
-//! Which format a file name means, and its bytes; whoever has the bytes writes the file.
+//! Picture files by format; the caller reads and writes the bytes.
 
 use super::code::{Transfer, codes};
 use super::error::PictureError;
@@ -7,19 +7,19 @@ use super::{Picture, exr, pfm, png};
 /// The formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 8 bits a channel, for people.
+    /// 8 bits per channel, for viewing.
     Png,
     /// Floats with alpha.
     Exr,
-    /// Floats without alpha, as plain as can be.
+    /// Floats without alpha, in a minimal format.
     Pfm,
 }
 
 impl Format {
-    /// The format that the end of a file name tells.
+    /// Returns the format of a file name's extension.
     ///
     /// # Errors
-    /// It ends in none that is known.
+    /// An unknown extension.
     pub fn of(path: &str) -> Result<Format, PictureError> {
         let end = path.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         match end.as_deref() {
@@ -31,10 +31,10 @@ impl Format {
     }
 }
 
-/// The bytes of a picture in a format; `transfer` is that of a PNG, floats are always linear.
+/// Returns the bytes of a picture in a format; `transfer` applies to PNG, floats are linear.
 ///
 /// # Errors
-/// The picture is not [whole](Picture::checked).
+/// An [incomplete](Picture::checked) picture.
 pub fn write(
     picture: &Picture,
     format: Format,
@@ -47,10 +47,10 @@ pub fn write(
     }
 }
 
-/// The picture of bytes in a format; `transfer` is that of a PNG which does not say.
+/// Parses a picture in a format; `transfer` applies to PNGs without one.
 ///
 /// # Errors
-/// The bytes are not of the format, or of a sort that is not read.
+/// Bytes that are not of the format, or use an unsupported feature.
 pub fn read(bytes: &[u8], format: Format, transfer: Transfer) -> Result<Picture, PictureError> {
     match format {
         Format::Png => Ok(png::read(bytes)?.picture(transfer)),

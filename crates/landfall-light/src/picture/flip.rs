@@ -1,10 +1,10 @@
-//! FLIP: how visible the difference of two pictures is when one flips between them.
+//! FLIP: the visibility of the difference between two alternating pictures.
 //!
 //! LDR-FLIP of Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A
-//! Difference Evaluator for Alternating Images" (HPG 2020), computed here from its formulas.
-//! `color` has its spaces and the distance of colours, `filter` what the eye blurs and the
-//! edges and points it sees. Given the codes a screen gets; [`compare`](mod@super::compare) reports
-//! its mean and maximum, [`difference`](super::difference) draws it.
+//! Difference Evaluator for Alternating Images" (HPG 2020), implemented from its formulas. `color`
+//! holds its colour spaces and distance, `filter` the blur and the detection of edges and points.
+//! Takes 8-bit codes; [`compare`](mod@super::compare) reports its mean and maximum,
+//! [`difference`](super::difference) draws it.
 
 mod color;
 mod filter;
@@ -13,27 +13,27 @@ use super::code::Codes;
 use super::error::PictureError;
 use filter::{Plane, features};
 
-/// Pixels a degree of the eye: a 0.7 m wide screen of 3840 pixels seen from 0.7 m.
+/// Pixels per degree of vision: a 0.7 m wide screen of 3840 pixels at 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
-/// Exponent of the feature difference (the paper's q_f).
+/// The exponent of the feature difference (the paper's q_f).
 const FEATURE_EXPONENT: f64 = 0.5;
 
-/// How visible the difference is, pixel by pixel: 0 not at all, 1 most.
+/// The visibility of the difference at each pixel, from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: u32,
-    /// Rows, from the top.
+    /// The height in pixels.
     pub height: u32,
-    /// 0 to 1, from the top left.
+    /// The values from 0 to 1, from the top left.
     pub errors: Vec<f32>,
 }
 
-/// The map of two pictures as a screen shows them: codes are taken as sRGB and alpha is ignored.
+/// Returns the map of two pictures; codes are taken as sRGB and alpha is ignored.
 ///
 /// # Errors
-/// The sizes differ, or a picture is not whole.
+/// Different sizes, or an incomplete picture.
 pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap, PictureError> {
     let Codes { width, height, .. } = *reference;
     if (width, height) != (test.width, test.height) {
@@ -61,11 +61,11 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
     Ok(FlipMap { width, height, errors })
 }
 
-/// What is seen of one picture.
+/// The perceived values of one picture.
 struct Seen {
-    /// L*, a*, b* after the eye's blur, a* and b* adjusted for how bright they are (Hunt).
+    /// L*, a*, b* after blurring, a* and b* adjusted for lightness (Hunt).
     lab: Vec<[f32; 3]>,
-    /// How much of an edge and of a point there is.
+    /// The strength of edges and points.
     features: Vec<[f32; 2]>,
 }
 

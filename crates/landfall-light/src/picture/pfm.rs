@@ -1,18 +1,18 @@
-//! Portable float maps: pictures as plain floats that a dozen lines read.
+//! Portable float maps: pictures as plain floats, in a minimal format.
 //!
-//! `PF`, width and height, `-1.0`, each on a line of its own, then three little-endian `f32` a
-//! pixel, the bottom row first. A positive third number means big-endian; `Pf` means one grey
-//! float a pixel. Alpha is not kept: it is 1 when read. Bits are, those of NaN too.
+//! `PF`, width and height, `-1.0`, each on a line of its own, then three little-endian `f32` per
+//! pixel, the bottom row first. A positive third number means big-endian; `Pf` means one grey float
+//! per pixel. Alpha is not stored: it is 1 when read. Bits are kept, those of NaN too.
 
 use super::error::PictureError;
 use super::{Picture, size};
 
 const FORMAT: &str = "PFM";
 
-/// The file of a picture, without its alpha.
+/// Returns the file of a picture, without its alpha.
 ///
 /// # Errors
-/// The picture is not [whole](Picture::checked).
+/// An [incomplete](Picture::checked) picture.
 pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let Picture { width, height, pixels } = picture.checked()?;
     let mut bytes = format!("PF\n{width} {height}\n-1.0\n").into_bytes();
@@ -25,10 +25,10 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// The picture of a file.
+/// Parses a picture from a file.
 ///
 /// # Errors
-/// The bytes are no whole float map, or one of too many pixels.
+/// An invalid float map, or one of too many pixels.
 pub fn read(bytes: &[u8]) -> Result<Picture, PictureError> {
     let broken = |cause: &str| PictureError::Broken { format: FORMAT, cause: cause.to_string() };
     let mut rest = bytes;

@@ -1,7 +1,7 @@
-//! PNG: 8 bits a channel, tagged with what they mean.
+//! PNG: 8 bits per channel, tagged with the transfer function.
 //!
-//! Writes and reads the [`Codes`] of [`code`](super::code). Codes in sRGB get the chunk `sRGB`,
-//! linear ones `gAMA` 1; a file without either says nothing, and its reader decides.
+//! Writes and reads the [`Codes`] of [`code`](super::code). sRGB codes get the chunk `sRGB`, linear
+//! ones `gAMA` 1; for a file with neither the caller decides.
 
 use std::io::Cursor;
 
@@ -13,14 +13,14 @@ use super::error::PictureError;
 use super::{MOST_PIXELS, size};
 
 const FORMAT: &str = "PNG";
-/// The gamma that says sRGB in files that are older than its own chunk: 1 / 2.2.
+/// The gamma that stands for sRGB in older files: 1 / 2.2.
 const OLD_SRGB: u32 = 45_455;
 const LINEAR: u32 = 100_000;
 
-/// The file of codes.
+/// Returns the file of codes.
 ///
 /// # Errors
-/// There are no pixels, or more or fewer than the size says.
+/// No pixels, or more or fewer than the size requires.
 pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     let wanted = size(codes.width, codes.height)? as u64;
     let given = codes.pixels.len() as u64;
@@ -35,7 +35,7 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
         Some(Transfer::Linear) => encoder.set_source_gamma(ScaledFloat::from_scaled(LINEAR)),
         None => {}
     }
-    // A picture without transparency is better known as one.
+    // An opaque picture is written without alpha.
     let opaque = codes.pixels.iter().all(|pixel| pixel[3] == 255);
     encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
     let channels = if opaque { 3 } else { 4 };
@@ -47,30 +47,30 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// The codes of a file: of grey, indexed or true colours, with alpha or without.
+/// Parses codes from a file: grey, indexed or true colour, with alpha or without.
 ///
 /// # Errors
-/// The bytes are no whole PNG, or one of 16 bits a channel, of too many pixels, or of a gamma
-/// that is neither linear nor that of sRGB.
+/// An invalid PNG, or one of 16 bits per channel, of too many pixels, or of a gamma that is neither
+/// linear nor that of sRGB.
 pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
     let limits = Limits { bytes: MOST_PIXELS as usize * 4 };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
-    // The size is known before anything is made of it.
+    // Check the size before allocating.
     let header = decoder.read_header_info().map_err(broken)?;
     let (width, height) = (header.width, header.height);
     size(width, height)?;
-    let mut reader = decoder.read_info().map_err(broken)?;
-    let info = reader.info();
+    let mut backend = decoder.read_info().map_err(broken)?;
+    let info = backend.info();
     let transfer = transfer(info)?;
     if info.bit_depth == BitDepth::Sixteen {
         let what = "16 bits a channel".to_string();
         let instead = "save it with 8, or as EXR";
         return Err(PictureError::Unsupported { format: FORMAT, what, instead });
     }
-    let len = reader.output_buffer_size().ok_or(PictureError::TooLarge { width, height })?;
+    let len = backend.output_buffer_size().ok_or(PictureError::TooLarge { width, height })?;
     let mut data = vec![0; len];
-    let frame = reader.next_frame(&mut data).map_err(broken)?;
+    let frame = backend.next_frame(&mut data).map_err(broken)?;
     let rgba: fn(&[u8]) -> [u8; 4] = match frame.color_type {
         ColorType::Grayscale => |p| [p[0], p[0], p[0], 255],
         ColorType::GrayscaleAlpha => |p| [p[0], p[0], p[0], p[1]],
@@ -83,7 +83,7 @@ pub fn read(bytes: &[u8]) -> Result<Codes, PictureError> {
     Ok(Codes { width, height, pixels, transfer, non_finite: 0 })
 }
 
-/// What a file says its codes mean.
+/// Returns the transfer function of a file.
 fn transfer(info: &Info<'_>) -> Result<Option<Transfer>, PictureError> {
     match (info.srgb, info.gama_chunk.map(ScaledFloat::into_scaled)) {
         (Some(_), _) | (None, Some(OLD_SRGB)) => Ok(Some(Transfer::Srgb)),

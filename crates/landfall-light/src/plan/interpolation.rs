@@ -1,12 +1,11 @@
-//! The light of far lights between the nodes of grids: what both the compiled models and the
-//! readers add to what they evaluated.
+//! Interpolates far lights between the nodes of grids, for the compiled models and the backends.
 
 use glam::{DVec3, Vec3};
 
 use super::{Grid, Plan};
 
-/// Adds the interpolated light of every draw's grid to `colors`, which are those of the frame's
-/// fragments, where `nodes` holds what each grid's own lights give at its nodes.
+/// Adds the interpolated light of every draw's grid to `colors`, the colours of the frame's
+/// fragments; `nodes` holds the light of each grid at its nodes.
 pub fn interpolate(
     plan: &Plan,
     nodes: &[Vec<Vec3>],
@@ -35,16 +34,16 @@ pub fn interpolate(
     }
 }
 
-/// Where the nodes are along an axis from -1 to 1: the roots of a Chebyshev polynomial.
+/// Returns the nodes along an axis from -1 to 1: the roots of a Chebyshev polynomial.
 pub(crate) fn places(side: u32) -> Vec<f64> {
     let place = |i: u32| -(std::f64::consts::PI * f64::from(2 * i + 1) / f64::from(2 * side)).cos();
     (0..side).map(place).collect()
 }
 
-/// A polynomial in each of two directions.
+/// A polynomial in two variables.
 struct Polynomial<'a> {
     grid: &'a Grid,
-    /// Of each power of the second coordinate, those of the first.
+    /// For each power of the second variable, the coefficients of the first.
     coefficients: Vec<Vec3>,
 }
 
@@ -74,7 +73,7 @@ impl<'a> Polynomial<'a> {
     }
 }
 
-/// The powers' coefficients of the polynomials that are 1 at one place and 0 at the others.
+/// Returns the coefficients of the polynomials that are 1 at one node and 0 at the others.
 fn basis(places: &[f64]) -> Vec<Vec<f64>> {
     let one = |i: usize| {
         let mut polynomial = vec![1.0];

@@ -1,51 +1,51 @@
-//! What a shader need not hold for a scene: light types compiled out, arrays as long as its lights.
+//! Constants of a shader for a scene: unused kinds of light compiled out, arrays as long as needed.
 //!
 //! Set before the shader is compiled, laid out and mirrored; read from a [`Plan`](super::Plan).
 
-/// What a shader for these lights needs to hold, where each draw uploads its own lights.
+/// What a shader must hold for these lights, if each draw uploads its own lights.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Compiled {
-    /// Whether there is light from everywhere.
+    /// Whether there is ambient light.
     pub ambient: bool,
-    /// Suns: the loop's bound and the array's length, 0 where the type can be left out.
+    /// The directional lights: the loop bound and array length, 0 if the kind can be left out.
     pub directional: u32,
-    /// Lamps, likewise.
+    /// The point lights, likewise.
     pub point: u32,
-    /// Lamps with a cone, likewise.
+    /// The spotlights, likewise.
     pub spot: u32,
 }
 
-/// A value for a constant of a shader.
+/// The value of a shader's constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// The constant.
+    /// The name of the constant.
     pub name: String,
-    /// Where it is one.
+    /// The kind of constant.
     pub place: Place,
-    /// What it is to be.
+    /// The value.
     pub value: Value,
 }
 
-/// What sort of constant a shader has.
+/// The kinds of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// A macro the text defines only where nobody else has.
+    /// A macro that the text defines only if it is undefined.
     Define,
     /// A specialisation constant, or an override of WGSL.
     Override,
 }
 
-/// What a constant is to be.
+/// The value of a constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Value {
     /// Whether there are lights of a kind.
     Has(bool),
-    /// How many there is room for; at least one, as no shader language knows empty arrays.
+    /// The array length; at least one, since no shader language has empty arrays.
     Length(u32),
 }
 
 impl Setting {
-    /// As the text after `-D NAME=` or `-O NAME=`.
+    /// Returns the value in `-D NAME=` or `-O NAME=`.
     pub fn text(&self) -> String {
         match (self.value, self.place) {
             (Value::Has(has), Place::Define) => u32::from(has).to_string(),
@@ -56,9 +56,8 @@ impl Setting {
 }
 
 impl Compiled {
-    /// The settings of a shader's text, guessed from the names of its constants:
-    /// `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`. Names that say neither a
-    /// kind of light nor what of it are left alone.
+    /// Returns the settings for a shader's text, inferred from the names of its constants:
+    /// `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`. Other names are ignored.
     pub fn settings(&self, text: &str) -> Vec<Setting> {
         let constants = constants(text).into_iter();
         let setting = |(name, place): (&str, Place)| {
@@ -92,8 +91,8 @@ impl Compiled {
     }
 }
 
-/// The names of a text's constants that can be set from outside, each once. Only words are
-/// looked at: a constant in a comment is one too many, and setting it does nothing.
+/// Returns the distinct constants of a text that can be set from outside. The text is only split
+/// into words: a constant in a comment is found too, and setting it has no effect.
 fn constants(text: &str) -> Vec<(&str, Place)> {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut found: Vec<(&str, Place)> = Vec::new();

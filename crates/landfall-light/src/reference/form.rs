@@ -1,8 +1,8 @@
-//! The formulas of lighting in forms that keep their digits.
+//! The formulas of lighting in numerically stable forms.
 //!
-//! Used by [`light`](super::light). A cosine next to 1 is held as its distance from 1: half the
-//! square of the chord between two unit vectors. Lengths need no scaling here: `f64` holds the
-//! square of any `f32` and of any difference of two.
+//! Used by [`light`](super::light). A cosine near 1 is stored as its distance from 1: half the
+//! squared chord between two unit vectors. Lengths need no scaling here: an `f64` holds the square
+//! of any `f32` and of any difference of two.
 
 use glam::DVec3;
 
@@ -11,11 +11,11 @@ use super::undef::Undef;
 use crate::scene::Attenuation;
 use landfall_ir::analysis::hazard::threshold::{COORDINATE, LENGTH};
 
-/// Cosines nearer than this are equal once rounded: `f32` numbers below 1 are 6e-8 apart. A cone
-/// whose two angles are equal divides 0 by 0 there, and nowhere else.
+/// Cosines closer than this are equal once rounded: `f32` numbers below 1 are 6e-8 apart. A cone
+/// with equal angles divides 0 by 0 there, and nowhere else.
 const EQUAL: f64 = 1e-7;
 
-/// The unit vector along `v`.
+/// Returns the unit vector along `v`.
 pub(super) fn unit(v: DVec3) -> Result<DVec3, Undef> {
     let length = v.length();
     match length {
@@ -25,7 +25,7 @@ pub(super) fn unit(v: DVec3) -> Result<DVec3, Undef> {
     }
 }
 
-/// A length that shaders can square; `zero` where there is none.
+/// Returns a length whose square a shader can represent; `zero` if there is none.
 pub(super) fn distance(v: DVec3, zero: Undef, near: Undef) -> Result<f64, Undef> {
     let d = v.length();
     match d {
@@ -37,12 +37,12 @@ pub(super) fn distance(v: DVec3, zero: Undef, near: Undef) -> Result<f64, Undef>
     }
 }
 
-/// One minus the cosine between unit vectors.
+/// Returns one minus the cosine between unit vectors.
 pub(super) fn chord(a: DVec3, b: DVec3) -> f64 {
     (a - b).length_squared() * 0.5
 }
 
-/// `max(1 - m, 0)` to the power of `n`.
+/// Returns `max(1 - m, 0)` to the power of `n`.
 pub(super) fn power(m: f64, n: f64) -> Result<f64, Undef> {
     match m {
         _ if m < 1.0 => Ok((n * (-m).ln_1p()).exp()),
@@ -53,8 +53,8 @@ pub(super) fn power(m: f64, n: f64) -> Result<f64, Undef> {
     }
 }
 
-/// The square of a vector's length minus one, for a vector of `f32`s: products of such are
-/// exact, and what their sum rounds off is put back.
+/// Returns the squared length of a vector of `f32`s, minus one: such products are exact, and the
+/// rounding error of their sum is added back.
 pub(super) fn squared_less_one(v: DVec3) -> f64 {
     let (first, lost) = two_sum(v.x * v.x, -1.0);
     let (second, more) = two_sum(first, v.y * v.y);
@@ -62,7 +62,7 @@ pub(super) fn squared_less_one(v: DVec3) -> f64 {
     third + (lost + more + most)
 }
 
-/// How much of a light is left at a distance.
+/// Returns the attenuation at a distance.
 pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64, Undef> {
     let divisor = a.constant + d * (a.linear + a.quadratic * d);
     if !(divisor > 0.0 && divisor.is_finite()) {
@@ -80,14 +80,14 @@ pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64
     Ok(kept / divisor)
 }
 
-/// One minus the cosine of the angle between two vectors of any length.
+/// Returns one minus the cosine of the angle between two vectors of any length.
 pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, Undef> {
     let m = chord(unit(to_light)?, unit(axis)?);
     if m > 1e-3 {
         return Ok(m);
     }
-    // Two units differ here by little more than their rounding; the cross product of the
-    // vectors as they are does not.
+    // Near the axis the difference of unit vectors is mostly rounding error; the cross product of
+    // the original vectors is not.
     let cross = DVec3::new(
         difference(to_light.y, axis.z, to_light.z, axis.y),
         difference(to_light.z, axis.x, to_light.x, axis.z),
@@ -97,7 +97,7 @@ pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, Undef> {
     Ok(sine / (1.0 + (1.0 - sine).sqrt()))
 }
 
-/// Between two angles, each given as one minus its cosine.
+/// Returns the ramp between two angles, each given as one minus its cosine.
 pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, Undef> {
     if outer != inner {
         return Ok(((outer - m) / (outer - inner)).clamp(0.0, 1.0));
@@ -108,7 +108,7 @@ pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, Undef> {
     }
 }
 
-/// From one angle to the axis.
+/// Returns the ramp from one angle to the axis.
 pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, Undef> {
     match outer {
         0.0 => Err(Undef::ZeroCone),
@@ -117,14 +117,14 @@ pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, Undef> {
     }
 }
 
-/// `a b - c d` to within two units of its last place (Kahan).
+/// Returns `a b - c d` to within two units of its last place (Kahan).
 fn difference(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let product = c * d;
     let lost = (-c).mul_add(d, product);
     a.mul_add(b, -product) + lost
 }
 
-/// A sum, and what its rounding lost (Knuth).
+/// Returns a sum and its rounding error (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;

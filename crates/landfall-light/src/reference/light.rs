@@ -1,7 +1,7 @@
-//! The light a fragment gets, term by term, from the bits that were uploaded.
+//! The light of a fragment, term by term, from the uploaded bits.
 //!
-//! Reads a [`Model`], an [`Upload`], a [`Fragment`] and its [`Texels`]; comparisons and culling
-//! read the numbers. Written from the formulas of lighting, not from any shader.
+//! Reads a [`Model`], an [`Upload`], a [`Fragment`] and its [`Texels`]; used by comparisons and
+//! culling. Written from the formulas of lighting, not from any shader.
 
 use glam::DVec3;
 
@@ -17,36 +17,36 @@ use crate::sample::Texels;
 use crate::scene::{Cone, Emission, PointLight};
 use crate::{Fragment, Upload};
 
-/// One of a scene's lights.
+/// A light of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LightId {
-    /// A directional light by its number.
+    /// The directional light of that index.
     Directional(usize),
-    /// A point light.
+    /// The point light of that index.
     Point(usize),
-    /// A spotlight.
+    /// The spotlight of that index.
     Spot(usize),
 }
 
-/// What one light adds to a fragment, each term weakened as it arrives.
+/// The contribution of one light to a fragment, each term attenuated.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Contribution {
-    /// Its own ambient term.
+    /// The ambient term.
     pub ambient: DVec3,
-    /// Its diffuse term.
+    /// The diffuse term.
     pub diffuse: DVec3,
-    /// Its highlight.
+    /// The specular term.
     pub specular: DVec3,
-    /// What distance leaves of it; 1 where there is none.
+    /// The attenuation factor; 1 if there is none.
     pub attenuation: f64,
-    /// What its cone leaves of it; 1 where there is none.
+    /// The cone factor; 1 if there is none.
     pub cone: f64,
-    /// How far from the edge of a cone without a ramp the fragment is, in cosines.
+    /// The distance of the fragment from the edge of a hard cone, in cosines.
     pub edge: Option<f64>,
 }
 
 impl Contribution {
-    /// All of it.
+    /// Returns the sum of all terms.
     pub fn total(&self) -> DVec3 {
         self.ambient + self.diffuse + self.specular
     }
@@ -55,16 +55,16 @@ impl Contribution {
 /// The light of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Shaded {
-    /// The ambient light, or the ambient terms of all lights.
+    /// The ambient light, or the sum of all ambient terms.
     pub ambient: DVec3,
-    /// All diffuse terms.
+    /// The sum of all diffuse terms.
     pub diffuse: DVec3,
-    /// All highlights.
+    /// The sum of all specular terms.
     pub specular: DVec3,
-    /// Everything, summed light by light: directional, point, spot, each in order.
+    /// The total, summed light by light: directional, point, spot, each in order.
     pub total: DVec3,
-    /// How near in cosines the fragment is to the nearest edge without a ramp: on which side
-    /// of it a shader finds it may be a matter of rounding.
+    /// The distance of the fragment from the nearest hard edge, in cosines: rounding in a shader
+    /// may put it on the other side.
     pub edge: Option<f64>,
 }
 
@@ -75,25 +75,25 @@ pub struct Seen<'a> {
     upload: &'a Upload,
     texels: Texels,
     position: DVec3,
-    /// Of unit length.
+    /// The unit normal.
     normal: DVec3,
-    /// What mirroring at the normal as interpolated adds for its length: its square less one.
+    /// The squared length of the interpolated normal minus one, for mirroring at it.
     excess: f64,
-    /// Towards the camera.
+    /// The direction towards the camera.
     view: DVec3,
-    /// Its mirror image at the normal.
+    /// The view direction mirrored at the normal.
     mirrored: DVec3,
     power: f64,
     reflectance: f64,
 }
 
-/// The light of a fragment; no number where it is undefined.
+/// Returns the light of a fragment.
 ///
 /// # Errors
 /// The hazard that leaves it undefined.
 ///
 /// # Panics
-/// If the fragment's material is none of the upload's.
+/// If the fragment's material is not in the upload.
 pub fn shade(
     model: &Model,
     upload: &Upload,
@@ -103,13 +103,13 @@ pub fn shade(
     see(model, upload, fragment, texels)?.shade()
 }
 
-/// Prepares a fragment for asking light by light.
+/// Prepares a fragment for evaluating single lights.
 ///
 /// # Errors
 /// A hazard of the fragment itself: its normal or the camera.
 ///
 /// # Panics
-/// If the fragment's material is none of the upload's.
+/// If the fragment's material is not in the upload.
 pub fn see<'a>(
     model: &'a Model,
     upload: &'a Upload,
@@ -145,7 +145,7 @@ pub fn see<'a>(
 }
 
 impl Seen<'_> {
-    /// The light of the fragment.
+    /// Returns the light of the fragment.
     ///
     /// # Errors
     /// The hazard that leaves it undefined.
@@ -165,7 +165,7 @@ impl Seen<'_> {
         if shaded.total.is_finite() { Ok(shaded) } else { Err(Undef::NotFinite) }
     }
 
-    /// Every light, in the order of the sum.
+    /// Returns all lights, in the order of the sum.
     pub fn lights(&self) -> impl Iterator<Item = LightId> + use<> {
         let lights = &self.upload.lights;
         let directional = (0..lights.directional.len()).map(LightId::Directional);
@@ -173,7 +173,7 @@ impl Seen<'_> {
         directional.chain(point).chain((0..lights.spot.len()).map(LightId::Spot))
     }
 
-    /// What the one ambient light adds.
+    /// Returns the contribution of the ambient light.
     pub fn ambient(&self) -> DVec3 {
         match (self.model.ambient, &self.upload.lights.ambient) {
             (AmbientTerm::Once, Some(light)) => {
@@ -185,7 +185,7 @@ impl Seen<'_> {
         }
     }
 
-    /// What one light adds.
+    /// Returns the contribution of one light.
     ///
     /// # Errors
     /// The hazard that leaves it undefined.
@@ -241,7 +241,7 @@ impl Seen<'_> {
         }
     }
 
-    /// Whether a family skips a light for its intensity.
+    /// Whether a family skips a light because of its intensity.
     fn unlit(&self, emission: &Emission) -> bool {
         match self.model.family {
             Family::ViewSpace => emission.intensity <= 0.0,
@@ -258,8 +258,8 @@ impl Seen<'_> {
         Ok((path, distance(path, zero, Undef::TooNear)?))
     }
 
-    /// A cone at one minus the cosine from its axis, and the distance to its edge if it has
-    /// no ramp.
+    /// Returns the cone factor at one minus the cosine from its axis, and the distance to a hard
+    /// edge.
     fn cone(&self, cone: &Cone, m: f64) -> Result<(f64, Option<f64>), Undef> {
         let from_angle = |degrees: f64| 2.0 * (degrees.to_radians() * 0.5).sin().powi(2);
         let (inner, outer) = match (self.model.cone_numbers, cone.degrees) {
@@ -282,7 +282,8 @@ impl Seen<'_> {
         }
     }
 
-    /// A light's terms: the ambient one times the first of `weakened`, the others the second.
+    /// Returns a light's terms: the ambient one times the first of `weakened`, the others times the
+    /// second.
     fn lit(
         &self,
         emission: &Emission,
@@ -359,7 +360,7 @@ impl Seen<'_> {
     }
 }
 
-/// What weakens a light.
+/// The factors that attenuate a light.
 struct Factors {
     attenuation: f64,
     cone: f64,

@@ -1,7 +1,7 @@
-//! Which lighting is computed: a family of shaders and where it may differ from its kin.
+//! Lighting models: a family of shaders and the variations within it.
 //!
-//! Written in a scene as `"multi"`, or as `{"family": "multi", "highlight": "blinn"}`; what is
-//! not said is as the family has it. [`light`](super::light) reads nothing else.
+//! Written in a scene as `"multi"`, or as `{"family": "multi", "highlight": "blinn"}`; omitted
+//! properties are those of the family. [`light`](super::light) depends on nothing else.
 
 use std::fmt;
 
@@ -9,50 +9,50 @@ use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize as Derive, Serialize};
 
-/// The four ways of lighting a fragment that the reference knows.
+/// The families of lighting models in the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
-    /// Suns, lamps and flashlights with three colours each; all of a light's terms weaken
-    /// together (M1).
+    /// Directional, point and spot lights with three colours each; all terms of a light are
+    /// attenuated together (M1).
     Multi,
     /// Arrays of lights with one colour and an intensity, and one ambient light (M2).
     Array,
-    /// The same with a cone of one angle, a material of its own colours, and the power 10 (M3).
+    /// Like `Array`, with a cone of one angle, colours of the material, and the exponent 10 (M3).
     ViewSpace,
-    /// One light at a time with three colours, whose cone does not cut its ambient term (M4).
+    /// One light at a time with three colours, whose cone does not affect its ambient term (M4).
     Casters,
 }
 
-/// What a highlight's mirror is made of.
+/// The normal at which highlights mirror.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normal {
     /// The normal at unit length.
     Unit,
-    /// The normal as it was interpolated, which dulls or blows up highlights.
+    /// The interpolated normal, which dulls or amplifies highlights.
     AsInterpolated,
 }
 
-/// Where ambient light comes from.
+/// The source of ambient light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AmbientTerm {
-    /// From each light.
+    /// Each light.
     PerLight,
-    /// From the one ambient light.
+    /// The single ambient light.
     Once,
-    /// From nowhere.
+    /// None.
     None,
 }
 
-/// When a light has a highlight.
+/// The condition for a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpecularGate {
-    /// Always, even from behind the surface.
+    /// None: also from behind the surface.
     None,
-    /// Only where the surface faces the light.
+    /// The surface faces the light.
     Facing,
 }
 
@@ -66,49 +66,49 @@ pub enum Highlight {
     Blinn,
 }
 
-/// Whether lights end.
+/// The window that ends a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Window {
-    /// Never; ranges are ignored.
+    /// None; ranges are ignored.
     None,
-    /// At their range, by `(1 - (d / range)^4)^2`.
+    /// `(1 - (d / range)^4)^2`, which ends lights at their range.
     Quartic,
 }
 
-/// What a cone's edge is like.
+/// The edge of a cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConeEdge {
     /// Linear in the cosine from the outer angle to the inner, or to the axis.
     Soft,
-    /// Whole inside the inner angle, nothing outside.
+    /// Full intensity inside the inner angle, none outside.
     Hard,
 }
 
-/// Which numbers a cone is computed from.
+/// The numbers a cone is computed from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConeNumbers {
-    /// The cosines as uploaded, with their rounding.
+    /// The uploaded cosines, with their rounding.
     Cosines,
-    /// The angles in degrees, where the scene gave any.
+    /// The angles in degrees, where the scene gives any.
     Angles,
 }
 
-/// What a caster's attenuation weakens, outside of point lights, whose every term it weakens.
+/// The terms that a caster's attenuation affects; for point lights it affects all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CasterAttenuation {
-    /// Nothing.
+    /// None.
     None,
-    /// What the light sends straight: diffuse and specular.
+    /// Diffuse and specular.
     Direct,
-    /// Everything.
+    /// All.
     All,
 }
 
-/// What a highlight of the `array` family is coloured with.
+/// The colour of a highlight of the `array` family.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArraySpecular {
@@ -118,19 +118,19 @@ pub enum ArraySpecular {
     AsPublished,
 }
 
-/// What a material's reflectance does.
+/// The effect of a material's reflectance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reflectance {
-    /// Nothing.
+    /// None.
     Ignored,
     /// No highlight where it is not above zero.
     Gate,
-    /// The highlight is multiplied with it.
+    /// A factor of the highlight.
     Factor,
 }
 
-/// The power of a highlight.
+/// The exponent of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Power {
@@ -140,20 +140,20 @@ pub enum Power {
     Ten,
 }
 
-/// How a vertex's normal comes to view space.
+/// The transform of a vertex's normal to view space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Derive, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NormalTransform {
-    /// By the inverse transpose of the 3 by 3 part, to unit length.
+    /// By the inverse transpose of the 3 by 3 part, normalised.
     Mat3,
-    /// By that of the whole matrix, its four components to unit length together: as first
-    /// published, and wrong wherever the camera is away from the origin.
+    /// By that of the whole matrix, normalised with four components: as first published, and wrong
+    /// wherever the camera is away from the origin.
     Vec4,
 }
 
 macro_rules! model {
     ($($(#[$doc:meta])* $name:ident: $ty:ty,)*) => {
-        /// Everything in which lighting may differ.
+        /// A lighting model.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
         pub struct Model {
             /// The family.
@@ -185,34 +185,35 @@ macro_rules! model {
 }
 
 model! {
-    /// What highlights mirror at.
+    /// The normal at which highlights mirror.
     normal: Normal,
-    /// Where ambient light comes from.
+    /// The source of ambient light.
     ambient: AmbientTerm,
-    /// When a light has a highlight.
+    /// The condition for a highlight.
     specular_gate: SpecularGate,
     /// The shape of highlights.
     highlight: Highlight,
-    /// Whether lights end.
+    /// The window that ends lights.
     window: Window,
-    /// What cones' edges are like.
+    /// The edges of cones.
     cone_edge: ConeEdge,
-    /// What cones are computed from.
+    /// The numbers cones are computed from.
     cone_numbers: ConeNumbers,
-    /// What the attenuation of a spotlight of `casters` weakens.
+    /// The terms that the attenuation of a spotlight of `casters` affects.
     caster_attenuation: CasterAttenuation,
-    /// Colour of highlights of `array`; as published, `normal` is as interpolated unless said.
+    /// The colour of highlights of `array`; `as_published` sets `normal` to interpolated by
+    /// default.
     array_specular: ArraySpecular,
-    /// What reflectance does.
+    /// The effect of reflectance.
     reflectance: Reflectance,
-    /// The power of highlights.
+    /// The exponent of highlights.
     power: Power,
-    /// What the frame's normals were made with: lighting takes them as they come.
+    /// The transform of the frame's normals, which lighting takes as they are.
     normal_transform: NormalTransform,
 }
 
 impl Model {
-    /// A family as our own shaders have it.
+    /// Returns the model of a family, as in Landfall's own shaders.
     pub fn of(family: Family) -> Model {
         let model = Model {
             family,
@@ -249,7 +250,7 @@ impl Default for Model {
 }
 
 impl<'de> Deserialize<'de> for Model {
-    /// From the name of a family, or a map with `family` and what differs from it.
+    /// Parses the name of a family, or a map with `family` and the properties that differ.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Model, D::Error> {
         struct Either;
         impl<'de> Visitor<'de> for Either {

@@ -1,7 +1,7 @@
-//! A normal in view space, as the vertex stages of the `view_space` family have it.
+//! Normals in view space, as in the vertex stages of the `view_space` family.
 //!
-//! What a frame's normals are made with before they are interpolated;
-//! [`light`](super::light) gets them in its fragments.
+//! Computes a frame's normals before interpolation; [`light`](super::light) gets them in its
+//! fragments.
 
 use glam::{DMat3, DMat4, DVec3};
 
@@ -9,10 +9,10 @@ use super::form::unit;
 use super::model::NormalTransform;
 use super::undef::Undef;
 
-/// A vertex's normal in view space, before it is interpolated.
+/// Returns a vertex's normal in view space, before interpolation.
 ///
 /// # Errors
-/// [`Undef::ZeroVector`] of a zero normal, [`Undef::NotFinite`] where the matrix has no inverse.
+/// [`Undef::ZeroVector`] for a zero normal, [`Undef::NotFinite`] if the matrix has no inverse.
 pub fn view_normal(
     model_view: &DMat4,
     normal: DVec3,
@@ -22,7 +22,7 @@ pub fn view_normal(
         NormalTransform::Mat3 => unit(DMat3::from_mat4(*model_view).inverse().transpose() * normal),
         NormalTransform::Vec4 => {
             let whole = model_view.inverse().transpose() * normal.extend(0.0);
-            // Of four components: the last is what the translation leaves in it.
+            // Normalised with four components: the last one comes from the translation.
             let length = whole.length();
             match length {
                 0.0 => Err(Undef::ZeroVector),

@@ -1,29 +1,29 @@
-//! Why a fragment's light is undefined: a tag where others would carry a NaN.
+//! Reasons a fragment's light is undefined.
 //!
-//! [`light`](super::light) gives it; comparisons skip such fragments and count them by hazard.
+//! Returned by [`light`](super::light); comparisons skip such fragments and count them by hazard.
 
 use std::fmt;
 
 use landfall_ir::analysis::hazard::Hazard;
 
-/// Why there is no number.
+/// The reason a result is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Undef {
     /// The light is at the fragment.
     LightAtFragment,
-    /// It is, and its attenuation has nothing but powers of the distance.
+    /// The light is at the fragment, and its attenuation has no constant coefficient.
     LightAtFragmentUnattenuated,
-    /// The camera is at the fragment, or nearer than 1e-15.
+    /// The camera is at the fragment, or closer than 1e-15.
     CameraAtFragment,
-    /// What the attenuation divides by is zero, negative or not finite.
+    /// The divisor of the attenuation is zero, negative or not finite.
     Attenuation,
-    /// The light or the camera is farther than 1e18: squares overflow in `f32`.
+    /// The light or the camera is farther than 1e18: squares overflow an `f32`.
     TooFar,
-    /// The light is nearer than 1e-15, but not at the fragment: squares underflow in `f32`.
+    /// The light is closer than 1e-15, but not at the fragment: squares underflow an `f32`.
     TooNear,
-    /// Both angles of a soft cone are one, and the fragment is at its edge.
+    /// Both angles of a soft cone are equal, and the fragment is at its edge.
     EqualCones,
-    /// A cone of one angle, which is zero.
+    /// A cone with a single angle of zero.
     ZeroCone,
     /// Zero to the power of zero.
     ZeroToZero,
@@ -33,12 +33,12 @@ pub enum Undef {
     NoHalfVector,
     /// A normal or a direction is zero.
     ZeroVector,
-    /// A number that was uploaded, or the sum, is not finite.
+    /// An uploaded number, or the sum, is not finite.
     NotFinite,
 }
 
 impl Undef {
-    /// Every tag.
+    /// All reasons.
     pub const ALL: [Undef; 13] = [
         Undef::LightAtFragment,
         Undef::LightAtFragmentUnattenuated,
@@ -82,7 +82,7 @@ impl fmt::Display for Undef {
                 "the light is at the fragment and its attenuation divides by zero there"
             }
             Undef::CameraAtFragment => "the camera is at the fragment",
-            Undef::Attenuation => "the attenuation divides by zero, less, or no number",
+            Undef::Attenuation => "the attenuation divides by zero, a negative number or NaN",
             Undef::TooFar => "the distance is above 1e18",
             Undef::TooNear => "the distance is below 1e-15",
             Undef::EqualCones => "the fragment is at the edge of a cone whose angles are equal",

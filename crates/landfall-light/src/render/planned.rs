@@ -1,31 +1,31 @@
-//! A scene lit by a plan that skips: a draw for each set of lights, or all of them in one for a
-//! shader that finds its lights in lists, and what far lights give between the nodes of grids.
+//! Renders a scene by a plan: a draw for each set of lights, or a single draw for a shader that
+//! reads light lists, plus the interpolated light of grids.
 
 use glam::Vec3;
 
 use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::Fragment;
 use crate::bind::{Kind, Lit, Quantity, Tiles};
-use crate::compiled::Model;
-use crate::skip;
-use crate::skip::{LightSet, Measured, Options, Plan, interpolate};
-use landfall_exec::backend::Reader;
+use crate::culling;
+use crate::culling::{LightSet, Measured, Options, Plan, interpolate};
+use crate::shading_f32::Model;
+use landfall_exec::backend::Backend;
 
-/// Fragments of one material that are lit by the same lights, made ready to be lit often.
+/// Fragments of one material lit by the same lights, prepared for repeated runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lot {
-    /// Their numbers in the frame.
+    /// The indices of the fragments in the frame.
     pub fragments: Vec<u32>,
-    /// What is bound for them.
+    /// The bindings.
     pub prepared: Prepared,
-    /// Slots of each kind that hold something for some of them.
+    /// The slots of each kind in use by some of them.
     pub slots: [(Kind, u64); 3],
-    /// Slots that each is looked up in: lists of tiles leave some out.
+    /// The slots that each fragment visits; lists of tiles omit some.
     pub walked: u64,
 }
 
 impl Lot {
-    /// Every so many of its fragments, from one on.
+    /// Returns every `stride`-th of its fragments from `first` on.
     pub fn every(&self, first: usize, stride: usize) -> Lot {
         let fragments: Vec<u32> =
             self.fragments.iter().copied().skip(first).step_by(stride.max(1)).collect();
@@ -40,14 +40,14 @@ impl Lot {
 }
 
 impl Renderer {
-    /// The fragments of a draw, those of one material together.
+    /// Returns the fragments of a draw, grouped by material.
     ///
     /// # Errors
     /// More lights than slots.
     pub fn lots(&self, work: &Work<'_>, draw: &Draw<'_>) -> Result<Vec<Lot>, RenderError> {
         let all = &work.frame.fragments;
         let mut numbers = draw.fragments.to_vec();
-        // Stable: the caller's order stays within a material.
+        // A stable sort keeps the caller's order within a material.
         numbers.sort_by_key(|number| all[*number as usize].material);
         let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, &draw.lights)));
         let same = |a: &u32, b: &u32| all[*a as usize].material == all[*b as usize].material;
@@ -60,7 +60,7 @@ impl Renderer {
         each.collect()
     }
 
-    /// The fragments of all draws of a plan; its grids are not in them.
+    /// Returns the fragments of all draws of a plan, without its grids.
     ///
     /// # Errors
     /// More lights than slots.
@@ -92,7 +92,7 @@ impl Renderer {
         Ok(lots)
     }
 
-    /// Makes a plan for this shader: a loop that nothing counts goes over every slot.
+    /// Makes a plan for this shader, whose loops without a count visit every slot.
     pub fn plan(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
         let mut options = options.clone();
         for (slots, kind) in options.slots.iter_mut().zip(Kind::ALL) {
@@ -101,29 +101,28 @@ impl Renderer {
                 *slots = u32::try_from(fixed).ok();
             }
         }
-        skip::plan(work.upload, work.frame, model, &options)
+        culling::plan(work.upload, work.frame, model, &options)
     }
 
-    /// Whether the shader finds its point lights in lists of tiles.
+    /// Whether the shader reads its point lights from lists of tiles.
     pub fn asks_for_tiles(&self) -> bool {
         let asks = |quantity| matches!(quantity, Some(Quantity::Tiles(_)));
         self.map.members.iter().any(|member| asks(member.source.quantity()))
     }
 
-    /// Makes the picture by a plan. `after` is told, after each job, how many fragments or
-    /// nodes are done.
+    /// Renders the picture by a plan. `after` receives the fragments or nodes done after each job.
     ///
     /// # Errors
-    /// More lights than slots, or what the reader says.
-    pub fn render_plan<R: Reader + ?Sized>(
+    /// More lights than slots, or a failure of the backend.
+    pub fn render_plan<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
         if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
-            return self.render_lists(reader, work, plan, lists, after);
+            return self.render_lists(backend, work, plan, lists, after);
         }
         let draws = plan.draws.iter().map(|draw| Draw {
             fragments: &draw.fragments,
@@ -131,21 +130,21 @@ impl Renderer {
             tiles: None,
         });
         let draws: Vec<Draw<'_>> = draws.collect();
-        let mut rendered = self.render(reader, work, &draws, after)?;
+        let mut rendered = self.render(backend, work, &draws, after)?;
         if !plan.grids.is_empty() {
-            self.add_grids(reader, work, plan, &mut rendered, after)?;
+            self.add_grids(backend, work, plan, &mut rendered, after)?;
         }
         Ok(rendered)
     }
 
-    /// Holds a picture made by a plan against the shader's own light of all lights, at about as
-    /// many of its fragments as told.
+    /// Compares a picture made by a plan with the shader's own result for all lights, at about
+    /// `about` of its fragments.
     ///
     /// # Errors
-    /// More lights than slots, or what the reader says.
-    pub fn check<R: Reader + ?Sized>(
+    /// More lights than slots, or a failure of the backend.
+    pub fn check<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         rendered: &Rendered,
         fragments: usize,
@@ -159,28 +158,28 @@ impl Renderer {
             [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let draw = Draw { fragments: &some, lights, tiles: None };
-        let all = self.render(reader, work, &[draw], &mut |_: &mut R, _| {})?;
+        let all = self.render(backend, work, &[draw], &mut |_: &mut R, _| {})?;
         let of = |rendered: &Rendered| -> Vec<Vec3> {
             let pixels = some.iter().map(|n| work.frame.fragments[*n as usize].pixel as usize);
             let color = |[r, g, b, _]: [f32; 4]| Vec3::new(r, g, b);
             pixels.map(|at| color(rendered.picture.pixels[at])).collect()
         };
-        let measured = skip::compare(&of(rendered), &of(&all));
+        let measured = culling::compare(&of(rendered), &of(&all));
         Ok(Measured { every: every as u64, ..measured })
     }
 
-    /// All fragments in one draw, whose shader reads the lists.
-    fn render_lists<R: Reader + ?Sized>(
+    /// Lights all fragments in one draw, whose shader reads the lists.
+    fn render_lists<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
-        lists: &skip::TileLists,
+        lists: &culling::TileLists,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
-            let rendered = self.render(reader, work, std::slice::from_ref(draw), after)?;
-            // Of the other kinds, which have no lists, every one.
+            let rendered = self.render(backend, work, std::slice::from_ref(draw), after)?;
+            // All lights of the other kinds, which have no lists.
             let others = Lit { point: &[], ..draw.lights };
             Ok((rendered, self.evaluated(&others)))
         })?;
@@ -193,16 +192,16 @@ impl Renderer {
         Ok(rendered)
     }
 
-    /// Does something with the one draw of a plan whose shader reads the lists.
+    /// Runs `with` on the single draw of a plan whose shader reads the lists.
     fn listed<T>(
         &self,
         work: &Work<'_>,
         plan: &Plan,
-        lists: &skip::TileLists,
+        lists: &culling::TileLists,
         with: impl FnOnce(&Draw<'_>) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let lights = &work.upload.lights;
-        // Every point light, as the lists hold the numbers of the upload.
+        // All point lights, since the lists hold indices into the upload.
         let point: Vec<u32> = (0..lights.point.len() as u32).collect();
         let [directional, spot] =
             [union(plan, |set| &set.directional), union(plan, |set| &set.spot)];
@@ -218,9 +217,9 @@ impl Renderer {
         with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
     }
 
-    fn add_grids<R: Reader + ?Sized>(
+    fn add_grids<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         work: &Work<'_>,
         plan: &Plan,
         rendered: &mut Rendered,
@@ -230,7 +229,7 @@ impl Renderer {
         for grid in &plan.grids {
             let nodes: Vec<&Fragment> = grid.nodes.iter().collect();
             let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
-            let (shaded, bytes) = self.light(reader, work, &nodes, &draw, after)?;
+            let (shaded, bytes) = self.light(backend, work, &nodes, &draw, after)?;
             rendered.uploaded += bytes;
             rendered.evaluations += nodes.len() as u64 * self.evaluated(&draw.lights);
             colors.push(shaded.colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)).collect());
@@ -258,7 +257,7 @@ fn lit(lights: &LightSet) -> Lit<'_> {
     }
 }
 
-/// The lights of a kind that some draw has.
+/// Returns the lights of a kind that some draw has.
 fn union(plan: &Plan, of: impl Fn(&LightSet) -> &Vec<u32>) -> Vec<u32> {
     let mut all: Vec<u32> =
         plan.draws.iter().flat_map(|draw| of(&draw.lights).iter().copied()).collect();

@@ -1,18 +1,18 @@
-//! What the evaluator noted over all jobs of a picture.
+//! Sums of the evaluator's notes over all jobs of a picture.
 
 use landfall_exec::interp::{Counts, Notes, Undefined};
 
-/// Operations and undefined operations, added up.
+/// The operations and undefined operations of all jobs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// What it cost.
+    /// The operations.
     pub counts: Counts,
-    /// Operations without a defined value, if the evaluator watched.
+    /// The operations without a defined value, if the evaluator watched for them.
     pub undefined: Vec<Undefined>,
 }
 
 impl Tally {
-    /// Adds what one job noted.
+    /// Adds the notes of one job.
     pub fn add(&mut self, notes: &Notes) {
         let Counts { arithmetic, transcendental, loads, stores, textures, calls } = &notes.counts;
         let sum = &mut self.counts;
@@ -21,7 +21,7 @@ impl Tally {
         sum.loads += loads;
         sum.stores += stores;
         sum.textures += textures;
-        // What reads the inputs is none of the shader's.
+        // Functions of the wrapper that reads the inputs do not count.
         for (name, count) in calls.iter().filter(|(name, _)| !name.starts_with("landfall_")) {
             match sum.calls.iter_mut().find(|(known, _)| known == name) {
                 Some((_, all)) => *all += count,

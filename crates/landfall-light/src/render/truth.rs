@@ -1,4 +1,4 @@
-//! The picture by the reference, and which of its pixels are no number or a matter of rounding.
+//! The picture by the reference, and its pixels that are undefined or depend on rounding.
 
 use std::collections::BTreeMap;
 use std::thread;
@@ -20,15 +20,15 @@ use landfall_ir::analysis::hazard::threshold::EDGE;
 pub struct Truth {
     /// The picture; black where a pixel is undefined.
     pub picture: Picture,
-    /// Pixels that are not to be compared.
+    /// A mark for each pixel that comparisons leave out.
     pub leave_out: Vec<bool>,
-    /// Fragments without a value, by the hazard that leaves them so.
+    /// The number of undefined fragments by reason.
     pub undefined: BTreeMap<Undef, u64>,
-    /// Fragments so near to an edge without a ramp that rounding decides their side.
+    /// The fragments so close to a hard edge that rounding decides on which side they are.
     pub at_edges: u64,
 }
 
-/// Lights every fragment by the reference.
+/// Lights every fragment with the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
     let threads = thread::available_parallelism().map_or(1, usize::from);
@@ -62,7 +62,7 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     truth
 }
 
-/// A fragment's light, and whether it is at an edge.
+/// A fragment's light, and whether it is at a hard edge.
 type Pixel = (Result<DVec3, Undef>, bool);
 
 fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
@@ -73,11 +73,11 @@ fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
     }
 }
 
-/// Fragments that are enough to tell models apart.
+/// The fragments needed to distinguish models.
 const ENOUGH: usize = 4096;
 
-/// Of a family's models the one that is nearest to a picture: where shaders of a family differ,
-/// no name tells.
+/// Returns the model of the same family that is nearest to a picture: names do not tell the
+/// variants of a family apart.
 pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture) -> Model {
     let step = frame.fragments.len().div_ceil(ENOUGH).max(1);
     let distance = |model: &Model| -> f64 {
@@ -94,12 +94,12 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
         each.sum()
     };
     let mut all: Vec<(f64, Model)> = kin(model).into_iter().map(|m| (distance(&m), m)).collect();
-    // Stable: of models that are as near, the first.
+    // A stable sort: of equally near models, the first.
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.first().map_or(*model, |(_, model)| *model)
 }
 
-/// A model and those of its family that differ from it as published shaders do.
+/// Returns a model and the variants of its family among published shaders.
 fn kin(model: &Model) -> Vec<Model> {
     let mut all = vec![*model];
     let mut also = |change: &dyn Fn(&mut Model)| {
@@ -112,7 +112,7 @@ fn kin(model: &Model) -> Vec<Model> {
         all.extend(changed);
     };
     also(&|m| m.specular_gate = SpecularGate::Facing);
-    // A member for the range does not say that light sinks to nothing there.
+    // A range member does not imply that the light ends there.
     if model.window == Window::Quartic {
         also(&|m| m.window = Window::None);
     }
@@ -131,8 +131,8 @@ fn kin(model: &Model) -> Vec<Model> {
     all
 }
 
-/// The family of models that a shader with these members is likely to compute. Members alone say
-/// neither how a range ends the light nor what gates a highlight: [`nearest`] asks a picture.
+/// Returns the most likely family of a shader with these members. Members alone tell neither how a
+/// range ends the light nor the condition of a highlight: [`nearest`] compares pictures.
 pub fn likely(map: &BindingMap) -> Model {
     let has = |wanted: &dyn Fn(Quantity) -> bool| {
         map.members.iter().any(|member| member.source.quantity().is_some_and(wanted))

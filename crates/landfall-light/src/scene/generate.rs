@@ -1,7 +1,8 @@
-//! Scenes by seed: lamps and cubes strewn over a floor, the same everywhere.
+//! Random scenes: point lights and cubes over a floor, the same on every machine.
 //!
-//! Numbers come from [`SplitMix64`]. Lamps, then cubes, are made one after another, each drawing in the order of the code below. No sine is taken, so
-//! that no platform's library has a say.
+//! Numbers come from [`SplitMix64`]. Lights, then cubes, are made one after another, each drawing
+//! numbers in the order of the code below. No trigonometric function is used, whose results depend
+//! on the platform.
 
 use glam::{DMat4, DVec3, DVec4, dvec3, dvec4};
 
@@ -9,48 +10,48 @@ use crate::splitmix64::SplitMix64;
 
 use super::{Attenuation, Emission, Object, PointLight, mesh};
 
-/// What to strew.
+/// The parameters of a random scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Generate {
-    /// Where the random numbers start.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// Edges of the floor along x and z, its middle at the origin.
+    /// The edges of the floor along x and z, centred at the origin.
     pub area: [f64; 2],
-    /// The lamps.
+    /// The point lights.
     pub lights: Option<RandomLights>,
     /// The cubes.
     pub cubes: Option<RandomCubes>,
-    /// The material of a floor, if there is one.
+    /// The index of the floor's material, if there is a floor.
     pub floor: Option<usize>,
 }
 
-/// Lamps at random places, in random colours, each of a random one of some attenuations.
+/// Point lights with random places and colours, each with one of several attenuations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomLights {
-    /// How many.
+    /// The number of lights.
     pub count: u32,
-    /// Lowest and highest place above the floor.
+    /// The lowest and highest height above the floor.
     pub height: [f64; 2],
     /// The attenuations.
     pub attenuations: Vec<Attenuation>,
-    /// What every colour is multiplied with.
+    /// The factor of every colour.
     pub gain: f64,
-    /// Where set, lamps end where their brightest channel has sunk to that much.
+    /// If set, the range of a light is where its brightest channel falls to this value.
     pub window: Option<f64>,
 }
 
 /// Cubes that stand on the floor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RandomCubes {
-    /// How many.
+    /// The number of cubes.
     pub count: u32,
-    /// Shortest and longest edge.
+    /// The shortest and longest edge.
     pub edge: [f64; 2],
-    /// Their material.
+    /// The index of their material.
     pub material: usize,
 }
 
-/// Lamps and objects of a seed.
+/// Returns the point lights and objects of a seed.
 pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut random = SplitMix64(from.seed);
     let mut lamps = Vec::new();
@@ -60,7 +61,7 @@ pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut objects = Vec::new();
     if let Some(material) = from.floor {
         let scale = dvec3(from.area[0], 1.0, from.area[1]);
-        // One texture a unit of length would be too fine to see: one for ten.
+        // One texture per unit of length would be too fine to see: one for ten.
         let mesh = mesh::plane(from.area[0].max(from.area[1]) / 10.0);
         objects.push(Object { mesh, material, transform: DMat4::from_scale(scale) });
     }
@@ -109,10 +110,10 @@ fn standing(random: &mut SplitMix64, from: &Generate, cubes: &RandomCubes) -> Ob
 }
 
 impl Attenuation {
-    /// The distance at which a lamp of that strength has sunk to `least`: the larger root of
-    /// `constant + linear d + quadratic d^2 = strength / least`, in the form that cancels
-    /// nothing and needs no quadratic term. Infinite where it never sinks so far; 0 where it is
-    /// below at the lamp already.
+    /// Returns the distance at which a light of that strength falls to `least`: the larger root of
+    /// `constant + linear d + quadratic d^2 = strength / least`, in a form without cancellation
+    /// that needs no quadratic term. Infinite if it never does; 0 if it is below at the light
+    /// already.
     pub fn reach(&self, strength: f64, least: f64) -> f64 {
         let over = strength / least - self.constant;
         if over <= 0.0 {
@@ -127,7 +128,7 @@ fn between(random: &mut SplitMix64, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * random.unit()
 }
 
-/// A place on the floor: x, then z.
+/// Returns a random place on the floor: x, then z.
 fn place(random: &mut SplitMix64, [x, z]: [f64; 2]) -> (f64, f64) {
     ((random.unit() - 0.5) * x, (random.unit() - 0.5) * z)
 }

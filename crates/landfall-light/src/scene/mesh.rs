@@ -1,4 +1,4 @@
-//! Meshes by formula: cube, plane, sphere, each one unit wide about its origin.
+//! Meshes by formula: cube, plane and sphere, each one unit wide around its origin.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use super::{Mesh, Vertex};
 
-/// A cube of edge 1 about the origin, four corners a face, the whole texture on every face.
+/// Returns a cube of edge 1 around the origin: four corners and the whole texture on every face.
 pub fn cube() -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {
@@ -14,7 +14,7 @@ pub fn cube() -> Mesh {
             let mut normal = DVec3::ZERO;
             normal[axis] = 2.0 * side;
             let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-            // Round the face counter-clockwise as seen from outside.
+            // Counter-clockwise seen from outside.
             let around = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
             let first = mesh.vertices.len() as u32;
             for (along_a, along_b) in around {
@@ -32,7 +32,8 @@ pub fn cube() -> Mesh {
     mesh
 }
 
-/// As the cube that tutorials share: upright on the sides along z, y along u on those along x.
+/// Returns the texture coordinates of the cube of common tutorials: v upwards on the sides along z,
+/// y along u on those along x.
 fn cube_uv(axis: usize, at: DVec3) -> DVec2 {
     match axis {
         0 => dvec2(at.y + 0.5, 0.5 - at.z),
@@ -41,7 +42,7 @@ fn cube_uv(axis: usize, at: DVec3) -> DVec2 {
     }
 }
 
-/// A square of edge 1 about the origin, across y and facing up, the texture so many times over
+/// Returns a horizontal square of edge 1 around the origin, facing up, with the texture repeated
 /// along each edge.
 pub fn plane(repeat: f64) -> Mesh {
     let corners = [(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)];
@@ -53,8 +54,8 @@ pub fn plane(repeat: f64) -> Mesh {
     Mesh { vertices: vertices.to_vec(), triangles: vec![[0, 1, 2], [2, 3, 0]] }
 }
 
-/// A ball of diameter 1 about the origin, cut into segments around y and rings from pole to
-/// pole; normals are those of the ball. Fewer than 3 segments count as 3, than 2 rings as 2.
+/// Returns a sphere of diameter 1 around the origin, of segments around y and rings from pole to
+/// pole, with exact normals. At least 3 segments and 2 rings.
 pub fn sphere(segments: u32, rings: u32) -> Mesh {
     let (segments, rings) = (segments.max(3), rings.max(2));
     let mut mesh = Mesh::default();
@@ -67,7 +68,7 @@ pub fn sphere(segments: u32, rings: u32) -> Mesh {
         };
         for segment in 0..=segments {
             let around = f64::from(segment) / f64::from(segments);
-            // The seam's two columns of corners are one in space.
+            // The two columns of corners at the seam coincide.
             let angle = 2.0 * PI * f64::from(segment % segments) / f64::from(segments);
             let (sin, cos) = angle.sin_cos();
             let normal = dvec3(radius * sin, height, radius * cos);

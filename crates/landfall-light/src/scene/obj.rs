@@ -1,8 +1,8 @@
-//! Meshes from Wavefront OBJ text: `v`, `vt`, `vn` and `f`; names, groups, lines and materials
-//! are passed over.
+//! Meshes from Wavefront OBJ text: `v`, `vt`, `vn` and `f`; names, groups, lines and materials are
+//! ignored.
 //!
-//! Polygons are cut as a fan from their first corner. Where a face has no normals, each of its
-//! triangles is given its own, across it, so that it looks flat.
+//! Polygons become a fan from their first corner. The triangles of a face without normals get their
+//! own normals and look flat.
 
 use std::collections::HashMap;
 
@@ -11,31 +11,31 @@ use glam::{DVec2, DVec3};
 use super::{Mesh, Vertex};
 use landfall_layout::text::edit_distance::nearest;
 
-/// What is wrong in a line.
+/// An error in a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ObjFault {
-    /// The bytes of the text it is about.
+    /// The byte range of the text.
     pub at: std::ops::Range<usize>,
-    /// What it is, to be read after the place.
+    /// The message, to follow the place.
     pub message: String,
-    /// What to do about it.
+    /// The help text.
     pub help: Option<String>,
 }
 
-/// A mesh, and how many of its triangles had no normals.
+/// A mesh with the number of its triangles without normals.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct ObjMesh {
-    /// Its triangles.
+    /// The mesh.
     pub mesh: Mesh,
-    /// Triangles of the file; those without area are not drawn.
+    /// The triangles of the file, including those without area, which are not drawn.
     pub triangles: usize,
-    /// Triangles that were given flat normals.
+    /// The triangles that got flat normals.
     pub flat: usize,
     /// The first face without normals.
     pub first_flat: Option<std::ops::Range<usize>>,
 }
 
-/// Statements that say nothing of triangles.
+/// The statements ignored.
 const PASSED_OVER: &[&str] = &[
     "o",
     "g",
@@ -72,16 +72,16 @@ const PASSED_OVER: &[&str] = &[
     "stech",
 ];
 
-/// Those that do.
+/// The statements read.
 const READ: &[&str] = &["v", "vt", "vn", "f"];
 
-/// Most numbers wrong that are told of one file.
+/// The most errors reported for one file.
 const MOST_FAULTS: usize = 20;
 
-/// Reads a mesh.
+/// Parses a mesh.
 ///
 /// # Errors
-/// What is wrong, line by line, at most twenty of it.
+/// The errors by line, at most twenty.
 pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
     let mut reader = Reader::default();
     let mut faults = Vec::new();
@@ -104,7 +104,7 @@ pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
     if faults.is_empty() { Ok(reader.read) } else { Err(faults) }
 }
 
-/// A word of a line and where it starts in the text.
+/// A word of a line and its start in the text.
 #[derive(Clone, Copy)]
 struct Word<'t> {
     text: &'t str,
@@ -122,7 +122,7 @@ fn words(line: &str, start: usize) -> Vec<Word<'_>> {
     line.split_ascii_whitespace().map(|text| Word { text, at: start + place(text) }).collect()
 }
 
-/// A corner as a face names it: position, texture coordinates, normal.
+/// A corner of a face: the indices of position, texture coordinates and normal.
 type Corner = (usize, Option<usize>, Option<usize>);
 
 #[derive(Default)]
@@ -130,7 +130,7 @@ struct Reader {
     positions: Vec<DVec3>,
     coordinates: Vec<DVec2>,
     normals: Vec<DVec3>,
-    /// Corners already made.
+    /// The corners already created.
     made: HashMap<Corner, u32>,
     read: ObjMesh,
 }
@@ -162,7 +162,8 @@ impl Reader {
             "f" => self.face(keyword, rest)?,
             other if PASSED_OVER.contains(&other) => {}
             other => {
-                let mut fault = keyword.fault(format!("`{}` is no statement of OBJ", short(other)));
+                let mut fault =
+                    keyword.fault(format!("`{}` is not an OBJ statement", short(other)));
                 fault.help = nearest(other, READ.iter().chain(PASSED_OVER).copied())
                     .map(|known| format!("did you mean `{known}`?"));
                 return Err(fault);
@@ -171,7 +172,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Keeps a place for what is wrong, so that the indices of faces stay right.
+    /// Stores a default for an invalid value, so that the indices of faces stay right.
     fn keep<T: Default>(all: &mut Vec<T>, read: Result<T, ObjFault>) -> Result<(), ObjFault> {
         let (kept, told) = match read {
             Ok(read) => (read, Ok(())),
@@ -203,7 +204,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `position`, `position/uv`, `position//normal` or `position/uv/normal`.
+    /// Parses `position`, `position/uv`, `position//normal` or `position/uv/normal`.
     fn corner(&self, word: &Word<'_>) -> Result<Corner, ObjFault> {
         let mut parts = word.text.split('/');
         let position = parts.next().unwrap_or("");
@@ -237,7 +238,7 @@ impl Reader {
         vertices.len() as u32 - 1
     }
 
-    /// A triangle with a normal of its own. One without area is never seen and left out.
+    /// Adds a triangle with its own normal, unless it has no area.
     fn flat(&mut self, triangle: [Corner; 3]) {
         let [a, b, c] = triangle.map(|corner| self.positions[corner.0]);
         let across = (b - a).cross(c - a);
@@ -249,7 +250,7 @@ impl Reader {
     }
 }
 
-/// The first numbers of a statement.
+/// Parses the first numbers of a statement.
 fn numbers<const N: usize>(
     keyword: &Word<'_>,
     rest: &[Word<'_>],
@@ -265,19 +266,19 @@ fn numbers<const N: usize>(
         *number = match word.text.parse::<f64>() {
             Ok(number) if number.abs() <= super::LARGEST => number,
             Ok(_) => {
-                let message = format!("`{}` is no finite length up to 1e18", short(word.text));
+                let message = format!("`{}` is not a finite number up to 1e18", short(word.text));
                 return Err(word.fault(message));
             }
-            Err(_) => return Err(word.fault(format!("`{}` is no number", short(word.text)))),
+            Err(_) => return Err(word.fault(format!("`{}` is not a number", short(word.text)))),
         };
     }
     Ok(numbers)
 }
 
-/// Indices count from 1, negative ones back from the last so far.
+/// Parses an index, which counts from 1, or back from the last line so far if negative.
 fn index(word: &Word<'_>, part: &str, keyword: &str, len: usize) -> Result<usize, ObjFault> {
     let Ok(number) = part.parse::<i64>() else {
-        let message = format!("`{}` is no number of a `{keyword}` line", short(part));
+        let message = format!("`{}` is not an index of a `{keyword}` line", short(part));
         return Err(word.fault(message));
     };
     let len = len as i64;
@@ -289,13 +290,13 @@ fn index(word: &Word<'_>, part: &str, keyword: &str, len: usize) -> Result<usize
     match found.filter(|found| (0..len).contains(found)) {
         Some(found) => Ok(found as usize),
         None => {
-            let message = format!("`{number}` is none of the {len} `{keyword}` lines so far");
+            let message = format!("`{number}` is outside the {len} `{keyword}` lines so far");
             Err(word.fault(message))
         }
     }
 }
 
-/// No message grows with the text.
+/// Shortens text for a message.
 fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         text.to_string()

@@ -1,7 +1,7 @@
-//! Scenes from JSON: every value checked, everything wrong told at once, each with its place.
+//! Reads scenes from JSON: checks every value and reports all errors at once, each with its place.
 //!
-//! [`landfall_layout::text::json`] gives values with the bytes they take, `walk` goes through them and
-//! keeps what is wrong; one file each reads lights, materials, objects and what is generated.
+//! [`landfall_layout::text::json`] parses values with their spans, `walk` traverses them and
+//! collects errors; a file each reads lights, materials, objects and random scenes.
 
 mod generate;
 mod lights;
@@ -25,29 +25,29 @@ use landfall_layout::text::json;
 pub use landfall_layout::text::json::Fault;
 use walk::{At, Object, Walk};
 
-/// Most pixels of a picture.
+/// The most pixels of a picture.
 pub const MOST_PIXELS: u64 = 1 << 24;
 
-/// Most bytes of a file that a scene names.
+/// The largest size in bytes of a file that a scene names.
 const MOST_BYTES: u64 = 1 << 28;
 
-/// How the files that a scene names are had: the name as it is written, the bytes.
+/// Opens a file that a scene names, by the name as written; returns its bytes.
 pub type Open<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
 
-/// What was read of a scene.
+/// The result of reading a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Reading {
-    /// The scene, unless something is wrong with it.
+    /// The scene, if there are no errors.
     pub scene: Option<Scene>,
     /// The scene's own text, then the meshes it names.
     pub files: Files,
-    /// What is wrong, and what is doubtful.
+    /// The errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl Reading {
-    /// The bytes of a value, by its path as messages spell it: `bind.count`, `lights.point[3]`.
-    /// For findings about members that only a renderer understands.
+    /// Returns the span of a value by its path in messages: `bind.count`, `lights.point[3]`. Used
+    /// for diagnostics about members that only a renderer understands.
     pub fn place(&self, path: &str) -> Option<Span> {
         let text = &self.files.get(0)?.text;
         let found = landfall_layout::text::locate::locate(text, path)?.value;
@@ -55,10 +55,10 @@ impl Reading {
     }
 }
 
-/// Reads a scene from a file; the files it names are looked for beside it.
+/// Reads a scene from a file; paths in it are relative to its folder.
 ///
 /// # Errors
-/// The file cannot be read or is not UTF-8. What is wrong inside it is among the diagnostics.
+/// The file cannot be read or is not UTF-8. Errors inside it are among the diagnostics.
 pub fn read_file(path: impl AsRef<Path>) -> Result<Reading, Error> {
     let path = path.as_ref();
     let shown = path.display().to_string();
@@ -67,12 +67,12 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Reading, Error> {
     Ok(read(&shown, &text, &|name| bytes(&folder.join(name))))
 }
 
-/// Reads a scene from its text. What it names is had from `open`.
+/// Reads a scene from its text; `open` opens the files it names.
 pub fn read(path: &str, text: &str, open: &Open<'_>) -> Reading {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut walk = Walk::default();
     if u32::try_from(text.len()).is_err() {
-        let error = Error::new(path, "is over 4 GiB long, which no scene is");
+        let error = Error::new(path, "is longer than 4 GiB");
         return Reading { diagnostics: vec![error.into()], ..Reading::default() };
     }
     walk.files.add(path, Arc::from(text));
@@ -167,7 +167,7 @@ fn size(walk: &mut Walk, at: &At<'_>) -> Option<[u32; 2]> {
     let size = [width?, height?];
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     if pixels > MOST_PIXELS {
-        let what = format!("is {pixels} pixels, of which a picture has {MOST_PIXELS} at most");
+        let what = format!("is {pixels} pixels, but a picture has at most {MOST_PIXELS}");
         walk.error(Code::TooLarge, at, what);
         return None;
     }
@@ -210,7 +210,7 @@ fn across(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
         return;
     }
     let at = object.get("up").or_else(|| object.get("front")).or_else(|| object.get("target"));
-    let what = "is along the direction of the camera: nothing says what is up";
+    let what = "is parallel to the direction of the camera, so no direction is up";
     walk.error(Code::UpAlongFront, &at.unwrap_or(object.at.clone()), what).help = Some(
         "give an `up` across the direction, such as `[0, 0, -1]` when looking down".to_string(),
     );
@@ -234,12 +234,8 @@ fn in_order(walk: &mut Walk, object: &Object<'_>, near: f64, far: f64) {
 fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Option<DVec3> {
     match (object.get("front"), object.get("target")) {
         (Some(_), Some(target)) => {
-            walk.error(
-                Code::GivenTwice,
-                &target,
-                "says again what `front` says: where the camera looks",
-            )
-            .help = Some("keep one of `front` and `target`".to_string());
+            walk.error(Code::GivenTwice, &target, "repeats `front`, the direction of the camera")
+                .help = Some("keep one of `front` and `target`".to_string());
             None
         }
         (Some(front), None) => walk.direction(&front),
@@ -250,14 +246,14 @@ fn front(walk: &mut Walk, object: &Object<'_>, position: Option<DVec3>) -> Optio
                 walk.error(
                     Code::ZeroDirection,
                     &at,
-                    "is where the camera is: it has no direction to look in",
+                    "is the position of the camera, so the camera has no direction",
                 );
             }
             front
         }
         (None, None) => {
-            walk.error(Code::MissingMember, &object.at, "does not say where the camera looks")
-                .help = Some("give `front`, a direction, or `target`, a place".to_string());
+            walk.error(Code::MissingMember, &object.at, "has no direction").help =
+                Some("add `front`, a direction, or `target`, a position".to_string());
             None
         }
     }
@@ -283,7 +279,7 @@ fn plane(walk: &mut Walk, object: &Object<'_>, key: &str, default: f64) -> Optio
     walk.positive(&at)
 }
 
-/// A member that is kept as it is.
+/// Returns a member as unparsed JSON.
 fn raw(
     walk: &mut Walk,
     root: &Object<'_>,
@@ -304,7 +300,7 @@ fn raw(
     match serde_json::from_str(&text[at.node.start..at.node.end]) {
         Ok(value) => Some(value),
         Err(_) => {
-            walk.error(Code::WrongValue, &at, "nests too deep");
+            walk.error(Code::WrongValue, &at, "is nested too deeply");
             None
         }
     }
@@ -314,17 +310,17 @@ fn stem(path: &str) -> String {
     Path::new(path).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into())
 }
 
-/// The bytes of a file, if it is not enormous.
+/// Returns the bytes of a file, up to the size limit.
 fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if !path.metadata().is_ok_and(|found| found.len() > MOST_BYTES) {
         return read_whole(path, MOST_BYTES);
     }
     let shown = path.display().to_string();
-    let message = format!("is over {} MiB long, which no part of a scene is", MOST_BYTES >> 20);
+    let message = format!("is over {} MiB long, too large for a part of a scene", MOST_BYTES >> 20);
     Err(Error::new(&shown, message).unreadable())
 }
 
-/// What is no JSON, at its place.
+/// Returns the diagnostic for invalid JSON.
 fn no_json(text: &str, fault: &Fault) -> Diagnostic {
     let span = |start: usize, len: usize| {
         let start = start.min(text.len());
@@ -340,11 +336,11 @@ fn no_json(text: &str, fault: &Fault) -> Diagnostic {
             Diagnostic::error(Code::JsonSyntax, span(text.trim_end().len(), 1), message)
         }
         Fault::Twice { at, key } => {
-            let message = format!("`{}` stands twice in one object", walk::short(key));
+            let message = format!("`{}` occurs twice in one object", walk::short(key));
             Diagnostic::error(Code::GivenTwice, span(*at, key.len() + 2), message)
         }
         Fault::Deep { at } => {
-            let message = "nests deeper than any scene";
+            let message = "is nested too deeply";
             Diagnostic::error(Code::JsonSyntax, span(*at, 1), message)
         }
         Fault::Expected { at, wanted } => {
@@ -355,11 +351,10 @@ fn no_json(text: &str, fault: &Fault) -> Diagnostic {
             match word.parse::<f64>() {
                 Ok(number) if !number.is_finite() => {
                     let message = format!("`{}` is not finite", walk::short(word));
-                    Diagnostic::error(Code::NotFinite, at, message).with_note(
-                        "JSON has neither NaN nor infinity, and nothing can be lit with them",
-                    )
+                    Diagnostic::error(Code::NotFinite, at, message)
+                        .with_note("JSON has neither NaN nor infinity")
                 }
-                _ => Diagnostic::error(Code::JsonSyntax, at, format!("here should be {wanted}")),
+                _ => Diagnostic::error(Code::JsonSyntax, at, format!("expected {wanted}")),
             }
         }
     }

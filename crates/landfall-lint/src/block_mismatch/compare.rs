@@ -1,4 +1,4 @@
-//! Where two copies of one block, or of one structure, differ, leaf by leaf.
+//! Compares two copies of one block, or of one structure, leaf by leaf.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -6,20 +6,20 @@ use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Type};
 use landfall_layout::source::{Language, Span};
 
-/// A copy: leaves by the name they are compared by.
+/// A copy: leaves with the names by which they are compared.
 pub(super) struct View<'a> {
     /// Its leaves, in the order of the text.
     pub leaves: Vec<Named<'a>>,
-    /// Bytes it takes up, or one element of it.
+    /// The size of the copy, or of one element, in bytes.
     pub size: Option<u64>,
     pub language: Language,
 }
 
 /// A leaf of a copy.
 pub(super) struct Named<'a> {
-    /// What it is called in every copy.
+    /// The name in every copy.
     pub name: String,
-    /// From the start of the copy; `None` for loose uniforms.
+    /// The offset from the start of the copy; `None` for loose uniforms.
     pub offset: Option<u64>,
     /// Dimensions and strides below the start of the copy.
     pub dims: &'a [ArrayLen],
@@ -30,16 +30,16 @@ pub(super) struct Named<'a> {
 /// A way in which two copies differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Difference {
-    /// What differs, with both numbers, the copy at hand first.
+    /// The difference, with both numbers, this copy first.
     pub text: String,
-    /// The leaf in the copy at hand, and in the other.
+    /// The leaf in this copy, and in the other.
     pub here: Option<Span>,
     pub there: Option<Span>,
-    /// Whether it is a name only: every byte means the same.
+    /// Whether only a name differs and every byte has the same meaning.
     pub cosmetic: bool,
 }
 
-/// A whole block.
+/// Returns a whole block as a copy.
 pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
     let leaves = block.leaves.iter().map(|leaf| Named {
         name: leaf.path.clone(),
@@ -51,7 +51,7 @@ pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
     View { leaves: leaves.collect(), size: block.size, language }
 }
 
-/// Whether two blocks are declared alike, without a word on the difference.
+/// Returns whether two blocks have the same layout.
 pub(super) fn alike(a: &BlockLayout, b: &BlockLayout) -> bool {
     a.leaves.len() == b.leaves.len()
         && a.leaves.iter().zip(&b.leaves).all(|(a, b)| {
@@ -65,7 +65,7 @@ pub(super) fn alike(a: &BlockLayout, b: &BlockLayout) -> bool {
         })
 }
 
-/// How many leaves two copies share by name and type.
+/// Returns the number of leaves that two copies share by name and type.
 pub(super) fn shared(a: &View<'_>, b: &View<'_>) -> usize {
     let theirs = by_name(b);
     let is_shared = |leaf: &&Named<'_>| {
@@ -78,15 +78,16 @@ fn by_name<'v>(view: &'v View<'_>) -> FxHashMap<&'v str, &'v Named<'v>> {
     view.leaves.iter().map(|leaf| (leaf.name.as_str(), leaf)).collect()
 }
 
-/// Whether one is the start of the other: its leaves are the first ones there, in the same place.
+/// Returns whether one copy is the start of the other: its leaves are the other's first ones, at
+/// the same offsets.
 pub(super) fn is_head(a: &View<'_>, b: &View<'_>) -> bool {
     let (short, long) = if a.leaves.len() <= b.leaves.len() { (a, b) } else { (b, a) };
     !short.leaves.is_empty()
         && short.leaves.iter().zip(&long.leaves).all(|(a, b)| a.name == b.name && same(a, b))
 }
 
-/// Whether bytes of one are read as something else in the other: where they overlap, they are not
-/// the same leaf but for the name.
+/// Returns whether a byte has different meanings in two copies: overlapping leaves differ in more
+/// than the name.
 pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
     // Blocks of that many members are no uniform blocks that anyone would bind.
     if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
@@ -101,7 +102,7 @@ pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
     })
 }
 
-/// Whether two leaves have the same bytes.
+/// Returns whether two leaves have the same bytes.
 fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
     a.offset == b.offset
         && a.leaf.ty == b.leaf.ty
@@ -111,7 +112,7 @@ fn same(a: &Named<'_>, b: &Named<'_>) -> bool {
         && a.leaf.row_major == b.leaf.row_major
 }
 
-/// Every difference, in the order of the copy at hand, then what only the other has.
+/// Returns every difference in the order of this copy, then the leaves that only the other has.
 pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> {
     let mut found = Vec::new();
     let ours = by_name(here);
@@ -171,7 +172,7 @@ fn difference(text: String, here: Option<&Named<'_>>, there: Option<&Named<'_>>)
     }
 }
 
-/// How a leaf that both copies have differs.
+/// Returns the differences of a leaf that both copies have.
 fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) -> Option<String> {
     let mut parts = Vec::new();
     let name = &here.name;
@@ -207,7 +208,7 @@ fn moved(here: &Named<'_>, there: &Named<'_>, ours: Language, theirs: Language) 
     (!parts.is_empty()).then(|| format!("`{name}` {}", parts.join(", ")))
 }
 
-/// `vec3` at offset 16.
+/// Returns a leaf's type and offset: `vec3` at offset 16.
 fn described(leaf: &Named<'_>, language: Language) -> String {
     let ty = spelled(leaf, language);
     leaf.offset.map_or_else(|| ty.clone(), |offset| format!("{ty} at offset {offset}"))

@@ -1,4 +1,4 @@
-//! Mirror groups: copies of a block or structure under other names, as the configuration says.
+//! Mirror groups: copies of a block or structure under other names, declared in the configuration.
 
 use super::compare::{Difference, Named, View, differences};
 use super::{LINT, first, with_differences};
@@ -18,12 +18,12 @@ pub(super) fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Findin
     settings.mirror_groups.iter().flat_map(|group| in_group(group, subjects)).collect()
 }
 
-/// What a copy of the configuration leads to in one shader.
+/// The block or structure that a copy in the configuration refers to in one shader.
 pub struct Found<'a> {
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     view: View<'a>,
-    /// What it is called there, and where.
+    /// Its name in the shader, and its span.
     name: String,
     span: Span,
 }
@@ -64,7 +64,7 @@ fn compared(
         return None;
     }
     let message = format!(
-        "`{}` is no copy of `{}` in {}: {}",
+        "`{}` differs from `{}` in {}: {}",
         here.name,
         there.name,
         there.subject.source.path,
@@ -72,11 +72,11 @@ fn compared(
     );
     let at = all.first().and_then(|d| d.here).unwrap_or(here.span);
     let other = all.first().and_then(|d| d.there).unwrap_or(there.span);
-    let mut finding = Finding::new(LINT.code, here.name.as_str(), place(here.subject, at), message)
-        .with_related(place(there.subject, other), "the other copy");
+    let mut finding = Finding::of(LINT.code, here.name.as_str(), place(here.subject, at), message)
+        .with_label(place(there.subject, other), "the other copy");
     let places = [&copy.place, &group.place];
     if let Some(place) = places.into_iter().find(|place| !place.path.is_empty()) {
-        finding = finding.with_related(place.clone(), format!("mirror group `{}`", group.name));
+        finding = finding.with_label(place.clone(), format!("mirror group `{}`", group.name));
     }
     finding = with_differences(finding, &all);
     finding.listing = listing(here.subject.shader, here.block);
@@ -111,7 +111,7 @@ fn missing<'a>(
     };
     let place = if copy.place.path.is_empty() { &group.place } else { &copy.place };
     let about = format!("{}: {}", group.name, copy.block);
-    let finding = Finding::new(LINT.code, about, place.clone(), message);
+    let finding = Finding::of(LINT.code, about, place.clone(), message);
     let wanted = copy.block.split(['.', '[']).next().unwrap_or("");
     match nearest(wanted, names.into_iter()) {
         Some(name) if name != wanted => finding.with_help(format!("did you mean `{name}`?")),
@@ -119,7 +119,8 @@ fn missing<'a>(
     }
 }
 
-/// What a copy leads to in a shader: blocks of that name, or what is at the end of that path.
+/// Returns the blocks or structures that a copy refers to in a shader: blocks of that name, or the
+/// structure at the end of that path.
 fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<Found<'a>> {
     let path = segments(copy.block.trim()).unwrap_or_default();
     let names: Vec<&str> = path
@@ -155,7 +156,7 @@ fn whole<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>, block: &'a BlockLayout
     Found { subject, block, view, name: block.name.to_string(), span: block.span }
 }
 
-/// The structure at the end of a path of members.
+/// Returns the structure at the end of a path of members.
 fn part<'a>(
     copy: &MirrorCopy,
     subject: &'a Subject<'a>,
@@ -172,7 +173,7 @@ fn part<'a>(
     element(copy, subject, block, &steps)
 }
 
-/// The first member, however deep, that is of a structure of that name.
+/// Returns the first member, at any depth, whose type is a structure of that name.
 fn structure<'a>(
     copy: &MirrorCopy,
     subject: &'a Subject<'a>,
@@ -199,7 +200,7 @@ fn structure<'a>(
     element(copy, subject, block, &steps)
 }
 
-/// One element of the structure those members lead to.
+/// Returns one element of the structure at the end of those members.
 fn element<'a>(
     copy: &MirrorCopy,
     subject: &'a Subject<'a>,
@@ -239,7 +240,7 @@ fn element<'a>(
     })
 }
 
-/// What a member is called in the group: aliases turned back, the prefix taken off.
+/// Returns a member's name in the group, without aliases and the prefix.
 fn canonical(copy: &MirrorCopy, path: &str) -> String {
     let plain = path.replace("[]", "");
     if let Some((name, _)) = copy.aliases.iter().find(|(_, here)| *here == plain) {

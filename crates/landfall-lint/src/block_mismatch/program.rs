@@ -1,13 +1,13 @@
-//! Which shaders are stages of one program, as far as their names tell.
+//! Groups shaders into programs by their file names.
 
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::{Language, Stage};
 
-/// What the stages of one program have in common.
+/// The key of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Program {
     directory: String,
-    /// The file's name without what says its stage.
+    /// The file's name without its stage.
     name: String,
     pipeline: Pipeline,
 }
@@ -19,8 +19,8 @@ enum Pipeline {
     RayTracing,
 }
 
-/// The program a shader is a stage of: its directory, and its name without the stage.
-/// WGSL modules hold all stages themselves, and a text that says no stage may be anyone's.
+/// Returns the program of a shader: its directory, and its file name without the stage. `None` for
+/// WGSL modules, which contain all stages, and for texts without a stage.
 pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
     if shader.language != Language::Glsl {
         return None;
@@ -46,8 +46,8 @@ pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
     Some(Program { directory: directory.to_string(), name: stem(file), pipeline })
 }
 
-/// A file's name without its extensions and without words that say the stage:
-/// `lights.vert`, `lights_vs.glsl`, `lights.frag.glsl` and `fs_lights.glsl` are all `lights`.
+/// Returns a file's name without its extensions and stage names: `lights.vert`, `lights_vs.glsl`,
+/// `lights.frag.glsl` and `fs_lights.glsl` are all `lights`.
 fn stem(file: &str) -> String {
     let mut parts: Vec<&str> = file.split('.').collect();
     // What is behind the first dot is an extension if it is the last part or says a stage.

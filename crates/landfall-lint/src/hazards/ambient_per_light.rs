@@ -1,5 +1,6 @@
 //! `ambient-per-light`: an ambient term in every light of an array.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -7,11 +8,11 @@ pub(crate) const LINT: Lint = Lint {
     code: "ambient-per-light",
     // It is a model, and often wanted.
     level: Level::Allow,
-    what: "an array of lights that each have an ambient term of their own",
-    why: "Every light adds its ambient term wherever it shines from: five of them are 13 \
-          % of the red in the published scene of six lights, and 128 saturate the \
-          picture. One ambient light beside the array costs 16 bytes once instead of 16 \
-          a light. Allowed unless asked for, because it is a model, and often wanted.",
+    what: "an array of lights, each with an ambient term of its own",
+    why: "Every light adds its ambient term, wherever it shines: five of them are 13 % of the red \
+          in the published scene of six lights, and 128 saturate the picture. One ambient light \
+          beside the array costs 16 bytes once instead of 16 bytes per light. Allowed by default, \
+          because it is a valid model and often intended.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 ambient; vec3 diffuse; };
@@ -25,6 +26,14 @@ void main() {
     color = vec4(sum, 1.0);
 }
 ",
-    fix: "one ambient light beside the array, added once",
+    fix: "Declare one ambient light beside the array and add it once.",
     check: Check::Hazard(Kind::AmbientPerLight),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    Message::new(
+        format!("the ambient light {} is added for every light", site.about()),
+        "added for every light",
+        "keep one ambient light beside the array, and add it once",
+    )
+}

@@ -1,6 +1,8 @@
 //! `attenuation-division`: a light that weakens by a divisor that may be 0.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::Kind;
 
 pub(crate) const LINT: Lint = Lint {
@@ -8,10 +10,10 @@ pub(crate) const LINT: Lint = Lint {
     // Programs that set a constant of 1 never meet it.
     level: Level::Allow,
     what: "an attenuation whose divisor is 0 for some light or distance",
-    why: "A light whose three coefficients are still 0, as in a buffer of zeros, is \
-          divided by 0: infinity, and times its colour of 0 NaN. The same happens at the \
-          light where only the squared distance divides. Allowed unless asked for, \
-          because programs that always set a constant of 1 never meet it.",
+    why: "A light whose three coefficients are 0, as in a buffer of zeros, is divided by 0: the \
+          result is infinity, or NaN where its colour is 0 too. Attenuation by the squared \
+          distance alone divides by 0 at the light itself. Allowed by default, because programs \
+          that always set a constant term of 1 are not affected.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -24,6 +26,23 @@ void main() {
     color = vec4(light.color / (light.constant + light.linear * d + light.quadratic * d * d), 1.0);
 }
 ",
-    fix: "divide by `max(…, 1.0e-4)`",
+    fix: "Divide by `max(…, 1.0e-4)`.",
     check: Check::Hazard(Kind::AttenuationDivision),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let (about, least) = (site.about(), site.least());
+    let (message, help) = match site.hazard() {
+        Hazard::AttenuationAtLight => (
+            format!(
+                "attenuation divides by a squared distance, which is 0 where {about} is at the surface"
+            ),
+            format!("divide by `max(dot(v, v), {least})`, which is 1 cm in metres"),
+        ),
+        _ => (
+            format!("attenuation divides by 0 if {about} and the other coefficients are 0"),
+            format!("write `1.0 / max(constant + d * (linear + quadratic * d), {least})`"),
+        ),
+    };
+    Message::new(message, "may divide by 0", help)
+}

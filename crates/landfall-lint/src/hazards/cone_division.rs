@@ -1,18 +1,19 @@
 //! `cone-division`: a cone whose two angles may be equal.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "cone-division",
     // Cones with two equal angles are rare, and the host can refuse them.
     level: Level::Allow,
-    what: "a cone factor divided by the difference of two cosines that may be equal",
-    why: "A spotlight whose inner and outer angle are the same divides by 0: infinity \
-          inside, and 0/0 exactly on the edge. A cutoff of 0 degrees does it too, where \
-          one cosine is subtracted from 1: rounding lifts a cosine above 1 in one of \
-          seven fragments on the axis, and they sparkle. Allowed unless asked for, \
-          because such cones are rare.",
+    what: "a cone factor divided by a difference of two cosines that may be equal",
+    why: "A spotlight whose inner and outer angle are equal divides by 0: infinity inside the \
+          cone, and 0 / 0 exactly on its edge. A cutoff of 0 degrees divides by 0 too, where one \
+          cosine is subtracted from 1: rounding lifts a cosine above 1 in one of seven fragments \
+          on the axis, which then sparkle. Allowed by default, because such cones are rare.",
     example: "\
 #version 330 core
 struct SpotLight { vec3 position; vec3 direction; vec3 color; float cutOff; float outerCutOff; };
@@ -26,6 +27,24 @@ void main() {
     color = vec4(light.color * clamp(edge, 0.0, 1.0), 1.0);
 }
 ",
-    fix: "divide by `max(inner - outer, 1.0e-4)`, or refuse such a light in the program",
+    fix: "Divide by `max(inner - outer, 1.0e-4)`, or refuse such a light in the program.",
     check: Check::Hazard(Kind::ConeDivision),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let (about, least) = (site.about(), site.least());
+    let (message, help) = match site.hazard() {
+        Hazard::ZeroWidthCone => (
+            format!("the cone divides by 0 where the angle of {about} is 0"),
+            format!("divide by `max(1.0 - cutoff, {least})`"),
+        ),
+        _ => (
+            format!("the cone divides by 0 where the angle of {about} equals the other one"),
+            format!(
+                "divide by `max(inner - outer, {least})`, which makes the edge hard where the \
+                 angles are equal"
+            ),
+        ),
+    };
+    Message::new(message, "may divide by 0", help)
+}

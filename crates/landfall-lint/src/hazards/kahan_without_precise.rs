@@ -1,17 +1,19 @@
 //! `kahan-without-precise`: a compensated sum that a compiler may undo.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
+use landfall_layout::source::Language;
 
 pub(crate) const LINT: Lint = Lint {
     code: "kahan-without-precise",
     // Compilers are free to, and one that is widely used does.
     level: Level::Warn,
-    what: "a compensated sum that a compiler is free to simplify to 0",
-    why: "(t - s) - y is 0 in real numbers, and without `precise` a compiler may say so: \
-          the sum is then the plain one at four times the cost. WGSL has no `precise`; \
-          Mesa cancels the compensation of a shader that came through naga. In four \
-          lanes, or pairwise, a sum loses as little and nothing can undo it.",
+    what: "a compensated sum whose compensation a compiler may simplify to 0",
+    why: "(t - s) - y is 0 in real numbers, and without `precise` a compiler may replace it by 0: \
+          what remains is the plain sum at four times the cost. WGSL has no `precise`; Mesa \
+          cancels the compensation of a shader that naga translated. A sum in four lanes, or a \
+          pairwise sum, loses as little, and no compiler can undo it.",
     example: "\
 #version 450
 struct PointLight { vec3 position; float intensity; };
@@ -29,6 +31,17 @@ void main() {
     color = vec4(sum);
 }
 ",
-    fix: "declare the variables `precise`; in WGSL sum in several lanes, or pairwise",
+    fix: "Declare the variables `precise`; in WGSL, sum in several lanes, or pairwise.",
     check: Check::Hazard(Kind::KahanWithoutPrecise),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    Message::new(
+        "this compensation is 0 in real numbers, and a compiler may simplify it to 0",
+        "may be simplified to 0",
+        match site.language() {
+            Language::Glsl => "declare the sum, its parts and the compensation `precise`",
+            Language::Wgsl => "sum in several lanes, or pairwise: WGSL has no `precise`",
+        },
+    )
+}

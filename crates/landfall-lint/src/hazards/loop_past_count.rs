@@ -1,5 +1,6 @@
 //! `loop-past-count`: a loop over all slots of an array that has a count.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -7,11 +8,11 @@ pub(crate) const LINT: Lint = Lint {
     code: "loop-past-count",
     // Slots that are not used hold anything; of zeros they make NaN.
     level: Level::Warn,
-    what: "a loop over every slot of an array of lights, beside a count of those in use",
-    why: "A slot of zeros has no attenuation: 1 / 0 is infinity, times its colour of 0 \
-          it is NaN, and one NaN is the whole sum. With the published shader every pixel \
-          of the picture was lost. It costs the lights that are not there besides: 128 \
-          slots for 2 lights took 14 times as long.",
+    what: "a loop over all slots of an array of lights although a count says how many are in use",
+    why: "A slot of zeros has no attenuation: 1 / 0 is infinity, times its colour of 0 it is NaN, \
+          and one NaN makes the whole sum NaN. With the published shader every pixel of the \
+          picture was lost. Unused slots also take time: 128 slots for 2 lights took 14 times as \
+          long.",
     example: "\
 #version 330 core
 struct PointLight { vec3 pos; vec3 color; };
@@ -27,6 +28,17 @@ void main() {
     color = vec4(sum, 1.0);
 }
 ",
-    fix: "loop to `min(count, 16)`",
+    fix: "Loop to `min(count, 16)`.",
     check: Check::Hazard(Kind::LoopPastCount),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let (array, count) = site.array_and_count();
+    let slots = site.slots();
+    let message = Message::new(
+        format!("this loop visits all {slots} slots of `{array}`, of which `{count}` are in use"),
+        "every slot",
+        format!("loop to `min({count}, {slots})`"),
+    );
+    message.with_note("a slot of zeros is 1 / 0 times 0, which makes the whole sum NaN")
+}

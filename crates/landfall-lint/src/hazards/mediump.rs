@@ -1,13 +1,13 @@
-//! Positions whose precision the text itself lowers: the IR has no precision to see it by.
+//! Positions of lights with reduced precision, found in the text because the IR has no precisions.
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::{Certainty, Kind, Occurrence};
-use landfall_ir::analysis::roles::{Held, Role};
+use landfall_ir::analysis::roles::{LightBinding, Role};
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::{Language, Span};
 
-/// Positions of lights that are `mediump` or `lowp` by the text.
-pub(super) fn hazards(shader: &ShaderLayout, lights: &[Held<'_>]) -> Vec<Occurrence> {
+/// Returns the positions of lights that the text declares `mediump` or `lowp`.
+pub(super) fn hazards(shader: &ShaderLayout, lights: &[LightBinding<'_>]) -> Vec<Occurrence> {
     if shader.language != Language::Glsl || !is_embedded(shader) {
         return Vec::new();
     }
@@ -32,7 +32,8 @@ pub(super) fn hazards(shader: &ShaderLayout, lights: &[Held<'_>]) -> Vec<Occurre
     found
 }
 
-/// Whether precisions mean something: in GLSL ES, or where the text serves both.
+/// Returns whether precision qualifiers have an effect: in GLSL ES, or in a text for both GLSL and
+/// GLSL ES.
 fn is_embedded(shader: &ShaderLayout) -> bool {
     let Some(text) = shader.files.get(0).map(|file| &file.text) else { return false };
     let version = text.lines().find_map(|line| line.trim().strip_prefix("#version"));
@@ -42,7 +43,7 @@ fn is_embedded(shader: &ShaderLayout) -> bool {
     }
 }
 
-/// Whether the default for floats is below `highp`, whatever is defined.
+/// Returns whether the default precision of floats is below `highp` in every `#if` branch.
 fn lowered_by_default(shader: &ShaderLayout) -> bool {
     let mut lowered = false;
     for file in shader.files.iter() {
@@ -64,7 +65,7 @@ fn lowered_by_default(shader: &ShaderLayout) -> bool {
     lowered
 }
 
-/// What stands before a member's name in its declaration.
+/// Returns the part of a member's declaration before its name.
 fn before(shader: &ShaderLayout, span: Span) -> &str {
     let text = shader.files.get(span.file).map_or("", |file| &file.text);
     let head = text.get(..span.start as usize).unwrap_or("");

@@ -1,5 +1,6 @@
 //! `mediump-position`: a position in 16 bits.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -8,10 +9,10 @@ pub(crate) const LINT: Lint = Lint {
     // Desktop drivers and many phones compute mediump in 32 bits.
     level: Level::Allow,
     what: "the position of a light in `mediump` or `lowp`, which may be 16 bits wide",
-    why: "In 16 bits a distance squared overflows at 256, the light is off by a step of \
-          0.25 at 300, and a whole shader in them is 12 8-bit steps wrong in one of a \
-          hundred pixels. Colours and attenuation lose less than a step. Allowed unless \
-          asked for, because many drivers compute `mediump` in 32 bits.",
+    why: "In 16 bits, squaring a distance overflows at 256, a light is off by a step of 0.25 at \
+          300, and a shader computed entirely in 16 bits is wrong by 12 8-bit steps in one of a \
+          hundred pixels. Colours and attenuation lose less than a step. Allowed by default, \
+          because many drivers compute `mediump` in 32 bits.",
     example: "\
 #version 300 es
 precision mediump float;
@@ -24,6 +25,14 @@ void main() {
     color = vec4(light.color / (1.0 + d * d), 1.0);
 }
 ",
-    fix: "declare positions, directions and distances `highp`, and leave colours `mediump`",
+    fix: "Declare positions, directions and distances `highp`; colours may stay `mediump`.",
     check: Check::Hazard(Kind::MediumpPosition),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    Message::new(
+        format!("{} may be 16 bits wide: its squared distance overflows at 256", site.about()),
+        "below highp",
+        "declare positions, directions and distances `highp`",
+    )
+}

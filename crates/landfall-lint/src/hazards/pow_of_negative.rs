@@ -1,17 +1,18 @@
 //! `pow-of-negative`: a power of a dot product that may be negative.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
-use landfall_ir::analysis::hazards::Kind;
+use landfall_ir::analysis::hazards::{Certainty, Kind};
 
 pub(crate) const LINT: Lint = Lint {
     code: "pow-of-negative",
     // A dot product is negative for half of all directions.
     level: Level::Warn,
-    what: "a power of a dot product that nothing keeps from being negative",
-    why: "`pow(x, y)` is undefined for a negative x in GLSL and WGSL, whole y or not: \
-          exp2(y * log2(x)) is NaN. A dot product of two directions is negative for half \
-          of them. Of bases that only rounding takes below 0, such as 1 - dot, `landfall \
-          lights` tells.",
+    what: "a power of a dot product that may be negative",
+    why: "`pow(x, y)` is undefined for a negative x in GLSL and WGSL, even for a whole y: exp2(y * \
+          log2(x)) is NaN. A dot product of two directions is negative for half of them. Bases \
+          that only rounding takes below 0, such as 1 - dot, are reported by `landfall lights` \
+          only.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -26,6 +27,18 @@ void main() {
     color = vec4(light.color * pow(dot(r, normalize(eye - at)), 32.0), 1.0);
 }
 ",
-    fix: "clamp the base: `pow(clamp(x, 0.0, 1.0), n)`",
+    fix: "Clamp the base: `pow(clamp(x, 0.0, 1.0), n)`.",
     check: Check::Hazard(Kind::PowOfNegative),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let how = match site.certainty() {
+        Certainty::Possible => "may be negative by rounding",
+        Certainty::Likely | Certainty::Certain => "is negative for half of all directions",
+    };
+    Message::new(
+        format!("the base of this power {how}, which makes the result undefined"),
+        "negative base",
+        "clamp the base: `pow(clamp(x, 0.0, 1.0), n)`",
+    )
+}

@@ -1,17 +1,19 @@
 //! `pow-of-zero`: zero to the power of what may be zero.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
+use landfall_layout::source::Language;
 
 pub(crate) const LINT: Lint = Lint {
     code: "pow-of-zero",
     // Only a shininess of 0 or less meets it.
     level: Level::Allow,
     what: "a power whose base may be 0 while its exponent may be 0 or less",
-    why: "`pow(0, 0)` is undefined in GLSL and WGSL: 1 by the C library, NaN by exp2(0 * \
-          log2(0)), 0 on lavapipe. A highlight has base 0 wherever it is clamped, and a \
-          material that was never set has exponent 0. Allowed unless asked for, because \
-          only a shininess of 0 or less meets it.",
+    why: "`pow(0, 0)` is undefined in GLSL and WGSL: the C library returns 1, exp2(0 * log2(0)) is \
+          NaN, and lavapipe returns 0. A highlight has base 0 wherever it is clamped, and a \
+          material that was never set has exponent 0. Allowed by default, because only a shininess \
+          of 0 or less is affected.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -28,6 +30,18 @@ void main() {
     color = vec4(light.color * highlight, 1.0);
 }
 ",
-    fix: "take the power only where the base is above 0: `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
+    fix: "Take the power only where the base is above 0: `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`.",
     check: Check::Hazard(Kind::PowOfZero),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let exponent = site.path().map_or("the exponent".to_string(), |path| format!("`{path}`"));
+    Message::new(
+        format!("the base of this power may be 0: the result is undefined where {exponent} is 0"),
+        "0 to the power of 0",
+        match site.language() {
+            Language::Glsl => "write `x > 0.0 ? pow(min(x, 1.0), n) : 0.0`",
+            Language::Wgsl => "write `select(0.0, pow(min(x, 1.0), n), x > 0.0)`",
+        },
+    )
+}

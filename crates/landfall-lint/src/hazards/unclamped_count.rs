@@ -1,5 +1,6 @@
 //! `unclamped-count`: a loop up to a count that may be past the array.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -7,11 +8,10 @@ pub(crate) const LINT: Lint = Lint {
     code: "unclamped-count",
     // A program that keeps its count in bounds never meets it.
     level: Level::Allow,
-    what: "a loop over lights up to a count that nothing keeps within the array",
-    why: "A count past the array makes the shader read past it: in a uniform block the \
-          bytes of the count itself come first, then whatever follows the buffer. \
-          Allowed unless asked for, because a program that keeps its count in bounds \
-          never meets it.",
+    what: "a loop over lights up to a count that is not clamped to the array's length",
+    why: "A count larger than the array makes the shader read past its end: in a uniform block the \
+          bytes of the count itself come first, then whatever follows the buffer. Allowed by \
+          default, because a program that keeps its count in bounds is not affected.",
     example: "\
 #version 330 core
 struct PointLight { vec3 pos; vec3 color; };
@@ -25,6 +25,16 @@ void main() {
     color = vec4(sum, 1.0);
 }
 ",
-    fix: "loop to `min(count, 16)`",
+    fix: "Loop to `min(count, 16)`.",
     check: Check::Hazard(Kind::UnclampedCount),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let (array, count) = site.array_and_count();
+    let slots = site.slots();
+    Message::new(
+        format!("`{count}` is not clamped to the {slots} slots of `{array}`"),
+        "may be past the end",
+        format!("loop to `min({count}, {slots})`"),
+    )
+}

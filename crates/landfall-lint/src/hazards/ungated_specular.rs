@@ -1,5 +1,6 @@
 //! `ungated-specular`: a highlight that shines through the surface.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -8,11 +9,10 @@ pub(crate) const LINT: Lint = Lint {
     // It is how the reference model is published.
     level: Level::Allow,
     what: "a highlight that is not cut off where the light is behind the surface",
-    why: "The mirrored direction may still point at the eye when the light is a little \
-          below the horizon: at a grazing view, a light 0.2 behind the surface adds 0.46 \
-          of its colour. It also keeps a renderer from skipping lights that a surface \
-          faces away from. Allowed unless asked for, because the reference model is \
-          published that way.",
+    why: "The mirrored direction may still point at the eye when the light is a little below the \
+          horizon: at a grazing view, a light 0.2 behind the surface adds 0.46 of its colour. It \
+          also keeps a renderer from skipping lights that a surface faces away from. Allowed by \
+          default, because the reference model is published that way.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -28,6 +28,14 @@ void main() {
     color = vec4(light.color * (max(dot(n, l), 0.0) + highlight), 1.0);
 }
 ",
-    fix: "add the highlight only where `dot(n, l) > 0.0`",
+    fix: "Add the highlight only where `dot(n, l) > 0.0`.",
     check: Check::Hazard(Kind::UngatedSpecular),
 };
+
+pub(super) fn message(_: &Site<'_>) -> Message {
+    Message::new(
+        "a light behind the surface still makes a highlight on it",
+        "not cut off at the horizon",
+        "add it only where `dot(n, l) > 0.0`, which also allows skipping whole lights there",
+    )
+}

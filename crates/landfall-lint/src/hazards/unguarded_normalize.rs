@@ -1,18 +1,20 @@
 //! `unguarded-normalize`: a direction between two points that may be one.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "unguarded-normalize",
     // A light is seldom exactly on a surface, and most shaders take the risk.
     level: Level::Allow,
-    what: "a direction to a light or to the camera that has no guard against the two points being one",
-    why: "Where a light is at the surface point, or the camera is, the difference is the \
-          zero vector and `normalize` of it is undefined: NaN by the formula, and with \
-          `max` after it the light silently goes out on some drivers. Seen through \
-          functions and conditions: a guard around it keeps the lint silent. Allowed \
-          unless asked for, because a light is seldom exactly on a surface.",
+    what: "a normalised direction to a light or to the camera that may be the zero vector",
+    why: "Where the light or the camera is at the surface point, the difference is the zero vector \
+          and `normalize` of it is undefined: NaN by the formula, and with `max` after it the \
+          light silently goes out on some drivers. Values are followed through functions and \
+          conditions, so that a guard in any of them is recognised. Allowed by default, because a \
+          light is seldom exactly on a surface.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -25,6 +27,21 @@ void main() {
     color = vec4(light.color * max(dot(normalize(normal), l), 0.0), 1.0);
 }
 ",
-    fix: "multiply with `inversesqrt(max(dot(v, v), 1.0e-30))`: the zero vector stays zero",
+    fix: "Multiply by `inversesqrt(max(dot(v, v), 1.0e-30))`, which keeps the zero vector zero.",
     check: Check::Hazard(Kind::UnguardedNormalize),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let point = match (site.hazard(), site.path()) {
+        (Hazard::CameraAtFragment, None) => "the camera".to_string(),
+        (Hazard::CameraAtFragment, Some(path)) => format!("the camera `{path}`"),
+        (_, None) => "the light".to_string(),
+        (_, Some(path)) => format!("the light's `{path}`"),
+    };
+    let guard = format!("{}(max(dot(v, v), {}))", site.inverse_sqrt(), site.least_square());
+    Message::new(
+        format!("a zero vector is normalised where {point} is at the surface"),
+        "0 / 0",
+        format!("write `v * {guard}`, which keeps a zero vector zero"),
+    )
+}

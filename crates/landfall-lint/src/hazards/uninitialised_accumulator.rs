@@ -1,5 +1,6 @@
 //! `uninitialised-accumulator`: a sum that begins with whatever was there.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -7,10 +8,10 @@ pub(crate) const LINT: Lint = Lint {
     code: "uninitialised-accumulator",
     // It is undefined whatever the input; drivers that clear registers hide it.
     level: Level::Warn,
-    what: "a sum of lights whose variable has no value when the first is added",
-    why: "A GLSL variable without initialiser holds anything. Drivers that clear \
-          registers show nothing; on others the picture flickers, or one NaN stays for \
-          the whole sum. WGSL has no such variables: they begin with zero.",
+    what: "a sum of lights whose variable is not initialised",
+    why: "A GLSL variable without an initialiser holds an undefined value. On drivers that clear \
+          registers nothing shows; on others the picture flickers, or one NaN makes the whole sum \
+          NaN. WGSL initialises its variables to zero.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -26,6 +27,14 @@ void main() {
     color = vec4(total, 1.0);
 }
 ",
-    fix: "declare it with a value: `vec3 total = vec3(0.0);`",
+    fix: "Initialise it where it is declared: `vec3 total = vec3(0.0);`.",
     check: Check::Hazard(Kind::UninitialisedAccumulator),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    Message::new(
+        format!("{} is added to before it is initialised", site.about()),
+        "undefined here",
+        "initialise it where it is declared: `= vec3(0.0)`",
+    )
+}

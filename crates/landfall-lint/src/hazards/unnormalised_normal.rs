@@ -1,5 +1,6 @@
 //! `unnormalised-normal`: an interpolated normal used as it comes.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -8,10 +9,10 @@ pub(crate) const LINT: Lint = Lint {
     // Interpolation shortens every normal between vertices that differ.
     level: Level::Warn,
     what: "an interpolated normal in `reflect` or `dot` that was not normalised",
-    why: "Between two vertices whose normals differ the interpolated one is shorter than \
-          1. With `reflect` the error is raised to the shininess: where light and camera are at a \
-          right angle, vertex normals 20 degrees apart leave 0.38 of the peak of a highlight to \
-          the power of 32, 40 degrees 0.02; a normal 10 % too long makes it 446 times too bright.",
+    why: "Between two vertices whose normals differ, the interpolated one is shorter than 1. With \
+          `reflect` the error is raised to the power of the shininess: where light and camera are \
+          at a right angle, vertex normals 20 degrees apart leave 0.38 of the peak of a highlight \
+          with exponent 32, 40 degrees 0.02; a normal 10 % too long makes it 446 times too bright.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };
@@ -26,6 +27,15 @@ void main() {
     color = vec4(light.color * pow(clamp(x, 0.0, 1.0), 32.0), 1.0);
 }
 ",
-    fix: "normalise it once at the top of the fragment shader, and use that",
+    fix: "Normalise it once at the top of the fragment shader, and use the result.",
     check: Check::Hazard(Kind::UnnormalisedNormal),
 };
+
+pub(super) fn message(site: &Site<'_>) -> Message {
+    let path = site.path().unwrap_or_default();
+    Message::new(
+        format!("{} is interpolated but not normalised before it is used here", site.about()),
+        "not of length 1",
+        format!("use `normalize({})`", path.rsplit('.').next().unwrap_or(path)),
+    )
+}

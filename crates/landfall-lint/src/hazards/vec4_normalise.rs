@@ -1,5 +1,6 @@
 //! `vec4-normalise`: a normal normalised together with its fourth component.
 
+use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazards::Kind;
 
@@ -7,12 +8,12 @@ pub(crate) const LINT: Lint = Lint {
     code: "vec4-normalise",
     // The fourth component is not zero for any matrix that moves.
     level: Level::Warn,
-    what: "a transformed normal that is normalised as a `vec4`, its fourth component with it",
-    why: "The transposed inverse of a matrix that also moves gives a normal a fourth \
-          component, minus the dot product of normal and movement. Normalised with it \
-          the three others come out too short, by another amount at each vertex, and \
-          what is interpolated between them bends: by 3 degrees for a camera 2 away, by \
-          14 at 100. Normalising again in the fragment shader does not mend it.",
+    what: "a transformed normal that is normalised as a `vec4`, including its fourth component",
+    why: "The transposed inverse of a matrix with a translation gives a normal a fourth component, \
+          minus the dot product of normal and translation. Normalised with it, the three others \
+          come out too short, by another factor at each vertex, and the interpolated normal bends: \
+          by 3 degrees for a camera 2 away, by 14 at 100. Normalising again in the fragment shader \
+          does not mend it.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; };
@@ -27,6 +28,14 @@ void main() {
     gl_Position = view * vec4(normal, 1.0);
 }
 ",
-    fix: "use `mat3`, or take `.xyz` before normalising",
+    fix: "Transform by a `mat3`, or take `.xyz` before normalising.",
     check: Check::Hazard(Kind::Vec4Normalise),
 };
+
+pub(super) fn message(_: &Site<'_>) -> Message {
+    Message::new(
+        "the normal is normalised together with its fourth component",
+        "four components",
+        "write `normalize(mat3(transpose(inverse(m))) * n)`, or take `.xyz` first",
+    )
+}

@@ -1,23 +1,22 @@
-//! The construct that naga lays out otherwise, found by looking at what stands
-//! at or before the first leaf that differs.
+//! The construct that naga lays out differently, found at or before the first leaf that differs.
 //!
-//! Each arm is a fault of naga 30.0.1 that a test of [`parse::naga`](landfall_layout::syntax)
-//! or of this lint holds: when it is mended there, it goes from here.
+//! Each arm is a fault of naga 30.0.1, pinned by a test of [`parse::naga`](landfall_layout::syntax)
+//! or of this lint; when naga fixes it, the arm is removed.
 
 pub use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout, NagaPlace};
 use landfall_layout::shape::{AddressSpace, Rules, Scalar, ScalarKind, Struct, Type};
 use landfall_layout::source::Span;
 
-/// What is to blame.
+/// The cause of a difference.
 pub(super) struct Cause {
-    /// One sentence.
+    /// One sentence that explains the difference.
     pub text: String,
-    /// Where it stands.
+    /// The construct's span.
     pub span: Option<Span>,
-    /// A word there.
+    /// The label at the span.
     pub word: &'static str,
-    /// The way around it.
+    /// A declaration that naga lays out correctly.
     pub help: &'static str,
 }
 
@@ -34,7 +33,7 @@ pub(super) fn of(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
     }
     if let Some(member) = before.iter().find(|member| is_bool(&member.ty)) {
         return Cause {
-            text: "naga takes a `bool` for 1 byte; in a block it is 4".to_string(),
+            text: "naga lays out a `bool` as 1 byte; in a block it takes 4".to_string(),
             span: Some(member.span),
             word: "the `bool`",
             help: "declare a `uint` and compare it with 0",
@@ -43,7 +42,7 @@ pub(super) fn of(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
     if block.space == AddressSpace::PushConstant && block.rules != Rules::Std140 {
         return Cause {
             text: format!(
-                "naga lays push constants out in std140; they are {} unless the text says so",
+                "naga lays push constants out in std140; their default is {}",
                 block.rules.name()
             ),
             span: Some(block.span),
@@ -76,14 +75,14 @@ pub(super) fn of(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
         };
     }
     Cause {
-        text: "naga lays it out otherwise".to_string(),
+        text: "naga uses another layout".to_string(),
         span: None,
         word: "",
-        help: "declare it in a way that both read alike: `vec4`s and explicit padding",
+        help: "use a declaration that both lay out alike: `vec4`s and explicit padding",
     }
 }
 
-/// The members around a leaf, and all that stand before them in the same block or structure.
+/// The members around a leaf, and all that precede them in the same block or structure.
 fn up_to<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Vec<&'a MemberLayout> {
     let mut found = Vec::new();
     let (mut members, mut rest) = (block.members.as_slice(), leaf.path.as_str());
@@ -126,7 +125,7 @@ fn is_bool(ty: &Type) -> bool {
     }
 }
 
-/// A structure whose member says `@align`, and that member's place.
+/// A structure that has a member with `@align`, and that member's span.
 fn inner_align(ty: &Type) -> Option<(&Struct, Span)> {
     let Type::Struct(structure) = ty.innermost() else { return None };
     let own = structure.members.iter().find(|member| member.align.is_some());

@@ -19,7 +19,7 @@ pub(super) fn report(findings: &[&Finding]) -> String {
     let mut more: Vec<&Finding> = Vec::new();
     for level in [Level::Deny, Level::Warn, Level::Allow] {
         let of_level: Vec<&Finding> =
-            findings.iter().filter(|finding| finding.level == level).copied().collect();
+            findings.iter().filter(|finding| finding.level() == level).copied().collect();
         let (shown, rest) = of_level.split_at(of_level.len().min(MOST_SHOWN));
         text.extend(shown.iter().map(|finding| annotation(finding)));
         more.extend(rest);
@@ -31,7 +31,7 @@ pub(super) fn report(findings: &[&Finding]) -> String {
 }
 
 fn annotation(finding: &Finding) -> String {
-    let place = &finding.place;
+    let place = finding.place();
     let mut properties = vec![format!("file={}", property(&place.path))];
     if place.line > 0 {
         let end_line = place.end_line.max(place.line);
@@ -47,16 +47,16 @@ fn annotation(finding: &Finding) -> String {
     for note in &finding.notes {
         message.push_str(&format!("\nnote: {note}"));
     }
-    for related in &finding.related {
+    for related in finding.related() {
         let text = if related.text.is_empty() { "see" } else { &related.text };
-        message.push_str(&format!("\n{text}: {}", short::at(&related.place)));
+        message.push_str(&format!("\n{text}: {}", short::at(&related.at)));
     }
     if let Some(help) = &finding.help {
         message.push_str(&format!("\nhelp: {help}"));
     }
-    let command = match finding.level {
+    let command = match finding.level() {
         Level::Allow => "notice",
-        Level::Warn | Level::Deny => severity(finding.level),
+        Level::Warn | Level::Deny => severity(finding.level()),
     };
     format!("::{command} {}::{}\n", properties.join(","), data(&message))
 }

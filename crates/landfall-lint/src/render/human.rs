@@ -2,9 +2,9 @@
 
 use super::texts::Texts;
 use super::{ReportOptions, totals};
-use landfall_layout::diagnostic::{Label, Severity};
-use landfall_layout::finding::{Finding, Level, Place};
-pub use landfall_layout::format::diagnostics::render::{Drawing, Pen};
+use landfall_layout::diagnostic::{Diagnostic, Label};
+use landfall_layout::finding::{Finding, Place};
+use landfall_layout::format::diagnostics::render::Pen;
 use landfall_layout::source::Location;
 
 pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> String {
@@ -22,32 +22,29 @@ pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> Stri
 fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut Pen<'_>) -> String {
     let mut labels = Vec::new();
     let mut notes = Vec::new();
-    let main = texts.span(&finding.place);
-    labels.extend(main.map(|span| Label { span, text: finding.text.clone() }));
-    for related in &finding.related {
-        match texts.span(&related.place) {
-            Some(span) => labels.push(Label { span, text: related.text.clone() }),
-            None => notes.push(elsewhere(&related.text, &related.place)),
+    let main = texts.span(finding.place());
+    labels.extend(main.map(|at| Label { at, text: finding.text().to_string() }));
+    for related in finding.related() {
+        match texts.span(&related.at) {
+            Some(at) => labels.push(Label { at, text: related.text.clone() }),
+            None => notes.push(elsewhere(&related.text, &related.at)),
         }
     }
     notes.extend(finding.notes.iter().cloned());
-    pen.draw(Drawing {
-        severity: match finding.level {
-            Level::Allow | Level::Warn => Severity::Warning,
-            Level::Deny => Severity::Error,
-        },
-        code: &finding.code,
-        message: &finding.message,
-        origin: main.is_none().then(|| Location {
-            path: finding.place.path.clone(),
-            line: finding.place.line,
-            column: finding.place.column,
-        }),
-        labels: &labels,
+    let shown = Diagnostic {
+        code: finding.code.as_str(),
+        severity: finding.severity,
+        message: finding.message.clone(),
+        path: None,
+        about: String::new(),
+        labels,
         notes,
-        listing: finding.listing.as_deref(),
-        help: finding.help.as_deref(),
-    })
+        listing: finding.listing.clone(),
+        help: finding.help.clone(),
+        fix: Vec::new(),
+    };
+    let Place { path, line, column, .. } = finding.place().clone();
+    pen.draw(&shown, main.is_none().then_some(Location { path, line, column }).as_ref())
 }
 
 /// A further place whose text is not at hand.

@@ -11,7 +11,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     let numbers = stable::numbers(findings);
     let mut suites: Vec<(&str, Vec<(&Finding, u32)>)> = Vec::new();
     for (finding, number) in findings.iter().zip(numbers) {
-        let path = finding.place.path.as_str();
+        let path = finding.place().path.as_str();
         match suites.iter_mut().find(|(name, _)| *name == path) {
             Some((_, cases)) => cases.push((finding, number)),
             None => suites.push((path, vec![(finding, number)])),
@@ -47,7 +47,7 @@ struct Counts {
 
 impl Counts {
     fn of(findings: &[&Finding]) -> Counts {
-        let failures = findings.iter().filter(|finding| finding.level == Level::Deny).count();
+        let failures = findings.iter().filter(|finding| finding.level() == Level::Deny).count();
         Counts { tests: findings.len(), failures, skipped: findings.len() - failures }
     }
 
@@ -62,20 +62,20 @@ fn case(finding: &Finding, number: u32) -> String {
     if number > 1 {
         name.push_str(&format!(" ({number})"));
     }
-    let path = xml(&finding.place.path);
-    let line = match finding.place.line {
+    let path = xml(&finding.place().path);
+    let line = match finding.place().line {
         0 => String::new(),
         line => format!(" line=\"{line}\""),
     };
     let message = xml(&finding.message);
-    let outcome = match finding.level {
+    let outcome = match finding.level() {
         Level::Deny => format!(
             "<failure type=\"{}\" message=\"{message}\">{}</failure>",
             xml(&finding.code),
             xml(&details(finding))
         ),
         Level::Allow | Level::Warn => {
-            format!("<skipped message=\"{}: {message}\"/>", severity(finding.level))
+            format!("<skipped message=\"{}: {message}\"/>", severity(finding.level()))
         }
     };
     let name = xml(name.trim_end());
@@ -87,9 +87,9 @@ fn case(finding: &Finding, number: u32) -> String {
 /// All there is to say about a finding.
 fn details(finding: &Finding) -> String {
     let mut lines = vec![short::line(finding)];
-    for related in &finding.related {
+    for related in finding.related() {
         let text = if related.text.is_empty() { "see" } else { &related.text };
-        lines.push(format!("{text}: {}", short::at(&related.place)));
+        lines.push(format!("{text}: {}", short::at(&related.at)));
     }
     lines.extend(finding.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(finding.listing.iter().map(|listing| listing.trim_end().to_string()));

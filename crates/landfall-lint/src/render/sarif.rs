@@ -98,12 +98,12 @@ fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
     let mut put = |key: &str, value: Value| object.insert(key.to_string(), value);
     put("ruleId", finding.code.as_str().into());
     put("ruleIndex", rules.index(&finding.code).into());
-    put("level", severity(finding.level).into());
+    put("level", severity(finding.level()).into());
     put("message", message(&words(finding)));
-    put("locations", json!([{"physicalLocation": physical(&finding.place)}]));
-    if !finding.related.is_empty() {
-        let related = finding.related.iter().enumerate().map(|(i, related)| {
-            let mut location = json!({"id": i + 1, "physicalLocation": physical(&related.place)});
+    put("locations", json!([{"physicalLocation": physical(finding.place())}]));
+    if !finding.related().is_empty() {
+        let related = finding.related().iter().enumerate().map(|(i, related)| {
+            let mut location = json!({"id": i + 1, "physicalLocation": physical(&related.at)});
             if !related.text.is_empty() {
                 location["message"] = message(&related.text);
             }
@@ -113,7 +113,7 @@ fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
     }
     put("partialFingerprints", json!({FINGERPRINT: stable::fingerprint(finding, number)}));
     // A region has a line; an edit without one is not made by `--fix` either.
-    if !finding.fix.is_empty() && finding.fix.iter().all(|edit| edit.place.line > 0) {
+    if !finding.fix.is_empty() && finding.fix.iter().all(|edit| edit.at.line > 0) {
         put("fixes", json!([fix(finding)]));
     }
     Value::Object(object)
@@ -170,7 +170,7 @@ fn region(place: &Place) -> Value {
 fn fix(finding: &Finding) -> Value {
     let mut changes: Vec<(&str, Vec<Value>)> = Vec::new();
     for edit in &finding.fix {
-        let path = edit.place.path.as_str();
+        let path = edit.at.path.as_str();
         match changes.iter_mut().find(|(known, _)| *known == path) {
             Some((_, replacements)) => replacements.push(replacement(edit)),
             None => changes.push((path, vec![replacement(edit)])),
@@ -190,7 +190,7 @@ fn fix(finding: &Finding) -> Value {
 }
 
 fn replacement(edit: &Edit) -> Value {
-    let mut replacement = json!({"deletedRegion": region(&edit.place)});
+    let mut replacement = json!({"deletedRegion": region(&edit.at)});
     if !edit.new.is_empty() {
         replacement["insertedContent"] = json!({"text": edit.new});
     }

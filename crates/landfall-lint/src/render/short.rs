@@ -10,8 +10,13 @@ pub(super) fn report(findings: &[&Finding]) -> String {
 
 /// `path:line:col: warning[code] message`.
 pub(super) fn line(finding: &Finding) -> String {
-    let at = at(&finding.place);
-    in_one_line(&format!("{at}: {}[{}] {}", severity(finding.level), finding.code, finding.message))
+    let at = at(finding.place());
+    in_one_line(&format!(
+        "{at}: {}[{}] {}",
+        severity(finding.level()),
+        finding.code,
+        finding.message
+    ))
 }
 
 /// `path:line:col`, or the path alone for a file as a whole.

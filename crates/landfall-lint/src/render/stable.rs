@@ -12,7 +12,7 @@ pub(super) fn numbers(findings: &[&Finding]) -> Vec<u32> {
     findings
         .iter()
         .map(|finding| {
-            let count = seen.entry((&finding.code, &finding.place.path, &finding.about));
+            let count = seen.entry((&finding.code, &finding.place().path, &finding.about));
             let count = count.or_default();
             *count += 1;
             *count
@@ -22,7 +22,7 @@ pub(super) fn numbers(findings: &[&Finding]) -> Vec<u32> {
 
 /// What is the same for a finding as long as its code, path and subject are, and its number.
 pub(super) fn fingerprint(finding: &Finding, number: u32) -> String {
-    let parts = [&finding.code, &finding.place.path, &finding.about];
+    let parts = [&finding.code, &finding.place().path, &finding.about];
     // No part holds a zero byte that could pass for the end of one.
     let bytes = parts.into_iter().flat_map(|part| part.bytes().chain([0]));
     format!("{:032x}:{number}", fnv1a(bytes))

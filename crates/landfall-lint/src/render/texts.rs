@@ -21,8 +21,8 @@ impl<'a> Texts<'a> {
         let mut texts = Texts { files: Files::default(), by_path: FxHashMap::default() };
         let mut asked = rustc_hash::FxHashSet::default();
         for finding in findings {
-            let related = finding.related.iter().map(|related| &related.place);
-            for place in std::iter::once(&finding.place).chain(related) {
+            let related = finding.related().iter().map(|related| &related.at);
+            for place in std::iter::once(finding.place()).chain(related) {
                 if place.line == 0 || !asked.insert(place.path.as_str()) {
                     continue;
                 }

@@ -9,7 +9,7 @@
 use rustc_hash::FxHashMap;
 
 use super::footprint;
-use landfall_layout::shape::{Majorness, Member, Rules};
+use landfall_layout::shape::{MatrixLayout, Member, Rules};
 
 /// States looked at; past it the order is built by a rule of thumb.
 const MOST_STATES: u64 = 20_000;
@@ -28,19 +28,19 @@ struct Kind {
 pub(super) fn smallest(
     members: &[Member],
     rules: Rules,
-    majorness: Majorness,
+    matrix_layout: MatrixLayout,
 ) -> Option<Vec<usize>> {
     if members.len() < 3 || members.iter().any(|member| member.offset.is_some()) {
         return None;
     }
     // Only the last member may be runtime-sized, and it stays there.
-    let free = match members.last().map(|member| footprint(member, rules, majorness)) {
+    let free = match members.last().map(|member| footprint(member, rules, matrix_layout)) {
         Some(None) => members.len() - 1,
         Some(Some(_)) | None => members.len(),
     };
     let mut kinds: Vec<Kind> = Vec::new();
     for (index, member) in members[..free].iter().enumerate() {
-        let (size, align) = footprint(member, rules, majorness)?;
+        let (size, align) = footprint(member, rules, matrix_layout)?;
         match kinds.iter().position(|kind| (kind.size, kind.align) == (size, align)) {
             Some(kind) => kinds[kind].members.push(index),
             None if kinds.len() == MOST_KINDS => return None,

@@ -1,7 +1,7 @@
-//! A Rust structure against the members of a block or structure, field by field.
+//! Compares a Rust structure with the members of a block or structure, field by field.
 //!
-//! Fields and members meet by name; a field that is off shifts what follows, so
-//! only the first of a run is reported, with the names of the rest.
+//! Fields and members are matched by name; a misplaced field shifts the following ones, so only the
+//! first of a run is reported, with the names of the rest.
 
 use std::rc::Rc;
 
@@ -15,9 +15,9 @@ use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::Rules;
 use landfall_layout::source::{Language, Span};
 
-/// A difference, with where it shows on either side.
+/// A difference, with its place on both sides.
 pub(super) struct Difference {
-    /// Which structure of the file, and which field of it; the structure itself for `None`.
+    /// The index of the structure in the file, and of its field; `None` for the structure itself.
     pub structure: usize,
     pub field: Option<usize>,
     /// The member on the shader's side.
@@ -28,7 +28,7 @@ pub(super) struct Difference {
     pub help: String,
 }
 
-/// What fields are compared with.
+/// The shader's side of a comparison.
 pub(super) struct Against<'a> {
     pub members: &'a [MemberLayout],
     pub rules: Rules,
@@ -37,7 +37,7 @@ pub(super) struct Against<'a> {
     pub aliases: &'a [(String, String)],
 }
 
-/// Every difference between a structure and those members, nested structures included.
+/// Returns every difference between a structure and those members, including nested structures.
 pub(super) fn differences(laid: &Rc<Laid>, against: &Against<'_>) -> Vec<Difference> {
     let mut found = Vec::new();
     let mut seen: FxHashSet<(usize, Span)> = FxHashSet::default();
@@ -108,7 +108,7 @@ fn of_structure<'a>(
                 member: last.map(|member| member.span),
                 member_text: "the shader's last member".to_string(),
                 message: format!(
-                    "`{}` of `{}`, {} at {}, is no member in the shader",
+                    "`{}` of `{}`, {} at {}, is not a member in the shader",
                     field.name,
                     laid.name,
                     bytes(field.ty.size),
@@ -124,8 +124,8 @@ fn of_structure<'a>(
     }
 }
 
-/// The field of each member, by name: an alias, the same name, or one that differs in case,
-/// underscores or a prefix such as `u_` only.
+/// Returns the field of each member: by an alias, the same name, or one that differs only in case,
+/// underscores or a prefix such as `u_`.
 fn matching(
     laid: &Laid,
     members: &[MemberLayout],
@@ -163,7 +163,7 @@ fn without_prefix(name: &str) -> &str {
     }
 }
 
-/// Whether the name says that nobody reads it.
+/// Returns whether the name marks padding.
 pub(super) fn says_padding(name: &str) -> bool {
     name.starts_with('_') || name.to_ascii_lowercase().starts_with("pad")
 }
@@ -197,11 +197,11 @@ fn missing(laid: &Laid, member: &MemberLayout, there: Option<usize>) -> Differen
     }
 }
 
-/// How far fields are off at the moment, and the finding that says so.
+/// The current displacement of fields, and the finding that reports it.
 #[derive(Default)]
 struct Shift {
     by: i128,
-    /// Index into the findings.
+    /// The index of the finding.
     finding: Option<usize>,
     followers: Vec<String>,
 }
@@ -258,7 +258,7 @@ impl Shift {
     }
 }
 
-/// The smallest edit that moves a field to where it is read.
+/// Returns the smallest edit that moves a field to the byte where it is read.
 fn mend(
     laid: &Laid,
     index: usize,
@@ -289,7 +289,7 @@ fn mend(
     if end > offset {
         return match own {
             Some(own) if own < before.ty.size => format!(
-                "make `{}` {}: `{}` follows at once in the shader",
+                "make `{}` {}: `{}` follows directly in the shader",
                 before.name,
                 bytes(own),
                 field.name
@@ -300,10 +300,10 @@ fn mend(
     aligned(field, offset)
 }
 
-/// A field that its own type's alignment pushes behind.
+/// Returns the help for a field that its type's alignment moves.
 fn aligned(field: &LaidField, offset: u64) -> String {
     format!(
-        "use a type for `{}` that is not aligned to {}: {offset} is no multiple of it",
+        "use a type for `{}` that is not aligned to {}: {offset} is not a multiple of it",
         field.name, field.ty.align,
     )
 }

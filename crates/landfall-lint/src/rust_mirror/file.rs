@@ -1,8 +1,8 @@
-//! A Rust file's structures, constants, aliases and imports, and the comments
-//! that call a structure a mirror.
+//! Parses a Rust file's structures, constants, aliases and imports, and the comments that declare a
+//! structure a mirror.
 //!
-//! Only these declarations are parsed: function bodies, macros and new syntax
-//! elsewhere do not matter. Feeds [`types`](super::types).
+//! Only these declarations are parsed; function bodies, macros and new syntax elsewhere are
+//! skipped. Used by [`types`](super::types).
 
 use std::str::FromStr;
 
@@ -16,22 +16,22 @@ use landfall_layout::error::Error;
 use landfall_layout::finding::Place;
 use landfall_layout::source::{Files, Span};
 
-/// What is declared in a file.
+/// The declarations of a file.
 pub(super) struct Declarations {
     pub structures: Vec<Structure>,
     /// Initialisers by name.
     pub constants: FxHashMap<String, TokenStream>,
     pub aliases: FxHashMap<String, syn::Type>,
-    /// Imported names with their paths; a glob is under `*` and the path's text.
+    /// Imported names with their paths; a glob import has `*` and the path as its key.
     pub imports: FxHashMap<String, Vec<String>>,
     pub comments: Vec<Comment>,
 }
 
-/// A structure as it is written.
+/// A structure declaration.
 pub(super) struct Structure {
     pub name: String,
     pub place: Place,
-    /// Where its declaration begins, attributes included, and where the keyword stands.
+    /// The start of the declaration, including attributes, and the position of the keyword.
     from: usize,
     keyword: usize,
     pub repr: Repr,
@@ -39,7 +39,7 @@ pub(super) struct Structure {
     pub fields: Vec<Field>,
 }
 
-/// What `#[repr(…)]` says.
+/// The content of `#[repr(…)]`.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Repr {
     pub c: bool,
@@ -48,15 +48,15 @@ pub(super) struct Repr {
     pub packed: Option<u64>,
 }
 
-/// A field as it is written.
+/// A field declaration.
 pub(super) struct Field {
-    /// Its name, or its number in a tuple structure.
+    /// The name, or the index in a tuple structure.
     pub name: String,
     pub place: Place,
     pub ty: syn::Type,
-    /// The type as the text has it.
+    /// The type in the text.
     pub written: String,
-    /// Whether a `cfg` decides if it is there.
+    /// Whether it depends on a `cfg`.
     pub conditional: bool,
 }
 
@@ -65,14 +65,14 @@ pub(super) struct Comment {
     pub place: Place,
     /// Shader (empty for any) and block, for each in the list.
     pub blocks: Vec<(String, String)>,
-    /// The structure right below it.
+    /// The structure directly below it.
     pub structure: Option<String>,
 }
 
 /// Reads the declarations of a file.
 ///
 /// # Errors
-/// The text is no Rust: with line and column.
+/// The text is not valid Rust, with line and column.
 pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
     let text = file.text.strip_prefix('\u{feff}').unwrap_or(&file.text);
     let mut files = Files::default();
@@ -89,8 +89,9 @@ pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
         },
         literals: Vec::new(),
     };
-    let tokens = TokenStream::from_str(text)
-        .map_err(|cause| reader.refused(cause.span(), "it is no Rust", &cause.to_string()))?;
+    let tokens = TokenStream::from_str(text).map_err(|cause| {
+        reader.refused(cause.span(), "it is not valid Rust", &cause.to_string())
+    })?;
     reader.items(tokens)?;
     // Modules were read last: what is looked for below is looked for in the order of the text.
     reader.declarations.structures.sort_by_key(|structure| structure.keyword);
@@ -103,7 +104,7 @@ struct Reader<'t> {
     text: &'t str,
     files: Files,
     declarations: Declarations,
-    /// Literals in which a comment is none.
+    /// The literals, in which comment delimiters are not comments.
     literals: Vec<std::ops::Range<usize>>,
 }
 
@@ -184,9 +185,8 @@ impl Reader<'_> {
                 "landfall stops here",
             ));
         }
-        let parsed: syn::ItemStruct = parse(&item).map_err(|cause| {
-            self.refused(cause.span(), "a structure is no Rust", &cause.to_string())
-        })?;
+        let parsed: syn::ItemStruct = parse(&item)
+            .map_err(|cause| self.refused(cause.span(), "invalid structure", &cause.to_string()))?;
         let repr = repr(&parsed.attrs);
         let fields = parsed.fields.into_iter().enumerate().map(|(index, field)| {
             let span = field.ident.as_ref().map_or_else(|| field.ty.span(), |name| name.span());
@@ -212,7 +212,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `const NAME: T = …;`; associated to nothing, not a `const fn`.
+    /// Parses `const NAME: T = …;` outside `impl` blocks, not a `const fn`.
     fn constant(&mut self, item: &[TokenTree]) {
         let [_, TokenTree::Ident(name), TokenTree::Punct(colon), ..] = item else { return };
         let equals =
@@ -272,8 +272,8 @@ impl Reader<'_> {
         before.checked_sub(1).is_some_and(|last| self.literals[last].contains(&at))
     }
 
-    /// The structure that a comment ending there stands above: nothing but attributes and
-    /// further comments between.
+    /// Returns the structure below a comment that ends there, with only attributes and further
+    /// comments between.
     fn below(&self, end: usize) -> Option<String> {
         let structures = &self.declarations.structures;
         let next = structures.get(structures.partition_point(|s| s.keyword < end))?;

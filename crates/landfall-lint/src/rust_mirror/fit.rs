@@ -1,8 +1,7 @@
-//! Whether a Rust field holds a member's bytes where the shader reads them.
+//! Checks that a Rust field has a member's bytes where the shader reads them.
 //!
-//! Offsets are compared by [`compare`](super::compare); here a field and a
-//! member start at the same byte. Structures in both are handed back as pairs,
-//! to be compared field by field.
+//! [`compare`](super::compare) compares offsets; here a field and a member start at the same byte.
+//! Structures on both sides are returned as pairs, to be compared field by field.
 
 use std::rc::Rc;
 
@@ -13,25 +12,25 @@ use landfall_layout::layout::{MemberLayout, occupied};
 use landfall_layout::shape::{Rules, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
 
-/// What is wrong with a field.
+/// A mismatch of a field.
 pub(super) struct Misfit {
-    /// To be read after the field's name: both numbers.
+    /// The predicate of the message, after the field's name, with both numbers.
     pub text: String,
-    /// What it should be instead.
+    /// The help.
     pub help: String,
 }
 
-/// A member, or the elements of it from some dimension inwards.
+/// A member, or its elements below some array dimension.
 #[derive(Clone, Copy)]
 pub(super) struct View<'a> {
     pub member: &'a MemberLayout,
     pub rules: Rules,
     pub language: Language,
-    /// The dimension it begins at.
+    /// The first dimension included.
     pub dim: usize,
 }
 
-/// Holds a field against a member; structures met in both go to `pairs`.
+/// Compares a field with a member; pairs of structures are added to `pairs`.
 pub(super) fn fit<'a>(
     ty: &RustType,
     view: View<'a>,
@@ -111,7 +110,7 @@ fn array<'a>(
 fn no_array(ty: &RustType, view: View<'_>) -> Misfit {
     Misfit {
         text: format!(
-            "is {} bytes and no array, the shader's is `{}`",
+            "is {} bytes and not an array, the shader's is `{}`",
             ty.size,
             view.member.ty.spelled(view.language)
         ),
@@ -220,7 +219,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     Ok(())
 }
 
-/// A leaf's component, and the byte of each from the leaf's start.
+/// Returns a leaf's component type, and the byte offsets of its components.
 fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
     match *member.ty.innermost() {
         Type::Scalar(scalar) | Type::Atomic(scalar) => (scalar, vec![0]),
@@ -240,7 +239,7 @@ fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
     }
 }
 
-/// The distance of columns in a type that has as many; `None` where it shows none.
+/// Returns the stride of columns in a type with as many columns; `None` if it has no columns.
 fn column_stride(ty: &RustType, count: u64) -> Option<u64> {
     match &ty.shape {
         Shape::Array { element, len } if *len >= count => match element.shape {
@@ -255,7 +254,7 @@ fn column_stride(ty: &RustType, count: u64) -> Option<u64> {
     }
 }
 
-/// Components looked at; no leaf has more than 16, a padded one twice that.
+/// The most components examined; no leaf has more than 16, a padded one twice that.
 const MOST_COMPONENTS: usize = 64;
 
 fn flatten(ty: &RustType, at: u64, found: &mut Vec<(u64, u64, ScalarKind)>) {
@@ -278,7 +277,7 @@ fn flatten(ty: &RustType, at: u64, found: &mut Vec<(u64, u64, ScalarKind)>) {
     }
 }
 
-/// The scalar that a type holds and nothing else: name, width, kind.
+/// Returns the only scalar type in a type: name, width, kind.
 fn scalar_of(ty: &RustType) -> Option<(&'static str, u64, ScalarKind)> {
     match &ty.shape {
         Shape::Scalar { kind, name } => Some((name, ty.size, *kind)),
@@ -287,7 +286,7 @@ fn scalar_of(ty: &RustType) -> Option<(&'static str, u64, ScalarKind)> {
     }
 }
 
-/// Whether it is an array of scalars.
+/// Returns whether a type is an array of scalars.
 fn is_flat(ty: &RustType) -> bool {
     match &ty.shape {
         Shape::Array { element, .. } => matches!(element.shape, Shape::Scalar { .. }),
@@ -295,7 +294,7 @@ fn is_flat(ty: &RustType) -> bool {
     }
 }
 
-/// Whether a flat array of it can be filled with a leaf's components.
+/// Returns whether a flat array of it can hold a leaf's components.
 fn fits_component(scalar: &(&'static str, u64, ScalarKind), leaf: &Type) -> bool {
     let own = match leaf {
         Type::Scalar(own) | Type::Atomic(own) => *own,
@@ -317,7 +316,7 @@ fn is_float(kind: ScalarKind) -> bool {
     }
 }
 
-/// The Rust type of a component.
+/// Returns the Rust type of a component.
 fn rust_name(scalar: Scalar) -> &'static str {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => "f64",

@@ -1,17 +1,18 @@
-//! Rust tokens as items: where one ends, what it is, and whether it can be parsed
-//! without exhausting the stack.
+//! Splits Rust tokens into items, and limits their nesting so that parsing does not exhaust the
+//! stack.
 //!
-//! Feeds [`file`](super::file).
+//! Used by [`file`](super::file).
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Groups in a declaration that is parsed nest at most this deep: parsing recurses on them.
+/// The deepest nesting of groups in a parsed declaration, because parsing recurses on them.
 const DEEPEST_GROUPS: usize = 32;
 
-/// Tokens between two separators of such a declaration: prefixes and operators recurse too.
+/// The most tokens between two separators of a parsed declaration, because prefixes and operators
+/// recurse too.
 const LONGEST_RUN: usize = 200;
 
-/// Whether an item ends with that token.
+/// Returns whether an item ends with that token.
 pub(super) fn ends_item(item: &[TokenTree], token: &TokenTree) -> bool {
     match token {
         TokenTree::Punct(punct) => punct.as_char() == ';',
@@ -25,7 +26,7 @@ pub(super) fn ends_item(item: &[TokenTree], token: &TokenTree) -> bool {
     }
 }
 
-/// Where the word stands that says what an item is: after attributes and visibility.
+/// Returns the position of an item's keyword, after attributes and visibility.
 pub(super) fn keyword(item: &[TokenTree]) -> Option<usize> {
     let mut at = 0;
     loop {
@@ -54,7 +55,7 @@ pub(super) fn parse<T: syn::parse::Parse>(item: &[TokenTree]) -> syn::Result<T> 
     syn::parse2(item.iter().cloned().collect())
 }
 
-/// Whether a parser that recurses can be trusted with it.
+/// Returns whether a recursive parser can parse the tokens without exhausting the stack.
 pub(super) fn bounded(tokens: &[TokenTree]) -> bool {
     let mut waiting: Vec<(TokenStream, usize)> = vec![(tokens.iter().cloned().collect(), 0)];
     while let Some((tokens, depth)) = waiting.pop() {

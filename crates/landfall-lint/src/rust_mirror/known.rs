@@ -1,12 +1,12 @@
-//! Types of Rust and of math crates whose layouts are plain facts, by name.
+//! The layouts of Rust's and of math crates' types, by name.
 //!
-//! glam's are those with SIMD, as on x86-64, aarch64 and wasm with simd128; its
+//! glam's types are those with SIMD, as on x86-64, aarch64 and wasm with simd128; its feature
 //! `scalar-math` aligns `Vec4`, `Quat` and the matrices to 4 instead.
 
 use super::types::{Argument, RustType};
 use landfall_layout::shape::ScalarKind;
 
-/// The type of that path; `globs` are crates imported as a whole.
+/// Returns the type of a path; `globs` are crates imported as a whole.
 pub(super) fn named(path: &[String], globs: &[&str], arguments: &[Argument]) -> Option<RustType> {
     let name = path.last()?.as_str();
     let root = if path.len() > 1 { path.first().map(String::as_str) } else { None };

@@ -1,4 +1,4 @@
-//! The blocks, or structures in them, that a mirror is a copy of.
+//! Finds the blocks, or structures in them, that a mirror copies.
 
 use crate::definition::Subject;
 use crate::glob;
@@ -8,7 +8,7 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::Type;
 use landfall_layout::source::Span;
 
-/// What a mirror is held against.
+/// The block or structure that a mirror is compared with.
 pub(super) struct Target<'s, 'a> {
     pub subject: &'s Subject<'a>,
     pub block: &'s BlockLayout,
@@ -16,13 +16,13 @@ pub(super) struct Target<'s, 'a> {
     pub name: String,
     pub members: &'s [MemberLayout],
     pub span: Span,
-    /// Bytes it must hold, if that is known: not of a header before a runtime-sized tail.
+    /// The size in bytes that the mirror needs; `None` for a header before a runtime-sized array.
     pub size: Option<u64>,
-    /// From one element to the next, for a structure in an array.
+    /// The array stride, for a structure in an array.
     pub stride: Option<u64>,
 }
 
-/// The targets of a mirror in all shaders, and how many shaders were looked at.
+/// Returns the targets of a mirror in all shaders, and the number of shaders searched.
 pub(super) fn targets<'s, 'a>(
     subjects: &'s [Subject<'a>],
     mirror: &RustMirror,
@@ -73,7 +73,8 @@ fn of_block<'s, 'a>(subject: &'s Subject<'a>, block: &'s BlockLayout) -> Target<
     }
 }
 
-/// The first use of a structure of that name as an element, and the first by itself.
+/// Returns the first use of a structure of that name as an array element, and the first outside
+/// arrays.
 fn of_structures<'s, 'a>(
     subject: &'s Subject<'a>,
     block: &'s BlockLayout,

@@ -1,7 +1,7 @@
-//! The layout of Rust types as rustc makes it: primitives, arrays, `repr(C)`
-//! structures of the same file, and the math types of [`known`](super::known).
+//! Lays out Rust types by rustc's rules: primitives, arrays, `repr(C)` structures of the same file,
+//! and the math types of [`known`](super::known).
 //!
-//! What it does not know it names instead of guessing.
+//! Other types are errors that name the type.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use super::file::{Declarations, Structure};
 use super::known;
 use landfall_layout::shape::ScalarKind;
 
-/// A type laid out.
+/// A type with its layout.
 #[derive(Clone)]
 pub(super) struct RustType {
     pub size: u64,
@@ -34,22 +34,22 @@ pub(super) enum Shape {
     Struct(Rc<Laid>),
 }
 
-/// A structure laid out.
+/// A structure with its layout.
 pub(super) struct Laid {
     pub name: String,
     pub fields: Vec<LaidField>,
-    /// Where in [`Declarations::structures`] it is.
+    /// The index in [`Declarations::structures`].
     pub index: usize,
 }
 
-/// A field laid out.
+/// A field with its layout.
 pub(super) struct LaidField {
     pub name: String,
     pub offset: u64,
     pub ty: RustType,
 }
 
-/// What stands in the way of a layout.
+/// The reason why a layout is unknown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Unknown(pub String);
 
@@ -66,19 +66,19 @@ impl RustType {
         })
     }
 
-    /// The same, larger and aligned: a SIMD vector.
+    /// A SIMD vector: larger and aligned.
     pub(super) fn aligned(self, align: u64) -> RustType {
         RustType { size: self.size.next_multiple_of(align), align, ..self }
     }
 }
 
-/// Structures, aliases and constants may hang on each other this deep.
+/// The deepest nesting of structures, aliases and constants.
 const DEEPEST: u32 = 32;
 
-/// Types looked at for one structure: text can name more of them than anyone can wait for.
+/// The most types examined for one structure, which bounds the time on hostile texts.
 const MOST_STEPS: u32 = 100_000;
 
-/// Lays types of one file out.
+/// Lays out the types of one file.
 pub(super) struct Types<'d> {
     declarations: &'d Declarations,
     steps: Cell<u32>,
@@ -89,13 +89,13 @@ impl<'d> Types<'d> {
         Types { declarations, steps: Cell::new(0) }
     }
 
-    /// The layout of a structure of the file, as if it were `repr(C)` where it is nothing else.
+    /// Returns the layout of a structure of the file; one without `repr` is laid out as `repr(C)`.
     pub fn structure(&self, index: usize) -> Result<RustType, Unknown> {
         self.steps.set(0);
         self.structure_at(index, 0)
     }
 
-    /// Counts a step; an error when there were too many, or they nest too deeply.
+    /// Counts a step.
     fn step(&self, depth: u32) -> Result<(), Unknown> {
         self.steps.set(self.steps.get() + 1);
         match depth > DEEPEST || self.steps.get() > MOST_STEPS {
@@ -144,7 +144,7 @@ impl<'d> Types<'d> {
             syn::Type::Paren(inner) => self.of(&inner.elem, depth + 1),
             syn::Type::Group(inner) => self.of(&inner.elem, depth + 1),
             syn::Type::Path(path) if path.qself.is_none() => self.named(&path.path, depth),
-            _ => Err(Unknown("its type has no layout that is known here".to_string())),
+            _ => Err(Unknown("the layout of its type is unknown".to_string())),
         }
     }
 
@@ -198,12 +198,12 @@ impl<'d> Types<'d> {
                 syn::GenericArgument::Const(value) => {
                     self.value(value, depth + 1).map(Argument::Number)
                 }
-                _ => Err(Unknown("its type has no layout that is known here".to_string())),
+                _ => Err(Unknown("the layout of its type is unknown".to_string())),
             })
             .collect()
     }
 
-    /// A path with its first name as it was imported.
+    /// Returns a path with its first name replaced by its import.
     fn resolved(&self, segments: &[String]) -> Vec<String> {
         match self.declarations.imports.get(&segments[0]) {
             Some(full) => full.iter().chain(&segments[1..]).cloned().collect(),
@@ -211,7 +211,7 @@ impl<'d> Types<'d> {
         }
     }
 
-    /// What is imported as a whole: `glam::*`.
+    /// Returns the glob imports: `glam::*`.
     fn globs(&self) -> Vec<&str> {
         let imports = self.declarations.imports.iter();
         let mut globs: Vec<&str> = imports
@@ -222,7 +222,7 @@ impl<'d> Types<'d> {
         globs
     }
 
-    /// The value of an array's length.
+    /// Evaluates an array's length.
     fn value(&self, value: &Expr, depth: u32) -> Result<u64, Unknown> {
         let unknown = || Unknown("its array's length is not known".to_string());
         self.step(depth)?;

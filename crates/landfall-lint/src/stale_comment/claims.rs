@@ -1,13 +1,13 @@
-//! What a comment says in numbers: offsets, alignments, sizes, strides, totals.
+//! Parses the numbers that a comment states: offsets, alignments, sizes, strides, totals.
 //!
-//! Reads text only and errs towards silence: a number is a claim if the words around it leave no
-//! other reading. Feeds [`judge`](super::judge) and [`columns`](super::columns).
+//! A number is a claim only if the words around it allow no other reading. Used by
+//! [`checks`](super::checks) and [`columns`](super::columns).
 
 use std::ops::Range;
 
-use super::words::{Sign, Word, tokens};
+use super::tokens::{Sign, Word, tokens};
 
-/// What a number is said to be.
+/// The quantity that a claim states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Offset,
@@ -25,7 +25,7 @@ pub(super) enum Kind {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Number {
     pub value: u64,
-    /// Bytes of the comment it takes up.
+    /// The range of bytes in the comment.
     pub range: Range<usize>,
     pub hex: bool,
 }
@@ -37,16 +37,16 @@ pub(super) struct Claim {
     pub number: Number,
     /// The end of `16 - 28`.
     pub to: Option<Number>,
-    /// Whether it says that these are bytes.
+    /// Whether the unit is stated as bytes.
     pub unit: bool,
-    /// Whether a word says what the number is, and not its unit alone.
+    /// Whether a word names the quantity, not only the unit.
     pub keyword: bool,
 }
 
-/// Claims of one comment; more is text made to exhaust somebody.
+/// The most claims of one comment, which bounds the time on hostile texts.
 const MOST_CLAIMS: usize = 32;
 
-/// Words that make a comment speak of something else than the layout at hand.
+/// The words that show that a comment is not about this layout.
 const ELSEWHERE: &[&str] = &[
     "cpu",
     "host",
@@ -76,7 +76,7 @@ const ELSEWHERE: &[&str] = &[
     "如果",
 ];
 
-/// Words that may stand before a keyword without changing what it is about.
+/// The words that may precede a keyword without changing its meaning.
 const NEUTRAL: &[&str] = &[
     "base",
     "aligned",
@@ -115,7 +115,7 @@ const NEUTRAL: &[&str] = &[
     "是",
 ];
 
-/// The claims of a comment about a thing of that name, laid out by those rules.
+/// Returns the claims of a comment about something of that name, laid out by those rules.
 pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
     if is_code(comment) {
         return Vec::new();
@@ -324,7 +324,7 @@ fn closes(tokens: &[Word], at: usize) -> bool {
     }
 }
 
-/// Whether a comment is a declaration somebody took out, whose numbers are about something else.
+/// Returns whether a comment is a commented-out declaration, whose numbers mean something else.
 pub(super) fn is_code(comment: &str) -> bool {
     let text = comment.trim_end_matches(['*', '/', ' ', '\n', '\t']).trim_end();
     text.ends_with([';', '{', '}'])

@@ -1,15 +1,15 @@
 //! Comments that are bare numbers in columns: `// 16   // 32`, `// 0`, `// 16 - 28`.
 //!
-//! A number alone says nothing; a column does, when a line above names it, or when the numbers
-//! next to most members fit the layout. Reads [`words`](super::words), feeds the lint.
+//! A bare number is a claim only in a column that a line above names, or whose numbers fit the
+//! layout next to most members.
 
+use super::checks::{Base, member, ranges};
 use super::claims::{Claim, Kind, Number, is_code, range_end};
-use super::judge::{Base, member, ranges};
 use super::owners::Owner;
-use super::words::{Sign, tokens};
+use super::tokens::{Sign, tokens};
 use landfall_layout::source::Span;
 
-/// A table next to members has no more columns than this.
+/// The most columns of a table next to members.
 const MOST_COLUMNS: usize = 8;
 
 /// One number or range of a row.

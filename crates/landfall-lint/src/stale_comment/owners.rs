@@ -1,7 +1,7 @@
 //! Structures and blocks as they are declared, each with every place it is laid out in, and the
 //! comments around it.
 //!
-//! Reads the [model](landfall_layout::layout) and the text. Feeds [`judge`](super::judge).
+//! Reads the [model](landfall_layout::layout) and the text. Feeds [`checks`](super::checks).
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{Rules, Type};
 use landfall_layout::source::Span;
 
-/// Places of one structure that are looked at; more say nothing new.
+/// The most places of one structure that are examined.
 const MOST_PLACES: usize = 64;
 
 /// A structure or block as declared.

@@ -1,4 +1,4 @@
-//! What `check`, `merge` and `rule` take.
+//! Arguments of `check`, `merge` and `rule`.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -14,43 +14,46 @@ pub struct CheckArgs {
     /// Files, directories and globs; - reads stdin [default: `paths` of the configuration, or .]
     #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// Form of the report, human, short, json, github, sarif or junit, and the file it goes to;
-    /// may be given several times, once without a file [default: human]
-    #[arg(short, long = "format", value_name = "FORMAT[=FILE]", value_parser = report)]
+    /// Report format (human, short, json, github, sarif or junit) and file; repeat it for several
+    /// reports, at most one of them to stdout [default: human]
+    #[arg(
+        help_heading = "Reports", short, long = "format", value_name = "FORMAT[=FILE]",
+        value_parser = report
+    )]
     pub formats: Vec<Report>,
-    /// Mend what can be mended mechanically, and check again
-    #[arg(long, conflicts_with_all = ["diff", "shard"])]
+    /// Apply the fixes of findings, then check again
+    #[arg(help_heading = "Fixes and locks", long, conflicts_with_all = ["diff", "shard"])]
     pub fix: bool,
-    /// Show what --fix would do, change nothing, exit with 1 if it is something
-    #[arg(long, conflicts_with_all = ["accept", "shard"])]
+    /// Print the edits of --fix as a patch, change no file, and exit with 1 if there are any
+    #[arg(help_heading = "Fixes and locks", long, conflicts_with_all = ["accept", "shard"])]
     pub diff: bool,
-    /// Write the locks of shaders that have drifted from them, and those that are missing
-    #[arg(long)]
+    /// Update the locks of changed shaders and write missing ones
+    #[arg(help_heading = "Fixes and locks", long)]
     pub accept: bool,
-    /// Report what a JSON report of `landfall verify` saw read from other bytes, at its members
-    #[arg(long, value_name = "REPORT", conflicts_with = "shard")]
+    /// Also report mismatches recorded in a JSON report of `landfall verify`
+    #[arg(help_heading = "Scope", long, value_name = "REPORT", conflicts_with = "shard")]
     pub verified: Vec<PathBuf>,
-    /// Where locks are [default: `locks` of the configuration, or layouts]
-    #[arg(long, value_name = "DIR")]
+    /// Directory of locks [default: `locks` of the configuration, or layouts]
+    #[arg(help_heading = "Fixes and locks", long, value_name = "DIR")]
     pub locks: Option<PathBuf>,
-    /// Leave out what GLOB matches, by its path from the configuration or by a part of it
-    #[arg(long, value_name = "GLOB")]
+    /// Skip paths that match GLOB, wholly or in part, relative to the configuration
+    #[arg(help_heading = "Scope", long, value_name = "GLOB")]
     pub exclude: Vec<String>,
-    /// Check the I-th of N parts only; `landfall merge` makes one report of all
-    #[arg(long, value_name = "I/N", value_parser = shard)]
+    /// Check only part I of N; `landfall merge` combines the reports
+    #[arg(help_heading = "Scope", long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Remember in DIR what was found, and lay out only what changed [default: `cache-dir` of the
+    /// Cache findings in DIR and recheck only changed shaders [default: `cache-dir` of the
     /// configuration, or none]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Cache and threads", long, value_name = "DIR")]
     pub cache_dir: Option<PathBuf>,
-    /// No cache, whatever the configuration says
-    #[arg(long, conflicts_with = "cache_dir")]
+    /// Do not use a cache, even if the configuration sets one
+    #[arg(help_heading = "Cache and threads", long, conflicts_with = "cache_dir")]
     pub no_cache: bool,
-    /// Say how many findings each lint has
-    #[arg(long)]
+    /// Print the number of findings per lint
+    #[arg(help_heading = "Reports", long)]
     pub statistics: bool,
-    /// Files checked at a time [default: one a core]
-    #[arg(short, long, value_name = "N")]
+    /// Files processed in parallel [default: one per core]
+    #[arg(help_heading = "Cache and threads", short, long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -60,53 +63,54 @@ pub struct CheckArgs {
     pub text: TextArgs,
 }
 
-/// Where the configuration is.
+/// The choice of the configuration file.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct ConfigArgs {
-    /// The configuration [default: landfall.toml or .landfall.toml, here or in a folder above]
-    #[arg(long, value_name = "FILE", conflicts_with = "no_config")]
+    /// Configuration file [default: landfall.toml or .landfall.toml, here or in a parent directory]
+    #[arg(help_heading = "Configuration", long, value_name = "FILE", conflicts_with = "no_config")]
     pub config: Option<PathBuf>,
-    /// No configuration, even if there is one
-    #[arg(long)]
+    /// Ignore configuration files
+    #[arg(help_heading = "Configuration", long)]
     pub no_config: bool,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct MergeArgs {
-    /// JSON reports of all shards of one check
+    /// JSON reports of all shards of a check
     #[arg(value_name = "REPORT", required = true)]
     pub reports: Vec<PathBuf>,
-    /// Form of the report and the file it goes to, as for `check`
+    /// Report format and file, as for `check`
     #[arg(short, long = "format", value_name = "FORMAT[=FILE]", value_parser = report)]
     pub formats: Vec<Report>,
-    /// Say how many findings each lint has
+    /// Print the number of findings per lint
     #[arg(long)]
     pub statistics: bool,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct RuleArgs {
-    /// The code of a lint or hazard; without one, all are listed
+    /// Code of a lint or hazard; without it, all are listed
     #[arg(value_name = "CODE")]
     pub code: Option<String>,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: RuleFormat,
-    /// Explain every lint and hazard
+    /// Explain all lints and hazards
     #[arg(long, conflicts_with = "code")]
     pub all: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RuleFormat {
+    /// Text
     Human,
-    /// One object a lint or hazard
+    /// One object per lint or hazard
     Json,
     /// Markdown
     Md,
 }
 
-/// One part of a report's way: its form, and where it goes.
+/// The format and destination of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
     pub format: ReportFormat,
@@ -114,7 +118,7 @@ pub struct Report {
     pub file: Option<PathBuf>,
 }
 
-/// The `index`-th of `count` parts, from 1.
+/// Part `index` of `count`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     pub index: u32,
@@ -130,10 +134,10 @@ const FORMATS: [(&str, ReportFormat); 6] = [
     ("junit", ReportFormat::Junit),
 ];
 
-/// `FORMAT`, `FORMAT=FILE`.
+/// Parses `FORMAT` or `FORMAT=FILE`.
 fn report(text: &str) -> Result<Report, String> {
     let (name, file) = match text.split_once('=') {
-        Some((_, "")) => return Err("a file's name is missing after `=`".to_string()),
+        Some((_, "")) => return Err("no file name after `=`".to_string()),
         Some((name, file)) => (name, Some(PathBuf::from(file))),
         None => (text, None),
     };
@@ -141,11 +145,11 @@ fn report(text: &str) -> Result<Report, String> {
     let names = || FORMATS.map(|(name, _)| name).join(", ");
     match known {
         Some((_, format)) => Ok(Report { format: *format, file }),
-        None => Err(format!("formats are {}", names())),
+        None => Err(format!("the formats are {}", names())),
     }
 }
 
-/// `I/N`.
+/// Parses `I/N`.
 fn shard(text: &str) -> Result<Shard, String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
     match numbers {

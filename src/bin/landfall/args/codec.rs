@@ -1,4 +1,4 @@
-//! What `encode` and `decode` take.
+//! Arguments of `encode` and `decode`.
 
 use std::path::PathBuf;
 
@@ -12,19 +12,19 @@ pub struct EncodeArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "SHADER")]
     pub file: PathBuf,
-    /// An object of the block's members, keys may be paths such as "data[3].color"; - reads stdin
+    /// JSON object of the block's members, also by path ("data[3].color"); - reads stdin
     #[arg(value_name = "VALUES", default_value = "-")]
     pub values: PathBuf,
-    /// The block, by its own name or its instance's [default: the only one]
+    /// Name or instance name of the block [default: the only one]
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
-    /// What becomes of members that are not given
-    #[arg(long, value_name = "WHAT", default_value = "zero")]
+    /// Treatment of members without a value
+    #[arg(long, value_name = "HOW", default_value = "zero")]
     pub missing: Absent,
-    /// A hex dump with the component that each word is, instead of the bytes
+    /// Print a hex dump that names the component in each word, instead of the bytes
     #[arg(long)]
     pub hex: bool,
-    /// Write FILE, whole or not at all, instead of stdout
+    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     #[command(flatten)]
@@ -33,12 +33,14 @@ pub struct EncodeArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Absent {
+    /// Fill with zeros
     Zero,
+    /// Report an error
     Error,
 }
 
 impl Absent {
-    pub fn becomes(self) -> Missing {
+    pub fn missing(self) -> Missing {
         match self {
             Absent::Zero => Missing::Zero,
             Absent::Error => Missing::Error,
@@ -51,19 +53,19 @@ pub struct DecodeArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "SHADER")]
     pub file: PathBuf,
-    /// The bytes; - reads stdin
+    /// File of bytes; - reads stdin
     #[arg(value_name = "BYTES")]
     pub bytes: PathBuf,
-    /// The block, by its own name or its instance's [default: the only one]
+    /// Name or instance name of the block [default: the only one]
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "table")]
     pub format: DecodeFormat,
-    /// Start at that byte of a longer dump: 256, 0x100
+    /// Byte of the dump at which the block starts: 256, 0x100
     #[arg(long, value_name = "BYTE", value_parser = byte)]
     pub offset: Option<u64>,
-    /// Only what a path names: data[3], data[3].color
+    /// Only this member or element: data[3], data[3].color
     #[arg(long, value_name = "PATH")]
     pub only: Option<String>,
     #[command(flatten)]
@@ -72,20 +74,20 @@ pub struct DecodeArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum DecodeFormat {
-    /// A row for each scalar, vector and matrix
+    /// A row per scalar, vector and matrix
     Table,
-    /// JSON that `landfall encode` takes
+    /// JSON, as `landfall encode` reads it
     Json,
 }
 
-/// `256`, `0x100`.
+/// Parses a decimal or hexadecimal byte offset: `256`, `0x100`.
 pub fn byte(text: &str) -> Result<u64, String> {
     let parsed = match text.strip_prefix("0x") {
-        // A sign is no digit.
+        // `from_str_radix` would accept a sign.
         Some(digits) if !digits.starts_with('+') => u64::from_str_radix(digits, 16),
         Some(_) | None => text.parse(),
     };
-    parsed.map_err(|_| "a byte is a number such as 256 or 0x100".to_string())
+    parsed.map_err(|_| "a byte offset is a number such as 256 or 0x100".to_string())
 }
 
 #[cfg(test)]

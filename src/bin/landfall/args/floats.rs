@@ -1,15 +1,17 @@
-//! What floats are rounded to.
+//! The precision that floats are rounded to.
 
 use landfall_exec::interp::Floats;
 
 #[derive(Debug, clap::Args)]
 pub struct FloatsArgs {
-    /// Round every float to f16 at each operation
-    #[arg(long, conflicts_with = "mediump")]
+    /// Round every float to f16 after each operation
+    #[arg(help_heading = "Precision", long, conflicts_with = "mediump")]
     pub half: bool,
-    /// Round to f16 what a shader of OpenGL ES says is mediump or lowp; a lowp of 10 bits in fixed
-    /// point between -2 and 2, which ES permits, is coarser and is not modelled
-    #[arg(long)]
+    /// Round floats declared mediump or lowp in an OpenGL ES shader to f16
+    ///
+    /// ES also permits lowp in 10-bit fixed point between -2 and 2, which is coarser and not
+    /// modelled
+    #[arg(help_heading = "Precision", long)]
     pub mediump: bool,
 }
 

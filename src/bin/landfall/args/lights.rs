@@ -1,4 +1,4 @@
-//! What `landfall lights` may be told.
+//! Arguments of `landfall lights`.
 
 use std::path::PathBuf;
 
@@ -12,14 +12,14 @@ pub struct LightsArgs {
     /// Files, directories (searched for shaders, .gitignore respected) and globs; - reads stdin
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: LightsFormat,
-    /// Only hazards that are at least so sure
-    #[arg(long, value_name = "HOW", default_value = "possible")]
+    /// Only hazards of at least this certainty
+    #[arg(long, value_name = "CERTAINTY", default_value = "possible")]
     pub least: Sureness,
-    /// Exit with 1 if there is a hazard at least so sure
-    #[arg(long, value_name = "HOW")]
+    /// Exit with 1 on a hazard of at least this certainty
+    #[arg(long, value_name = "CERTAINTY")]
     pub deny: Option<Sureness>,
     #[command(flatten)]
     pub read: ReadArgs,
@@ -27,19 +27,19 @@ pub struct LightsArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightsFormat {
-    /// Tables and excerpts
+    /// Tables and source excerpts
     Human,
-    /// JSON as `landfall schema lights` describes it
+    /// JSON, described by `landfall schema lights`
     Json,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Sureness {
-    /// Only inputs that the program may never give meet it
+    /// Only unusual inputs, which a program may never pass, trigger it
     Possible,
-    /// Ordinary inputs meet it
+    /// Ordinary inputs trigger it
     Likely,
-    /// The text alone shows it
+    /// The source alone proves it
     Certain,
 }
 

@@ -1,11 +1,13 @@
-//! Arguments of the commands that run shaders, in a build without them: taken, so that the
-//! command can say which feature brings it.
+//! Arguments of the commands that run shaders, in a build without the feature `exec`: accepted and
+//! ignored, so that the error can name the feature.
 
 use std::ffi::OsString;
 
-/// Whatever follows the command.
+/// All arguments after the command's name.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Not in this build: cargo install landfall --features full")]
+#[command(
+    after_help = "Not in this build; install it with: cargo install landfall --features full"
+)]
 pub struct MissingArgs {
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,

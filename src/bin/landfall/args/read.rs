@@ -1,4 +1,4 @@
-//! How shaders are read: macros, includes, values, rules, stage, language and target.
+//! Options for reading shaders: macros, includes, constants, layout rules, stage, language, target.
 
 use std::path::PathBuf;
 
@@ -6,56 +6,56 @@ use clap::ValueEnum;
 use landfall_layout::{Language, Rules, Stage, Target};
 use landfall_lint::settings::Target as Limits;
 
-/// How shaders are read.
+/// Options for reading shaders.
 #[derive(Clone, Debug, Default, clap::Args)]
-#[command(next_help_heading = "How shaders are read")]
+#[command(next_help_heading = "Reading shaders")]
 pub struct ReadArgs {
     #[command(flatten)]
     pub text: TextArgs,
-    /// Define a macro, as 1 unless a value is given
+    /// Define a macro [default value: 1]
     #[arg(short = 'D', long = "define", value_name = "NAME[=TEXT]", value_parser = define)]
     pub defines: Vec<(String, String)>,
 }
 
-/// The same without macros, for commands where `-D` has a further meaning.
+/// [`ReadArgs`] without macros, for `check`, whose `-D` denies a lint.
 #[derive(Clone, Debug, Default, clap::Args)]
-#[command(next_help_heading = "How shaders are read")]
+#[command(next_help_heading = "Reading shaders")]
 pub struct TextArgs {
-    /// Search DIR for #include
+    /// Search DIR for #include files
     #[arg(short = 'I', long = "include", value_name = "DIR")]
     pub include_dirs: Vec<PathBuf>,
-    /// Set a specialisation constant or override, by name or number
+    /// Set a specialization constant or override, by name or number
     #[arg(short = 'O', long = "override", value_name = "NAME=VALUE", value_parser = setting)]
     pub overrides: Vec<(String, String)>,
-    /// Lay every block out by these rules instead of its own
+    /// Lay out every block by these rules
     #[arg(long, value_name = "RULES", value_parser = rules_parser())]
     pub rules: Option<String>,
-    /// Gather loose uniforms into one std140 block named DefaultBlock
+    /// Gather loose uniforms into a std140 block named DefaultBlock
     #[arg(long)]
     pub gather: bool,
-    /// Stage of GLSL, where the file's name does not say
+    /// GLSL stage, if the file name does not tell
     #[arg(long, value_name = "STAGE", value_parser = stage)]
     pub stage: Option<Stage>,
-    /// What shaders are for: the API GLSL is read as where its text does not say, and for `check`
-    /// whose limits hold; may be given several times
+    /// Target API; repeatable. Selects OpenGL or Vulkan rules for GLSL that states neither, and the
+    /// limits that `check` enforces
     #[arg(long = "target", value_name = "API")]
     pub targets: Vec<Api>,
-    /// Language, where the file's name does not say
+    /// Shading language, if the file name does not tell
     #[arg(long, value_name = "LANGUAGE")]
     pub language: Option<Text>,
-    /// Refuse shaders and includes of more bytes [default: 67108864, 64 MiB]
+    /// Maximum size of a shader or include in bytes [default: 67108864, 64 MiB]
     #[arg(long, value_name = "N")]
     pub max_bytes: Option<u64>,
-    /// The name stdin goes by: for messages, the language, the stage and includes
+    /// Path that stands for stdin in messages, and gives its language, stage and include directory
     #[arg(long, value_name = "PATH")]
     pub stdin_filename: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Api {
-    /// GLSL is read as OpenGL's; no limits
+    /// OpenGL GLSL, no limits
     Opengl,
-    /// GLSL is read as Vulkan's; the limits of Vulkan 1.0
+    /// Vulkan GLSL, limits of Vulkan 1.0
     Vulkan,
     /// OpenGL 3.3
     Gl33,
@@ -68,18 +68,18 @@ pub enum Api {
 }
 
 impl Api {
-    /// What GLSL is read as for these targets; left to the text where they disagree or say nothing.
+    /// The GLSL dialect for these targets; `None` if they disagree or imply none.
     pub fn reading(targets: &[Api]) -> Option<Target> {
-        let mut told = targets.iter().filter_map(|api| match api {
+        let mut dialects = targets.iter().filter_map(|api| match api {
             Api::Opengl | Api::Gl33 | Api::Gles30 | Api::Webgl2 => Some(Target::OpenGl),
             Api::Vulkan => Some(Target::Vulkan),
             Api::Webgpu => None,
         });
-        let first = told.next()?;
-        told.all(|other| other == first).then_some(first)
+        let first = dialects.next()?;
+        dialects.all(|other| other == first).then_some(first)
     }
 
-    /// Whose limits hold.
+    /// The API whose limits apply.
     pub fn limits(self) -> Option<Limits> {
         match self {
             Api::Opengl => None,
@@ -94,7 +94,9 @@ impl Api {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Text {
+    /// GLSL
     Glsl,
+    /// WGSL
     Wgsl,
 }
 
@@ -111,12 +113,13 @@ fn rules_parser() -> clap::builder::PossibleValuesParser {
     [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl].map(Rules::name).into()
 }
 
+/// Parses the name of a stage.
 pub fn stage(name: &str) -> Result<Stage, String> {
     Stage::from_name(name)
-        .ok_or_else(|| format!("stages are {}", Stage::names().collect::<Vec<_>>().join(", ")))
+        .ok_or_else(|| format!("the stages are {}", Stage::names().collect::<Vec<_>>().join(", ")))
 }
 
-/// `NAME`, `NAME=TEXT`.
+/// Parses `NAME` or `NAME=TEXT`.
 pub fn define(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').unwrap_or((text, "1"));
     let mut letters = name.chars();
@@ -124,16 +127,16 @@ pub fn define(text: &str) -> Result<(String, String), String> {
     if starts && letters.all(|c| c == '_' || c.is_ascii_alphanumeric()) {
         Ok((name.to_string(), value.to_string()))
     } else {
-        Err("a macro is NAME or NAME=TEXT, its name letters, digits and _".to_string())
+        Err("a macro is NAME or NAME=TEXT; names consist of letters, digits and _".to_string())
     }
 }
 
-/// `NAME=VALUE`.
+/// Parses `NAME=VALUE`.
 pub fn setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().to_string(), value.trim().to_string()))
         }
-        _ => Err("a value is set as NAME=VALUE".to_string()),
+        _ => Err("expected NAME=VALUE".to_string()),
     }
 }

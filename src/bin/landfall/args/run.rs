@@ -6,43 +6,63 @@ use std::time::Duration;
 use clap::ValueEnum;
 
 use super::verify::seconds;
-use super::{FloatsArgs, ReadArgs, ReaderName, setting};
+use super::{BackendName, FloatsArgs, ReadArgs, setting};
 
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The function: NAME, or 'NAME(vec3, float)' where several have the name
-    #[arg(long = "fn", value_name = "NAME")]
+    /// The function: NAME, or an overload such as 'NAME(vec3, float)'
+    #[arg(help_heading = "Inputs", long = "fn", value_name = "NAME")]
     pub function: String,
-    /// Its arguments by position, a JSON array: vectors as arrays, matrices as arrays of columns,
-    /// structures as objects, "nan", "inf", "-inf"; `out` parameters may be left out
-    #[arg(long = "args", value_name = "JSON", default_value = "[]", allow_hyphen_values = true)]
+    /// Arguments by position, as a JSON array: vectors as arrays, matrices as arrays of columns,
+    /// structures as objects, "nan", "inf", "-inf"; `out` parameters may be omitted
+    #[arg(
+        help_heading = "Inputs",
+        long = "args",
+        value_name = "JSON",
+        default_value = "[]",
+        allow_hyphen_values = true
+    )]
     pub arguments: String,
-    /// What blocks hold, by name, as `landfall encode` takes it: a file, or an object
+    /// Contents of blocks by name, as a JSON file or object in the form of `landfall encode`
     /// [default: zeros]
-    #[arg(long, value_name = "FILE|JSON")]
+    #[arg(help_heading = "Inputs", long, value_name = "FILE|JSON")]
     pub data: Option<String>,
-    /// The colour a texture has everywhere [default: white]
-    #[arg(long = "texture", value_name = "NAME=[R,G,B,A]", value_parser = setting)]
+    /// Uniform colour of a texture [default: white]
+    #[arg(
+        help_heading = "Inputs", long = "texture", value_name = "NAME=[R,G,B,A]",
+        value_parser = setting
+    )]
     pub textures: Vec<(String, String)>,
-    /// The value of an input of the shader [default: zero]
-    #[arg(long = "input", value_name = "NAME=JSON", value_parser = setting)]
+    /// Value of a stage input [default: zero]
+    #[arg(
+        help_heading = "Inputs", long = "input", value_name = "NAME=JSON", value_parser = setting
+    )]
     pub inputs: Vec<(String, String)>,
-    /// Who runs it; f64 is always the evaluator's
-    #[arg(long, value_name = "READER", default_value = "cpu")]
-    pub reader: ReaderName,
-    /// Part of the name of the GPU adapter to take
-    #[arg(long, value_name = "NAME")]
+    /// Backend of the f32 call; the f64 call always runs on cpu
+    #[arg(
+        help_heading = "Backend",
+        long,
+        alias = "reader",
+        value_name = "BACKEND",
+        default_value = "cpu"
+    )]
+    pub backend: BackendName,
+    /// GPU adapter, by a part of its name
+    #[arg(help_heading = "Backend", long, value_name = "NAME")]
     pub adapter: Option<String>,
     #[command(flatten)]
     pub floats: FloatsArgs,
-    /// Form of the output
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: RunFormat,
-    /// Seconds after which the reader has failed
-    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
+    /// Time limit of the backend, in seconds
+    #[arg(
+        help_heading = "Backend", long, value_name = "SECONDS", default_value = "20",
+        value_parser = seconds
+    )]
     pub limit: Duration,
     #[command(flatten)]
     pub read: ReadArgs,
@@ -50,8 +70,8 @@ pub struct RunArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RunFormat {
-    /// A row for each scalar that comes back
+    /// A row per scalar of the result
     Human,
-    /// JSON as `landfall schema run` describes it
+    /// JSON, described by `landfall schema run`
     Json,
 }

@@ -15,50 +15,61 @@ pub struct VerifyArgs {
     /// Files, directories and globs; - reads stdin
     #[arg(value_name = "FILE", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Who reads [default: all that are here]
-    #[arg(long = "reader", value_name = "READER", value_delimiter = ',')]
-    pub readers: Vec<ReaderName>,
-    /// Fail when that reader is not to be had
-    #[arg(long, value_name = "READER", value_delimiter = ',')]
-    pub require: Vec<ReaderName>,
-    /// Form of the output
+    /// Backends to run probes on [default: all available]
+    #[arg(
+        help_heading = "Backends",
+        long = "backend",
+        alias = "reader",
+        value_name = "BACKEND",
+        value_delimiter = ','
+    )]
+    pub backends: Vec<BackendName>,
+    /// Fail if this backend is not available
+    #[arg(help_heading = "Backends", long, value_name = "BACKEND", value_delimiter = ',')]
+    pub require: Vec<BackendName>,
+    /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: VerifyFormat,
-    /// Only the block of that name, by its own or its instance's
-    #[arg(short, long, value_name = "NAME")]
+    /// Only the block with this name or instance name
+    #[arg(help_heading = "Subject", short, long, value_name = "NAME")]
     pub block: Option<String>,
-    /// Prove the layout in FILE, a lock or the output of layout --format json, not the computed one
-    #[arg(long, value_name = "FILE")]
+    /// Verify the layout in FILE, a lock or output of `layout --format json`, not the computed one
+    #[arg(help_heading = "Subject", long, value_name = "FILE")]
     pub layout: Option<PathBuf>,
-    /// SPIR-V your own compiler made of the shader: its decorations are held against the layout,
-    /// and reader gpu runs it beside landfall's module
-    #[arg(long, value_name = "FILE")]
+    /// SPIR-V of the shader from another compiler: its decorations are compared with the layout,
+    /// and backend gpu runs it beside landfall's module
+    #[arg(help_heading = "Subject", long, value_name = "FILE")]
     pub spirv: Option<PathBuf>,
-    /// Stages that read [default: the shader's own]
-    #[arg(long = "in-stage", value_name = "STAGE", value_delimiter = ',', value_parser = stage)]
+    /// Stages to run the probes in [default: the shader's own]
+    #[arg(
+        help_heading = "Subject", long = "in-stage", value_name = "STAGE", value_delimiter = ',',
+        value_parser = stage
+    )]
     pub stages: Vec<Stage>,
-    /// Say too which bytes of each block the shader's own code never reads
-    #[arg(long)]
+    /// Also report bytes of each block that the shader's code never reads
+    #[arg(help_heading = "Coverage", long)]
     pub coverage: bool,
-    /// What blocks hold when --coverage runs the shader, by name: a file, or an object
-    /// [default: zeros, then small numbers]
-    #[arg(long, value_name = "FILE|JSON", requires = "coverage")]
+    /// Contents of blocks by name for --coverage, as a JSON file or object [default: zeros, then
+    /// small numbers]
+    #[arg(help_heading = "Coverage", long, value_name = "FILE|JSON", requires = "coverage")]
     pub data: Option<String>,
-    /// Run the module naga makes of the text, to see what a wgpu program reads
-    #[arg(long)]
+    /// Run the module that naga compiles from the source, as a wgpu program does
+    #[arg(help_heading = "Subject", long)]
     pub naga: bool,
-    /// Part of the name of the GPU adapter to take
-    #[arg(long, value_name = "NAME")]
+    /// GPU adapter, by a part of its name
+    #[arg(help_heading = "Backends", long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Note in the locks who confirmed them
-    #[arg(long)]
+    /// Record the confirming backends in the locks
+    #[arg(help_heading = "Locks", long)]
     pub record: bool,
-    /// Directory of the locks that --record writes to [default: `locks` of the configuration, or
-    /// layouts]
-    #[arg(long, value_name = "DIR")]
+    /// Directory of locks for --record [default: `locks` of the configuration, or layouts]
+    #[arg(help_heading = "Locks", long, value_name = "DIR")]
     pub locks: Option<PathBuf>,
-    /// Seconds after which a reader has failed at a probe
-    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
+    /// Time limit of a probe on a backend, in seconds
+    #[arg(
+        help_heading = "Backends", long, value_name = "SECONDS", default_value = "20",
+        value_parser = seconds
+    )]
     pub limit: Duration,
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -67,23 +78,23 @@ pub struct VerifyArgs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ReaderName {
-    /// Landfall's own evaluator
+pub enum BackendName {
+    /// Landfall's interpreter
     Cpu,
-    /// The OpenGL driver, with the text as it is
+    /// The OpenGL driver, with the source unchanged
     Gl,
     /// wgpu: Vulkan, Metal or DX12
     Gpu,
 }
 
-impl ReaderName {
-    pub const ALL: [ReaderName; 3] = [ReaderName::Cpu, ReaderName::Gl, ReaderName::Gpu];
+impl BackendName {
+    pub const ALL: [BackendName; 3] = [BackendName::Cpu, BackendName::Gl, BackendName::Gpu];
 
     pub fn kind(self) -> BackendKind {
         match self {
-            ReaderName::Cpu => BackendKind::Cpu,
-            ReaderName::Gl => BackendKind::Gl,
-            ReaderName::Gpu => BackendKind::Gpu,
+            BackendName::Cpu => BackendKind::Cpu,
+            BackendName::Gl => BackendKind::Gl,
+            BackendName::Gpu => BackendKind::Gpu,
         }
     }
 
@@ -94,16 +105,16 @@ impl ReaderName {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum VerifyFormat {
-    /// A line a block, details where a reader disagrees
+    /// A line per block, details where a backend disagrees
     Human,
-    /// JSON as `landfall schema verify` describes it
+    /// JSON, described by `landfall schema verify`
     Json,
 }
 
-/// Seconds of thirty years: nobody waits longer, and clocks can add them up.
+/// The longest time limit, about thirty years: clocks can add it without overflow.
 const LONGEST: Duration = Duration::from_secs(1_000_000_000);
 
-/// A number of seconds.
+/// Parses a time limit in seconds.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "a limit is a number of seconds".to_string())?;
     match Duration::try_from_secs_f64(seconds) {

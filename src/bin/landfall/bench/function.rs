@@ -1,30 +1,30 @@
-//! Variants of one function, called with values like those of scenes.
+//! Benches variants of a function with inputs in the range of scenes.
 
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::Refusal;
-use landfall_exec::harness::call::pure::{Pure, PureRequest};
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::{Cpu, Floats};
 use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
 use landfall_light::accuracy::bench::called::{Called, Variant};
 use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::driven::OnDriver;
+use landfall_light::accuracy::bench::driver_calls::OnDriver;
 use landfall_light::accuracy::bench::function::{Calls, Sampling};
 use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 
 use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
-use crate::args::{BenchArgs, ReaderName};
+use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
 use crate::run::textures;
-use crate::{data, read, readers, write};
+use crate::{backends, data, read, write};
 
-/// The name of the function the bench is of.
+/// The variant name of the function itself.
 const FIRST: &str = "as it is";
 
-/// A variant as it is asked for: `FILE#NAME:half`, any of which may be missing.
+/// A parsed variant `FILE#NAME:half`, of which any part may be missing.
 #[derive(Debug, PartialEq)]
 struct What {
     file: PathBuf,
@@ -32,28 +32,28 @@ struct What {
     floats: Floats,
 }
 
-/// A variant that can be called.
+/// A compiled variant.
 struct Made {
     name: String,
     floats: Floats,
     source: Source,
-    /// As it is written, whatever its floats are rounded to: what truth is made of.
-    exact: Pure,
-    /// With its floats rounded, if they are.
-    rounded: Option<Pure>,
+    /// Without rounding, for the f64 results.
+    exact: PureFunction,
+    /// With rounded floats, if requested.
+    rounded: Option<PureFunction>,
 }
 
 impl Made {
-    fn pure(&self) -> &Pure {
+    fn pure(&self) -> &PureFunction {
         self.rounded.as_ref().unwrap_or(&self.exact)
     }
 }
 
-/// A variant with what is known of it whoever calls it.
+/// A variant with the data that is independent of backends.
 struct Known<'a> {
     made: &'a Made,
     variant: Variant<'a>,
-    /// Errors and work of the evaluator, or why it gives nothing.
+    /// Errors and work on the evaluator, or the reason for its failure.
     evaluated: Result<(Errors, Work), String>,
     permitted: Option<Permitted>,
 }
@@ -65,13 +65,13 @@ pub fn bench(
     style: &FindingStyle,
 ) -> Result<Option<Done>, Failure> {
     distinct("--variant", &args.variants, Some(FIRST))?;
-    let asked = asked(args, name);
+    let variants = variants(args, name);
     let truth = match &args.truth {
         None => 0,
-        Some(truth) => asked.iter().position(|(name, _)| name == truth).ok_or_else(|| {
-            let names: Vec<String> = asked.iter().map(|(name, _)| format!("`{name}`")).collect();
-            Error::new(format!("--truth {truth}"), "is no variant")
-                .with_help(format!("there are {}", names.join(", ")))
+        Some(truth) => variants.iter().position(|(name, _)| name == truth).ok_or_else(|| {
+            let names: Vec<String> = variants.iter().map(|(name, _)| format!("`{name}`")).collect();
+            Error::new(format!("--truth {truth}"), "is not a variant")
+                .with_help(format!("the variants are {}", names.join(", ")))
         })?,
     };
     let request = PureRequest {
@@ -81,7 +81,7 @@ pub fn bench(
     };
     let options = read::options(&args.read);
     let (mut made, mut sources) = (Vec::new(), Sources::default());
-    for (name, what) in asked {
+    for (name, what) in variants {
         let source = sources.read(&what.file, &args.read)?;
         match make(name, what, source, &options, &request) {
             Ok(one) => made.push(one),
@@ -97,7 +97,7 @@ pub fn bench(
         limit: args.limit,
     };
     let (first, exact) = (&made[0], &made[truth].exact);
-    let all: Vec<&Pure> = made.iter().map(|one| &one.exact).collect();
+    let all: Vec<&PureFunction> = made.iter().map(|one| &one.exact).collect();
     let calls = match Calls::new(&first.source, &first.exact, &all, exact, &sampling) {
         Ok(calls) => calls,
         Err(refusal) => return refused(&refusal, style, streams),
@@ -115,10 +115,10 @@ pub fn bench(
         });
     }
     let mut entries = Entries::default();
-    for reader in readers::asked(&args.reader) {
-        match reader {
-            ReaderName::Cpu => on_evaluator(&variants, &mut entries),
-            ReaderName::Gl | ReaderName::Gpu => on_driver(args, reader, &variants, &mut entries),
+    for backend in backends::requested(&args.backend) {
+        match backend {
+            BackendName::Cpu => on_evaluator(&variants, &mut entries),
+            BackendName::Gl | BackendName::Gpu => on_driver(args, backend, &variants, &mut entries),
         }
     }
     let whose = match truth {
@@ -135,8 +135,8 @@ pub fn bench(
     Ok(Some(measured(about, entries, args, streams)))
 }
 
-/// The variants and their names, the first of which is the function itself.
-fn asked(args: &BenchArgs, name: &str) -> Vec<(String, What)> {
+/// The variants by name; the first one is the function itself.
+fn variants(args: &BenchArgs, name: &str) -> Vec<(String, What)> {
     let one = |text: &str| what(text, args, name);
     let first = (FIRST.to_string(), one(""));
     let others = args.variants.iter().map(|(name, text)| (name.clone(), one(text)));
@@ -162,11 +162,11 @@ fn make(
 ) -> Result<Made, Box<Refusal>> {
     let What { function, floats, .. } = what;
     let request = PureRequest { function, ..request.clone() };
-    let exact = Pure::new(&source, options, &request)?;
+    let exact = PureFunction::new(&source, options, &request)?;
     let rounded = match floats {
         Floats::AsWritten => None,
         Floats::Half | Floats::Mediump => {
-            Some(Pure::new(&source, options, &PureRequest { floats, ..request })?)
+            Some(PureFunction::new(&source, options, &PureRequest { floats, ..request })?)
         }
     };
     Ok(Made { name, floats, source, exact, rounded })
@@ -181,21 +181,21 @@ fn refused(
     Ok(None)
 }
 
-/// What was taken for what nobody gave, once each.
+/// Notes the assumed inputs, without duplicates.
 fn notes(made: &[Made], streams: &Streams) {
-    let mut said: Vec<&String> = Vec::new();
+    let mut printed: Vec<&String> = Vec::new();
     for note in made.iter().flat_map(|one| &one.exact.notes) {
-        if !said.contains(&note) {
+        if !printed.contains(&note) {
             streams.notes(&format!("note: {note}\n"));
-            said.push(note);
+            printed.push(note);
         }
     }
 }
 
-/// The variants by a driver, which they take turns with.
+/// Adds the variants on a driver, which they share.
 fn on_driver<'a>(
     args: &BenchArgs,
-    name: ReaderName,
+    name: BackendName,
     variants: &'a [Known<'a>],
     entries: &mut Entries<'a>,
 ) {
@@ -216,7 +216,7 @@ fn on_driver<'a>(
                 workload: Box::new(driven),
                 errors,
                 permitted: *permitted,
-                // Counted by the evaluator, whoever is measured.
+                // Counted on the evaluator for every backend.
                 work: evaluated.as_ref().map(|(_, work)| *work).unwrap_or_default(),
             }),
             Err(reason) => entries.fail(&made.name, name.name(), reason),
@@ -224,7 +224,7 @@ fn on_driver<'a>(
     }
 }
 
-/// The variants by the evaluator.
+/// Adds the variants on the evaluator.
 fn on_evaluator<'a>(variants: &'a [Known<'a>], entries: &mut Entries<'a>) {
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
     for Known { made, variant, evaluated, permitted } in variants {

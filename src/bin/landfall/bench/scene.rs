@@ -1,41 +1,41 @@
-//! Variants that light a scene: shaders on readers, and what is compiled into this program.
+//! Benches variants that light a scene: shaders on backends, and compiled kernels.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::interp::{Cpu, Floats};
 use landfall_layout::Error;
 use landfall_layout::source::kind_of_path;
 use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::compiled::Compiled;
 use landfall_light::accuracy::bench::counted;
+use landfall_light::accuracy::bench::native::Compiled;
 use landfall_light::accuracy::bench::scene::Stage;
 use landfall_light::accuracy::bench::shader::Shader;
 use landfall_light::accuracy::bench::uploaded::Uploaded;
 use landfall_light::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
-use landfall_light::compiled::{Form, Gates};
 use landfall_light::reference::Model;
 use landfall_light::render::{Renderer, truth};
-use landfall_light::{Frame, Upload, skip};
+use landfall_light::shading_f32::{Form, Gates};
+use landfall_light::{Frame, Upload, culling};
 
 use super::{
     About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, rust, wrong,
 };
-use crate::args::{BenchArgs, ReaderName};
+use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::render::asked::{Asked, Wanted, asked, model, said};
-use crate::{read, readers, write};
+use crate::render::request::{RenderRequest, Wanted, load, model, model_json};
+use crate::{backends, read, write};
 
-/// What a variant is.
+/// The kind of a variant.
 enum What {
-    /// A shader's file, or the scene's own; what its floats are rounded to; and a plan.
-    Shader(Option<PathBuf>, Floats, Option<skip::Options>),
-    /// Compiled in, without powers below that.
+    /// A shader file or the scene's shader, its precision, and a plan.
+    Shader(Option<PathBuf>, Floats, Option<culling::Options>),
+    /// A compiled kernel, with the specular threshold.
     Rust(Form, f64),
-    /// Compiled in, by a plan.
-    Plan(skip::Options),
+    /// The compiled kernel with a plan.
+    Plan(culling::Options),
 }
 
 pub fn bench(
@@ -47,8 +47,8 @@ pub fn bench(
     distinct("--model-of", &args.model_of, None)?;
     if kind_of_path(&args.subject).is_some() {
         let shown = args.subject.display().to_string();
-        return Err(Error::new(shown, "is a shader, and no scene")
-            .with_help("a shader is called with `--fn NAME`")
+        return Err(Error::new(shown, "is a shader, not a scene")
+            .with_help("measure a function of a shader with `--fn NAME`")
             .into());
     }
     let wanted = Wanted {
@@ -60,33 +60,33 @@ pub fn bench(
         bind: args.bind.clone(),
         read: &args.read,
     };
-    let Some(own) = asked(&wanted, streams, style)? else { return Ok(None) };
+    let Some(own) = load(&wanted, streams, style)? else { return Ok(None) };
     let variants = variants(args, &own)?;
     let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
     if let Some((name, _)) = unknown {
-        return Err(wrong(name, "is no variant, and `--model-of` gives it a model").into());
+        return Err(wrong(name, "is not a variant, but `--model-of` sets its model").into());
     }
     let mut sources = Sources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
     let mut models: Vec<Option<Model>> = Vec::new();
     for (name, what) in &variants {
         let own_model = args.model_of.iter().find(|(of, _)| of == name);
-        let read = |(_, text): &(String, String)| model("--model-of", said("--model-of", text)?);
-        models.push(own_model.map(read).transpose()?);
+        let json = own_model.map(|(_, text)| model_json("--model-of", text)).transpose()?;
+        models.push(json.map(|json| model("--model-of", json)).transpose()?);
         renderers.push(match what {
             What::Shader(file, ..) => {
-                let asked = match file {
+                let request = match file {
                     Some(file) => &own.with_shader(sources.read(file, &args.read)?),
                     None => &own,
                 };
-                match asked.renderer() {
+                match request.renderer() {
                     Ok(Some(renderer)) => Some(renderer),
                     Ok(None) => {
-                        let what = "is of the scene's own shader, and the scene names none";
+                        let what = "needs the scene's shader, but the scene names none";
                         return Err(wrong(name, what).into());
                     }
                     Err(error) => {
-                        let (found, files) = asked.findings(&error);
+                        let (found, files) = request.findings(&error);
                         streams.report(&style.text(&found, files));
                         return Ok(None);
                     }
@@ -139,8 +139,8 @@ pub fn bench(
     Ok(Some(measured(about, entries, args, streams)))
 }
 
-/// What is said, or the scene's own shader and what is compiled in.
-fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failure> {
+/// The given variants, or by default the scene's shader and the compiled kernels.
+fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>, Failure> {
     let rust = |gates, least| What::Rust(Form::Robust(gates), least);
     if args.variants.is_empty() {
         let mut all = vec![
@@ -158,7 +158,7 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
     }
     let one = |(name, what): &(String, String)| {
         let plan = |options| {
-            skip::parse(options).map_err(|error| wrong(name, format!("is no plan: {error}")))
+            culling::parse(options).map_err(|error| wrong(name, format!("is not a plan: {error}")))
         };
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => What::Rust(Form::Seed, 0.0),
@@ -167,8 +167,8 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
             Some(("rust", form)) => {
                 let least = form.strip_prefix("robust=").and_then(|x| x.parse::<f64>().ok());
                 let least = least.filter(|least| (0.0..1.0).contains(least)).ok_or_else(|| {
-                    wrong(name, format!("is no form that is compiled in: `{form}`")).with_help(
-                        "forms are `seed`, `robust`, `ungated`, and `robust=POWER`, POWER below 1",
+                    wrong(name, format!("is not a compiled kernel: `{form}`")).with_help(
+                        "the kernels are `seed`, `robust`, `ungated` and `robust=POWER`, POWER < 1",
                     )
                 })?;
                 rust(Gates::ALL, least)
@@ -180,7 +180,7 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
                     Some((file, options)) => (file, Some(plan(options)?)),
                     None => (what, None),
                 };
-                // The scene's own, rounded.
+                // The scene's shader, rounded.
                 let file = (!file.is_empty()).then(|| PathBuf::from(file));
                 What::Shader(file, floats, plan)
             }
@@ -190,7 +190,7 @@ fn variants(args: &BenchArgs, own: &Asked) -> Result<Vec<(String, What)>, Failur
     args.variants.iter().map(one).collect()
 }
 
-/// Everything that can be measured, judged once; and what cannot.
+/// The entries to measure with their errors, and the failures.
 fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, What)],
@@ -230,17 +230,17 @@ fn entries<'a>(
                 work: counted::work(uploaded, *floats),
                 permitted: counted::permitted(uploaded, *floats),
             }),
-            Some(Err(reason)) => entries.fail(name, "every reader", reason.as_str()),
+            Some(Err(reason)) => entries.fail(name, "every backend", reason.as_str()),
             None => {}
         }
     }
-    for reader in readers::asked(&args.reader) {
-        on_reader(args, reader, &lit, &mut entries);
+    for backend in backends::requested(&args.backend) {
+        on_backend(args, backend, &lit, &mut entries);
     }
     entries
 }
 
-/// A shader with what is known of it whoever runs it.
+/// A shader with the data that is independent of backends.
 struct Counted<'a> {
     name: &'a str,
     uploaded: &'a Uploaded<'a>,
@@ -249,10 +249,10 @@ struct Counted<'a> {
     permitted: Option<Permitted>,
 }
 
-/// The shaders on one reader, which they take turns with.
-fn on_reader<'a>(
+/// Adds the shaders on a backend, which they share.
+fn on_backend<'a>(
     args: &BenchArgs,
-    name: ReaderName,
+    name: BackendName,
     lit: &[Counted<'a>],
     entries: &mut Entries<'a>,
 ) {
@@ -261,11 +261,11 @@ fn on_reader<'a>(
     for Counted { name: variant, uploaded, floats, work, permitted } in lit {
         let shared = match (name, floats) {
             (_, Floats::AsWritten) => Rc::clone(&shared),
-            (ReaderName::Cpu, Floats::Half | Floats::Mediump) => {
+            (BackendName::Cpu, Floats::Half | Floats::Mediump) => {
                 let cpu = Cpu::rounded(Default::default(), *floats);
-                Rc::new(RefCell::new(Box::new(cpu) as Box<dyn Reader>))
+                Rc::new(RefCell::new(Box::new(cpu) as Box<dyn Backend>))
             }
-            (ReaderName::Gl | ReaderName::Gpu, Floats::Half | Floats::Mediump) => {
+            (BackendName::Gl | BackendName::Gpu, Floats::Half | Floats::Mediump) => {
                 entries.fail(variant, name.name(), NO_HALF);
                 continue;
             }

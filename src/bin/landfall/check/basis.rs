@@ -1,7 +1,6 @@
-//! What a check rests on besides the shaders: how they are read, and what lints are told.
+//! The settings of a check: options for reading shaders and settings of lints.
 //!
-//! Plain data, so that a cache and the report of a shard can carry it, and refuse to be mixed
-//! with another.
+//! Plain data, stored in caches and in reports of shards, which must agree in it.
 
 use std::path::{Path, PathBuf};
 
@@ -17,13 +16,13 @@ use super::hash::Hash;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
     pub version: String,
-    /// The configuration's folder from the current one.
+    /// The configuration's directory, from the current one.
     pub root: String,
-    /// Where locks are, when they count.
+    /// The directory of locks, if locks are checked.
     pub locks: Option<String>,
     /// What is searched, relative to the root; `None` when only some files were named.
     pub searched: Vec<String>,
-    /// Whether nothing was named, so that all there is is checked.
+    /// Whether no path was named, so that all shaders are checked.
     pub whole: bool,
     defines: Vec<(String, String)>,
     include_dirs: Vec<String>,
@@ -40,7 +39,7 @@ pub struct Basis {
     rust_files: Vec<(String, Hash)>,
 }
 
-/// What is checked, and where.
+/// The scope of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
     pub root: String,
@@ -84,20 +83,21 @@ impl Basis {
         }
     }
 
-    /// A text that is another when lints over all shaders may find something else.
+    /// A text that changes with the findings of lints over all shaders.
     pub fn over_all(&self) -> String {
         format!("{:?}", self.rust_files)
     }
 
-    /// The Rust files read again, as a report of a shard names them.
+    /// Reads the Rust files of a shard's report again.
     ///
     /// # Errors
-    /// One is not the file that was checked.
+    ///
+    /// One has changed since it was checked.
     pub fn read_rust_files(&mut self) -> Result<(), Error> {
         for (path, hash) in &self.rust_files {
             let text = crate::read::text(Path::new(path))?;
             if Hash::of(text.as_bytes()) != *hash {
-                return Err(Error::new(path, "is not the file that was checked")
+                return Err(Error::new(path, "has changed since it was checked")
                     .with_help("merge in a checkout of the commit that the shards checked"));
             }
             self.settings.rust_files.push(RustFile { path: path.clone(), text: text.into() });
@@ -105,37 +105,35 @@ impl Basis {
         Ok(())
     }
 
-    /// Whether anybody asks about mirrors in Rust files.
+    /// Whether a lint of Rust mirrors is enabled.
     pub fn wants_rust(settings: &Settings) -> bool {
-        let asked = |code| levels::level(code, settings) > Level::Allow;
-        asked("rust-mirror") || asked("rust-mirror-unknown")
+        let is_enabled = |code| levels::level(code, settings) > Level::Allow;
+        is_enabled("rust-mirror") || is_enabled("rust-mirror-unknown")
     }
 
-    /// How shaders of a language are laid out; naga is asked where a lint looks at what it says.
+    /// The layout options for a language, with naga's layout if a lint needs it.
     pub fn options_for(&self, language: Language) -> Options {
-        Options { naga: naga_disagrees::wanted(language, &self.settings), ..self.options() }
+        self.options().with_naga(naga_disagrees::wanted(language, &self.settings))
     }
 
-    /// How shaders are laid out.
+    /// The layout options.
     pub fn options(&self) -> Options {
-        Options {
-            read: ReadOptions {
-                defines: self.defines.clone(),
-                include_dirs: self.include_dirs.iter().map(PathBuf::from).collect(),
-                overrides: self.overrides.clone(),
-                max_bytes: self.max_bytes,
-                target: self.target.as_deref().map(|name| match name {
-                    "vulkan" => Target::Vulkan,
-                    _ => Target::OpenGl,
-                }),
-            },
-            rules: self.rules.as_deref().and_then(Rules::from_name),
-            gather: self.gather,
-            naga: false,
-        }
+        let mut read = ReadOptions::default();
+        read.defines = self.defines.clone();
+        read.include_dirs = self.include_dirs.iter().map(PathBuf::from).collect();
+        read.overrides = self.overrides.clone();
+        read.max_bytes = self.max_bytes;
+        read.target = self.target.as_deref().map(|name| match name {
+            "vulkan" => Target::Vulkan,
+            _ => Target::OpenGl,
+        });
+        Options::default()
+            .with_read(read)
+            .with_rules(self.rules.as_deref().and_then(Rules::from_name))
+            .with_gather(self.gather)
     }
 
-    /// Bytes of the largest file that is read, where somebody says so.
+    /// The maximum size of a file in bytes, if set.
     pub fn max_bytes(&self) -> Option<u64> {
         self.max_bytes
     }
@@ -145,7 +143,7 @@ impl Basis {
         self.include_dirs.iter().map(Path::new)
     }
 
-    /// A shader from its text.
+    /// Creates a shader from its bytes.
     pub fn source(&self, path: &str, bytes: Vec<u8>) -> Result<Source, Error> {
         if self.language.is_none() {
             other_language::refuse(Path::new(path))?;
@@ -163,9 +161,9 @@ impl Basis {
         Ok(source)
     }
 
-    /// A hash that is another when anything is that findings of one shader depend on.
+    /// The hash of all settings that findings of a single shader depend on.
     pub fn fingerprint(&self) -> Hash {
-        // What else is checked changes nothing about one shader.
+        // The scope does not affect findings of a single shader.
         let alone = Basis { searched: vec![], whole: false, rust_files: vec![], ..self.clone() };
         Hash::of(serde_json::to_string(&alone).expect("keys are strings").as_bytes())
     }

@@ -1,7 +1,7 @@
-//! What was found the last time, in one file a set of settings below a folder of its own.
+//! The cache of findings: a file per set of settings, in a directory of its own.
 //!
-//! A file that is cut off, changed by hand, sealed with another key or from another version is as
-//! good as none. Runs at the same time each write theirs whole, and the last one stays.
+//! A truncated or modified file, or one with the seal of another key or version, is ignored. Of
+//! concurrent runs, the last one to finish replaces the file.
 
 use std::collections::HashMap;
 use std::fs;
@@ -12,23 +12,23 @@ use landfall_layout::file::FileWriter;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
+use super::check_shader::Checked;
 use super::hash::{Hash, seal};
-use super::one::Checked;
 use super::pass::Pass;
 use super::tree::Remembered;
 
-/// Files kept in the folder: one for each set of flags that checks are run with.
+/// Maximum number of files in the directory.
 const MOST_FILES: usize = 16;
 
-/// What a file of ours begins with; then come the seal, a line's end, JSON and a line's end.
+/// The start of a cache file, followed by the seal, a newline, JSON and a newline.
 const MARK: &str = "landfall-check-cache ";
 
-/// What is remembered.
+/// The cached data.
 #[derive(Default)]
 pub struct Cache {
     file: PathBuf,
     key: Vec<u8>,
-    /// All that findings of one shader depend on besides its files.
+    /// The hash of everything besides its files that findings of a shader depend on.
     basis: Hash,
     writer: FileWriter,
     pub known: HashMap<String, Checked>,
@@ -48,7 +48,7 @@ struct Read {
 }
 
 impl Cache {
-    /// What a folder remembers of checks like this one.
+    /// Opens the cache of a directory for these settings.
     pub fn open(folder: &Path, basis: &Basis, key: Vec<u8>, writer: FileWriter) -> Cache {
         let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
@@ -63,7 +63,7 @@ impl Cache {
         }
     }
 
-    /// The content of a file that is as it was written, by whoever has the key.
+    /// The content of a file whose seal is valid.
     fn read(&self, text: &str) -> Option<Read> {
         let (sum, json) = text.strip_prefix(MARK)?.split_once('\n')?;
         let json = json.strip_suffix('\n')?;
@@ -73,29 +73,29 @@ impl Cache {
         serde_json::from_str(json).ok()
     }
 
-    /// Binds what is remembered to what it holds for.
+    /// The seal of the data for these settings.
     fn seal(&self, json: &str) -> String {
         seal(&self.key, format!("{}\n{json}", self.basis.as_str()).as_bytes())
     }
 
-    /// Remembers what this check found, and what is known of shaders it did not look at.
+    /// Writes the results of this check, and the cached ones of other shaders.
     pub fn write(&self, pass: &Pass) -> Result<(), Error> {
         let mut all: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
         all.extend(pass.left.values().filter(|other| Path::new(&other.path).is_file()));
-        // Of two records of one shader the first, which is this check's, stays.
+        // The first record of a shader, from this check, wins.
         all.sort_by(|a, b| a.path.cmp(&b.path));
         all.dedup_by(|a, b| a.path == b.path);
         let written = Written { checked: &all, tree: &self.tree };
         let json = serde_json::to_string(&written).expect("keys are strings");
         let folder = self.file.parent().unwrap_or(Path::new("."));
-        // A folder that somebody has made is theirs to ignore.
+        // A directory made by the user gets no `.gitignore`.
         if !folder.exists() {
             self.writer.write(
                 &folder.join(".gitignore"),
                 "# Made by landfall; may be removed at any time.\n*\n",
             )?;
         }
-        // Nobody else makes a file whose name is a hash of these settings.
+        // The name, a hash of the settings, is unique to this cache.
         self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
         self.forget_oldest(folder);
         Ok(())
@@ -120,7 +120,7 @@ impl Cache {
     }
 }
 
-/// Whether a file is a cache, whoever sealed it.
+/// Whether a file is a cache, with any seal.
 fn is_ours(path: &Path) -> bool {
     use std::io::Read as _;
     let mut start = Vec::new();
@@ -128,7 +128,7 @@ fn is_ours(path: &Path) -> bool {
     file.and_then(|mut file| file.read_to_end(&mut start)).is_ok_and(|_| start == MARK.as_bytes())
 }
 
-/// The version, and the size of the program: one built anew from changed sources is another.
+/// The version and the size of the program, to tell rebuilt programs apart.
 fn program() -> String {
     let size = std::env::current_exe().and_then(fs::metadata).map_or(0, |found| found.len());
     format!("{} {size}", env!("CARGO_PKG_VERSION"))

@@ -1,9 +1,9 @@
-//! SHA-256 of files and settings, and seals that only whoever has a key can make.
+//! SHA-256 of files and settings, and HMAC seals.
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes that SHA-256 takes on at a time.
+/// The block size of SHA-256 in bytes.
 const BLOCK: usize = 64;
 
 /// A SHA-256 in hexadecimal; empty for what could not be read.
@@ -12,12 +12,12 @@ const BLOCK: usize = 64;
 pub struct Hash(String);
 
 impl Hash {
-    /// The hash of some bytes.
+    /// Returns the hash of bytes.
     pub fn of(bytes: &[u8]) -> Hash {
         Hash(hex(&Sha256::digest(bytes)))
     }
 
-    /// Whether it stands for something that could be read.
+    /// Whether it is the hash of a file that could be read.
     pub fn is_known(&self) -> bool {
         !self.0.is_empty()
     }
@@ -26,7 +26,7 @@ impl Hash {
         &self.0
     }
 
-    /// The start of it, for the name of a file.
+    /// Its first digits, for file names.
     pub fn short(&self) -> &str {
         self.0.get(..16).unwrap_or(&self.0)
     }

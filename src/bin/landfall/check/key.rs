@@ -1,8 +1,7 @@
-//! The key that seals caches: whoever can write a cache and does not have it cannot make one say
-//! that a shader is clean.
+//! The key that seals caches: without it, nobody who can write a cache can forge a clean result.
 //!
-//! It is this user's own, made when it is first needed, or that of `LANDFALL_CACHE_KEY`, for
-//! machines that share a cache.
+//! It is generated per user on first use, or taken from `LANDFALL_CACHE_KEY` for machines that
+//! share a cache.
 
 use std::fs::{self, OpenOptions};
 use std::hash::{BuildHasher, RandomState};
@@ -16,24 +15,27 @@ use super::hash::Hash;
 
 const VARIABLE: &str = "LANDFALL_CACHE_KEY";
 
-/// A key has at least this many characters.
+/// The minimum length of a key in characters.
 const SHORTEST: usize = 16;
 
 /// The key of this run.
 ///
 /// # Errors
-/// The variable holds no key, or the user has no folder that one can be kept in.
+///
+/// The variable is too short for a key, or the user has no directory to store one.
 pub fn key() -> Result<Vec<u8>, Error> {
     if let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) {
         let given = given.into_encoded_bytes();
         if given.len() < SHORTEST {
             let message = format!("is shorter than {SHORTEST} characters");
-            return Err(Error::new(VARIABLE, message).with_help("`openssl rand -hex 32` makes one"));
+            return Err(
+                Error::new(VARIABLE, message).with_help("generate one with `openssl rand -hex 32`")
+            );
         }
         return Ok(given);
     }
     let Some(file) = place() else {
-        return Err(Error::new("cache-key", "has no place: there is no home folder")
+        return Err(Error::new("cache-key", "cannot be stored: there is no home directory")
             .with_help(format!("set `{VARIABLE}`")));
     };
     let failed = |cause: std::io::Error| {
@@ -46,7 +48,7 @@ pub fn key() -> Result<Vec<u8>, Error> {
             Ok(_) => fs::remove_file(&file).map_err(failed)?,
             Err(_) => {}
         }
-        // Of two processes that make one, the first one's holds.
+        // Of two processes that create the key, the first wins.
         match make(&file) {
             Err(cause) if cause.kind() != std::io::ErrorKind::AlreadyExists => {
                 return Err(failed(cause));
@@ -57,7 +59,7 @@ pub fn key() -> Result<Vec<u8>, Error> {
     fs::read(&file).map_err(failed)
 }
 
-/// Where this user's state is: by the XDG base directories, or as Windows has it.
+/// The user's file of the key: in the XDG state directory, or `LOCALAPPDATA` on Windows.
 fn place() -> Option<PathBuf> {
     let folder = |name: &str| {
         std::env::var_os(name).map(PathBuf::from).filter(|folder| folder.is_absolute())
@@ -80,8 +82,8 @@ fn make(file: &Path) -> Result<(), std::io::Error> {
     options.open(file)?.write_all(random().as_bytes())
 }
 
-/// Sixty-four characters that nobody can guess: maps of the standard library are keyed with
-/// numbers of the operating system.
+/// A random key of 64 characters, from the hash seeds that the standard library takes from the
+/// operating system.
 fn random() -> String {
     let numbers: Vec<u8> = (0..8u64)
         .flat_map(|n| RandomState::new().hash_one(n).to_le_bytes())

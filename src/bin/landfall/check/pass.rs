@@ -1,4 +1,4 @@
-//! All shaders of a check, once over: what is unchanged from the last time, the rest anew.
+//! A pass over all shaders of a check: unchanged ones from the cache, the others anew.
 
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
@@ -7,26 +7,26 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
 use landfall_lint::digest;
 
 use super::basis::Basis;
-use super::one::{Checked, Done, Job, of_diagnostic};
+use super::check_shader::{Checked, Done, Job};
 use crate::args::Shard;
 use crate::config::{Exclude, Root};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, Streams};
 use crate::work;
 
-/// Layouts are kept for lints over all shaders up to this many bytes; past that, those that are
-/// needed are made again.
+/// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
 const MOST_KEPT: usize = 256 << 20;
 
 const PROGRESS: Duration = Duration::from_millis(500);
 
-/// What is the same for all passes of a check.
+/// The settings shared by all passes of a check.
 pub struct Run<'a> {
     pub basis: &'a Basis,
     pub root: &'a Root,
@@ -34,35 +34,35 @@ pub struct Run<'a> {
     pub exclude: &'a Exclude,
     pub shard: Option<Shard>,
     pub jobs: Option<NonZeroUsize>,
-    /// Stdin, by the name it goes by.
+    /// The text of stdin by its substitute path.
     pub stdin: HashMap<String, String>,
-    /// What writes locks.
+    /// The writer of locks.
     pub locks: FileWriter,
-    /// Shaders that were left out.
+    /// Number of excluded shaders.
     pub excluded: AtomicUsize,
 }
 
-/// What a pass found.
+/// The results of a pass.
 #[derive(Default)]
 pub struct Pass {
     pub checked: Vec<Checked>,
-    /// What is no file or cannot be searched.
+    /// Findings about inputs that are not files or cannot be searched.
     pub no_input: Vec<Finding>,
-    /// The same, known only by their number.
+    /// Number of further such inputs, known from shards.
     pub missing: usize,
-    /// Layouts by the number of their shader.
+    /// Layouts by the index of their shader.
     pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
-    /// What was known before and is not found again.
+    /// Cached shaders that are not inputs of this pass.
     pub left: HashMap<String, Checked>,
-    /// Shaders that were laid out.
+    /// Number of shaders laid out.
     pub fresh: usize,
-    /// Locks that were written.
+    /// Number of locks written.
     pub accepted: usize,
     kept: usize,
 }
 
 impl Run<'_> {
-    /// Looks at all shaders; `texts` stand for the files of their paths.
+    /// Checks all shaders; `texts` replace the files of their paths.
     pub fn pass(
         &self,
         mut known: HashMap<String, Checked>,
@@ -90,7 +90,7 @@ impl Run<'_> {
             |input| job.one(input),
             |done| {
                 match done {
-                    // Taken out of what is known once the threads are done with it.
+                    // Moved out of `known` once the threads no longer use it.
                     Done::Same(path) => {
                         same.push((pass.checked.len(), path));
                         pass.checked.push(blank());
@@ -114,7 +114,7 @@ impl Run<'_> {
         Ok(pass)
     }
 
-    /// Whether an input is in this run: not left out, and in this shard.
+    /// Whether an input is not excluded and in this shard.
     fn is_ours(&self, input: &Result<Input, Error>) -> bool {
         let Ok(input) = input else { return true };
         let below = self.root.below(&input.path);
@@ -144,7 +144,7 @@ fn blank() -> Checked {
 }
 
 impl Pass {
-    fn take(&mut self, fresh: super::one::Fresh, locks: &FileWriter) {
+    fn take(&mut self, fresh: super::check_shader::Fresh, locks: &FileWriter) {
         let weight = fresh.weight();
         let number = self.checked.len();
         self.fresh += 1;
@@ -165,19 +165,19 @@ impl Pass {
 
     fn fail(&mut self, number: usize, error: Error) {
         let checked = &mut self.checked[number];
-        let found = of_diagnostic(&error.into(), &Default::default());
+        let found = Diagnostic::from(error).located(&Default::default());
         checked.failed = true;
         checked.findings.push(found);
     }
 
-    /// Shaders that could not be judged, and inputs that are none.
+    /// Number of shaders and inputs that could not be checked.
     pub fn failures(&self) -> usize {
         self.missing
             + self.no_input.len()
             + self.checked.iter().filter(|checked| checked.failed).count()
     }
 
-    /// What is known of each shader, for the next pass.
+    /// The results per shader, for the next pass.
     pub fn into_known(self) -> HashMap<String, Checked> {
         let mut known = self.left;
         known.extend(self.checked.into_iter().map(|checked| (checked.path.clone(), checked)));
@@ -185,7 +185,7 @@ impl Pass {
     }
 }
 
-/// The text of a shader as it is on disk now.
+/// Reads a shader from disk again.
 pub fn source(basis: &Basis, path: &str) -> Option<Source> {
     let bytes = landfall_layout::source::read_bytes(Path::new(path), basis.max_bytes()).ok()?;
     basis.source(path, bytes).ok()

@@ -1,5 +1,4 @@
-//! Findings to where they were asked for: files whole or not at all, one report on stdout, a
-//! line in sum on stderr.
+//! Writes reports to files and stdout, and a summary line to stderr.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
@@ -12,20 +11,20 @@ use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
-use landfall_layout::format::words::counted;
+use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
 use crate::args::Report;
 use crate::output::{Failure, Outcome, Streams};
 
-/// Texts of files by the paths that findings spell.
+/// Texts of files by the paths in findings.
 pub struct Texts {
     given: HashMap<String, String>,
     read: RefCell<HashMap<String, Option<Arc<str>>>>,
 }
 
 impl Texts {
-    /// The files on disk, but for those given.
+    /// Reads files from disk, except for the given texts.
     pub fn new(given: HashMap<String, String>) -> Texts {
         Texts { given, read: RefCell::default() }
     }
@@ -38,7 +37,7 @@ impl Texts {
         let text = match self.given.get(path) {
             Some(text) => Some(Arc::from(text.as_str())),
             None => std::fs::read_to_string(path).ok().map(|text| {
-                // Places are counted without a byte-order mark.
+                // Spans do not count a byte-order mark.
                 Arc::from(text.strip_prefix('\u{feff}').unwrap_or(&text))
             }),
         };
@@ -47,29 +46,29 @@ impl Texts {
     }
 }
 
-/// What a run came to.
+/// The results of a run.
 pub struct Result<'a> {
     pub findings: &'a [Finding],
     pub shaders: usize,
-    /// Shaders that could not be judged, and inputs that are none.
+    /// Number of shaders and inputs that could not be checked.
     pub failures: usize,
     pub texts: &'a Texts,
-    /// What a shard's report holds besides: a field of the JSON object.
+    /// The value of the field `shard` in the JSON report of a shard.
     pub shard: Option<String>,
 }
 
-/// At most one report goes to stdout, and no two to one file.
+/// The error if two reports have the same destination.
 pub fn refused(formats: &[Report]) -> Option<Error> {
     let twice =
         formats.iter().enumerate().find(|(i, a)| formats[..*i].iter().any(|b| a.file == b.file));
     twice.map(|(_, report)| match &report.file {
         None => Error::new("<stdout>", "cannot take two reports")
-            .with_help("give all but one a file: `--format sarif=check.sarif`"),
+            .with_help("write all but one to a file: `--format sarif=check.sarif`"),
         Some(file) => Error::new(file.display().to_string(), "cannot take two reports"),
     })
 }
 
-/// Writes every report, and the line in sum.
+/// Writes every report and the summary line.
 pub fn write(
     result: &Result<'_>,
     formats: &[Report],
@@ -81,20 +80,20 @@ pub fn write(
     let formats = if formats.is_empty() { &human[..] } else { formats };
     let text = |path: &str| result.texts.of(path);
     let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
-    for wanted in formats {
-        if let Some(file) = &wanted.file {
-            let text = report(result.findings, wanted.format, &options(Paint::Plain));
-            writer.write(file, with_shard(text, wanted.format, result))?;
-            // No report over another, whatever links lead there.
+    for requested in formats {
+        if let Some(file) = &requested.file {
+            let text = report(result.findings, requested.format, &options(Paint::Plain));
+            writer.write(file, with_shard(text, requested.format, result))?;
+            // No report overwrites another, even through links.
             writer.protect([file]);
         }
     }
-    if formats.iter().any(|wanted| wanted.format == ReportFormat::Github) {
+    if formats.iter().any(|requested| requested.format == ReportFormat::Github) {
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
         {
             writer.allows(Path::new(&path))?;
             let text = github_summary(result.findings, &options(Paint::Plain));
-            // The file is the step's: what ran before may have written to it.
+            // Earlier commands of the step may have written to the file.
             let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
             file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|cause| {
                 let message = format!("cannot be written: {}", reason(&cause));
@@ -102,8 +101,8 @@ pub fn write(
             })?;
         }
     }
-    if let Some(wanted) = formats.iter().find(|wanted| wanted.file.is_none()) {
-        let for_people = match wanted.format {
+    if let Some(requested) = formats.iter().find(|requested| requested.file.is_none()) {
+        let for_people = match requested.format {
             ReportFormat::Human | ReportFormat::Short => true,
             ReportFormat::Json
             | ReportFormat::Github
@@ -113,20 +112,20 @@ pub fn write(
         let paint = if for_people { streams.paint } else { Paint::Plain };
         let denied: Vec<Finding>;
         let findings = if for_people && streams.is_quiet() {
-            let loud = result.findings.iter().filter(|finding| finding.level == Level::Deny);
+            let loud = result.findings.iter().filter(|finding| finding.level() == Level::Deny);
             denied = loud.cloned().collect();
             &denied
         } else {
             result.findings
         };
-        let text = report(findings, wanted.format, &options(paint));
-        let text = with_shard(text, wanted.format, result);
-        match wanted.format {
+        let text = report(findings, requested.format, &options(paint));
+        let text = with_shard(text, requested.format, result);
+        match requested.format {
             ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => {
                 streams.product(&text)?;
             }
             ReportFormat::Json | ReportFormat::Sarif => streams.json(&text)?,
-            // Commands that are meant, escaped as the runner reads them.
+            // Workflow commands, already escaped.
             ReportFormat::Github => streams.exactly(&text)?,
         }
     }
@@ -134,19 +133,19 @@ pub fn write(
     if statistics {
         streams.notes(&counts(result.findings));
     }
-    streams.notes(&in_sum(result));
+    streams.notes(&summary(result));
     Ok(outcome(result))
 }
 
 fn outcome(result: &Result<'_>) -> Outcome {
-    match result.findings.iter().any(|finding| finding.level == Level::Deny) {
+    match result.findings.iter().any(|finding| finding.level() == Level::Deny) {
         _ if result.failures > 0 => Outcome::CouldNot,
         true => Outcome::Findings,
         false => Outcome::Clean,
     }
 }
 
-/// A JSON report with what `merge` wants to know besides.
+/// Adds the data for `merge` to a JSON report.
 fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String {
     match (&result.shard, format) {
         (Some(shard), ReportFormat::Json) => {
@@ -157,10 +156,10 @@ fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String
     }
 }
 
-/// `checked 73 shaders: 2 denied, 5 warnings; 3 can be mended with --fix`.
-fn in_sum(result: &Result<'_>) -> String {
-    let count = |level| result.findings.iter().filter(|f| f.level == level).count();
-    let no_lint = |f: &&Finding| f.level == Level::Deny && landfall_lint::lint(&f.code).is_none();
+/// The summary line: `checked 73 shaders: 2 denied, 5 warnings; 3 fixable with --fix`.
+fn summary(result: &Result<'_>) -> String {
+    let count = |level| result.findings.iter().filter(|f| f.level() == level).count();
+    let no_lint = |f: &&Finding| f.level() == Level::Deny && landfall_lint::lint(&f.code).is_none();
     let errors = result.findings.iter().filter(no_lint).count();
     let (denied, warned) = (count(Level::Deny) - errors, count(Level::Warn));
     let mut parts = Vec::new();
@@ -179,13 +178,13 @@ fn in_sum(result: &Result<'_>) -> String {
     let mendable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
     let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));
     if mendable > 0 {
-        let _ = write!(text, "; {mendable} can be mended with --fix");
+        let _ = write!(text, "; {mendable} fixable with --fix");
     }
     text.push('\n');
     text
 }
 
-/// Findings of each lint, most first.
+/// The number of findings per lint, in descending order.
 fn counts(findings: &[Finding]) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for finding in findings {

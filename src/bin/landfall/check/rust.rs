@@ -1,6 +1,5 @@
-//! Rust files with mirrors: those the configuration names, and those whose comments name blocks.
-//!
-//! Read once a check, for lints over all shaders.
+//! Reads Rust files with mirrors, named by the configuration or found by their comments, for lints
+//! over all shaders.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,14 +13,15 @@ use landfall_lint::settings::{RustFile, Settings};
 use crate::config::Config;
 use crate::read;
 
-/// What a comment that names a mirror begins with.
+/// The start of a comment that marks a mirror.
 const MARK: &[u8] = b"landfall: mirror";
 
-/// The files; when nothing was named all below the configuration's folder are searched for
-/// comments, otherwise the folders and Rust files that were named.
+/// The Rust files with mirrors. Comments are searched in the named directories and Rust files, or
+/// in the configuration's directory if no path is named.
 ///
 /// # Errors
-/// A file that is to be guarded cannot be read, or is no Rust.
+///
+/// A configured file cannot be read or is not Rust.
 pub fn files(
     config: &Config,
     settings: &Settings,
@@ -53,7 +53,7 @@ pub fn files(
             if !is_rust || below.is_some_and(|below| config.exclude.takes(&below)) {
                 continue;
             }
-            // What cannot be read names no mirror that anybody could know of.
+            // Unreadable files are skipped, as they may contain no mirror.
             let bytes = read_whole(path, MOST_BYTES).unwrap_or_default();
             if memchr::memmem::find(&bytes, MARK).is_some() {
                 take(path, config.root.show(path))?;

@@ -1,7 +1,7 @@
-//! One part of a check that is spread over machines, and the parts put together again.
+//! Shards of a check, and their merging.
 //!
-//! Every shader belongs to one part by the hash of its path below the configuration's folder. A
-//! part's JSON report holds, besides its findings, what lints over all shaders have to know.
+//! A shader belongs to a shard by the hash of its path below the configuration's directory. The
+//! JSON report of a shard also contains the data for lints over all shaders.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use landfall_lint::render::read_json;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
+use super::check_shader::Checked;
 use super::hash::Hash;
-use super::one::Checked;
 use super::pass::Pass;
 use crate::args::Shard;
 use crate::read;
@@ -22,9 +22,9 @@ struct Part {
     index: u32,
     of: u32,
     basis: Basis,
-    /// Shaders without their findings, which stand in the report.
+    /// The shaders without their findings, which are in the report.
     checked: Vec<Checked>,
-    /// How many findings are about inputs that are none; they come last.
+    /// Number of findings about invalid inputs, which come last.
     no_input: usize,
 }
 
@@ -33,8 +33,7 @@ struct Outer {
     shard: Option<serde_json::Value>,
 }
 
-/// What a part's report holds besides its findings, as a JSON value. The findings of the report
-/// are those of the shaders one after the other.
+/// The shard's data for `merge` as JSON. The findings in the report are in the order of shaders.
 pub fn part(shard: Shard, basis: &Basis, pass: &Pass) -> String {
     let bare = |checked: &Checked| Checked { findings: Vec::new(), ..checked.clone() };
     let part = Part {
@@ -47,15 +46,15 @@ pub fn part(shard: Shard, basis: &Basis, pass: &Pass) -> String {
     serde_json::to_string(&part).expect("keys are strings")
 }
 
-/// The parts of one check.
+/// The merged shards of a check.
 pub struct Whole {
     pub basis: Basis,
     pub pass: Pass,
-    /// What was found in shaders one by one.
+    /// The findings in single shaders.
     pub findings: Vec<Finding>,
 }
 
-/// Reads the reports of all parts and puts them together.
+/// Reads and merges the reports of all shards.
 pub fn together(paths: &[impl AsRef<Path>]) -> Result<Whole, Error> {
     let mut parts: Vec<(String, Part, Vec<Finding>)> = Vec::new();
     for path in paths {
@@ -72,14 +71,14 @@ pub fn together(paths: &[impl AsRef<Path>]) -> Result<Whole, Error> {
     for (shown, part, findings) in parts {
         for checked in part.checked {
             if let Some(other) = owners.insert(checked.path.clone(), shown.clone()) {
-                let message = format!("is about `{}`, and so is `{other}`", checked.path);
+                let message = format!("covers `{}`, as does `{other}`", checked.path);
                 return Err(Error::new(shown, message)
-                    .with_help("run every shard from the same folder on the same commit"));
+                    .with_help("run every shard from the same directory on the same commit"));
             }
             pass.checked.push(checked);
         }
         all.extend(findings);
-        // Every part meets the same inputs that are none.
+        // Every shard reports the same invalid inputs.
         no_input = no_input.max(part.no_input);
         basis.get_or_insert(part.basis);
     }
@@ -92,12 +91,12 @@ pub fn together(paths: &[impl AsRef<Path>]) -> Result<Whole, Error> {
 
 fn part_of(shown: &str, text: &str) -> Result<Part, Error> {
     let broken = |cause: serde_json::Error| {
-        Error::new(shown, format!("is no report of a shard: {cause}"))
+        Error::new(shown, format!("is not a report of a shard: {cause}"))
             .with_help("run the shard again with the same version of landfall as this one")
     };
     let outer: Outer = serde_json::from_str(text).map_err(broken)?;
     let Some(shard) = outer.shard else {
-        return Err(Error::new(shown, "is no report of a shard, but of a whole check")
+        return Err(Error::new(shown, "is the report of a whole check, not of a shard")
             .with_help("only reports of `landfall check --shard I/N` are merged"));
     };
     let version = shard["basis"]["version"].as_str().unwrap_or("an unknown version").to_string();
@@ -110,7 +109,7 @@ fn part_of(shown: &str, text: &str) -> Result<Part, Error> {
     serde_json::from_value(shard).map_err(broken)
 }
 
-/// Whether these are all parts of one check, each once.
+/// Fails unless these are all shards of one check, each once.
 fn agree(parts: &[(String, Part, Vec<Finding>)]) -> Result<(), Error> {
     let Some((first, head, _)) = parts.first() else { return Ok(()) };
     for (i, (shown, part, _)) in parts.iter().enumerate() {
@@ -124,11 +123,11 @@ fn agree(parts: &[(String, Part, Vec<Finding>)]) -> Result<(), Error> {
         if part.basis != head.basis {
             let message = format!("was checked with other settings than `{first}`");
             return Err(Error::new(shown, message)
-                .with_help("give every shard the same configuration, flags and folder"));
+                .with_help("give every shard the same configuration, flags and directory"));
         }
         if let Some((other, ..)) = parts[..i].iter().find(|(_, other, _)| other.index == part.index)
         {
-            let message = format!("is shard {} of {}, and so is `{other}`", part.index, part.of);
+            let message = format!("is shard {} of {}, as is `{other}`", part.index, part.of);
             return Err(Error::new(shown, message).with_help("name the report of each shard once"));
         }
     }
@@ -138,22 +137,22 @@ fn agree(parts: &[(String, Part, Vec<Finding>)]) -> Result<(), Error> {
         .collect();
     if !missing.is_empty() {
         let s = if missing.len() == 1 { "" } else { "s" };
-        let message = format!("lacks its counterpart{s}: shard{s} {}", missing.join(", "));
+        let message = format!("is incomplete without shard{s} {}", missing.join(", "));
         return Err(Error::new(first, message).with_help("name the reports of all shards"));
     }
     Ok(())
 }
 
-/// Excerpts and lints over all shaders want the files that were checked.
+/// Fails if a file has changed since it was checked: excerpts and lints over all shaders read it.
 fn unchanged(pass: &Pass) -> Result<(), Error> {
     for checked in &pass.checked {
         let files = std::iter::once((&checked.path, &checked.hash))
             .chain(checked.includes.iter().map(|(path, hash)| (path, hash)));
         for (path, hash) in files {
             let now = || std::fs::read(path).ok().map(|bytes| Hash::of(&bytes));
-            // Without a hash it could not be read there either.
+            // Without a hash, the shard could not read it either.
             if hash.is_known() && now().as_ref() != Some(hash) {
-                return Err(Error::new(path, "is not the file that was checked")
+                return Err(Error::new(path, "has changed since it was checked")
                     .with_help("merge in a checkout of the commit that the shards checked"));
             }
         }

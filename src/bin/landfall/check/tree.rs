@@ -1,7 +1,7 @@
-//! What is found by looking at all shaders: lints over all of them, locks without a shader, and
-//! comments that allow what is not there.
+//! Findings over all shaders: lints over all of them, locks without a shader, and unused `allow`
+//! comments.
 //!
-//! Reads what a [`Pass`] left, or what the reports of all shards did.
+//! Works on the results of a [`Pass`], or on merged shards.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,21 +13,21 @@ use landfall_lint::digest::{BlockDigest, concerned};
 use landfall_lint::{Check, Subject, levels, lint, run};
 
 use super::basis::Basis;
+use super::check_shader::Checked;
 use super::hash::Hash;
-use super::one::Checked;
 use super::pass::{Pass, source};
 use crate::config::{Root, slashes};
 
-/// What lints over all shaders found, before comments: kept while no shader changes.
+/// The findings of lints over all shaders before `allow` comments, cached while no shader changes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Remembered {
     pub key: Hash,
     pub findings: Vec<Finding>,
 }
 
-/// All findings of a run in their final order; `remembered` is brought up to date.
+/// All findings of a run in their final order; updates `remembered`.
 ///
-/// `elsewhere` is what reports of `verify` say.
+/// `elsewhere` are the findings from reports of `verify`.
 pub fn findings(
     pass: &mut Pass,
     basis: &Basis,
@@ -55,25 +55,25 @@ pub fn findings(
     sorted(more)
 }
 
-/// What was found in the shaders one by one.
+/// The findings in single shaders.
 pub fn alone(pass: &Pass) -> Vec<Finding> {
     let each = pass.checked.iter().flat_map(|checked| checked.findings.iter().cloned());
     each.chain(pass.no_input.iter().cloned()).collect()
 }
 
-/// Findings by place, each once: an include that two shaders share is found fault with twice.
+/// Sorts findings by place and removes duplicates, as from an include of two shaders.
 pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
     fn order(f: &Finding) -> (&str, u32, u32, &str, &str, &str, u32) {
-        let place = &f.place;
+        let place = &f.place();
         (&place.path, place.line, place.column, &f.code, &f.about, &f.message, place.end)
     }
     findings.sort_by(|a, b| order(a).cmp(&order(b)));
-    // What stands in an include comes from every shader, with the names of its own blocks.
-    findings.dedup_by(|a, b| a == b || a.place.line > 0 && order(a) == order(b));
+    // A finding in an include comes from every shader, with the names of its own blocks.
+    findings.dedup_by(|a, b| a == b || a.place().line > 0 && order(a) == order(b));
     findings
 }
 
-/// A hash that is another when lints over all shaders may find something else.
+/// The hash of everything that lints over all shaders depend on.
 fn key(pass: &Pass, basis: &Basis) -> Hash {
     let mut text = String::new();
     let mut add = |part: &str| {
@@ -92,7 +92,7 @@ fn key(pass: &Pass, basis: &Basis) -> Hash {
     Hash::of(text.as_bytes())
 }
 
-/// Asks lints that look at all shaders, about those they may have something to say about.
+/// Runs the lints over all shaders.
 fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     let checked = pass.checked.iter();
     let blocks: Vec<(&str, &[BlockDigest])> =
@@ -112,11 +112,11 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     run::ask_tree(&subjects, &basis.settings)
 }
 
-/// Whether a lint was asked, so that a comment that allows it can be told to be idle.
+/// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
 fn is_asked(code: &str, basis: &Basis) -> bool {
     match lint(code).map(|lint| lint.check) {
         Some(Check::Shader(_) | Check::Hazard(_)) => true,
-        // The other copy may be in a file that was not looked at.
+        // The other copy may be in a file that was not checked.
         Some(Check::Tree(_)) => basis.whole,
         Some(Check::Elsewhere) => {
             basis.locks.is_some() && (code == "layout-drift" || code == "lock-missing")
@@ -125,7 +125,7 @@ fn is_asked(code: &str, basis: &Basis) -> bool {
     }
 }
 
-/// Locks whose shader is gone from what was searched.
+/// Findings for locks without a shader in the searched directories.
 fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
     let Some(locks) = basis.locks.as_deref().map(Path::new) else { return Vec::new() };
     if levels::level("lock-orphan", &basis.settings) == Level::Allow || basis.searched.is_empty() {
@@ -154,7 +154,7 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        // A link to a folder above would be followed without end.
+        // A link to a directory above would be followed without end.
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => files(&path, found),
             Ok(_) => found.push(path),

@@ -1,4 +1,4 @@
-//! What reports of `landfall verify` saw read from other bytes, as findings at the members.
+//! Converts mismatches in reports of `landfall verify` to findings at the members.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use super::pass::{Pass, source};
 use crate::config::Root;
 use crate::read;
 
-/// The findings of all reports, about the shaders of this check.
+/// The findings of all reports for the shaders of this check.
 pub fn findings(
     reports: &[PathBuf],
     pass: &Pass,

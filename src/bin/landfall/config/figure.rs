@@ -1,20 +1,20 @@
-//! Arithmetic as it stands beside a `glBufferData`: `48 * 128 + 4`, `0x20`, `(3 + 1) * 16`.
+//! Arithmetic for sizes, as written beside `glBufferData`: `48 * 128 + 4`, `0x20`, `(3 + 1) * 16`.
 
 use std::ops::Range;
 
-/// Parentheses may nest this deep.
+/// Maximum nesting of parentheses.
 const DEEPEST: usize = 64;
 
-/// What is wrong with a figure, and where in its text.
+/// The range of an error in the text, and its message.
 pub type Wrong = (Range<usize>, String);
 
-/// The value of a figure.
+/// Evaluates an expression.
 pub fn value(text: &str) -> Result<u64, Wrong> {
     let mut reader = Reader { text, at: 0, depth: 0 };
     let value = reader.sum()?;
     reader.skip();
     if reader.at < text.len() {
-        return Err(reader.wrong_here("is no part of a sum of products"));
+        return Err(reader.wrong_here("is unexpected here"));
     }
     Ok(value)
 }
@@ -39,7 +39,7 @@ impl Reader<'_> {
     fn wrong_here(&mut self, what: &str) -> Wrong {
         match self.peek() {
             Some(c) => (self.at..self.at + c.len_utf8(), format!("`{c}` {what}")),
-            None => (self.at..self.at, "ends where a number is wanted".to_string()),
+            None => (self.at..self.at, "ends where a number is expected".to_string()),
         }
     }
 
@@ -51,7 +51,7 @@ impl Reader<'_> {
             let more = self.product()?;
             let next = if sign == '+' { sum.checked_add(more) } else { sum.checked_sub(more) };
             sum = next.ok_or_else(|| {
-                let what = if sign == '+' { "is past 64 bits" } else { "is below 0" };
+                let what = if sign == '+' { "exceeds 64 bits" } else { "is negative" };
                 (start..self.at, format!("`{}` {what}", self.text[start..self.at].trim()))
             })?;
         }
@@ -65,7 +65,7 @@ impl Reader<'_> {
             self.at += 1;
             let more = self.factor()?;
             product = product.checked_mul(more).ok_or_else(|| {
-                (start..self.at, format!("`{}` is past 64 bits", self.text[start..self.at].trim()))
+                (start..self.at, format!("`{}` exceeds 64 bits", self.text[start..self.at].trim()))
             })?;
         }
         Ok(product)
@@ -89,7 +89,7 @@ impl Reader<'_> {
                 Ok(value)
             }
             Some(c) if c.is_ascii_digit() => self.number(),
-            _ => Err(self.wrong_here("is no number")),
+            _ => Err(self.wrong_here("is not a number")),
         }
     }
 
@@ -106,7 +106,13 @@ impl Reader<'_> {
         };
         value.map_err(|cause| {
             let past = *cause.kind() == std::num::IntErrorKind::PosOverflow;
-            (range, format!("`{word}` is {}", if past { "past 64 bits" } else { "no number" }))
+            (
+                range,
+                format!(
+                    "`{word}` is {}",
+                    if past { "too large for 64 bits" } else { "not a number" }
+                ),
+            )
         })
     }
 }
@@ -135,13 +141,13 @@ mod tests {
         for (text, place, words) in [
             ("48 *", 4..4, "ends where"),
             ("", 0..0, "ends where"),
-            ("48 x 128", 3..4, "`x` is no part"),
+            ("48 x 128", 3..4, "`x` is unexpected"),
             ("(4", 0..1, "not closed"),
-            ("4 - 8", 0..5, "`4 - 8` is below 0"),
-            ("0x", 0..2, "`0x` is no number"),
-            ("99999999999999999999", 0..20, "past 64 bits"),
-            ("4294967296 * 4294967296", 0..23, "past 64 bits"),
-            ("4 + é", 4..6, "`é` is no number"),
+            ("4 - 8", 0..5, "`4 - 8` is negative"),
+            ("0x", 0..2, "`0x` is not a number"),
+            ("99999999999999999999", 0..20, "too large for 64 bits"),
+            ("4294967296 * 4294967296", 0..23, "exceeds 64 bits"),
+            ("4 + é", 4..6, "`é` is not a number"),
         ] {
             let (range, message) = value(text).unwrap_err();
             assert_eq!(range, place, "{text}");

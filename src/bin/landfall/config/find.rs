@@ -1,4 +1,4 @@
-//! Where the configuration is: in the folder of what is checked, or the nearest one above.
+//! Finds the configuration file: in the directory of the checked paths or the nearest above.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,11 @@ use crate::read::is_stdin;
 
 const NAMES: [&str; 2] = ["landfall.toml", ".landfall.toml"];
 
-/// The configuration for a run about these paths.
+/// The configuration file for these paths, if any.
 ///
 /// # Errors
-/// A folder holds both names.
+///
+/// A directory contains both names, or the file cannot be read.
 pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
     let current = current()?;
     let mut folders =
@@ -37,38 +38,35 @@ pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
                 return Ok(Some(shown));
             }
             _ => {
-                let message = format!("stands beside `{}`, and only one can hold", NAMES[1]);
+                let message = format!("conflicts with `{}`: only one may exist", NAMES[1]);
                 return Err(Error::new(shown(NAMES[0]).display().to_string(), message)
-                    .with_help("remove one, or say which with `--config`"));
+                    .with_help("remove one, or select one with `--config`"));
             }
         }
     }
     Ok(None)
 }
 
-/// Whether there is something of that name: a link that leads nowhere is meant to be a
-/// configuration, too.
+/// Whether a file or link of this name exists: a broken link is an error, not a missing file.
 fn holds(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| !found.is_dir())
 }
 
-/// A configuration that cannot be read is not the same as none.
+/// Fails if the configuration exists but cannot be read.
 fn readable(path: &Path, shown: &Path) -> Result<(), Error> {
     let refuse = |what: &str| {
         Error::new(shown.display().to_string(), what)
-            .with_help("remove it, or run without a configuration with `--no-config`")
+            .with_help("remove it, or ignore it with `--no-config`")
     };
     match path.metadata() {
         Ok(found) if found.is_file() => Ok(()),
-        Ok(_) => Err(refuse("is the configuration, and is no file")),
-        Err(_) if path.is_symlink() => {
-            Err(refuse("is the configuration, and a link that leads nowhere"))
-        }
-        Err(_) => Err(refuse("is the configuration, and cannot be read")),
+        Ok(_) => Err(refuse("is the configuration but not a file")),
+        Err(_) if path.is_symlink() => Err(refuse("is the configuration but a broken link")),
+        Err(_) => Err(refuse("is the configuration but cannot be read")),
     }
 }
 
-/// The folder that a file or glob is in.
+/// The directory of a file or glob.
 fn folder(current: &Path, path: &Path) -> PathBuf {
     let real = absolute(current, path);
     if real.is_dir() {

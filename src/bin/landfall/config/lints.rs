@@ -1,4 +1,4 @@
-//! What the configuration says to lints: levels, permutations, copies, tables, Rust mirrors.
+//! Lint settings of the configuration: levels, permutations, mirror groups, tables, Rust mirrors.
 
 use globset::Glob;
 use landfall_layout::diagnostic::Code;
@@ -27,8 +27,8 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
     }
 }
 
-/// `all`, then `warnings`, then single codes: TOML's tables have no order, so the special holds
-/// over the general.
+/// The levels: `all`, then `warnings`, then single codes. TOML tables have no order, so specific
+/// codes override general ones.
 fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
     let mut levels = Vec::new();
     for (code, value) in keys.rows("levels", "{ layout-drift = \"deny\" }") {
@@ -44,15 +44,16 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
             keys.add(Diagnostic::error(Code::UnknownLint, code.span, message).with_help(help));
             continue;
         }
-        let Some(said) = value.text() else {
-            let message = format!("the level of `{}` is {}", code.value, value.kind());
+        let Some(name) = value.text() else {
+            let message =
+                format!("the level of `{}` is {}, not a string", code.value, value.kind());
             let found = Diagnostic::error(Code::WrongType, value.span(), message);
             keys.add(found.with_help("write `\"allow\"`, `\"warn\"` or `\"deny\"`"));
             continue;
         };
-        match LEVELS.into_iter().find(|level| level.name() == said.value) {
+        match LEVELS.into_iter().find(|level| level.name() == name.value) {
             Some(level) => levels.push((code.value, level)),
-            None => keys.unknown(Code::WrongValue, "level", &said, &LEVELS.map(Level::name)),
+            None => keys.unknown(Code::WrongValue, "level", &name, &LEVELS.map(Level::name)),
         }
     }
     let rank = |code: &str| match code {
@@ -76,7 +77,7 @@ fn mirror_group(keys: &Keys<'_>, root: &Root) -> Option<MirrorGroup> {
     let name = keys.needed("name");
     let copies = keys.tables("copies", "copies", |keys| mirror_copy(keys, root));
     if keys.row("copies").is_none_or(|row| row.len().is_some_and(|copies| copies < 2)) {
-        let message = "a mirror group of less than two copies compares nothing".to_string();
+        let message = "a mirror group with fewer than two copies compares nothing".to_string();
         let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
         keys.add(found.with_help("add the other copies to `copies`"));
     }
@@ -118,14 +119,14 @@ fn rust_mirror(keys: &Keys<'_>, root: &Root) -> Option<RustMirror> {
     })
 }
 
-/// A number of bytes: an integer, or arithmetic in a string.
+/// A number of bytes: an integer, or an expression in a string.
 fn figure(keys: &Keys<'_>, name: &str, row: toml::Row<'_>) -> Option<Figure> {
     let span = row.span();
     let place = keys.place_of(span);
     if let Some((digits, radix)) = row.integer() {
         let bytes = u64::from_str_radix(digits, radix).ok();
         if bytes.is_none() {
-            let message = format!("`{name}` is {digits}, which is no number of bytes");
+            let message = format!("`{name}` is {digits}, which is not a number of bytes");
             let found = Diagnostic::error(Code::WrongValue, span, message);
             keys.add(found.with_help("write a number from 0 to 2^63 - 1"));
         }
@@ -140,14 +141,14 @@ fn figure(keys: &Keys<'_>, name: &str, row: toml::Row<'_>) -> Option<Figure> {
     match figure::value(&text.value) {
         Ok(bytes) => Some(Figure { bytes, written: text.value, place }),
         Err((range, message)) => {
-            // Without escapes the text stands between its quotes as it is.
+            // Without escapes, offsets in the value are offsets in the file.
             let as_it_is = keys.written(span).get(1..1 + text.value.len()) == Some(&*text.value);
             let at = |at: usize| span.start + 1 + at as u32;
             let span = match as_it_is {
                 true => Span { start: at(range.start), end: at(range.end), ..span },
                 false => span,
             };
-            let message = format!("`{name}` is no number of bytes: {message}");
+            let message = format!("`{name}` is not a number of bytes: {message}");
             let found = Diagnostic::error(Code::WrongValue, span, message);
             keys.add(
                 found.with_help("write arithmetic such as `48 * 128 + 4`, `+ - * ( )` and hex"),

@@ -1,33 +1,33 @@
-//! The folder that the paths of a project are relative to.
+//! The directory that the paths of a project are relative to.
 
 use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
 
-/// A folder as messages show it and as it is.
+/// The root directory, as messages show it and as an absolute path.
 #[derive(Clone, Debug, Default)]
 pub struct Root {
-    /// From the current folder; empty for that itself.
+    /// The path from the current directory; empty for that directory.
     pub shown: PathBuf,
     real: PathBuf,
     current: PathBuf,
 }
 
 impl Root {
-    /// The root that is shown as that path.
+    /// Creates the root with this displayed path.
     pub fn new(shown: &Path) -> Result<Root, Error> {
         let current = current()?;
         Ok(Root { shown: clean(shown), real: absolute(&current, shown), current })
     }
 
-    /// A path that the configuration names, as messages show it.
+    /// Converts a path of the configuration to the form of messages.
     pub fn path(&self, named: &str) -> PathBuf {
         let joined = clean(&self.shown.join(named));
         if joined.as_os_str().is_empty() { PathBuf::from(".") } else { joined }
     }
 
-    /// A glob that the configuration names, as it matches paths that messages show.
+    /// Converts a glob of the configuration to match paths in the form of messages.
     pub fn glob(&self, named: &str) -> String {
         let named = named.strip_prefix("./").unwrap_or(named);
         if named.is_empty() || self.shown.as_os_str().is_empty() {
@@ -36,9 +36,9 @@ impl Root {
         slashes(&self.shown.join(named))
     }
 
-    /// Where a file is below the root; `None` outside of it.
+    /// The path of a file relative to the root; `None` outside it.
     pub fn below(&self, path: &Path) -> Option<String> {
-        // Most paths need no look at the current folder.
+        // Most paths do not depend on the current directory.
         if self.shown.as_os_str().is_empty()
             && path.components().all(|c| matches!(c, Component::Normal(_)))
         {
@@ -48,14 +48,14 @@ impl Root {
         real.strip_prefix(&self.real).ok().map(slashes)
     }
 
-    /// What writes below a folder: through no link out of the project, or out of the folder where
-    /// that is not in the project.
+    /// A writer for a directory. It follows no link out of the project, or out of the directory if
+    /// that is outside the project.
     pub fn writer(&self, folder: &Path) -> FileWriter {
         let tree = if self.below(folder).is_some() { self.path("") } else { folder.to_path_buf() };
         FileWriter::default().inside(&tree)
     }
 
-    /// A file as messages show it: the same however the command line spells it.
+    /// The path of a file in messages, independent of its spelling on the command line.
     pub fn show(&self, path: &Path) -> String {
         match self.below(path) {
             Some(below) => slashes(&self.shown.join(below)),
@@ -64,13 +64,13 @@ impl Root {
     }
 }
 
-/// The current folder.
+/// The current directory.
 pub fn current() -> Result<PathBuf, Error> {
     let failed = |cause| Error::new(".", format!("cannot be found: {}", reason(&cause)));
     std::env::current_dir().map_err(failed)
 }
 
-/// A path from the root of the file system, without `.` and `..`.
+/// An absolute path without `.` and `..`.
 pub fn absolute(current: &Path, path: &Path) -> PathBuf {
     let mut real = PathBuf::new();
     for part in current.join(path).components() {

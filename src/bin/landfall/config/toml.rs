@@ -1,6 +1,4 @@
-//! The values of a TOML file with their places, and what is said when one is not as it should be.
-//!
-//! Every fault is collected, so that a file is mended in one go.
+//! Reads a TOML file with the spans of its values, and collects all errors in it.
 
 use landfall_layout::diagnostic::Code;
 use std::cell::RefCell;
@@ -13,27 +11,27 @@ use landfall_layout::{Diagnostic, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A file to read.
+/// A TOML file.
 pub struct Document {
     files: Files,
     found: RefCell<Vec<Diagnostic>>,
 }
 
-/// A text in the file.
+/// A string in the file, with its span.
 #[derive(Clone, Debug)]
 pub struct Text {
     pub value: String,
     pub span: Span,
 }
 
-/// A table of which keys are asked for by name; those that nobody asked for are unknown.
+/// A table whose keys are read by name; keys that are never read are reported as unknown.
 pub struct Keys<'d> {
     document: &'d Document,
     table: &'d DeTable<'d>,
-    /// What messages call the table: empty for the file, or `[[table]]`.
+    /// The name of the table in messages: empty for the file, or `[[table]]`.
     name: &'static str,
     span: Span,
-    asked: RefCell<Vec<&'static str>>,
+    used: RefCell<Vec<&'static str>>,
 }
 
 type Value<'d> = Spanned<DeValue<'d>>;
@@ -45,7 +43,7 @@ impl Document {
         Document { files, found: RefCell::default() }
     }
 
-    /// Reads the file's own keys; its faults with the file when there are any.
+    /// Reads the top-level keys; returns the errors with the file if there are any.
     pub fn read<T>(self, read: impl FnOnce(&Keys<'_>) -> T) -> Result<T, (Vec<Diagnostic>, Files)> {
         let text = self.files.get(0).map(|file| file.text.clone()).unwrap_or_default();
         let result = match DeTable::parse(&text) {
@@ -66,7 +64,7 @@ impl Document {
         match result {
             Some(result) if found.is_empty() => Ok(result),
             _ => {
-                found.sort_by_key(|d| d.labels.first().map_or(0, |label| label.span.start));
+                found.sort_by_key(|d| d.labels.first().map_or(0, |label| label.at.start));
                 Err((found, self.files))
             }
         }
@@ -88,23 +86,23 @@ impl<'d> Keys<'d> {
         name: &'static str,
         span: Span,
     ) -> Keys<'d> {
-        Keys { document, table, name, span, asked: RefCell::default() }
+        Keys { document, table, name, span, used: RefCell::default() }
     }
 
-    /// Reports the keys that nobody asked for.
+    /// Reports keys that were never read.
     fn finish(&self) {
-        let asked = self.asked.borrow();
+        let used = self.used.borrow();
         for key in self.table.keys() {
             let name = key.get_ref().as_ref();
-            if asked.contains(&name) {
+            if used.contains(&name) {
                 continue;
             }
             let whose = match self.name {
                 "" => "the configuration".to_string(),
                 name => format!("`{name}`"),
             };
-            let known = asked.iter().copied();
-            // `mirror_group`, `mirror-groups`: what people write instead.
+            let known = used.iter().copied();
+            // Common misspellings: `mirror_group`, `mirror-groups`.
             let near = nearest(&name.replace('_', "-"), known.clone());
             let help = match near {
                 Some(near) => format!("did you mean `{near}`?"),
@@ -121,7 +119,7 @@ impl<'d> Keys<'d> {
         self.document.add(found);
     }
 
-    /// Where the table is.
+    /// The span of the table.
     pub fn place(&self) -> Place {
         self.place_of(self.span)
     }
@@ -130,18 +128,18 @@ impl<'d> Keys<'d> {
         Place::of(&self.document.files, span)
     }
 
-    /// The text of a value as it is written.
+    /// The source text of a value.
     pub fn written(&self, span: Span) -> &str {
         self.document.files.text(span)
     }
 
     fn get(&self, key: &'static str) -> Option<&'d Value<'d>> {
-        self.asked.borrow_mut().push(key);
+        self.used.borrow_mut().push(key);
         self.table.get(key)
     }
 
-    fn wrong_type(&self, key: &str, value: &Value<'_>, wanted: &str, example: &str) {
-        let message = format!("`{key}` is {}, not {wanted}", a(value.get_ref()));
+    fn wrong_type(&self, key: &str, value: &Value<'_>, expected: &str, example: &str) {
+        let message = format!("`{key}` is {}, not {expected}", a(value.get_ref()));
         self.add(
             Diagnostic::error(Code::WrongType, span(value.span()), message)
                 .with_help(format!("write `{key} = {example}`")),
@@ -162,10 +160,10 @@ impl<'d> Keys<'d> {
         Some(Text { value: text?.to_string(), span: span(value.span()) })
     }
 
-    /// A text that has to be there.
+    /// A required string.
     pub fn needed(&self, key: &'static str) -> Option<Text> {
         if !self.table.contains_key(key) {
-            self.asked.borrow_mut().push(key);
+            self.used.borrow_mut().push(key);
             let message = format!("`{}` has no `{key}`", self.name);
             let found = Diagnostic::error(Code::MissingKey, self.span, message);
             self.add(found.with_help(format!("add `{key} = \"…\"`")));
@@ -202,7 +200,7 @@ impl<'d> Keys<'d> {
                 Some(text) => texts.push(Text { value: text.to_string(), span: span(item.span()) }),
                 None => {
                     let message =
-                        format!("`{key}` holds {}, and wants strings only", a(item.get_ref()));
+                        format!("`{key}` contains {}, but takes strings only", a(item.get_ref()));
                     let help = format!("write `\"{}\"`", self.written(span(item.span())));
                     let found = Diagnostic::error(Code::WrongType, span(item.span()), message);
                     self.add(found.with_help(help));
@@ -227,7 +225,7 @@ impl<'d> Keys<'d> {
         }
     }
 
-    /// One of some words.
+    /// A string out of a fixed set.
     pub fn choice(&self, key: &'static str, words: &[&'static str]) -> Option<&'static str> {
         let text = self.text(key)?;
         let found = words.iter().find(|word| **word == text.value).copied();
@@ -237,17 +235,17 @@ impl<'d> Keys<'d> {
         found
     }
 
-    /// A word that is none of those it may be.
+    /// Reports a string outside its fixed set.
     pub fn unknown(&self, code: Code, what: &str, text: &Text, known: &[&'static str]) {
-        let message = format!("`{}` is no {what}", text.value);
+        let message = format!("`{}` is not a known {what}", text.value);
         let help = match nearest(&text.value, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("there is {}", quoted(known.iter().copied())),
+            None => format!("known are {}", quoted(known.iter().copied())),
         };
         self.add(Diagnostic::error(code, text.span, message).with_help(help));
     }
 
-    /// A text that is read like a flag's value.
+    /// A string parsed like the value of a flag.
     pub fn parsed<T>(
         &self,
         code: Code,
@@ -265,14 +263,14 @@ impl<'d> Keys<'d> {
     }
 
     pub fn bad_glob(&self, text: &Text, cause: &str) {
-        let message = format!("`{}` is no glob: {cause}", text.value);
+        let message = format!("`{}` is not a glob: {cause}", text.value);
         self.add(
             Diagnostic::error(Code::BadGlob, text.span, message)
-                .with_help("escape `[`, `{`, `*` and `?` that are meant as they are with `\\`"),
+                .with_help("escape literal `[`, `{`, `*` and `?` with `\\`"),
         );
     }
 
-    /// The tables of `[[key]]`, each read with its own keys.
+    /// The tables of `[[key]]`.
     pub fn tables<T>(
         &self,
         key: &'static str,
@@ -298,7 +296,7 @@ impl<'d> Keys<'d> {
         tables
     }
 
-    /// The rows of a table whose keys are the user's: key, its span, and the value.
+    /// The rows of a table with arbitrary keys: key with span, and value.
     pub fn rows(&self, key: &'static str, example: &str) -> Vec<(Text, Row<'d>)> {
         let Some(value) = self.get(key) else { return Vec::new() };
         let Some(table) = value.get_ref().as_table() else {
@@ -316,13 +314,13 @@ impl<'d> Keys<'d> {
         rows
     }
 
-    /// The value of a key as it is.
+    /// The value of a key, of any type.
     pub fn row(&self, key: &'static str) -> Option<Row<'d>> {
         self.get(key).map(|value| Row { value })
     }
 }
 
-/// A value whose type is the reader's to judge.
+/// A value of any type.
 #[derive(Clone, Copy)]
 pub struct Row<'d> {
     value: &'d Value<'d>,
@@ -338,18 +336,18 @@ impl Row<'_> {
         Some(Text { value: text.to_string(), span: self.span() })
     }
 
-    /// A whole number's digits and their base.
+    /// The digits and base of an integer.
     pub fn integer(&self) -> Option<(&str, u32)> {
         let integer = self.value.get_ref().as_integer()?;
         Some((integer.as_str(), integer.radix()))
     }
 
-    /// How many items an array has.
+    /// The length of an array.
     pub fn len(&self) -> Option<usize> {
         self.value.get_ref().as_array().map(|list| list.len())
     }
 
-    /// What it is, in words.
+    /// The name of its type with an article.
     pub fn kind(&self) -> &'static str {
         a(self.value.get_ref())
     }
@@ -367,7 +365,7 @@ fn a(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// `` `a`, `b` ``.
+/// Formats names as `` `a`, `b` ``.
 fn quoted<'w>(words: impl Iterator<Item = &'w str>) -> String {
     words.map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,6 @@
-//! Files as they were at a git revision, taken out into a directory of their own.
+//! Extracts files of a git revision to a temporary directory.
 //!
-//! Asks the `git` on the path, so that a revision is whatever git says it is.
+//! Runs the `git` on the path, which resolves revisions.
 
 use std::collections::HashSet;
 use std::fs;
@@ -13,23 +13,24 @@ use landfall_layout::Error;
 use landfall_layout::file::reason;
 use landfall_layout::source::kind_of_path;
 
-/// A path at a revision, as it was named.
+/// A path at a revision, as spelt in the argument.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Revision {
     /// `HEAD~1`.
     pub rev: String,
-    /// From the root of the repository, or from here when it begins with `./` or `../`.
+    /// From the root of the repository, or from the current directory if it starts with `./` or
+    /// `../`.
     pub path: String,
 }
 
 impl Revision {
-    /// `REV:path`, unless there is a file of that name.
+    /// Parses `REV:path`, unless a file of that name exists.
     pub fn parse(text: &str) -> Option<Revision> {
         if Path::new(text).exists() {
             return None;
         }
         let (rev, path) = text.split_once(':')?;
-        // `C:\shader.frag` is a drive's.
+        // `C:\shader.frag` is a path on a drive.
         if rev.is_empty() || path.starts_with('\\') {
             return None;
         }
@@ -41,14 +42,14 @@ impl Revision {
     }
 }
 
-/// Files of a revision on disk; removed again when dropped.
+/// Extracted files of a revision, removed on drop.
 pub struct Tree {
-    /// Stands for the root of the repository.
+    /// The directory that corresponds to the root of the repository.
     root: PathBuf,
-    /// What was asked for, below it.
+    /// The requested path below it.
     pub path: PathBuf,
     rev: String,
-    /// The repository's own root.
+    /// The root of the repository.
     top: PathBuf,
 }
 
@@ -59,20 +60,20 @@ impl Drop for Tree {
 }
 
 impl Tree {
-    /// A text about the files, with what git calls them in the place of where they are.
+    /// Replaces temporary paths in a text by `REV:path`.
     pub fn shown(&self, text: &str) -> String {
         let root = self.root.display().to_string();
         let rev = format!("{}:", self.rev);
         text.replace(&format!("{root}{}", std::path::MAIN_SEPARATOR), &rev).replace(&root, &rev)
     }
 
-    /// Where a file that was taken out is in the work tree.
+    /// The path of an extracted file in the work tree.
     pub fn in_work_tree(&self, path: &Path) -> PathBuf {
         path.strip_prefix(&self.root)
             .map_or_else(|_| path.to_path_buf(), |in_it| self.top.join(in_it))
     }
 
-    /// A directory of the work tree as it was; one outside the repository as it is.
+    /// Maps a directory of the work tree to its extracted form; one outside stays unchanged.
     pub fn directory(&self, dir: &Path) -> PathBuf {
         let real = fs::canonicalize(dir).unwrap_or_else(|_| {
             std::env::current_dir().map(|here| here.join(dir)).unwrap_or_else(|_| dir.to_path_buf())
@@ -84,39 +85,39 @@ impl Tree {
     }
 }
 
-/// Takes out a file or the shaders and locks of a directory, and every file of the revision that
-/// one of them may include.
-pub fn take_out(wanted: &Revision) -> Result<Tree, Error> {
-    let shown = wanted.shown();
+/// Extracts a file, or the shaders and locks of a directory, with every file of the revision that
+/// they may include.
+pub fn extract(revision: &Revision) -> Result<Tree, Error> {
+    let shown = revision.shown();
     let refuse = |message: &str| Error::new(&shown, message);
-    if wanted.rev.starts_with('-') {
-        return Err(refuse("names no revision: it begins with `-`"));
+    if revision.rev.starts_with('-') {
+        return Err(refuse("is not a revision: it begins with `-`"));
     }
     let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
     let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
     let prefix = git(&["rev-parse", "--show-prefix"], &shown)?;
-    let path = normal(&wanted.path, prefix.trim_end_matches(['\n', '\r']))
-        .ok_or_else(|| refuse("leads out of the repository"))?;
-    let list = git(&["ls-tree", "-r", "-z", "--full-tree", &wanted.rev], &shown)?;
+    let path = normal(&revision.path, prefix.trim_end_matches(['\n', '\r']))
+        .ok_or_else(|| refuse("is outside the repository"))?;
+    let list = git(&["ls-tree", "-r", "-z", "--full-tree", &revision.rev], &shown)?;
     let files = entries(&list);
     let below = format!("{path}/");
-    let asked = |file: &&Entry| {
+    let is_chosen = |file: &&Entry| {
         file.path == path
             || (path.is_empty() || file.path.starts_with(&below)) && is_ours(Path::new(&file.path))
     };
-    let mut chosen: Vec<&Entry> = files.iter().filter(asked).collect();
+    let mut chosen: Vec<&Entry> = files.iter().filter(is_chosen).collect();
     if chosen.is_empty() {
         let there = files.iter().any(|file| path.is_empty() || file.path.starts_with(&below));
         let message = match there {
-            true => "holds no shader and no lock at that revision",
-            false => "is not there: the revision has no such file",
+            true => "contains no shader or lock at that revision",
+            false => "does not exist at that revision",
         };
-        let help = format!("`git ls-tree -r --name-only {}` lists its files", wanted.rev);
+        let help = format!("`git ls-tree -r --name-only {}` lists its files", revision.rev);
         return Err(refuse(message).with_help(help));
     }
     let root =
-        scratch().map_err(|cause| refuse(&format!("cannot be taken out: {}", reason(&cause))))?;
-    let tree = Tree { path: root.join(&path), root, rev: wanted.rev.clone(), top };
+        scratch().map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
+    let tree = Tree { path: root.join(&path), root, rev: revision.rev.clone(), top };
     let mut taken: HashSet<&str> = chosen.iter().map(|file| file.path.as_str()).collect();
     let mut batch = Batch::open(&shown)?;
     while let Some(file) = chosen.pop() {
@@ -125,7 +126,7 @@ pub fn take_out(wanted: &Revision) -> Result<Tree, Error> {
         let folder = target.parent().unwrap_or(&tree.root);
         fs::create_dir_all(folder)
             .and_then(|()| fs::write(&target, &bytes))
-            .map_err(|cause| refuse(&format!("cannot be taken out: {}", reason(&cause))))?;
+            .map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
         for name in included(&bytes) {
             let named = files.iter().filter(|file| file.path.rsplit('/').next() == Some(&name));
             chosen.extend(named.filter(|file| taken.insert(file.path.as_str())));
@@ -134,12 +135,12 @@ pub fn take_out(wanted: &Revision) -> Result<Tree, Error> {
     Ok(tree)
 }
 
-/// A shader or a lock.
+/// Whether a path may be a shader or a lock.
 fn is_ours(path: &Path) -> bool {
     kind_of_path(path).is_some() || path.extension().is_some_and(|e| e == "json")
 }
 
-/// A path from the root of the repository, `/` between its parts.
+/// Normalizes a path to one from the root of the repository, with `/` separators.
 fn normal(path: &str, prefix: &str) -> Option<String> {
     let here = path == "." || path == ".." || path.starts_with("./") || path.starts_with("../");
     let whole = if here { Path::new(prefix).join(path) } else { PathBuf::from(path) };
@@ -157,13 +158,13 @@ fn normal(path: &str, prefix: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// A path of the work tree as one of a revision: from the root of the repository.
+/// Converts a path of the work tree to one from the root of the repository at a revision.
 pub fn in_repository(rev: &str, path: &Path) -> Result<Revision, Error> {
     let shown = format!("{rev}:{}", path.display());
     let top = git(&["rev-parse", "--show-toplevel"], &shown)?;
     let top = PathBuf::from(top.trim_end_matches(['\n', '\r']));
     let here = std::env::current_dir().unwrap_or_default().join(path);
-    // What is gone from the work tree has no real path; its directory may have one.
+    // A removed file has no canonical path, but its directory may.
     let real = fs::canonicalize(&here).unwrap_or_else(|_| {
         let parent = here.parent().and_then(|parent| fs::canonicalize(parent).ok());
         parent.zip(here.file_name()).map_or(here.clone(), |(parent, name)| parent.join(name))
@@ -181,7 +182,7 @@ struct Entry {
     path: String,
 }
 
-/// `MODE blob OBJECT\tPATH`, each ended by a zero byte; links and submodules are left out.
+/// Parses `MODE blob OBJECT\tPATH` entries that end in a zero byte; skips links and submodules.
 fn entries(list: &str) -> Vec<Entry> {
     let entry = |line: &str| {
         let (facts, path) = line.split_once('\t')?;
@@ -193,7 +194,7 @@ fn entries(list: &str) -> Vec<Entry> {
     list.split('\0').filter_map(entry).collect()
 }
 
-/// The last parts of the names that a text includes. A name that a macro stands for is not seen.
+/// The file names in the `#include` lines of a text, without directories; not those from macros.
 fn included(bytes: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(bytes);
     let name = |line: &str| {
@@ -212,17 +213,17 @@ fn git(arguments: &[&str], about: &str) -> Result<String, Error> {
     if out.status.success() {
         return Ok(String::from_utf8_lossy(&out.stdout).into_owned());
     }
-    let said = String::from_utf8_lossy(&out.stderr);
-    let said = said.lines().next().unwrap_or("no reason given");
-    let said = said.trim_start_matches("fatal: ").to_lowercase();
-    Err(Error::new(about, format!("cannot be read by git: {said}")))
+    let message = String::from_utf8_lossy(&out.stderr);
+    let message = message.lines().next().unwrap_or("no reason given");
+    let message = message.trim_start_matches("fatal: ").to_lowercase();
+    Err(Error::new(about, format!("cannot be read by git: {message}")))
 }
 
 fn no_git(cause: &std::io::Error, about: &str) -> Error {
     Error::new(about, format!("needs `git`, which cannot be run: {}", reason(cause)))
 }
 
-/// One `git cat-file --batch` for all files.
+/// A `git cat-file --batch` process for all files.
 struct Batch {
     child: std::process::Child,
     answers: BufReader<std::process::ChildStdout>,
@@ -264,7 +265,7 @@ impl Drop for Batch {
     }
 }
 
-/// A directory of this process's own.
+/// Creates a temporary directory of this process.
 fn scratch() -> std::io::Result<PathBuf> {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let base = fs::canonicalize(std::env::temp_dir())?;

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::source::Files;
 use landfall_layout::{Error, Options, ShaderLayout, lock};
 
 use super::git;
@@ -13,40 +12,40 @@ use crate::lock::locks_below;
 use crate::output::{FindingStyle, Streams};
 use crate::{given, read};
 
-/// The shaders of one side.
+/// The layouts of one side.
 pub struct Side {
     pub entries: Vec<Entry>,
-    /// It was named as a file: whatever stands on the other side is its partner.
+    /// Whether it was named as a file, which is compared with the other side whatever its name.
     pub single: bool,
-    /// The directory of locks, if it is one of the work tree.
+    /// The directory of locks, if it is in the work tree.
     pub locks: Option<PathBuf>,
-    /// Some shader could not be read.
+    /// Whether a shader could not be read.
     pub failed: bool,
 }
 
 /// One shader, or one lock.
 pub struct Entry {
-    /// Its path in its directory.
+    /// Its path below its directory.
     pub key: String,
-    /// The shader's path from the configuration's folder, where that can be told.
+    /// The shader's path from the configuration's directory, if known.
     pub shader: Option<String>,
     pub layout: ShaderLayout,
-    /// The lock, and where it is in the work tree.
+    /// The lock, and its path in the work tree.
     pub lock: Option<(Option<PathBuf>, lock::Lock)>,
 }
 
-/// How one side is read.
+/// The settings for reading a side.
 pub struct Reading<'a> {
     pub args: &'a ReadArgs,
     pub config: &'a Config,
-    /// As the configuration and the flags say.
+    /// The layout options of the configuration and the flags.
     pub options: Options,
     pub streams: &'a Streams,
     pub style: FindingStyle,
 }
 
 impl Reading<'_> {
-    /// Reads what an argument names.
+    /// Reads the side that an argument names.
     pub fn side(&self, argument: &Path) -> Result<Side, Error> {
         match argument.to_str().and_then(git::Revision::parse) {
             Some(revision) => self.revision(&revision),
@@ -54,13 +53,13 @@ impl Reading<'_> {
         }
     }
 
-    /// Reads a path as it was at a revision.
+    /// Reads a path at a revision.
     pub fn revision(&self, revision: &git::Revision) -> Result<Side, Error> {
-        let tree = git::take_out(revision)?;
-        let mut side = self.here(&tree.path, Some(&tree)).map_err(|error| Error {
-            path: tree.shown(&error.path),
-            message: tree.shown(&error.message),
-            ..error
+        let tree = git::extract(revision)?;
+        let mut side = self.here(&tree.path, Some(&tree)).map_err(|mut error| {
+            error.path = tree.shown(&error.path);
+            error.message = tree.shown(&error.message);
+            error
         })?;
         side.locks = None;
         for entry in &mut side.entries {
@@ -82,10 +81,10 @@ impl Reading<'_> {
         }
         if !path.is_dir() {
             if !read::is_stdin(path) && !path.exists() {
-                let error = Error::new(path.display().to_string(), "is not there");
-                return Err(error.with_help(
-                    "name a shader, a lock, a directory, or REVISION:PATH as git spells it",
-                ));
+                let error = Error::new(path.display().to_string(), "does not exist");
+                return Err(
+                    error.with_help("name a shader, a lock, a directory or a git REVISION:PATH")
+                );
             }
             let entry = self.shader(path, String::new(), tree, &mut side.failed)?;
             side.entries.extend(entry);
@@ -93,7 +92,7 @@ impl Reading<'_> {
         }
         side.single = false;
         let mut shaders = Inputs::new(vec![path.to_path_buf()]).peekable();
-        // A directory without shaders is one of locks.
+        // A directory without shaders contains locks.
         if matches!(shaders.peek(), Some(Ok(_))) {
             for input in shaders {
                 let input = input?;
@@ -104,7 +103,7 @@ impl Reading<'_> {
         }
         let locks = locks_below(path);
         if locks.is_empty() {
-            return Err(Error::new(path.display().to_string(), "holds no shader and no lock"));
+            return Err(Error::new(path.display().to_string(), "contains no shader or lock"));
         }
         for file in locks {
             let relative = file.strip_prefix(path).unwrap_or(&file).with_extension("");
@@ -115,7 +114,7 @@ impl Reading<'_> {
         Ok(side)
     }
 
-    /// The shader of a file; `None` when it cannot be laid out, which has been said.
+    /// The layout of a shader file; `None` after reported errors.
     fn shader(
         &self,
         path: &Path,
@@ -130,7 +129,7 @@ impl Reading<'_> {
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
         let layout = landfall_layout::layout(&source, &options);
-        given::saw(&layout.files);
+        given::record(&layout.files);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
         if layout.has_errors() {
@@ -141,7 +140,7 @@ impl Reading<'_> {
         Ok(Some(Entry { key, shader: self.config.root.below(&path), layout, lock: None }))
     }
 
-    /// The lock of a file, or each shader of an output of `layout`.
+    /// The lock in a file, or the shaders in output of `layout`.
     fn locks(&self, path: &Path, key: &str, tree: Option<&git::Tree>) -> Result<Vec<Entry>, Error> {
         let real = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
         let shader = self.config.root.below(&real.with_extension("")).map(PathBuf::from);
@@ -151,31 +150,27 @@ impl Reading<'_> {
         let text = read::text(path)?;
         let locks = lock::read_all(&read::shown(path), &text)?;
         let alone = locks.len() == 1;
+        let layout = |lock: &lock::Lock| {
+            let mut layout = lock.layout();
+            layout.path = path.display().to_string();
+            layout
+        };
         let entry = |lock: lock::Lock| Entry {
             key: match (&lock.shader, alone) {
                 (Some(shader), false) => shader.clone(),
                 (Some(_) | None, _) => key.to_string(),
             },
-            // A directory of locks that nobody has named holds the tree from the root, too.
+            // An unnamed directory of locks also contains the tree from the root.
             shader: shader.clone().or_else(|| (!key.is_empty()).then(|| key.to_string())),
-            layout: ShaderLayout { path: path.display().to_string(), ..lock.layout() },
-            // Only a lock proper is renewed.
+            layout: layout(&lock),
+            // Only locks are updated, not output of `layout`.
             lock: lock.shader.is_none().then(|| (Some(path.to_path_buf()), lock)),
         };
         Ok(locks.into_iter().map(entry).collect())
     }
 }
 
-/// A shader that one side does not have.
+/// The empty layout of a shader that one side lacks.
 pub fn nothing(like: &ShaderLayout) -> ShaderLayout {
-    ShaderLayout {
-        path: like.path.clone(),
-        language: like.language,
-        stage: like.stage,
-        blocks: Vec::new(),
-        overrides: Vec::new(),
-        files: Files::default(),
-        diagnostics: Vec::new(),
-        assumed_target: None,
-    }
+    ShaderLayout::empty(like.path.clone(), like.language, like.stage)
 }

@@ -1,4 +1,4 @@
-//! The layouts of a run in order: one document on stdout, or a file a shader below `--out`.
+//! Writes the layouts of a run in order: one document on stdout, or one file per shader in `--out`.
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
@@ -17,10 +17,10 @@ use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
 
-/// Progress is shown when a run takes longer than this, and as often.
+/// The delay before the first progress line, and between lines.
 const PROGRESS: Duration = Duration::from_millis(500);
 
-/// Names listed when `--block` finds nothing.
+/// Number of names listed if `--block` finds nothing.
 const NAMES: usize = 8;
 
 pub struct Writer<'a> {
@@ -28,12 +28,12 @@ pub struct Writer<'a> {
     emit: &'a EmitOptions,
     style: FindingStyle,
     streams: &'a Streams,
-    /// Shaders read, and shaders written.
+    /// Numbers of shaders read and written.
     shaders: usize,
     written: usize,
-    /// Files written below `--out`, with the shader each is about.
+    /// Files written below `--out`, each with its shader.
     targets: HashMap<PathBuf, PathBuf>,
-    /// The path of the last shader, for the message when there was one and it is empty.
+    /// The path of the last shader, for the message if it is the only one and has no blocks.
     last: PathBuf,
     others: Vec<String>,
     outcome: Outcome,
@@ -64,7 +64,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Takes the next shader's layouts.
+    /// Writes the layouts of the next shader.
     pub fn take(&mut self, done: Done) -> Result<(), Failure> {
         self.shaders += 1;
         if done.failed {
@@ -95,7 +95,7 @@ impl<'a> Writer<'a> {
         self.written += 1;
         match self.emit.format {
             Format::Json => self.streams.json(text),
-            // Made safe where it was made.
+            // Already escaped.
             Format::Table | Format::Listing | Format::Csv | Format::Markdown => {
                 self.streams.exactly(text)
             }
@@ -126,7 +126,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// Whether what is at the target, if anything, was written by `layout --out`.
+    /// Fails if the target exists and was not written by `layout --out`.
     fn own(&self, target: &Path, files: &Files) -> Result<(), Error> {
         let name = files.get(0).and_then(|file| Path::new(&file.path).file_name());
         let name = name.map(|name| name.to_string_lossy()).unwrap_or_default();
@@ -136,9 +136,9 @@ impl<'a> Writer<'a> {
         };
         match read::file(target) {
             Some(text) if !self.args.force && !own(&text) => {
-                let message = "is there already, and was not written by `landfall layout`";
+                let message = "already exists and was not written by `landfall layout`";
                 Err(Error::new(target.display().to_string(), message)
-                    .with_help("name another directory, or write over it with `--force`"))
+                    .with_help("name another directory, or overwrite it with `--force`"))
             }
             Some(_) | None => Ok(()),
         }
@@ -153,7 +153,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Ends the document and says what is missing.
+    /// Ends the document and reports missing blocks.
     pub fn finish(self) -> Result<Outcome, Failure> {
         if self.args.out.is_none() {
             if self.written == 0 {
@@ -175,13 +175,13 @@ impl<'a> Writer<'a> {
     fn no_such_block(&self, name: &str) -> Diagnostic {
         let message = format!("no block named `{name}` {}", self.among());
         let help =
-            (!self.others.is_empty()).then(|| format!("there is `{}`", self.others.join("`, `")));
-        Diagnostic { help, ..about_run(Code::UnknownBlock, Severity::Error, message) }
+            (!self.others.is_empty()).then(|| format!("available: `{}`", self.others.join("`, `")));
+        Diagnostic { help, ..Diagnostic::bare(Code::UnknownBlock, Severity::Error, message) }
     }
 
     fn no_blocks(&self) -> Diagnostic {
         let message = format!("no blocks and no loose uniforms {}", self.among());
-        about_run(Code::NoBlocks, Severity::Warning, message)
+        Diagnostic::bare(Code::NoBlocks, Severity::Warning, message)
     }
 
     fn among(&self) -> String {
@@ -192,15 +192,10 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// What writes below `--out`, and leaves the files that were named alone.
+/// A writer for `--out` that does not overwrite inputs.
 fn writer(args: &LayoutArgs) -> FileWriter {
     match &args.out {
         Some(out) => FileWriter::new(&args.files).inside(out),
         None => FileWriter::default(),
     }
-}
-
-/// A finding about the run as a whole.
-fn about_run(code: Code, severity: Severity, message: String) -> Diagnostic {
-    Diagnostic { code, severity, message, path: None, labels: vec![], notes: vec![], help: None }
 }

@@ -1,4 +1,4 @@
-//! `--compare`: the picture beside the reference's, another reader's or a file's.
+//! `--compare`: compares the picture with the reference, another backend or a file.
 
 use std::path::Path;
 
@@ -11,21 +11,21 @@ use landfall_light::picture::{Picture, file};
 use landfall_light::reference::Model;
 
 use super::{Made, Stop, transfer};
-use crate::args::{ReaderName, RenderArgs};
+use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
 use crate::read;
 
-/// A comparison, and pictures of the difference with the files they are to be in.
+/// A comparison, and pictures of the difference with their file names.
 pub struct Done {
     pub compared: Compared,
     pub pictures: Vec<(String, Picture)>,
-    /// The model of the reference, and whether it was said; where that is what it is held against.
+    /// The model of the reference and whether it was given, for a comparison with the reference.
     pub model: Option<(Model, bool)>,
 }
 
-/// Whether one of them is made by a shader.
+/// Whether a comparison runs the shader.
 pub fn needs_shader(what: &[String]) -> bool {
-    what.iter().any(|what| ReaderName::from_str(what, true).is_ok())
+    what.iter().any(|what| BackendName::from_str(what, true).is_ok())
 }
 
 pub fn compare(
@@ -36,8 +36,8 @@ pub fn compare(
     streams: &Streams,
 ) -> Result<Done, Stop> {
     let (mut leave_out, mut left_out, mut model) = (None, Vec::new(), None);
-    let reader = ReaderName::from_str(what, true).ok();
-    let other = match (what, reader) {
+    let backend = BackendName::from_str(what, true).ok();
+    let other = match (what, backend) {
         ("reference", _) => {
             let (truth, nearest) = made.truth_near(picture)?;
             model = Some(nearest);

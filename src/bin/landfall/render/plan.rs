@@ -1,62 +1,66 @@
-//! `--skip`: the plan of a render, and the shader compiled for no more than its lights.
+//! `--skip`: the plan of a render, and the shader compiled for the lights it keeps.
 
 use std::fmt::Write as _;
 
 use landfall_layout::Error;
-use landfall_light::compiled::Model;
+use landfall_light::culling;
+use landfall_light::culling::{Costs, Measured, Place, Plan};
 use landfall_light::reference;
 use landfall_light::render::{Renderer, Work};
-use landfall_light::skip;
-use landfall_light::skip::{Costs, Measured, Place, Plan};
+use landfall_light::shading_f32::Model;
 
-use super::asked::Asked;
+use super::request::RenderRequest;
 use super::{Made, Stop};
-use crate::args::{ReaderName, RenderArgs};
+use crate::args::{BackendName, RenderArgs};
 
-/// A plan, and the shader made for it.
+/// A plan, and the shader compiled for it.
 pub struct Planned {
     pub plan: Plan,
     pub renderer: Renderer,
 }
 
-/// What `--skip help` prints.
+/// The text of `--skip help`.
 pub fn help() -> String {
-    let width = skip::PARTS.iter().map(|(part, _)| part.len()).max().unwrap_or(0);
-    let mut text = String::from("parts of --skip, with commas between them:\n");
-    for (part, does) in skip::PARTS {
+    let width = culling::PARTS.iter().map(|(part, _)| part.len()).max().unwrap_or(0);
+    let mut text = String::from("parts of --skip, separated by commas:\n");
+    for (part, does) in culling::PARTS {
         let _ = writeln!(text, "  {part:width$}  {does}");
     }
     text
 }
 
-/// What is said where a picture is farther from that of all lights than its plan says.
+/// The note that the error of a picture exceeds the bound of its plan.
 pub fn broken(checked: &Measured, model: Option<&(reference::Model, bool)>) -> String {
     let computed = match model {
-        Some((_, true)) => "the model that was said",
-        Some((_, false)) | None => "the model guessed from its members",
+        Some((_, true)) => "the given model",
+        Some((_, false)) | None => "the model inferred from its members",
     };
     format!(
-        "what was skipped changes the picture by {:.2} of 255 steps, more than the plan says: the \
-         shader does not compute {computed}; say the right one with `--model`",
+        "skipping changes the picture by {:.2} steps of 1/255, more than the plan's bound: the \
+         shader does not compute {computed}; name its model with `--model`",
         checked.steps
     )
 }
 
-pub fn plan(args: &RenderArgs, asked: &Asked, made: &Made<'_>) -> Result<Option<Planned>, Stop> {
+pub fn plan(
+    args: &RenderArgs,
+    request: &RenderRequest,
+    made: &Made<'_>,
+) -> Result<Option<Planned>, Stop> {
     let (Some(parts), Some(whole)) = (&args.skip, &made.renderer) else { return Ok(None) };
-    let mut options = skip::parse(parts).map_err(|why| {
+    let mut options = culling::parse(parts).map_err(|why| {
         Error::new("--skip", why).with_help("`landfall render SCENE.json --skip help` lists them")
     })?;
-    options.costs = match args.reader {
-        ReaderName::Cpu => Costs::EVALUATOR,
-        ReaderName::Gl | ReaderName::Gpu => Costs::DRIVER,
+    options.costs = match args.backend {
+        BackendName::Cpu => Costs::EVALUATOR,
+        BackendName::Gl | BackendName::Gpu => Costs::DRIVER,
     };
     if whole.asks_for_tiles() {
         options.costs = options.costs.by_lists();
     }
     let (model, _) = made.model.as_ref().ok_or_else(|| {
-        Error::new("--skip", "needs a lighting model to bound lights by")
-            .with_help("say `--model multi`, `array` or `view_space`")
+        Error::new("--skip", "needs a lighting model to bound the lights")
+            .with_help("add `--model multi`, `array` or `view_space`")
     })?;
     let model = Model::of(model)
         .map_err(|why| Error::new("--skip", format!("cannot plan for this model: {why}")))?;
@@ -65,11 +69,11 @@ pub fn plan(args: &RenderArgs, asked: &Asked, made: &Made<'_>) -> Result<Option<
     let mut plan = whole.plan(&work, &model, &options);
     let mut renderer = whole.clone();
     if options.used {
-        let settings = asked.settings(&plan.compiled);
+        let settings = request.settings(&plan.compiled);
         if !settings.is_empty() {
-            let said: Vec<String> =
+            let constants: Vec<String> =
                 settings.iter().map(|s| format!("{}={}", s.name, s.text())).collect();
-            let smaller = asked.renderer_with(|read| {
+            let smaller = request.renderer_with(|read| {
                 for setting in &settings {
                     let given = (setting.name.clone(), setting.text());
                     match setting.place {
@@ -80,7 +84,7 @@ pub fn plan(args: &RenderArgs, asked: &Asked, made: &Made<'_>) -> Result<Option<
             })?;
             if let Some(smaller) = smaller {
                 renderer = smaller;
-                plan.savings.compiled = said;
+                plan.savings.compiled = constants;
             }
         }
     }

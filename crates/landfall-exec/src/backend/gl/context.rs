@@ -1,7 +1,6 @@
-//! A context without a window: EGL opened at run time, no X and no `DISPLAY`.
+//! An OpenGL context without a window: EGL loaded at run time, without X or `DISPLAY`.
 //!
-//! Fed by nothing but the machine. Feeds every other file here with a context that is
-//! current, its entry points and its limits.
+//! The other files of this folder use its current context, entry points and limits.
 
 #![allow(unsafe_code, reason = "every call into EGL and OpenGL is unsafe")]
 
@@ -17,22 +16,22 @@ use super::interface::{Interface, Separable};
 use crate::backend::devices::Limits;
 use crate::backend::{Device, Failure};
 
-/// What OpenGL is asked for.
+/// The kinds of OpenGL context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ContextKind {
     /// Desktop, core profile: `#version 140` and later.
     Core,
-    /// Desktop with everything that was taken out of core: `#version 110` to `130`.
+    /// Desktop, compatibility profile, which keeps what core removed: `#version 110` to `130`.
     Compat,
     /// OpenGL ES.
     Es,
 }
 
 impl ContextKind {
-    /// Every kind, the usual one first.
+    /// All kinds, the usual one first.
     pub const ALL: [ContextKind; 3] = [ContextKind::Core, ContextKind::Compat, ContextKind::Es];
 
-    /// The name in messages and JSON: `core`, `compat` or `es`.
+    /// Returns the name in messages and JSON: `core`, `compat` or `es`.
     pub fn name(self) -> &'static str {
         match self {
             ContextKind::Core => "core",
@@ -41,7 +40,7 @@ impl ContextKind {
         }
     }
 
-    /// The versions to ask for, highest first; what cannot be had is refused by EGL.
+    /// Returns the versions to try, highest first; EGL rejects those that are not available.
     fn versions(self) -> &'static [(i32, i32)] {
         match self {
             ContextKind::Core | ContextKind::Compat => {
@@ -52,8 +51,8 @@ impl ContextKind {
     }
 }
 
-/// EGL and its display. Contexts share one; it is never terminated, since others of this
-/// process may have opened the same.
+/// EGL and its display, shared by the contexts. It is never terminated, since other code in this
+/// process may have opened the same display.
 pub(super) struct Display {
     egl: egl::DynamicInstance<egl::EGL1_5>,
     display: egl::Display,
@@ -61,7 +60,8 @@ pub(super) struct Display {
 
 /// `EGL_PLATFORM_SURFACELESS_MESA`, of `EGL_MESA_platform_surfaceless`.
 const PLATFORM_SURFACELESS: egl::Enum = 0x31DD;
-const INSTALL: &str = "the Debian packages `libegl1` and `libgl1-mesa-dri` have one in software";
+const INSTALL: &str =
+    "the Debian packages `libegl1` and `libgl1-mesa-dri` provide a software driver";
 
 impl Display {
     /// Loads libEGL and opens the surfaceless display, or else the default one.
@@ -95,7 +95,7 @@ impl Display {
                     Some(Ok(_)) | None => "there is none".to_string(),
                 };
                 Err(Failure::missing(
-                    format!("no OpenGL driver: EGL opens no display; {INSTALL}"),
+                    format!("no OpenGL driver: EGL cannot open a display; {INSTALL}"),
                     format!("surfaceless: {cause}\ndefault: {other}"),
                 ))
             }
@@ -103,7 +103,7 @@ impl Display {
     }
 }
 
-/// A context. It belongs to the thread that opened it.
+/// An OpenGL context, bound to the thread that opened it.
 pub(super) struct Context {
     shared: Rc<Display>,
     context: egl::Context,
@@ -115,14 +115,14 @@ pub(super) struct Context {
     pub(super) version: (u32, u32),
     pub(super) device: Device,
     pub(super) limits: Limits,
-    said: Arc<Mutex<Vec<String>>>,
+    messages: Arc<Mutex<Vec<String>>>,
 }
 
-/// Messages of the driver's that are kept.
-const HEARD: usize = 16;
+/// The number of driver messages that are kept.
+const MESSAGES_KEPT: usize = 16;
 
 impl Context {
-    /// The highest version of that kind, current when this returns.
+    /// Opens the highest available version of a kind and makes it current.
     pub(super) fn open(shared: &Rc<Display>, kind: ContextKind) -> Result<Context, Failure> {
         let Display { egl, display } = &**shared;
         let (display, missing) = (*display, |what: &str, cause: String| {
@@ -134,13 +134,13 @@ impl Context {
             ContextKind::Es => (egl::OPENGL_ES_API, egl::OPENGL_ES3_BIT),
         };
         egl.bind_api(api).map_err(|e| missing("eglBindAPI", e.to_string()))?;
-        // The surface type is a window unless said otherwise, and this platform has none.
+        // The surface type defaults to a window, which this platform lacks.
         let wanted =
             [egl::SURFACE_TYPE, egl::PBUFFER_BIT, egl::RENDERABLE_TYPE, renderable, egl::NONE];
         let config = egl
             .choose_first_config(display, &wanted)
             .map_err(|e| missing("eglChooseConfig", e.to_string()))?
-            .ok_or_else(|| missing("eglChooseConfig", "nothing fits".to_string()))?;
+            .ok_or_else(|| missing("eglChooseConfig", "no configuration matches".to_string()))?;
         let mut last = None;
         let context = kind.versions().iter().find_map(|&(major, minor)| {
             let mut attributes =
@@ -164,7 +164,7 @@ impl Context {
         })?;
         let mut surface = None;
         if egl.make_current(display, None, None, Some(context)).is_err() {
-            // Without EGL_KHR_surfaceless_context a context wants a surface, if a tiny one.
+            // Without EGL_KHR_surfaceless_context a context needs a surface, however small.
             let size = [egl::WIDTH, 1, egl::HEIGHT, 1, egl::NONE];
             surface = egl.create_pbuffer_surface(display, config, &size).ok();
             egl.make_current(display, surface, surface, Some(context))
@@ -182,18 +182,20 @@ impl Context {
         };
         let interface = if version >= queries { Interface::load(load) } else { None };
         let separable = if version >= separation { Separable::load(load) } else { None };
-        let said = Arc::new(Mutex::new(Vec::new()));
+        let messages = Arc::new(Mutex::new(Vec::new()));
         // SAFETY: plain queries and switches of the current context, which has them.
         let (device, limits) = unsafe {
             gl.disable(glow::DITHER);
             if gl.supports_debug() {
                 gl.enable(glow::DEBUG_OUTPUT);
                 gl.enable(glow::DEBUG_OUTPUT_SYNCHRONOUS);
-                let heard = Arc::clone(&said);
+                let recorder = Arc::clone(&messages);
                 gl.debug_message_callback(move |_, _, _, severity, message| {
-                    let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-                    if severity != glow::DEBUG_SEVERITY_NOTIFICATION && heard.len() < HEARD {
-                        heard.push(message.trim_end().to_string());
+                    let mut recorded = recorder.lock().unwrap_or_else(PoisonError::into_inner);
+                    if severity != glow::DEBUG_SEVERITY_NOTIFICATION
+                        && recorded.len() < MESSAGES_KEPT
+                    {
+                        recorded.push(message.trim_end().to_string());
                     }
                 });
             }
@@ -210,33 +212,33 @@ impl Context {
             version,
             device,
             limits,
-            said,
+            messages,
         })
     }
 
-    /// Makes it the one OpenGL calls go to.
+    /// Makes this the current context.
     pub(super) fn make_current(&self) -> Result<(), Failure> {
         let Display { egl, display } = &*self.shared;
         egl.make_current(*display, self.surface, self.surface, Some(self.context))
             .map_err(|e| Failure::died("the OpenGL context is gone", e.to_string()))
     }
 
-    /// Whether it takes compute shaders and storage blocks.
+    /// Returns whether compute shaders and storage blocks are supported.
     pub(super) fn computes(&self) -> bool {
         self.interface.is_some()
     }
 
-    /// What the driver has had to say since it was last asked.
-    pub(super) fn said(&self) -> String {
-        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        std::mem::take(&mut *said).join("\n")
+    /// Returns and clears the driver's messages since the last call.
+    pub(super) fn take_messages(&self) -> String {
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut *messages).join("\n")
     }
 }
 
 impl Drop for Context {
     fn drop(&mut self) {
         let Display { egl, display } = &*self.shared;
-        // Nobody can be told if this fails, and nothing is lost but memory.
+        // A failure here leaks memory and nothing else; there is no one to report it to.
         let _ = egl.make_current(*display, None, None, None);
         if let Some(surface) = self.surface {
             let _ = egl.destroy_surface(*display, surface);
@@ -245,7 +247,7 @@ impl Drop for Context {
     }
 }
 
-/// Parts of the names of drivers that compute on the processor.
+/// Parts of the names of software renderers.
 const SOFTWARE: [&str; 6] =
     ["llvmpipe", "softpipe", "swrast", "SwiftShader", "Software Rasterizer", "Basic Render"];
 
@@ -256,19 +258,19 @@ unsafe fn device(gl: &glow::Context) -> Device {
     let [adapter, vendor, version] = unsafe {
         [glow::RENDERER, glow::VENDOR, glow::VERSION].map(|what| gl.get_parameter_string(what))
     };
-    // `4.5 (Core Profile) Mesa 22.3.6`: what follows the name is the driver's own version.
+    // `4.5 (Core Profile) Mesa 22.3.6`: the driver's own version follows its name.
     let (driver, version) = match version.split_once("Mesa ") {
         Some((_, own)) => ("Mesa".to_string(), own.to_string()),
         None => (vendor, version),
     };
     let software = SOFTWARE.iter().any(|name| adapter.contains(name));
-    Device { reader: BackendKind::Gl, adapter, driver, version, software }
+    Device { backend: BackendKind::Gl, adapter, driver, version, software }
 }
 
 /// # Safety
 /// The context must be current and be of that kind and version.
 unsafe fn limits(gl: &glow::Context, kind: ContextKind, version: (u32, u32)) -> Limits {
-    // SAFETY: as above; each value is asked for only where the version has it.
+    // SAFETY: as above; each value is queried only in versions that have it.
     let value = |name| u64::try_from(unsafe { gl.get_parameter_i32(name) }).ok();
     let newer = match kind {
         ContextKind::Core | ContextKind::Compat => version >= (4, 3),

@@ -1,7 +1,7 @@
-//! Entry points glow lacks: the program interface queries (OpenGL 4.6 §7.3.1), which tell
-//! the members of storage blocks, and the switch that makes a program separable (§7.3).
+//! Entry points that glow lacks: the program interface queries (OpenGL 4.6 §7.3.1), which list the
+//! members of storage blocks, and the parameter that makes a program separable (§7.3).
 //!
-//! glow has no counts and no names of resources, and asks for values with room for none.
+//! glow cannot query counts and names of resources, and passes no buffer for values.
 
 #![allow(unsafe_code, reason = "entry points of a driver")]
 
@@ -24,7 +24,7 @@ impl Separable {
         Some(Separable(unsafe { std::mem::transmute::<*const c_void, ProgramParameteri>(found) }))
     }
 
-    /// Lets a program link with stages missing.
+    /// Lets a program link with missing stages.
     pub(super) fn make(&self, program: glow::Program) {
         (self.0)(program.0.get(), glow::PROGRAM_SEPARABLE, 1);
     }
@@ -37,7 +37,7 @@ pub(super) struct Interface {
 }
 
 impl Interface {
-    /// The three entry points; `None` where the driver lacks one.
+    /// Loads the three entry points; `None` if the driver lacks one.
     pub(super) fn load(load: impl Fn(&str) -> *const c_void) -> Option<Interface> {
         let find = |name: &str| Some(load(name)).filter(|f| !f.is_null());
         let interface = find("glGetProgramInterfaceiv")?;
@@ -53,23 +53,24 @@ impl Interface {
         }
     }
 
-    /// How many resources of that interface are active.
+    /// Returns the number of active resources of an interface.
     pub(super) fn count(&self, program: glow::Program, interface: u32) -> u32 {
         self.about(program, interface, glow::ACTIVE_RESOURCES)
     }
 
-    /// The name of one.
+    /// Returns the name of a resource.
     pub(super) fn name(&self, program: glow::Program, interface: u32, index: u32) -> String {
         let longest = self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20);
         let mut buffer: Vec<c_char> = vec![0; longest as usize + 1];
         let (room, mut written) = (longest.cast_signed(), 0);
         let program = program.0.get();
         (self.name)(program, interface, index, room, &raw mut written, buffer.as_mut_ptr());
-        // SAFETY: the buffer ends in a zero the driver was not told of.
+        // SAFETY: the buffer has a terminating zero beyond the length passed to the driver.
         unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().into_owned()
     }
 
-    /// The properties of one, in the order asked; an error says how many came.
+    /// Returns properties of a resource, in the order of the request; fails if the driver returns
+    /// fewer.
     pub(super) fn values<const N: usize>(
         &self,
         program: glow::Program,

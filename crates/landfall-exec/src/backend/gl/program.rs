@@ -1,7 +1,6 @@
-//! Texts compiled and linked, each program once.
+//! Compiles and links texts, each program once.
 //!
-//! Fed by jobs and by reflection; feeds [`bind`](super::bind) and
-//! [`reflect`](super::reflect) with programs and what they have active.
+//! Used by jobs and by reflection; gives [`bindings`](super::bindings) linked programs.
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
@@ -11,64 +10,46 @@ use glow::HasContext as _;
 
 use super::context::Context;
 use super::reflect;
+use super::reflect::{ActiveBlock, ActiveUniform};
 use super::version::{CORNER, passing_vertex, version};
 use crate::backend::Failure;
 use landfall_layout::source::Stage;
 
-/// A linked program and what a job must bind to it.
+/// A linked program and its active resources.
 pub(super) struct Program {
     pub(super) id: glow::Program,
-    /// Active uniform blocks; the index is OpenGL's.
+    /// Active uniform blocks, by OpenGL's index.
     pub(super) uniform_blocks: Vec<ActiveBlock>,
-    /// Active storage blocks; the index is OpenGL's.
+    /// Active storage blocks, by OpenGL's index.
     pub(super) storage_blocks: Vec<ActiveBlock>,
-    /// Active samplers, each element of an array by itself.
+    /// Active samplers, each element of an array listed separately.
     pub(super) samplers: Vec<String>,
-    /// Active uniforms outside of blocks that are no samplers, each element by itself.
+    /// Active uniforms outside blocks other than samplers, each element listed separately.
     pub(super) loose: Vec<ActiveUniform>,
-    /// Whether its vertex shader is ours and wants corners at location 0.
+    /// Whether the vertex shader is Landfall's and reads corners at location 0.
     pub(super) takes_corners: bool,
 }
 
-/// A block a program reads or writes.
-pub(super) struct ActiveBlock {
-    /// OpenGL's name: `B`, or `B[1]` of an array.
-    pub(super) name: String,
-    /// Bytes its buffer must have.
-    pub(super) size: u64,
-    /// Where the text binds it.
-    pub(super) binding: u32,
-}
-
-/// A uniform outside of blocks.
-pub(super) struct ActiveUniform {
-    /// OpenGL's name: `lights[2].color`.
-    pub(super) name: String,
-    /// OpenGL's number of its type.
-    pub(super) ty: u32,
-    pub(super) location: glow::UniformLocation,
-}
-
-/// What stands in for the stages a set of texts lacks.
+/// The replacement for missing stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Partner {
-    /// Nothing: the program is separable, so a lone stage links.
+    /// None: the program is separable, so a single stage links.
     None,
-    /// A vertex shader that passes corners on goes before a lone fragment shader.
+    /// A vertex shader that passes corners on, before a lone fragment shader.
     Vertex,
 }
 
-/// The programs of one context.
+/// The compiled programs of one context.
 #[derive(Default)]
 pub(super) struct Programs {
     linked: HashMap<(Vec<(Stage, String)>, Partner), Program>,
 }
 
-/// Beyond this many all are let go: nobody runs more in turn.
+/// The number of programs kept; beyond it all are deleted.
 const KEPT: usize = 64;
 
 impl Programs {
-    /// The program of those texts, compiled at the first time.
+    /// Returns the program of the given texts, compiled on first use.
     pub(super) fn get(
         &mut self,
         context: &Context,
@@ -96,7 +77,7 @@ impl Programs {
     }
 }
 
-/// A program in the making, deleted unless it is kept.
+/// A program under construction, deleted unless it is kept.
 struct Making<'c> {
     context: &'c Context,
     id: glow::Program,
@@ -122,7 +103,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
     let gl = &context.gl;
     let takes_corners = partner == Partner::Vertex && matches!(texts, [(Stage::Fragment, _)]);
     let ours = takes_corners.then(|| passing_vertex(version(texts[0].1)));
-    let gone = |what: String| Failure::died("the driver makes no more objects", what);
+    let gone = |what: String| Failure::died("the driver cannot create an object", what);
     // SAFETY: objects are made, used and deleted in the current context.
     unsafe {
         let id = gl.create_program().map_err(gone)?;
@@ -163,7 +144,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
     }
 }
 
-/// Whether a stage is missing that a program without separation would need.
+/// Returns whether a stage is missing that a non-separable program needs.
 fn alone(texts: &[(Stage, &str)]) -> bool {
     let has = |stage| texts.iter().any(|text| text.0 == stage);
     let pair = has(Stage::Vertex) && has(Stage::Fragment);

@@ -1,4 +1,4 @@
-//! What the driver says of a program: each active block, its size, and where its members are.
+//! Reflection of a linked program: each active block, its size and its members' offsets.
 //!
 //! Uniform blocks through glGetActiveUniformsiv and glGetActiveUniformBlockiv (OpenGL 4.6
 //! §7.6), storage blocks through the program interface queries (§7.3.1).
@@ -6,13 +6,31 @@
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
 use super::context::Context;
-use super::program::{ActiveBlock, ActiveUniform};
 use super::types::{is_sampler, word};
 use crate::backend::Failure;
 use crate::backend::reflection::{ReflectedBlock, ReflectedMember, ReflectedUniform, Reflection};
 use glow::HasContext as _;
 
-/// Everything that is active in a linked program.
+/// An active block of a program.
+pub(super) struct ActiveBlock {
+    /// OpenGL's name: `B`, or `B[1]` of an array.
+    pub(super) name: String,
+    /// Bytes its buffer must have.
+    pub(super) size: u64,
+    /// The binding in the text.
+    pub(super) binding: u32,
+}
+
+/// A uniform outside blocks.
+pub(super) struct ActiveUniform {
+    /// OpenGL's name: `lights[2].color`.
+    pub(super) name: String,
+    /// OpenGL's constant of its type.
+    pub(super) ty: u32,
+    pub(super) location: glow::UniformLocation,
+}
+
+/// Returns everything that is active in a linked program.
 pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Reflection, Failure> {
     let mut uniform_blocks: Vec<ReflectedBlock> =
         uniform_blocks(context, program)?.into_iter().map(empty).collect();
@@ -46,7 +64,7 @@ pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Refle
     Ok(Reflection { uniform_blocks, storage_blocks, uniforms })
 }
 
-/// The active uniform blocks, without their members.
+/// Returns the active uniform blocks, without their members.
 pub(super) fn uniform_blocks(
     context: &Context,
     program: glow::Program,
@@ -68,7 +86,7 @@ pub(super) fn uniform_blocks(
     }
 }
 
-/// The active storage blocks, without their members.
+/// Returns the active storage blocks, without their members.
 pub(super) fn storage_blocks(
     context: &Context,
     program: glow::Program,
@@ -89,7 +107,7 @@ pub(super) fn storage_blocks(
         .collect()
 }
 
-/// The active samplers, each element of an array by itself.
+/// Returns the active samplers, each element of an array listed separately.
 pub(super) fn samplers(context: &Context, program: glow::Program) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
     for uniform in Uniforms::of(context, program)?.all {
@@ -102,7 +120,7 @@ pub(super) fn samplers(context: &Context, program: glow::Program) -> Result<Vec<
     Ok(names)
 }
 
-/// The active uniforms outside of blocks that are no samplers, each element by itself.
+/// Returns the active uniforms outside blocks other than samplers, each element listed separately.
 pub(super) fn loose(
     context: &Context,
     program: glow::Program,
@@ -116,7 +134,7 @@ pub(super) fn loose(
             None => vec![uniform.name],
         };
         for name in names {
-            // SAFETY: the program is linked. State of the language's own has no location.
+            // SAFETY: the program is linked. Built-in uniforms have no location.
             let location = unsafe { context.gl.get_uniform_location(program, &name) };
             let ty = uniform.utype;
             found.extend(location.map(|location| ActiveUniform { name, ty, location }));
@@ -125,7 +143,7 @@ pub(super) fn loose(
     Ok(found)
 }
 
-/// The active uniforms, those of blocks too, and the facts about them.
+/// The active uniforms, those in blocks too, and their properties.
 struct Uniforms {
     all: Vec<glow::ActiveUniform>,
     block: Vec<i32>,
@@ -204,14 +222,15 @@ fn empty(block: ActiveBlock) -> ReflectedBlock {
     ReflectedBlock { name, binding, size, members: Vec::new() }
 }
 
-/// The members of a block with an instance begin with the block's name (OpenGL 4.6 §7.3.1.1).
+/// Strips the block's name, with which the members of a block with an instance name begin (OpenGL
+/// 4.6 §7.3.1.1).
 fn without_block(member: &str, block: &str) -> String {
     let bare = block.split('[').next().unwrap_or(block);
     let rest = member.strip_prefix(bare).and_then(|rest| rest.strip_prefix('.'));
     rest.unwrap_or(member).to_string()
 }
 
-/// Zero stands for an array without a declared size.
+/// Returns an array's length; 0 stands for an array without a declared size.
 fn length(value: i32) -> Result<Option<u64>, Failure> {
     Ok(match value {
         0 => None,
@@ -228,9 +247,9 @@ fn small(value: i32) -> Result<u32, Failure> {
 }
 
 fn nonsense(value: i32) -> Failure {
-    incomplete(format!("{value} where a count is due"))
+    incomplete(format!("{value} instead of a count"))
 }
 
 fn incomplete(log: String) -> Failure {
-    Failure::died("the driver's answers about the program make no sense", log)
+    Failure::died("the driver's reflection of the program is inconsistent", log)
 }

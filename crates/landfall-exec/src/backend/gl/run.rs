@@ -1,4 +1,4 @@
-//! One job on one context: bound, run, read back, and nothing left behind.
+//! Runs one job on one context: binds, runs, reads back and cleans up.
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
@@ -6,14 +6,14 @@ use crate::processor::Stopwatch;
 
 use glow::HasContext as _;
 
-use super::bind::{Bound, check, no_objects};
+use super::bindings::{Bound, check, no_objects};
 use super::context::Context;
 use super::program::{Partner, Program, Programs};
 use crate::backend::limits::exceeds;
-use crate::backend::{Answer, Failure, Grid, Job, Texel};
+use crate::backend::{Failure, Grid, Job, JobOutput, Texel};
 use landfall_layout::source::Stage;
 
-/// The texts of a job's stages.
+/// Returns the texts of a job's stages.
 pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
     job.stages
         .iter()
@@ -21,7 +21,7 @@ pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
             Some(text) => Ok((code.stage, text.as_str())),
             None => {
                 let name = code.stage.name();
-                let message = format!("OpenGL takes GLSL, and the {name} stage has none");
+                let message = format!("OpenGL needs GLSL, but the {name} stage has none");
                 Err(Failure::refused(message, ""))
             }
         })
@@ -34,11 +34,11 @@ pub(super) fn run(
     programs: &mut Programs,
     job: &Job,
     texts: &[(Stage, &str)],
-) -> Result<Answer, Failure> {
+) -> Result<JobOutput, Failure> {
     let begun = Stopwatch::start();
     check(context, &job.resources)?;
     stages_fit(context, job.grid, texts)?;
-    let _ = (context.said(), errors(context));
+    let _ = (context.take_messages(), errors(context));
     let partner = match job.grid {
         Grid::Image { .. } => Partner::Vertex,
         Grid::Groups(_) | Grid::Points { .. } => Partner::None,
@@ -52,11 +52,11 @@ pub(super) fn run(
     let errors = errors(context);
     let answer = answer?;
     if !errors.is_empty() {
-        let said = context.said();
+        let log = context.take_messages();
         let message = format!("OpenGL reports {} for the job", errors.join(", "));
         return Err(match errors.iter().any(|e| FATAL.contains(e)) {
-            true => Failure::died(message, said),
-            false => Failure::refused(message, said),
+            true => Failure::died(message, log),
+            false => Failure::refused(message, log),
         });
     }
     if begun.elapsed() > job.limit {
@@ -65,7 +65,7 @@ pub(super) fn run(
     Ok(answer)
 }
 
-fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<Answer, Failure> {
+fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<JobOutput, Failure> {
     let bound = Bound::new(context, program, &job.resources)?;
     let gl = &context.gl;
     let pixels = match job.grid {
@@ -93,10 +93,10 @@ fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<Answer, 
         // SAFETY: the version has barriers.
         unsafe { gl.memory_barrier(glow::ALL_BARRIER_BITS) };
     }
-    Ok(Answer { buffers: bound.read_back()?, pixels })
+    Ok(JobOutput { buffers: bound.read_back()?, pixels })
 }
 
-/// Whether the stages are those of the grid, and the grid within the limits.
+/// Checks that the stages are those of the grid, and the grid within the limits.
 fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<(), Failure> {
     let has = |stage| texts.iter().any(|text| text.0 == stage);
     let need = |stage: Stage| match has(stage) {
@@ -110,7 +110,7 @@ fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<
             if !context.computes() {
                 let (name, (major, minor)) = (context.kind.name(), context.version);
                 let message = format!(
-                    "compute shaders are of OpenGL 4.3 or ES 3.1, and this is {name} {major}.{minor}"
+                    "compute shaders need OpenGL 4.3 or ES 3.1, but this is {name} {major}.{minor}"
                 );
                 return Err(Failure::refused(message, ""));
             }
@@ -118,7 +118,7 @@ fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<
                 exceeds(
                     "the dispatch",
                     groups as usize,
-                    "workgroups one way",
+                    "workgroups in one dimension",
                     context.limits.workgroups,
                 )?;
             }
@@ -126,17 +126,17 @@ fn stages_fit(context: &Context, grid: Grid, texts: &[(Stage, &str)]) -> Result<
         }
         Grid::Image { width, height, .. } => {
             need(Stage::Fragment)?;
-            exceeds("the image", width.max(height) as usize, "pixels a side", side)
+            exceeds("the image", width.max(height) as usize, "pixels per side", side)
         }
         Grid::Points { count, .. } => {
             need(Stage::Vertex)?;
             need(Stage::Fragment)?;
-            exceeds("the row of points", count as usize, "pixels a side", side)
+            exceeds("the row of points", count as usize, "pixels per side", side)
         }
     }
 }
 
-/// The image that is drawn into.
+/// The render target.
 struct Target<'c> {
     context: &'c Context,
     framebuffer: glow::Framebuffer,
@@ -179,8 +179,9 @@ impl<'c> Target<'c> {
                     Texel::Float => "floats",
                     Texel::Uint => "unsigned integers",
                 };
-                let message =
-                    format!("this context draws no {width} by {height} image of 32-bit {words}");
+                let message = format!(
+                    "this context cannot draw a {width} by {height} image of 32-bit {words}"
+                );
                 return Err(Failure::refused(
                     message,
                     format!("framebuffer status 0x{status:04X}"),
@@ -225,7 +226,7 @@ impl Drop for Target<'_> {
     }
 }
 
-/// The vertex array, with the corners of a triangle over the whole image if they are read.
+/// The vertex array, with the corners of a triangle over the whole image if the program reads them.
 struct Vertices<'c> {
     context: &'c Context,
     array: glow::VertexArray,
@@ -270,13 +271,13 @@ impl Drop for Vertices<'_> {
     }
 }
 
-/// Errors after which the context is of no more use.
+/// Errors that make the context unusable.
 const FATAL: [&str; 2] = ["GL_OUT_OF_MEMORY", "GL_CONTEXT_LOST"];
 
-/// The errors since it was last asked, by name.
+/// Returns the names of the errors since the last call.
 fn errors(context: &Context) -> Vec<&'static str> {
     let mut errors = Vec::new();
-    // A lost context may report errors for ever.
+    // A lost context may report errors without end.
     for _ in 0..8 {
         // SAFETY: the context is current.
         errors.push(match unsafe { context.gl.get_error() } {

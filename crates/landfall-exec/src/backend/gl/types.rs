@@ -1,11 +1,11 @@
-//! The types drivers answer with (OpenGL 4.6 table 7.3), as GLSL spells them.
+//! The GLSL types of OpenGL's type constants (OpenGL 4.6 table 7.3).
 
-/// The word of a type; its number where GLSL has another name for it than we know.
+/// Returns the GLSL spelling of a type constant; its number in hexadecimal if it is unknown.
 pub(super) fn word(ty: u32) -> String {
     TYPES.iter().find(|row| row.0 == ty).map_or_else(|| format!("0x{ty:04X}"), |row| row.1.into())
 }
 
-/// Whether it is a sampler: something a texture is bound to.
+/// Returns whether a type constant is a sampler.
 pub(super) fn is_sampler(ty: u32) -> bool {
     TYPES.iter().any(|row| row.0 == ty && row.1.contains("sampler"))
 }

@@ -1,9 +1,9 @@
-//! Which OpenGL a text is written for, and the vertex shader that goes before a lone
-//! fragment shader. Looks at the `#version` line only.
+//! The OpenGL version of a text, by its `#version` line, and the vertex shader for a lone fragment
+//! shader.
 
 use super::context::ContextKind;
 
-/// What the `#version` line says.
+/// The version of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Version {
     pub(super) number: u32,
@@ -11,7 +11,7 @@ pub(super) struct Version {
     pub(super) compatibility: bool,
 }
 
-/// The first `#version` line of a text; GLSL 1.10 where there is none (GLSL 4.60 §3.3).
+/// Returns the version of the first `#version` line; GLSL 1.10 if there is none (GLSL 4.60 §3.3).
 pub(super) fn version(text: &str) -> Version {
     let mut found = Version { number: 110, es: false, compatibility: false };
     for line in text.lines().map(str::trim_start) {
@@ -30,7 +30,7 @@ pub(super) fn version(text: &str) -> Version {
 }
 
 impl ContextKind {
-    /// The context a text wants, by its `#version` line.
+    /// Returns the kind of context for a text, by its `#version` line.
     pub fn of_text(text: &str) -> ContextKind {
         let version = version(text);
         if version.es {
@@ -46,11 +46,11 @@ impl ContextKind {
 /// The input of [`passing_vertex`], at location 0.
 pub(super) const CORNER: &str = "landfall_corner";
 
-/// A vertex shader that puts each vertex where its input says; it links with a fragment
-/// shader of that version which reads no inputs.
+/// Returns a vertex shader that passes its input on as the position; it links with a fragment
+/// shader of that version that reads no inputs.
 pub(super) fn passing_vertex(version: Version) -> String {
     let Version { number, es, .. } = version;
-    // Versions of ES do not mix; the desktop's do, but core profiles begin at 1.40.
+    // Versions of ES cannot be mixed; those of desktop GLSL can, but core profiles begin at 1.40.
     let (line, input) = match (es, number) {
         (true, 100) => ("#version 100".to_string(), "attribute"),
         (true, _) => (format!("#version {number} es"), "in"),

@@ -1,4 +1,4 @@
-//! The process that has the driver: started, listened to, ended, and its end explained.
+//! The child process: starting it, exchanging messages, ending it, and explaining how it ended.
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader};
@@ -14,19 +14,19 @@ use super::Launch;
 use super::frame::Frame;
 use crate::backend::Failure;
 
-/// A process that runs jobs. It is ended when this goes.
+/// A child process that runs jobs; ended on drop.
 pub(super) struct Process {
     child: Child,
     to: mpsc::Sender<Frame>,
     from: mpsc::Receiver<io::Result<Option<Frame>>>,
-    said: Arc<Mutex<VecDeque<String>>>,
-    said_all: mpsc::Receiver<()>,
+    stderr_lines: Arc<Mutex<VecDeque<String>>>,
+    stderr_ended: mpsc::Receiver<()>,
 }
 
-/// Lines of its stderr that are kept, the last ones.
+/// The number of last stderr lines kept.
 const KEPT: usize = 20;
 
-/// How long the end of a process that has closed its stdout is waited for.
+/// The time to wait for a process to end after it has closed its stdout.
 const ENDING: Duration = Duration::from_secs(2);
 
 impl Process {
@@ -34,21 +34,21 @@ impl Process {
         let mut command = Command::new(&launch.program);
         command
             .args(&launch.arguments)
-            // Mesa's device selection asks for a desktop session and complains without.
+            // Mesa's device selection layer complains without a desktop session.
             .env("NODEVICE_SELECT", "1")
-            // A panic is told in one line, so that the last lines are what matters.
+            // A panic without a backtrace is one line, so that the last lines hold it.
             .env("RUST_BACKTRACE", "0")
             .envs(launch.environment.iter().map(|(name, value)| (name, value)))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        // Ctrl-C is for the one who asks: this process ends when its stdin does.
+        // Ctrl-C is meant for the parent: this process ends when its stdin does.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn().map_err(|cause| {
             let program = launch.program.display();
             Failure::missing(
-                format!("the process of the driver does not start: {program}"),
+                format!("the driver process does not start: {program}"),
                 cause.to_string(),
             )
         })?;
@@ -56,11 +56,11 @@ impl Process {
         let (Some(mut stdin), Some(stdout), Some(stderr)) = pipes else {
             unreachable!("all three were asked for")
         };
-        // Threads, since a process that hangs neither reads nor writes.
+        // Separate threads, since a process that hangs neither reads nor writes.
         let (to, sent) = mpsc::channel::<Frame>();
         thread::spawn(move || {
             while let Ok(frame) = sent.recv() {
-                // A process that is gone shows where its replies are read.
+                // A process that has ended is noticed when its reply is read.
                 if frame.write(&mut stdin).is_err() {
                     break;
                 }
@@ -77,21 +77,21 @@ impl Process {
                 }
             }
         });
-        let said = Arc::new(Mutex::new(VecDeque::new()));
-        let heard = Arc::clone(&said);
-        let (all, said_all) = mpsc::channel();
+        let stderr_lines = Arc::new(Mutex::new(VecDeque::new()));
+        let recorder = Arc::clone(&stderr_lines);
+        let (all, stderr_ended) = mpsc::channel();
         thread::spawn(move || {
             for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
-                let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-                heard.push_back(String::from_utf8_lossy(&line).trim_end().to_string());
-                if heard.len() > KEPT {
-                    heard.pop_front();
+                let mut recorded = recorder.lock().unwrap_or_else(PoisonError::into_inner);
+                recorded.push_back(String::from_utf8_lossy(&line).trim_end().to_string());
+                if recorded.len() > KEPT {
+                    recorded.pop_front();
                 }
             }
-            // Nobody may be waiting.
+            // The receiver may be gone.
             let _ = all.send(());
         });
-        Ok(Process { child, to, from, said, said_all })
+        Ok(Process { child, to, from, stderr_lines, stderr_ended })
     }
 
     pub(super) fn id(&self) -> u32 {
@@ -99,11 +99,11 @@ impl Process {
     }
 
     pub(super) fn send(&self, frame: Frame) {
-        // If the thread that writes is gone, so is the process.
+        // The writing thread ends only with the process.
         let _ = self.to.send(frame);
     }
 
-    /// The next reply, if it comes within the limit.
+    /// Returns the next reply, or a failure if it does not come within the limit.
     pub(super) fn receive(&mut self, limit: Duration) -> Result<Frame, Failure> {
         let clock = Stopwatch::start_of(self.child.id());
         loop {
@@ -120,7 +120,7 @@ impl Process {
         }
     }
 
-    /// How it ended.
+    /// Ends the process if need be and returns how it ended.
     pub(super) fn death(&mut self) -> Failure {
         let asked = Instant::now();
         let status = loop {
@@ -134,20 +134,20 @@ impl Process {
             Some(status) => ending(status),
             None => "closed its output and does not end".to_string(),
         };
-        // What it wrote last may still be on its way.
-        let _ = self.said_all.recv_timeout(Duration::from_millis(500));
-        Failure::died(format!("the process of the driver {how}"), self.last_words())
+        // Its last output may still be in the pipe.
+        let _ = self.stderr_ended.recv_timeout(Duration::from_millis(500));
+        Failure::died(format!("the driver process {how}"), self.last_words())
     }
 
     fn last_words(&self) -> String {
-        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        said.iter().map(String::as_str).collect::<Vec<_>>().join("\n")
+        let lines = self.stderr_lines.lock().unwrap_or_else(PoisonError::into_inner);
+        lines.iter().map(String::as_str).collect::<Vec<_>>().join("\n")
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -157,7 +157,7 @@ impl Drop for Process {
 fn ending(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt as _;
 
-    /// Those with one number on every Unix.
+    /// Signals with the same number on every Unix.
     const SIGNALS: [(i32, &str); 6] = [
         (4, "SIGILL"),
         (6, "SIGABRT"),

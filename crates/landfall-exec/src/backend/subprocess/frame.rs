@@ -1,44 +1,44 @@
-//! Messages between a process and the one that runs its jobs: JSON with blobs of bytes
-//! beside it, since bytes in JSON are long and slow.
+//! The message format between the processes: JSON beside binary blobs, since bytes in JSON are long
+//! and slow.
 
 use std::io::{self, Read, Write};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What a message begins with. A driver may print to stdout: that is skipped up to here.
+/// The start of every message. Anything else on stdout, such as a driver's prints, is skipped.
 const MAGIC: [u8; 8] = *b"\x01lndfall";
 
-/// A message in the making, or one that has come.
+/// A message, to be sent or received.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Frame {
-    /// JSON.
+    /// The header as JSON.
     header: Vec<u8>,
     blobs: Vec<Vec<u8>>,
 }
 
-/// A blob's place in its message.
+/// The index of a blob in its message.
 pub(super) type Blob = usize;
 
 impl Frame {
-    /// Puts bytes beside the header.
+    /// Appends a blob and returns its index.
     pub(super) fn put(&mut self, bytes: Vec<u8>) -> Blob {
         self.blobs.push(bytes);
         self.blobs.len() - 1
     }
 
-    /// Takes the bytes at a place, once.
+    /// Takes a blob out of the message; it can be taken once.
     pub(super) fn take(&mut self, blob: Blob) -> io::Result<Vec<u8>> {
         self.blobs.get_mut(blob).map(std::mem::take).ok_or_else(|| invalid("no such blob"))
     }
 
-    /// The message with that header.
+    /// Returns the message with a header.
     pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<Frame> {
         self.header = serde_json::to_vec(header)?;
         Ok(self)
     }
 
-    /// What the header says.
+    /// Parses the header.
     pub(super) fn header<T: DeserializeOwned>(&self) -> io::Result<T> {
         Ok(serde_json::from_slice(&self.header)?)
     }
@@ -58,7 +58,7 @@ impl Frame {
         to.flush()
     }
 
-    /// The next message; `None` at the end.
+    /// Reads the next message; `None` at the end of the stream.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Frame>> {
         let mut matched = 0;
         while matched < MAGIC.len() {
@@ -68,7 +68,7 @@ impl Frame {
             }
             matched = match byte[0] {
                 byte if byte == MAGIC[matched] => matched + 1,
-                // The first byte is in no other place of it.
+                // The first byte occurs nowhere else in the magic number.
                 byte => usize::from(byte == MAGIC[0]),
             };
         }
@@ -88,7 +88,7 @@ fn length(from: &mut impl Read) -> io::Result<u64> {
     Ok(u64::from_le_bytes(eight))
 }
 
-/// So many bytes, without room made for them before they come.
+/// Reads `length` bytes, without allocating them ahead.
 fn bytes(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     from.take(length).read_to_end(&mut bytes)?;

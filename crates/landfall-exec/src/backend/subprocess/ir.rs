@@ -1,4 +1,4 @@
-//! A module as JSON: what a process needs to run it, and no more.
+//! A module as JSON: only the parts needed to run it.
 
 use std::io;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use landfall_ir::Module;
 use landfall_layout::source::Files;
 
-/// Types that naga keys by what JSON takes for no key.
+/// The types whose naga keys are not valid JSON keys.
 #[derive(Serialize, Deserialize)]
 struct Wire<M> {
     predeclared: Vec<(PredeclaredType, Handle<Type>)>,
@@ -23,12 +23,12 @@ pub(super) fn write(module: &Module) -> io::Result<Vec<u8>> {
     Ok(serde_json::to_vec(&Wire { predeclared, module: &ir })?)
 }
 
-/// The module, with no more known of it than its code: wgpu validates it again.
+/// Parses a module of bare IR; wgpu validates it again.
 pub(super) fn read(json: &[u8]) -> io::Result<Module> {
-    let mut reader = serde_json::Deserializer::from_slice(json);
-    // Each `else if` is a level; the thread that reads has the stack for it.
-    reader.disable_recursion_limit();
-    let Wire { predeclared, module: mut ir } = Wire::<naga::Module>::deserialize(&mut reader)?;
+    let mut backend = serde_json::Deserializer::from_slice(json);
+    // Each `else if` is one level of nesting; the reading thread's stack is large enough.
+    backend.disable_recursion_limit();
+    let Wire { predeclared, module: mut ir } = Wire::<naga::Module>::deserialize(&mut backend)?;
     ir.special_types.predeclared_types = predeclared.into_iter().collect();
     Ok(Module::unvalidated(ir, Files::default(), Vec::new()))
 }

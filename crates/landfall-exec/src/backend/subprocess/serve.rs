@@ -1,4 +1,4 @@
-//! The side that loads the driver: questions from stdin, replies to stdout, until stdin ends.
+//! The server, which loads the driver: requests from stdin, replies to stdout, until stdin ends.
 
 #[cfg(not(all(feature = "gl", feature = "gpu")))]
 use crate::backend::BackendKind;
@@ -8,33 +8,33 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 
 use super::frame::{Frame, invalid};
-use super::wire::{Ask, Reply, Times, WireDevice, WireFound, stage};
+use super::wire::{Reply, Request, Times, WireDevice, WireFound, stage};
 use crate::backend::devices::Found;
-use crate::backend::{Answer, Failure, Job, Reader};
+use crate::backend::{Backend, Failure, Job, JobOutput};
 use crate::processor;
 use landfall_ir::Module;
 
-/// Which driver is loaded.
+/// The driver to load.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Behind {
+pub enum DriverKind {
     /// [`gl`](crate::backend::gl).
     Gl,
-    /// [`gpu`](crate::backend::wgpu), and part of the name of the adapter it takes.
+    /// [`gpu`](crate::backend::wgpu), with a part of the adapter's name.
     Gpu(Option<String>),
 }
 
-/// Stack of the thread that runs jobs: naga and serde call themselves for each level of a
-/// shader's nesting. Only what is used of it is ever memory.
+/// Stack size of the thread that runs jobs: naga and serde recurse for each level of a shader's
+/// nesting. Only the used part is committed.
 const STACK: usize = 256 << 20;
 
-/// Runs jobs for the process at the other end of stdin and stdout, until stdin ends.
+/// Runs jobs sent over stdin, with replies on stdout, until stdin ends.
 ///
-/// A driver that hangs would hold on when that process is gone: `alone` is called then, on
-/// another thread, and should end the process.
+/// A hanging driver would outlive its parent: when stdin ends, `alone` is called on another thread
+/// and should end the process.
 ///
 /// # Errors
-/// Why a message cannot be read or written.
-pub fn serve(behind: &Behind, alone: impl FnOnce() + Send + 'static) -> io::Result<()> {
+/// Fails if a message cannot be read or written.
+pub fn serve(driver_kind: &DriverKind, alone: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let (questions, asked) = mpsc::channel();
     let reads = move || {
         let mut stdin = BufReader::new(io::stdin());
@@ -53,28 +53,31 @@ pub fn serve(behind: &Behind, alone: impl FnOnce() + Send + 'static) -> io::Resu
         alone();
     };
     thread::Builder::new().spawn(reads)?;
-    let behind = behind.clone();
-    let runs = thread::Builder::new().stack_size(STACK).spawn(move || run(&behind, &asked))?;
+    let driver_kind = driver_kind.clone();
+    let runs = thread::Builder::new().stack_size(STACK).spawn(move || run(&driver_kind, &asked))?;
     match runs.join() {
         Ok(done) => done,
         Err(panic) => std::panic::resume_unwind(panic),
     }
 }
 
-fn run(behind: &Behind, asked: &mpsc::Receiver<io::Result<Option<Frame>>>) -> io::Result<()> {
-    let mut server = Server { behind, driver: None, timed: false, modules: HashMap::new() };
+fn run(
+    driver_kind: &DriverKind,
+    asked: &mpsc::Receiver<io::Result<Option<Frame>>>,
+) -> io::Result<()> {
+    let mut server = Server { driver_kind, driver: None, timed: false, modules: HashMap::new() };
     while let Ok(frame) = asked.recv() {
         let Some(mut frame) = frame? else { break };
         let mut out = Frame::default();
-        let ask = frame.header()?;
-        if let Some(reply) = server.reply(ask, &mut frame, &mut out)? {
+        let request = frame.header()?;
+        if let Some(reply) = server.reply(request, &mut frame, &mut out)? {
             out.with(&reply)?.write(&mut io::stdout().lock())?;
         }
     }
     Ok(())
 }
 
-/// A driver that has been opened.
+/// An open driver.
 enum Driver {
     #[cfg(feature = "gl")]
     Gl(crate::backend::gl::Gl),
@@ -83,34 +86,39 @@ enum Driver {
 }
 
 struct Server<'b> {
-    behind: &'b Behind,
+    driver_kind: &'b DriverKind,
     driver: Option<Driver>,
     timed: bool,
     modules: HashMap<u64, Arc<Module>>,
 }
 
 impl Server<'_> {
-    fn reply(&mut self, ask: Ask, frame: &mut Frame, out: &mut Frame) -> io::Result<Option<Reply>> {
-        let reply = match ask {
-            Ask::Open { timed } => {
+    fn reply(
+        &mut self,
+        request: Request,
+        frame: &mut Frame,
+        out: &mut Frame,
+    ) -> io::Result<Option<Reply>> {
+        let reply = match request {
+            Request::Open { timed } => {
                 self.timed = timed;
-                self.reader().map(|reader| Reply::Opened(WireDevice::from(reader.device())))
+                self.backend().map(|backend| Reply::Opened(WireDevice::from(backend.device())))
             }
-            Ask::List => list(self.behind)
+            Request::List => list(self.driver_kind)
                 .map(|found| Reply::Listed(found.into_iter().map(WireFound::from).collect())),
-            Ask::Module { id, json } => {
+            Request::Module { id, json } => {
                 self.modules.insert(id, Arc::new(module(&frame.take(json)?)?));
                 return Ok(None);
             }
-            Ask::Forget => {
+            Request::Forget => {
                 self.modules.clear();
                 return Ok(None);
             }
-            Ask::Run(job) => {
+            Request::Run(job) => {
                 let job = job.job(frame, |id| self.modules.get(&id).cloned())?;
                 self.run(&job).map(|(answer, times)| Reply::of_answer(answer, times, out))
             }
-            Ask::Reflect { sources } => {
+            Request::Reflect { sources } => {
                 let mut staged = Vec::with_capacity(sources.len());
                 for (name, text) in &sources {
                     staged.push((stage(name)?, text.as_str()));
@@ -121,17 +129,17 @@ impl Server<'_> {
         Ok(Some(reply.unwrap_or_else(Reply::Failed)))
     }
 
-    fn run(&mut self, job: &Job) -> Result<(Answer, Times), Failure> {
-        let reader = self.reader()?;
+    fn run(&mut self, job: &Job) -> Result<(JobOutput, Times), Failure> {
+        let backend = self.backend()?;
         let before = processor::time();
-        let answer = reader.run(job)?;
+        let answer = backend.run(job)?;
         let processor = processor::time().zip(before).map(|(now, then)| now.saturating_sub(then));
-        Ok((answer, Times { device: reader.device_time(), processor }))
+        Ok((answer, Times { device: backend.device_time(), processor }))
     }
 
-    fn reader(&mut self) -> Result<&mut dyn Reader, Failure> {
+    fn backend(&mut self) -> Result<&mut dyn Backend, Failure> {
         if self.driver.is_none() {
-            self.driver = Some(open(self.behind, self.timed)?);
+            self.driver = Some(open(self.driver_kind, self.timed)?);
         }
         match self.driver.as_mut().expect("it has just been opened") {
             #[cfg(feature = "gl")]
@@ -143,7 +151,7 @@ impl Server<'_> {
 
     #[cfg(feature = "gl")]
     fn reflect(&mut self, sources: &[(landfall_layout::Stage, &str)]) -> Result<Reply, Failure> {
-        self.reader()?;
+        self.backend()?;
         match self.driver.as_mut() {
             Some(Driver::Gl(gl)) => gl.reflect(sources).map(Reply::Reflected),
             #[cfg(feature = "gpu")]
@@ -158,34 +166,35 @@ impl Server<'_> {
     }
 }
 
-/// Opens a driver; `timed` has its device time jobs, where it can.
-fn open(behind: &Behind, timed: bool) -> Result<Driver, Failure> {
-    match behind {
+/// Opens a driver; with `timed`, its device times jobs if it can.
+#[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only wgpu times jobs"))]
+fn open(driver_kind: &DriverKind, timed: bool) -> Result<Driver, Failure> {
+    match driver_kind {
         #[cfg(feature = "gl")]
-        Behind::Gl => crate::backend::gl::Gl::open().map(Driver::Gl),
+        DriverKind::Gl => crate::backend::gl::Gl::open().map(Driver::Gl),
         #[cfg(not(feature = "gl"))]
-        Behind::Gl => Err(absent(BackendKind::Gl)),
+        DriverKind::Gl => Err(absent(BackendKind::Gl)),
         #[cfg(feature = "gpu")]
-        Behind::Gpu(adapter) => {
+        DriverKind::Gpu(adapter) => {
             let choice = crate::backend::wgpu::Choice { adapter: adapter.clone() };
             let gpu = crate::backend::wgpu::Gpu::open(&choice)?;
             Ok(Driver::Gpu(Box::new(if timed { gpu.timed() } else { gpu })))
         }
         #[cfg(not(feature = "gpu"))]
-        Behind::Gpu(_) => Err(absent(BackendKind::Gpu)),
+        DriverKind::Gpu(_) => Err(absent(BackendKind::Gpu)),
     }
 }
 
-fn list(behind: &Behind) -> Result<Vec<Found>, Failure> {
-    match behind {
+fn list(driver_kind: &DriverKind) -> Result<Vec<Found>, Failure> {
+    match driver_kind {
         #[cfg(feature = "gl")]
-        Behind::Gl => crate::backend::gl::Gl::list(),
+        DriverKind::Gl => crate::backend::gl::Gl::list(),
         #[cfg(not(feature = "gl"))]
-        Behind::Gl => Err(absent(BackendKind::Gl)),
+        DriverKind::Gl => Err(absent(BackendKind::Gl)),
         #[cfg(feature = "gpu")]
-        Behind::Gpu(_) => Ok(crate::backend::wgpu::Gpu::list()),
+        DriverKind::Gpu(_) => Ok(crate::backend::wgpu::Gpu::list()),
         #[cfg(not(feature = "gpu"))]
-        Behind::Gpu(_) => Err(absent(BackendKind::Gpu)),
+        DriverKind::Gpu(_) => Err(absent(BackendKind::Gpu)),
     }
 }
 
@@ -200,8 +209,8 @@ fn module(_: &[u8]) -> io::Result<Module> {
 }
 
 #[cfg(not(all(feature = "gl", feature = "gpu")))]
-fn absent(reader: BackendKind) -> Failure {
-    match Found::not_built(reader).outcome {
+fn absent(backend: BackendKind) -> Failure {
+    match Found::not_built(backend).outcome {
         Err(failure) => failure,
         Ok(_) => unreachable!("what was not built is missing"),
     }

@@ -1,4 +1,4 @@
-//! Questions and replies as they travel, and the way from and to what they mean.
+//! Requests and replies in serialised form, and conversions from and to their types.
 
 use crate::backend::BackendKind;
 use std::io;
@@ -10,19 +10,19 @@ use serde::{Deserialize, Serialize};
 use super::frame::{Blob, Frame, invalid};
 use crate::backend::devices::{Found, Limits};
 use crate::backend::{
-    Answer, Device, Failure, Grid, Job, LooseUniform, Resource, ResourceKind, StageCode,
+    Device, Failure, Grid, Job, JobOutput, LooseUniform, Resource, ResourceKind, StageCode,
 };
 use landfall_ir::Module;
 use landfall_layout::source::Stage;
 
-/// What is asked of the process that runs jobs.
+/// A request to the process that runs jobs.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Ask {
-    /// Opens the driver, if it is not open; whether it times its jobs by the device's clock.
+pub(super) enum Request {
+    /// Open the driver, if it is not open; with or without device timestamps.
     Open {
         timed: bool,
     },
-    /// What there is.
+    /// List the devices.
     List,
     /// Remember a module by a number; its JSON is the blob.
     Module {
@@ -32,13 +32,13 @@ pub(super) enum Ask {
     /// Forget all modules.
     Forget,
     Run(WireJob),
-    /// What OpenGL has active in a program of those texts.
+    /// Reflect the active blocks of a program of these texts.
     Reflect {
         sources: Vec<(String, String)>,
     },
 }
 
-/// What comes back. [`Ask::Module`] and [`Ask::Forget`] have no reply.
+/// A reply. [`Request::Module`] and [`Request::Forget`] have none.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Reply {
     Opened(WireDevice),
@@ -53,12 +53,12 @@ pub(super) enum Reply {
     Failed(Failure),
 }
 
-/// How long a job took, without the way there and back.
+/// The times of a job, without the transfer.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Times {
-    /// By timestamps of the device.
+    /// Device time by timestamps.
     pub device: Option<Duration>,
-    /// Of the processors, by all threads of the process that ran it.
+    /// Processor time of all threads of the process.
     pub processor: Option<Duration>,
 }
 
@@ -99,7 +99,7 @@ enum WireKind {
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct WireDevice {
-    reader: String,
+    backend: String,
     adapter: String,
     driver: String,
     version: String,
@@ -108,17 +108,17 @@ pub(super) struct WireDevice {
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct WireFound {
-    reader: String,
+    backend: String,
     kind: String,
     outcome: Result<(WireDevice, Limits), Failure>,
 }
 
 impl WireJob {
-    /// A job whose modules the other side knows by the numbers given. Only the form of the
-    /// code that the reader takes is sent.
+    /// Returns a job whose modules are replaced by the server's numbers. Only the form of the code
+    /// that the backend takes is sent.
     pub(super) fn new(
         job: &Job,
-        reader: BackendKind,
+        backend: BackendKind,
         frame: &mut Frame,
         mut number: impl FnMut(&Arc<Module>) -> io::Result<u64>,
     ) -> io::Result<WireJob> {
@@ -126,7 +126,7 @@ impl WireJob {
         for code in &job.stages {
             let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
             let mut sent = WireStage { stage, entry, module: None, glsl: None, spirv: None };
-            if reader == BackendKind::Gl {
+            if backend == BackendKind::Gl {
                 sent.glsl = code.glsl.clone();
             } else if let Some(words) = &code.spirv {
                 let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -162,7 +162,7 @@ impl WireJob {
         Ok(WireJob { stages, resources: resources.collect(), grid: job.grid, limit: job.limit })
     }
 
-    /// The job, its modules looked up by their numbers.
+    /// Returns the job, its modules looked up by number.
     pub(super) fn job(
         self,
         frame: &mut Frame,
@@ -206,7 +206,7 @@ impl WireJob {
 }
 
 impl Reply {
-    pub(super) fn of_answer(answer: Answer, times: Times, frame: &mut Frame) -> Reply {
+    pub(super) fn of_answer(answer: JobOutput, times: Times, frame: &mut Frame) -> Reply {
         let buffers = answer.buffers.into_iter().map(|bytes| bytes.map(|bytes| frame.put(bytes)));
         let buffers = buffers.collect();
         let pixels = answer.pixels.iter().flatten().flat_map(|word| word.to_le_bytes());
@@ -217,7 +217,7 @@ impl Reply {
         buffers: Vec<Option<Blob>>,
         pixels: Blob,
         frame: &mut Frame,
-    ) -> io::Result<Answer> {
+    ) -> io::Result<JobOutput> {
         let mut taken = Vec::with_capacity(buffers.len());
         for blob in buffers {
             taken.push(match blob {
@@ -225,40 +225,40 @@ impl Reply {
                 None => None,
             });
         }
-        Ok(Answer { buffers: taken, pixels: quads(&frame.take(pixels)?) })
+        Ok(JobOutput { buffers: taken, pixels: quads(&frame.take(pixels)?) })
     }
 }
 
 impl From<&Device> for WireDevice {
     fn from(device: &Device) -> WireDevice {
-        let Device { reader, adapter, driver, version, software } = device.clone();
-        WireDevice { reader: reader.to_string(), adapter, driver, version, software }
+        let Device { backend, adapter, driver, version, software } = device.clone();
+        WireDevice { backend: backend.to_string(), adapter, driver, version, software }
     }
 }
 
 impl WireDevice {
     pub(super) fn device(self) -> io::Result<Device> {
-        let WireDevice { reader, adapter, driver, version, software } = self;
-        Ok(Device { reader: known(&reader)?, adapter, driver, version, software })
+        let WireDevice { backend, adapter, driver, version, software } = self;
+        Ok(Device { backend: known(&backend)?, adapter, driver, version, software })
     }
 }
 
 impl From<Found> for WireFound {
     fn from(found: Found) -> WireFound {
-        let Found { reader, kind, outcome } = found;
+        let Found { backend, kind, outcome } = found;
         let outcome = outcome.map(|(device, limits)| (WireDevice::from(&device), limits));
-        WireFound { reader: reader.to_string(), kind, outcome }
+        WireFound { backend: backend.to_string(), kind, outcome }
     }
 }
 
 impl WireFound {
     pub(super) fn found(self) -> io::Result<Found> {
-        let WireFound { reader, kind, outcome } = self;
+        let WireFound { backend, kind, outcome } = self;
         let outcome = match outcome {
             Ok((device, limits)) => Ok((device.device()?, limits)),
             Err(failure) => Err(failure),
         };
-        Ok(Found { reader: known(&reader)?, kind, outcome })
+        Ok(Found { backend: known(&backend)?, kind, outcome })
     }
 }
 
@@ -266,9 +266,9 @@ pub(super) fn stage(name: &str) -> io::Result<Stage> {
     Stage::from_name(name).ok_or_else(|| invalid("no such stage"))
 }
 
-fn known(reader: &str) -> io::Result<BackendKind> {
-    let kind = BackendKind::from_name(reader).filter(|kind| kind.is_driver());
-    kind.ok_or_else(|| invalid("no such reader"))
+fn known(backend: &str) -> io::Result<BackendKind> {
+    let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
+    kind.ok_or_else(|| invalid("no such backend"))
 }
 
 fn words(bytes: &[u8]) -> Vec<u32> {

@@ -1,4 +1,4 @@
-//! The adapters of this machine: which there are, which one to take, and what it takes.
+//! Lists and selects the adapters of this machine, and converts their limits.
 
 use crate::backend::BackendKind;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
@@ -6,19 +6,18 @@ use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceD
 use crate::backend::devices::{Found, Limits};
 use crate::backend::{Device, Failure};
 
-/// Which adapter to take.
+/// Selects an adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// Part of its name or its backend, in any case. Without one, hardware goes before
-    /// software, and OpenGL is not taken: wgpu's own goes through GLSL text, which loses
-    /// offsets.
+    /// Part of the adapter's or its API's name, in any case. If `None`, hardware is preferred to
+    /// software, and OpenGL is excluded: wgpu's OpenGL goes through GLSL text, which loses offsets.
     pub adapter: Option<String>,
 }
 
-/// The backends that take a module as it is.
+/// The wgpu backends that take a module as it is.
 const DIRECT: Backends = Backends::VULKAN.union(Backends::METAL).union(Backends::DX12);
 
-/// Features a job may need; those an adapter lacks are done without.
+/// Features a job may need, enabled where the adapter has them.
 pub(super) const WANTED: Features = Features::SHADER_F64
     .union(Features::SHADER_F16)
     .union(Features::SHADER_INT64)
@@ -29,7 +28,7 @@ pub(super) const WANTED: Features = Features::SHADER_F64
     .union(Features::TIMESTAMP_QUERY)
     .union(Features::SUBGROUP);
 
-/// The adapter of that choice.
+/// Returns the adapter that matches.
 pub(super) fn choose(choice: &Choice) -> Result<Adapter, Failure> {
     let backends = if choice.adapter.is_some() { Backends::all() } else { DIRECT };
     let mut adapters = enumerate(backends);
@@ -42,14 +41,14 @@ pub(super) fn choose(choice: &Choice) -> Result<Adapter, Failure> {
     let found = names.iter().position(|name| name.to_lowercase().contains(&wanted));
     found.map(|at| adapters.swap_remove(at)).ok_or_else(|| {
         let there = match names.as_slice() {
-            [] => "there is none at all".to_string(),
+            [] => "none is available".to_string(),
             names => format!("there are {}", names.join(", ")),
         };
-        Failure::missing(format!("no GPU adapter is called `{part}`; {there}"), "")
+        Failure::missing(format!("no GPU adapter matches `{part}`; {there}"), "")
     })
 }
 
-/// Every adapter of every backend this build has, and each backend without one.
+/// Lists every adapter of every wgpu backend in this build, and each wgpu backend without one.
 pub(super) fn list() -> Vec<Found> {
     let mut found = Vec::new();
     for backend in [Backend::Vulkan, Backend::Metal, Backend::Dx12, Backend::Gl] {
@@ -61,23 +60,23 @@ pub(super) fn list() -> Vec<Found> {
         let kind = backend.to_str().to_string();
         if adapters.is_empty() {
             let outcome = Err(Failure::missing(none(backends), ""));
-            found.push(Found { reader: BackendKind::Gpu, kind: kind.clone(), outcome });
+            found.push(Found { backend: BackendKind::Gpu, kind: kind.clone(), outcome });
         }
         found.extend(adapters.iter().map(|adapter| {
             let outcome = Ok((device(adapter), limits(adapter)));
-            Found { reader: BackendKind::Gpu, kind: kind.clone(), outcome }
+            Found { backend: BackendKind::Gpu, kind: kind.clone(), outcome }
         }));
     }
     found
 }
 
-/// Who an adapter is.
+/// Returns the device of an adapter.
 pub(super) fn device(adapter: &Adapter) -> Device {
     let info = adapter.get_info();
     let driver =
         if info.driver.is_empty() { info.backend.to_str().to_string() } else { info.driver };
     Device {
-        reader: BackendKind::Gpu,
+        backend: BackendKind::Gpu,
         adapter: info.name,
         driver,
         version: info.driver_info,
@@ -85,7 +84,7 @@ pub(super) fn device(adapter: &Adapter) -> Device {
     }
 }
 
-/// What an adapter takes.
+/// Returns the limits of an adapter.
 pub(super) fn limits(adapter: &Adapter) -> Limits {
     let limits = adapter.limits();
     let immediates = adapter.features().contains(Features::IMMEDIATES);
@@ -104,14 +103,14 @@ pub(super) fn limits(adapter: &Adapter) -> Limits {
 fn enumerate(backends: Backends) -> Vec<Adapter> {
     let descriptor = InstanceDescriptor {
         backends,
-        // The layers that check Vulkan's use are for those who write drivers' clients.
+        // The validation layers are meant for developers of Vulkan programs.
         flags: wgpu::InstanceFlags::empty(),
         ..InstanceDescriptor::new_without_display_handle()
     };
     let instance = Instance::new(descriptor);
     if backends.contains(Backends::GL) {
-        // wgpu 30 terminates EGL's display with its instance, and with it the contexts that
-        // others of this process have on the same display: this one is never dropped.
+        // wgpu 30 terminates EGL's display with its instance, and with it other contexts of this
+        // process on that display: this instance is never dropped.
         std::mem::forget(instance.clone());
     }
     pollster::block_on(instance.enumerate_adapters(backends))
@@ -122,7 +121,7 @@ fn full_name(adapter: &Adapter) -> String {
     format!("{} ({})", info.name, info.backend.to_str())
 }
 
-/// Lower is taken first.
+/// Returns the preference of a device type; lower is preferred.
 fn rank(kind: DeviceType) -> u32 {
     match kind {
         DeviceType::DiscreteGpu => 0,
@@ -147,7 +146,8 @@ fn none(backends: Backends) -> String {
     let mut message = format!("no {} adapter", names.join(" or "));
     if backends.contains(Backends::VULKAN) && cfg!(target_os = "linux") {
         message.push_str(
-            "; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` have one in software",
+            "; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` provide a software \
+             driver",
         );
     }
     message

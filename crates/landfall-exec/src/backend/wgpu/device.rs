@@ -1,4 +1,4 @@
-//! A device with its ears open: nothing it says may end the process.
+//! An open device whose errors are collected, so that none ends the process.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,19 +11,19 @@ use crate::backend::Failure;
 pub(super) struct Open {
     pub(super) device: Device,
     pub(super) queue: Queue,
-    said: Arc<Mutex<Said>>,
+    reported: Arc<Mutex<Reported>>,
 }
 
-/// What a device has said that belonged to no call.
+/// Errors that the device reported outside any call.
 #[derive(Default)]
-struct Said {
-    /// Why it is gone.
+struct Reported {
+    /// The reason why the device is lost.
     lost: Option<String>,
     errors: Vec<String>,
 }
 
 impl Open {
-    /// Opens an adapter with all it has.
+    /// Opens an adapter with all its wanted features.
     pub(super) fn new(adapter: &Adapter) -> Result<Open, Failure> {
         let descriptor = DeviceDescriptor {
             label: Some("landfall"),
@@ -38,20 +38,20 @@ impl Open {
             let name = adapter.get_info().name;
             Failure::missing(format!("the adapter `{name}` does not open"), cause.to_string())
         })?;
-        let said = Arc::new(Mutex::new(Said::default()));
-        let heard = Arc::clone(&said);
+        let reported = Arc::new(Mutex::new(Reported::default()));
+        let recorder = Arc::clone(&reported);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            lock(&heard).errors.push(error.to_string());
+            lock(&recorder).errors.push(error.to_string());
         }));
-        let heard = Arc::clone(&said);
+        let recorder = Arc::clone(&reported);
         device.set_device_lost_callback(move |reason, message| {
-            lock(&heard).lost = Some(format!("{reason:?}: {message}"));
+            lock(&recorder).lost = Some(format!("{reason:?}: {message}"));
         });
-        Ok(Open { device, queue, said })
+        Ok(Open { device, queue, reported })
     }
 
-    /// Calls it, and makes a failure of any error it reports meanwhile.
-    pub(super) fn hear<T>(
+    /// Runs `call`, and returns a failure if the device reports an error during it.
+    pub(super) fn checked<T>(
         &self,
         doing: &str,
         call: impl FnOnce() -> Result<T, Failure>,
@@ -60,27 +60,27 @@ impl Open {
         let mut scopes = filters.map(|filter| Some(self.device.push_error_scope(filter)));
         let result = call();
         let mut errors = Vec::new();
-        // The scope pushed last is popped first.
+        // Error scopes are popped in reverse order.
         for scope in scopes.iter_mut().rev() {
             let scope = scope.take().expect("each scope is popped once");
             errors.extend(pollster::block_on(scope.pop()));
         }
         self.alive()?;
-        // What was called may have stopped on account of the error; the error says more.
+        // The call may have failed because of the error, which explains more.
         match errors.first() {
             Some(error) => Err(Failure::refused(
-                format!("wgpu refuses {doing}: {}", first_reason(&error.to_string())),
+                format!("wgpu rejects {doing}: {}", first_reason(&error.to_string())),
                 error.to_string(),
             )),
             None => result,
         }
     }
 
-    /// Whether the device is still there.
+    /// Fails if the device is lost or has reported errors.
     pub(super) fn alive(&self) -> Result<(), Failure> {
-        let mut said = lock(&self.said);
-        let errors = std::mem::take(&mut said.errors);
-        match &said.lost {
+        let mut reported = lock(&self.reported);
+        let errors = std::mem::take(&mut reported.errors);
+        match &reported.lost {
             Some(lost) => {
                 let log = [vec![lost.clone()], errors].concat().join("\n");
                 Err(Failure::died("the device is lost", log))
@@ -93,12 +93,12 @@ impl Open {
     }
 }
 
-/// The innermost of the reasons wgpu lists, one a line, outermost first.
+/// Returns the innermost of wgpu's reasons, which it lists one a line, outermost first.
 fn first_reason(description: &str) -> String {
     let mut lines = description.lines().map(str::trim).filter(|line| !line.is_empty());
-    lines.next_back().unwrap_or("it says no more").to_string()
+    lines.next_back().unwrap_or("no reason given").to_string()
 }
 
-fn lock(said: &Mutex<Said>) -> std::sync::MutexGuard<'_, Said> {
-    said.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(reported: &Mutex<Reported>) -> std::sync::MutexGuard<'_, Reported> {
+    reported.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,14 +1,12 @@
-//! Numbers that a module uses and an adapter may not have, refused by name.
-//!
-//! Asked by [`pipeline`](super::pipeline) before wgpu is, whose words for the same are of its
-//! own validator.
+//! Checks that the adapter has the scalar types a module uses; called by
+//! [`pipeline`](super::pipeline) before wgpu, whose own message names its validator's terms.
 
 use naga::{Expression, Scalar, ScalarKind};
 use wgpu::Features;
 
 use crate::backend::Failure;
 
-/// Numbers that need a feature of the adapter: bytes, feature, what messages call them.
+/// Scalar types that need a feature: kinds, bytes, feature, name in messages.
 const ROWS: &[(&[ScalarKind], u8, Features, &str)] = &[
     (&[ScalarKind::Float], 2, Features::SHADER_F16, "16-bit floats"),
     (&[ScalarKind::Float], 8, Features::SHADER_F64, "64-bit floats"),
@@ -16,7 +14,7 @@ const ROWS: &[(&[ScalarKind], u8, Features, &str)] = &[
     (&[ScalarKind::Sint, ScalarKind::Uint], 8, Features::SHADER_INT64, "64-bit integers"),
 ];
 
-/// The refusal of a module that uses what those features do not give.
+/// Returns the failure of a module that uses scalar types without their features.
 pub(super) fn lacking(ir: &naga::Module, has: Features) -> Option<Failure> {
     let types = ir.types.iter().filter_map(|(_, ty)| ty.inner.scalar());
     let functions = ir.functions.iter().map(|(_, function)| function);
@@ -30,11 +28,11 @@ pub(super) fn lacking(ir: &naga::Module, has: Features) -> Option<Failure> {
         })
     };
     let (_, _, _, what) = used.filter_map(row).next()?;
-    let message = format!("the shader uses {what}, which this adapter does not have");
-    Some(Failure::refused(message, "the evaluator has them: `--reader cpu`"))
+    let message = format!("the shader uses {what}, which this adapter does not support");
+    Some(Failure::refused(message, "the evaluator supports them: `--backend cpu`"))
 }
 
-/// What an expression makes, where it says so itself.
+/// Returns the scalar type of an expression that states it.
 fn scalar(expression: &Expression) -> Option<Scalar> {
     match expression {
         Expression::Literal(literal) => Some(literal.scalar()),

@@ -1,7 +1,7 @@
-//! Shader modules and pipelines, each made once.
+//! Creates shader modules and pipelines, each once.
 //!
-//! Fed by jobs; feeds [`run`](super::run). The layout of a pipeline is what the job binds,
-//! so that SPIR-V, of which wgpu knows nothing, is bound like a module.
+//! Used by [`run`](super::run). The pipeline layout follows the job's resources, so that SPIR-V,
+//! which wgpu does not parse, is bound like a module.
 
 #![allow(unsafe_code, reason = "SPIR-V goes to the driver as it is")]
 
@@ -31,9 +31,9 @@ pub(super) struct Pipelines {
     pipelines: HashMap<Key, Arc<Pipeline>>,
 }
 
-/// A pipeline and the groups it binds.
+/// A pipeline and its bind groups.
 pub(super) struct Pipeline {
-    /// For each group up to the last, its layout if anything is in it.
+    /// The layout of each group up to the last; `None` for empty ones.
     pub(super) groups: Vec<Option<BindGroupLayout>>,
     pub(super) kind: PipelineKind,
 }
@@ -43,10 +43,10 @@ pub(super) enum PipelineKind {
     Render(RenderPipeline),
 }
 
-/// Beyond this many all are let go: nobody runs more in turn.
+/// The number of pipelines kept; beyond it all are dropped.
 const KEPT: usize = 64;
 
-/// What a pipeline depends on.
+/// The key of a cached pipeline.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     stages: Vec<(Stage, String, Code)>,
@@ -55,7 +55,7 @@ struct Key {
     target: Option<(Texel, bool)>,
 }
 
-/// A shader module by what it was made of; modules are the same when they are one.
+/// The source of a shader module, compared by identity.
 #[derive(Clone, Debug)]
 enum Code {
     Module(Arc<Module>),
@@ -86,7 +86,7 @@ impl std::hash::Hash for Code {
     }
 }
 
-/// How a resource is bound.
+/// The way a resource is bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Binding {
     Uniform,
@@ -96,7 +96,7 @@ enum Binding {
 }
 
 impl Pipelines {
-    /// The pipeline of a job, made at the first time.
+    /// Returns the pipeline of a job, created on first use.
     pub(super) fn get(&mut self, open: &Open, job: &Job) -> Result<Arc<Pipeline>, Failure> {
         let key = key(job)?;
         if let Some(pipeline) = self.pipelines.get(&key) {
@@ -111,8 +111,8 @@ impl Pipelines {
         }
         let visible = key.stages.iter().fold(ShaderStages::NONE, |all, s| all | visibility(s.0));
         let (groups, layout) = layout(open, &key, visible)?;
-        let kind = open.hear("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)));
-        // wgpu tells the place and not the name.
+        let kind = open.checked("the pipeline", || Ok(pipeline(open, &key, &stages, &layout)));
+        // wgpu's message has the binding without the name.
         let kind = kind.map_err(|failure| match unbound(&key) {
             Some(message) => Failure { message, ..failure },
             None => failure,
@@ -133,7 +133,7 @@ impl Pipelines {
             return Ok(module.clone());
         }
         let doing = format!("the {} shader", stage.name());
-        let made = open.hear(&doing, || match code {
+        let made = open.checked(&doing, || match code {
             Code::Module(module) => match needs::lacking(&module.ir, open.device.features()) {
                 Some(failure) => Err(failure),
                 None => Ok(of_module(open, module.ir.clone())),
@@ -142,7 +142,7 @@ impl Pipelines {
             Code::Spirv(words) => {
                 let workgroup_size = spirv::workgroup_size(words)?;
                 if !open.device.features().contains(Features::PASSTHROUGH_SHADERS) {
-                    return Err(Failure::refused("this adapter takes no SPIR-V as it is", ""));
+                    return Err(Failure::refused("this adapter does not accept SPIR-V", ""));
                 }
                 let entry = wgpu::PassthroughShaderEntryPoint {
                     name: Cow::Borrowed(entry),
@@ -154,9 +154,8 @@ impl Pipelines {
                     spirv: Some(Cow::Borrowed(words)),
                     ..Default::default()
                 };
-                // SAFETY: the words are whole instructions made by a compiler of the user's;
-                // a driver that minds takes only this process down, which is what
-                // `subprocess` is for.
+                // SAFETY: the words are whole instructions of a third-party compiler; a driver
+                // that crashes on them ends only this process, which `subprocess` allows for.
                 Ok(unsafe { open.device.create_shader_module_passthrough(descriptor) })
             }
         })?;
@@ -172,7 +171,7 @@ fn of_module(open: &Open, ir: naga::Module) -> ShaderModule {
     })
 }
 
-/// The vertex shader before a lone fragment shader: a triangle over the whole image.
+/// Returns the vertex shader for a lone fragment shader: a triangle over the whole image.
 fn corners() -> &'static naga::Module {
     static CORNERS: OnceLock<naga::Module> = OnceLock::new();
     CORNERS.get_or_init(|| {
@@ -197,7 +196,7 @@ fn key(job: &Job) -> Result<Key, Failure> {
             (None, Some(module)) => Code::Module(Arc::clone(module)),
             (None, None) => {
                 let message = format!(
-                    "wgpu takes a module or SPIR-V, and the {} stage has neither",
+                    "wgpu needs a module or SPIR-V, but the {} stage has neither",
                     stage.name()
                 );
                 return Err(Failure::refused(message, ""));
@@ -257,7 +256,7 @@ fn visibility(stage: Stage) -> ShaderStages {
     }
 }
 
-/// What a module has and the job does not bind.
+/// Returns a message about a resource of the module that the job does not bind.
 fn unbound(key: &Key) -> Option<String> {
     key.stages.iter().find_map(|(_, _, code)| {
         let Code::Module(module) = code else { return None };
@@ -269,8 +268,8 @@ fn unbound(key: &Key) -> Option<String> {
             }
             let name = global.name.as_deref().unwrap_or("a block");
             Some(format!(
-                "the shader reads `{name}` (group {group}, binding {binding}), and nothing is bound \
-                 to it"
+                "the shader reads `{name}` (group {group}, binding {binding}), but nothing is \
+                 bound to it"
             ))
         })
     })
@@ -305,7 +304,7 @@ fn layout(
         };
         BindGroupLayoutEntry { binding, visibility, ty, count: None }
     };
-    open.hear("what is bound", || {
+    open.checked("the bindings", || {
         let last = key.bindings.iter().map(|row| row.0 + 1).max().unwrap_or(0);
         let groups: Groups = (0..last)
             .map(|group| {
@@ -377,7 +376,7 @@ fn pipeline(
     }))
 }
 
-/// The format of the image that is drawn into.
+/// Returns the format of the render target.
 pub(super) fn format(texel: Texel) -> TextureFormat {
     match texel {
         Texel::Float => TextureFormat::Rgba32Float,

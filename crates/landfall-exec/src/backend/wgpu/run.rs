@@ -1,4 +1,4 @@
-//! One job on one device: buffers filled, run, read back.
+//! Runs one job on one device: fills buffers, runs, reads back.
 
 use crate::processor::Stopwatch;
 use std::num::NonZeroU64;
@@ -15,7 +15,7 @@ use super::pipeline::{Pipeline, PipelineKind, Pipelines, format};
 use super::timing::Timestamps;
 use crate::backend::devices::Limits;
 use crate::backend::limits::{exceeds, twice};
-use crate::backend::{Answer, Failure, Grid, Job, Resource, ResourceKind};
+use crate::backend::{Failure, Grid, Job, JobOutput, Resource, ResourceKind};
 
 /// Runs a job.
 pub(super) fn run(
@@ -24,22 +24,23 @@ pub(super) fn run(
     limits: &Limits,
     job: &Job,
     timestamps: Option<&Timestamps>,
-) -> Result<Answer, Failure> {
+) -> Result<JobOutput, Failure> {
     let begun = Stopwatch::start();
     open.alive()?;
     check(open, limits, job)?;
     let pipeline = pipelines.get(open, job)?;
-    let (things, back) = open.hear("the job", || {
-        let things: Vec<Thing> = job.resources.iter().map(|r| Thing::new(open, r)).collect();
-        let groups = bind(open, &pipeline, &job.resources, &things);
+    let (resources_on_gpu, back) = open.checked("the job", || {
+        let resources_on_gpu: Vec<GpuResource> =
+            job.resources.iter().map(|r| GpuResource::new(open, r)).collect();
+        let groups = bind(open, &pipeline, &job.resources, &resources_on_gpu);
         let mut encoder = open.device.create_command_encoder(&Default::default());
         let image = record(open, &mut encoder, &pipeline, &groups, job, timestamps);
-        let back = Back::record(open, &mut encoder, &things, image.as_ref());
+        let back = Back::record(open, &mut encoder, &resources_on_gpu, image.as_ref());
         timestamps.into_iter().for_each(|timestamps| timestamps.record(&mut encoder));
         open.queue.submit([encoder.finish()]);
         back.map();
         timestamps.into_iter().for_each(Timestamps::map);
-        Ok((things, back))
+        Ok((resources_on_gpu, back))
     })?;
     loop {
         let left = job.limit.saturating_sub(begun.elapsed());
@@ -49,15 +50,15 @@ pub(super) fn run(
             Err(PollError::Timeout) if begun.elapsed() < job.limit => {}
             Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
             Err(cause @ PollError::WrongSubmissionIndex(..)) => {
-                return Err(Failure::died("the device does not know the job", cause.to_string()));
+                return Err(Failure::died("the device lost track of the job", cause.to_string()));
             }
         }
     }
     open.alive()?;
-    back.read(&things)
+    back.read(&resources_on_gpu)
 }
 
-/// What can be said against the job before anything is made of it.
+/// Checks the job before anything is created.
 fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
     for (at, resource) in job.resources.iter().enumerate() {
         let before = &job.resources[..at];
@@ -96,7 +97,7 @@ fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
                 some(bytes)?;
                 if !open.device.features().contains(Features::IMMEDIATES) {
                     let message = format!(
-                        "this adapter has no push constants, and `{name}` is a block of them"
+                        "this adapter has no push constants, but `{name}` is a push constant block"
                     );
                     return Err(Failure::refused(message, ""));
                 }
@@ -105,12 +106,12 @@ fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
             ResourceKind::Texture { width, height, texels } => {
                 let side = (*width).max(*height) as usize;
                 let what = format!("the texture `{name}`");
-                exceeds(&what, side, "texels a side", limits.image_side)?;
+                exceeds(&what, side, "texels per side", limits.image_side)?;
                 if texels.is_empty()
                     || texels.len() as u64 != u64::from(*width) * u64::from(*height)
                 {
                     let message = format!(
-                        "{what} is {width} by {height} texels, and {} are given",
+                        "{what} is {width} by {height} texels, but {} were given",
                         texels.len()
                     );
                     return Err(Failure::refused(message, ""));
@@ -121,20 +122,25 @@ fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
     }
     match job.grid {
         Grid::Groups(groups) => groups.into_iter().try_for_each(|groups| {
-            exceeds("the dispatch", groups as usize, "workgroups one way", limits.workgroups)
+            exceeds(
+                "the dispatch",
+                groups as usize,
+                "workgroups in one dimension",
+                limits.workgroups,
+            )
         }),
         Grid::Image { width, height, .. } => {
-            exceeds("the image", width.max(height) as usize, "pixels a side", limits.image_side)
+            exceeds("the image", width.max(height) as usize, "pixels per side", limits.image_side)
         }
         Grid::Points { count, .. } => {
-            exceeds("the row of points", count as usize, "pixels a side", limits.image_side)
+            exceeds("the row of points", count as usize, "pixels per side", limits.image_side)
         }
     }
 }
 
 /// A resource on the device.
-enum Thing {
-    /// A buffer, the bytes of it that are bound, and those that come back.
+enum GpuResource {
+    /// A buffer, its bound size, and the size that is read back.
     Buffer {
         buffer: Buffer,
         bound: u64,
@@ -142,27 +148,27 @@ enum Thing {
     },
     Texture(TextureView),
     Sampler(Sampler),
-    /// Immediates, and what wgpu does not know.
+    /// Immediates, and resources that wgpu does not bind.
     Unplaced,
 }
 
-impl Thing {
-    fn new(open: &Open, resource: &Resource) -> Thing {
+impl GpuResource {
+    fn new(open: &Open, resource: &Resource) -> GpuResource {
         match &resource.kind {
-            // A uniform buffer is bound as long as it is: longer would hide that the shader
-            // wants more than was laid out.
+            // A uniform buffer is bound at its exact size: a larger one would hide that the shader
+            // needs more than the layout has.
             ResourceKind::Uniform(bytes) => {
                 let buffer = filled(open, bytes, BufferUsages::UNIFORM);
-                Thing::Buffer { buffer, bound: bytes.len() as u64, back: None }
+                GpuResource::Buffer { buffer, bound: bytes.len() as u64, back: None }
             }
-            // WebGPU binds storage buffers in words.
+            // WebGPU binds storage buffers in multiples of four bytes.
             ResourceKind::Storage { bytes, writable } => {
                 let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
                 let bound = bytes.len().next_multiple_of(4) as u64;
                 let back = writable.then_some(bytes.len());
-                Thing::Buffer { buffer: filled(open, bytes, usage), bound, back }
+                GpuResource::Buffer { buffer: filled(open, bytes, usage), bound, back }
             }
-            ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => Thing::Unplaced,
+            ResourceKind::PushConstant(_) | ResourceKind::Loose(_) => GpuResource::Unplaced,
             ResourceKind::Texture { width, height, texels } => {
                 let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST;
                 let texture = image(open, (*width, *height), TextureFormat::Rgba32Float, usage);
@@ -176,11 +182,11 @@ impl Thing {
                     },
                     texture.size(),
                 );
-                Thing::Texture(texture.create_view(&Default::default()))
+                GpuResource::Texture(texture.create_view(&Default::default()))
             }
             ResourceKind::Sampler => {
                 let repeat = wgpu::AddressMode::Repeat;
-                Thing::Sampler(open.device.create_sampler(&wgpu::SamplerDescriptor {
+                GpuResource::Sampler(open.device.create_sampler(&wgpu::SamplerDescriptor {
                     address_mode_u: repeat,
                     address_mode_v: repeat,
                     address_mode_w: repeat,
@@ -227,21 +233,21 @@ fn bind(
     open: &Open,
     pipeline: &Pipeline,
     resources: &[Resource],
-    things: &[Thing],
+    resources_on_gpu: &[GpuResource],
 ) -> Vec<Option<BindGroup>> {
     let of_group = |group: usize| {
-        let here = resources.iter().zip(things);
+        let here = resources.iter().zip(resources_on_gpu);
         let here = here.filter(move |(resource, _)| resource.group as usize == group);
         let entries: Vec<BindGroupEntry<'_>> = here
-            .filter_map(|(resource, thing)| {
-                let resource_bound = match thing {
-                    Thing::Buffer { buffer, bound, .. } => {
+            .filter_map(|(resource, gpu_resource)| {
+                let resource_bound = match gpu_resource {
+                    GpuResource::Buffer { buffer, bound, .. } => {
                         let size = NonZeroU64::new(*bound);
                         BindingResource::Buffer(BufferBinding { buffer, offset: 0, size })
                     }
-                    Thing::Texture(view) => BindingResource::TextureView(view),
-                    Thing::Sampler(sampler) => BindingResource::Sampler(sampler),
-                    Thing::Unplaced => return None,
+                    GpuResource::Texture(view) => BindingResource::TextureView(view),
+                    GpuResource::Sampler(sampler) => BindingResource::Sampler(sampler),
+                    GpuResource::Unplaced => return None,
                 };
                 Some(BindGroupEntry { binding: resource.binding, resource: resource_bound })
             })
@@ -259,7 +265,7 @@ fn bind(
         .collect()
 }
 
-/// Writes down the one pass; an image that comes back is what it drew.
+/// Records the pass, and copies its image for read-back.
 fn record(
     open: &Open,
     encoder: &mut CommandEncoder,
@@ -331,11 +337,11 @@ fn record(
     Some(target)
 }
 
-/// The buffers in which the results come back.
+/// The buffers for read-back.
 struct Back {
-    /// For each resource, its copy.
+    /// By resource: its copy.
     buffers: Vec<Option<Buffer>>,
-    /// The image, its rows apart by so many bytes, and its size.
+    /// The image, its bytes per row, and its size.
     image: Option<(Buffer, u32, (u32, u32))>,
 }
 
@@ -343,7 +349,7 @@ impl Back {
     fn record(
         open: &Open,
         encoder: &mut CommandEncoder,
-        things: &[Thing],
+        resources_on_gpu: &[GpuResource],
         image: Option<&Texture>,
     ) -> Back {
         let room = |size| {
@@ -352,16 +358,16 @@ impl Back {
                 BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
             open.device.create_buffer(&descriptor)
         };
-        let buffers = things.iter().map(|thing| match thing {
-            Thing::Buffer { buffer, bound, back: Some(_) } => {
+        let buffers = resources_on_gpu.iter().map(|gpu_resource| match gpu_resource {
+            GpuResource::Buffer { buffer, bound, back: Some(_) } => {
                 let copy = room(*bound);
                 encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, *bound);
                 Some(copy)
             }
-            Thing::Buffer { back: None, .. }
-            | Thing::Texture(_)
-            | Thing::Sampler(_)
-            | Thing::Unplaced => None,
+            GpuResource::Buffer { back: None, .. }
+            | GpuResource::Texture(_)
+            | GpuResource::Sampler(_)
+            | GpuResource::Unplaced => None,
         });
         let buffers = buffers.collect();
         let image = image.map(|texture| {
@@ -380,25 +386,25 @@ impl Back {
         Back { buffers, image }
     }
 
-    /// Asks for them to be readable once the job is done.
+    /// Maps the buffers; they are readable when the job is done.
     fn map(&self) {
         let image = self.image.iter().map(|image| &image.0);
         for buffer in self.buffers.iter().flatten().chain(image) {
-            // Whether it worked shows when the range is read.
+            // An error shows when the range is read.
             buffer.map_async(MapMode::Read, .., |_| {});
         }
     }
 
-    fn read(&self, things: &[Thing]) -> Result<Answer, Failure> {
+    fn read(&self, resources_on_gpu: &[GpuResource]) -> Result<JobOutput, Failure> {
         let bytes = |buffer: &Buffer| {
             let range = buffer.get_mapped_range(..);
             let unread = "the results cannot be read back";
             range.map(|view| view.to_vec()).map_err(|e| Failure::died(unread, e.to_string()))
         };
-        let mut buffers = Vec::with_capacity(things.len());
-        for (thing, copy) in things.iter().zip(&self.buffers) {
-            buffers.push(match (thing, copy) {
-                (Thing::Buffer { back: Some(length), .. }, Some(copy)) => {
+        let mut buffers = Vec::with_capacity(resources_on_gpu.len());
+        for (gpu_resource, copy) in resources_on_gpu.iter().zip(&self.buffers) {
+            buffers.push(match (gpu_resource, copy) {
+                (GpuResource::Buffer { back: Some(length), .. }, Some(copy)) => {
                     let mut bytes = bytes(copy)?;
                     bytes.truncate(*length);
                     Some(bytes)
@@ -417,6 +423,6 @@ impl Back {
                 }));
             }
         }
-        Ok(Answer { buffers, pixels })
+        Ok(JobOutput { buffers, pixels })
     }
 }

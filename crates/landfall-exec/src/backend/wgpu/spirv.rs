@@ -1,10 +1,10 @@
-//! What must be known of SPIR-V before a driver gets it as it is: wgpu checks none of it.
+//! Checks of SPIR-V that is passed to a driver unchanged, since wgpu does none.
 //!
 //! Numbers are those of the SPIR-V specification, §3.
 
 use crate::backend::Failure;
 
-/// Words before the first instruction, and the first of them.
+/// The header's length in words, and its first word.
 const HEADER: usize = 5;
 const MAGIC: u32 = 0x0723_0203;
 
@@ -14,13 +14,13 @@ const OP_TYPE_SAMPLED_IMAGE: u32 = 27;
 const OP_TYPE_POINTER: u32 = 32;
 const UNIFORM_CONSTANT: u32 = 0;
 
-/// The workgroup of a compute shader, `(1, 1, 1)` where it names none.
+/// Returns the workgroup size of a compute shader, `(1, 1, 1)` if it declares none.
 ///
 /// # Errors
-/// It is no SPIR-V, or uses what a job cannot bind.
+/// Fails if it is no SPIR-V, or uses resources that a job cannot bind.
 pub(super) fn workgroup_size(words: &[u32]) -> Result<(u32, u32, u32), Failure> {
     if words.first() != Some(&MAGIC) || words.len() < HEADER {
-        return Err(Failure::refused("the SPIR-V does not begin as SPIR-V does", ""));
+        return Err(Failure::refused("the SPIR-V has an invalid header", ""));
     }
     let mut size = (1, 1, 1);
     let mut combined = Vec::new();
@@ -36,7 +36,7 @@ pub(super) fn workgroup_size(words: &[u32]) -> Result<(u32, u32, u32), Failure> 
             (OP_EXECUTION_MODE, [_, LOCAL_SIZE, x, y, z]) => size = (*x, *y, *z),
             (OP_TYPE_SAMPLED_IMAGE, [id, _]) => combined.push(*id),
             (OP_TYPE_POINTER, [_, UNIFORM_CONSTANT, to]) if combined.contains(to) => {
-                let message = "wgpu binds textures and samplers apart, and the SPIR-V has a \
+                let message = "wgpu binds textures and samplers separately, but the SPIR-V has a \
                     combined one; declare `texture2D` and `sampler`";
                 return Err(Failure::refused(message, ""));
             }

@@ -1,7 +1,6 @@
-//! How long a device worked at a pass, by two timestamps of its own.
+//! Device time of a pass by two timestamps.
 //!
-//! For [`run`](super::run) where a bench asks; a pass alone is timed, neither the upload nor the
-//! read-back.
+//! Used by [`run`](super::run) for benches; the pass alone is timed, without upload and read-back.
 
 use std::time::Duration;
 
@@ -12,7 +11,7 @@ use wgpu::{
 
 use super::device::Open;
 
-/// Two timestamps of eight bytes each.
+/// Size of two timestamps of eight bytes each.
 const SIZE: u64 = 16;
 
 /// The timestamps of one job.
@@ -20,12 +19,12 @@ pub(super) struct Timestamps {
     set: QuerySet,
     resolved: Buffer,
     back: Buffer,
-    /// Nanoseconds a count.
+    /// Nanoseconds per tick.
     period: f64,
 }
 
 impl Timestamps {
-    /// For a job on a device that has timestamps.
+    /// Creates the query set; `None` if the device has no timestamps.
     pub(super) fn new(open: &Open) -> Option<Timestamps> {
         if !open.device.features().contains(Features::TIMESTAMP_QUERY) {
             return None;
@@ -44,7 +43,7 @@ impl Timestamps {
         })
     }
 
-    /// Around a render pass.
+    /// Returns the timestamp writes of a render pass.
     pub(super) fn render(&self) -> RenderPassTimestampWrites<'_> {
         RenderPassTimestampWrites {
             query_set: &self.set,
@@ -53,7 +52,7 @@ impl Timestamps {
         }
     }
 
-    /// Around a compute pass.
+    /// Returns the timestamp writes of a compute pass.
     pub(super) fn compute(&self) -> ComputePassTimestampWrites<'_> {
         ComputePassTimestampWrites {
             query_set: &self.set,
@@ -62,19 +61,19 @@ impl Timestamps {
         }
     }
 
-    /// Has them come back with the results.
+    /// Records the copy of the timestamps for read-back.
     pub(super) fn record(&self, encoder: &mut CommandEncoder) {
         encoder.resolve_query_set(&self.set, 0..2, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.back, 0, SIZE);
     }
 
-    /// Asks for them to be readable once the job is done.
+    /// Maps the buffer; it is readable when the job is done.
     pub(super) fn map(&self) {
-        // Whether it worked shows when the range is read.
+        // An error shows when the range is read.
         self.back.map_async(MapMode::Read, .., |_| {});
     }
 
-    /// How long the pass took; none where the device counts backwards or gives nothing.
+    /// Returns the duration of the pass; `None` if the device counts backwards or returns nothing.
     pub(super) fn passed(&self) -> Option<Duration> {
         let bytes = self.back.get_mapped_range(..).ok()?;
         let count = |at: usize| {

@@ -1,7 +1,7 @@
-//! Arguments in JSON, as the words the evaluator and the drivers take.
+//! Arguments in JSON, converted to the words that backends take.
 //!
 //! Numbers are numbers, bools `true` and `false`, vectors arrays, matrices arrays of columns,
-//! structures objects by member; what JSON has no number for is `"nan"`, `"inf"`, `"-inf"`.
+//! structures objects by member; non-finite numbers are `"nan"`, `"inf"`, `"-inf"`.
 
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
@@ -11,7 +11,7 @@ pub use landfall_layout::buffer::{Unfit, bits, kind};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
 
-/// What does not fit, and where in the JSON: `args[1].color[2]`.
+/// A value that does not fit, and its path in the JSON: `args[1].color[2]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Misfit {
     pub code: Code,
@@ -26,7 +26,7 @@ impl Misfit {
     }
 }
 
-/// Appends the words of a value, one a scalar: 32-bit bits, or 64.
+/// Appends the words of a value, one per scalar, each the bits of 32 or 64.
 pub(super) fn words(
     ty: &ValueType,
     value: &Value,
@@ -142,7 +142,7 @@ fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u
     })
 }
 
-/// The format a scalar's word is in: the evaluator holds every small float as an `f32`.
+/// Returns the format of a scalar's word: the evaluator holds every small float as an `f32`.
 pub(super) fn held_as(scalar: Scalar) -> Scalar {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => Scalar::F64,
@@ -154,7 +154,7 @@ pub(super) fn held_as(scalar: Scalar) -> Scalar {
     }
 }
 
-/// A type as its language spells it.
+/// Returns a type as its language spells it.
 pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
     match ty {
         ValueType::Struct { name, .. } => name.clone(),
@@ -176,7 +176,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
     }
 }
 
-/// The shape of a type without structures.
+/// Returns the shape of a type without structures.
 fn plain(ty: &ValueType) -> Option<Type> {
     Some(match ty {
         ValueType::Scalar(scalar) => Type::Scalar(*scalar),
@@ -191,7 +191,7 @@ fn plain(ty: &ValueType) -> Option<Type> {
     })
 }
 
-/// The way to each scalar of a type, in the order of its words: `.color.x`, `[1].y`.
+/// Returns the path of each scalar of a type, in the order of its words: `.color.x`, `[1].y`.
 pub(super) fn paths(ty: &ValueType) -> Vec<String> {
     let mut all = Vec::new();
     push_paths(ty, String::new(), &mut all);

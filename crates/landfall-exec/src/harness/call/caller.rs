@@ -1,8 +1,8 @@
-//! A module with a function that calls another as its shader would: inputs put in place and
-//! global variables initialised, as its entry point does, then the call.
+//! A module with an added function that calls another as its entry point would: it sets inputs,
+//! initialises global variables, and calls.
 //!
-//! Made of a [`Module`]; the evaluator runs it for [`call`](super::call()), and drivers what
-//! [`driven`](super::driven) makes of it.
+//! The evaluator runs it for [`call`](super::call()), and drivers run the form that
+//! [`kernel`](super::kernel) gives it.
 
 use naga::{
     Block, Expression, Function, FunctionArgument, GlobalVariable, Handle, Span, Statement,
@@ -11,25 +11,26 @@ use naga::{
 use landfall_ir::Module;
 use landfall_layout::Diagnostic;
 
-/// The name of the function that calls.
+/// The name of the added function.
 pub(super) const NAME: &str = "landfall_call";
 
-/// A module and what its [`NAME`] takes before the arguments of the function that is called.
+/// A module with a calling function; its [`NAME`] takes the inputs before the called function's
+/// arguments.
 pub(super) struct Caller {
     pub module: Module,
     pub handle: Handle<Function>,
-    /// The shader's inputs, each a parameter.
+    /// The shader's inputs, one parameter each.
     pub inputs: Vec<CallerInput>,
 }
 
 /// An input of the shader.
 pub(super) struct CallerInput {
     pub name: String,
-    /// What the shader reads it from.
+    /// The variable that holds it in the shader.
     pub variable: Option<Handle<GlobalVariable>>,
 }
 
-/// The module with a function that calls the one meant.
+/// Returns the module with a function that calls `target`.
 pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller, Vec<Diagnostic>> {
     let mut module = module.clone();
     let (mut function, inputs) = prologue(&module);
@@ -54,7 +55,7 @@ pub(super) fn caller(module: &Module, target: Handle<Function>) -> Result<Caller
     Ok(Caller { module: module.validated()?, handle, inputs })
 }
 
-/// What GLSL's entry point does before it calls `main`; nothing where there is no `main`.
+/// Returns the part of GLSL's entry point before the call of `main`; empty if there is no `main`.
 fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     let empty = || (Function { name: Some(NAME.to_string()), ..Function::default() }, Vec::new());
     let Some(main) = module.functions().iter().find(|f| f.name == "main").map(|f| f.handle) else {
@@ -65,7 +66,7 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
     };
     let is_call =
         |s: &Statement| matches!(s, Statement::Call { function, .. } if *function == main);
-    // WGSL's entry points are functions themselves.
+    // WGSL's entry points are ordinary functions.
     if !entry.function.body.iter().any(is_call) {
         return empty();
     }
@@ -93,7 +94,7 @@ fn prologue(module: &Module) -> (Function, Vec<CallerInput>) {
         };
         match known {
             Some(known) => CallerInput { name: known.name.clone(), variable: Some(known.variable) },
-            // One of the language's own.
+            // A built-in input.
             None => CallerInput { variable: named(), name: own },
         }
     });

@@ -1,33 +1,33 @@
-//! A call by a driver: the function in the form [`driven`](super::driven) gives it, over one lane.
+//! Runs a call on a driver: the function in the form of [`kernel`](super::kernel), over one lane.
 //!
-//! The evaluator needs none of it.
+//! The evaluator needs no such form.
 
 use super::Request;
 use super::arguments::words;
-use super::driven;
-use super::driven::DrivenCalled;
-use super::find::{Found, shown};
-use super::pure::{Asks, Origin, Pure, PureRequest};
-use crate::backend::{Failure, Reader};
+use super::find::{Target, shown};
+use super::kernel;
+use super::kernel::KernelResult;
+use super::pure::{Origin, PureFunction, PureRequest, Purpose};
+use crate::backend::{Backend, Failure};
 use crate::interp::Floats;
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
-/// The words that came back.
+/// The words that a driver returned.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Answered {
     pub result: Vec<u64>,
-    /// By parameter; of one that is not returned, nothing.
+    /// By parameter; empty for those that are not returned.
     pub parameters: Vec<Vec<u64>>,
 }
 
-/// Has a driver call the function.
+/// Calls the function on a driver.
 pub(super) fn run(
     source: &Source,
     options: &Options,
     request: &Request,
-    found: &Found<'_>,
-    reader: &mut dyn Reader,
+    found: &Target<'_>,
+    backend: &mut dyn Backend,
 ) -> Result<Answered, Failure> {
     let wanted = PureRequest {
         function: shown(found.info),
@@ -35,8 +35,8 @@ pub(super) fn run(
         textures: request.textures.clone(),
         floats: Floats::AsWritten,
     };
-    let pure = Pure::asked(source, options, &wanted, Asks::Call)
-        .map_err(|refusal| driven::refused(refusal.found.first()))?;
+    let pure = PureFunction::prepare(source, options, &wanted, Purpose::Call)
+        .map_err(|refusal| kernel::refused(refusal.found.first()))?;
     let mut columns: Vec<Vec<u64>> = Vec::new();
     for parameter in &pure.parameters {
         let zeros = || vec![vec![0]; parameter.scalars.len()];
@@ -45,12 +45,12 @@ pub(super) fn run(
             Origin::Input => input(source, request, &parameter.path, &parameter.ty)
                 .map_err(|found| Failure::refused(found.message, ""))?
                 .unwrap_or_else(zeros),
-            // What is given stays a buffer.
+            // Blocks with given values stay buffers.
             Origin::Block(..) => zeros(),
         });
     }
-    let driven = pure.on(reader.device())?;
-    let DrivenCalled { results, .. } = driven.call(reader, &columns, 1, request.limit)?;
+    let driven = pure.on(backend.device())?;
+    let KernelResult { results, .. } = driven.call(backend, &columns, 1, request.limit)?;
     let mut answered = Answered {
         result: Vec::new(),
         parameters: vec![Vec::new(); found.signature.parameters.len()],
@@ -68,7 +68,7 @@ pub(super) fn run(
     Ok(answered)
 }
 
-/// The words of an input, where it is given.
+/// Returns the words of an input, if given.
 fn input(
     source: &Source,
     request: &Request,

@@ -1,34 +1,34 @@
-//! What a function and those it calls do besides computing, and what is read before they run.
+//! Side effects of a function and its callees, and reads of initialisers before it runs.
 //!
-//! Looks through naga's IR; [`make`](super::make) refuses by it.
+//! Walks naga's IR; [`make`](super::make) rejects functions by it.
 
 use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Statement};
 use rustc_hash::FxHashSet;
 
-use landfall_ir::reach;
+use landfall_ir::call_graph;
 
-/// What a function and those it calls do besides computing.
+/// The side effects of a function and its callees.
 #[derive(Default)]
-pub(super) struct Seen {
-    /// Variables it writes.
+pub(super) struct Effects {
+    /// The variables it writes.
     pub stored: FxHashSet<Handle<GlobalVariable>>,
     pub derivatives: bool,
-    /// Whether it waits for other invocations, or computes with them.
+    /// Whether it waits for other invocations or uses their values.
     pub together: bool,
 }
 
-/// What a function does.
-pub(super) fn look(ir: &naga::Module, target: &Function) -> Seen {
-    let mut seen = Seen::default();
-    for function in reach::functions(ir, target) {
+/// Returns the side effects of a function.
+pub(super) fn effects_of(ir: &naga::Module, target: &Function) -> Effects {
+    let mut effects = Effects::default();
+    for function in call_graph::functions(ir, target) {
         let derivative = |(_, e): (_, &Expression)| matches!(e, Expression::Derivative { .. });
-        seen.derivatives |= function.expressions.iter().any(derivative);
-        for statement in reach::statements(&function.body) {
+        effects.derivatives |= function.expressions.iter().any(derivative);
+        for statement in call_graph::statements(&function.body) {
             match statement {
-                // What a pointer to a variable is given for may be written through it.
+                // A variable whose pointer is passed on may be written through it.
                 Statement::Call { arguments, .. } => {
-                    let roots = arguments.iter().filter_map(|at| reach::root(function, *at));
-                    seen.stored.extend(roots.filter(|variable| {
+                    let roots = arguments.iter().filter_map(|at| call_graph::root(function, *at));
+                    effects.stored.extend(roots.filter(|variable| {
                         ir.global_variables[*variable].space != AddressSpace::Handle
                     }));
                 }
@@ -36,44 +36,44 @@ pub(super) fn look(ir: &naga::Module, target: &Function) -> Seen {
                 | Statement::Atomic { pointer, .. }
                 | Statement::ImageStore { image: pointer, .. }
                 | Statement::ImageAtomic { image: pointer, .. } => {
-                    seen.stored.extend(reach::root(function, *pointer));
+                    effects.stored.extend(call_graph::root(function, *pointer));
                 }
                 Statement::ControlBarrier(_)
                 | Statement::MemoryBarrier(_)
                 | Statement::WorkGroupUniformLoad { .. }
                 | Statement::SubgroupBallot { .. }
                 | Statement::SubgroupGather { .. }
-                | Statement::SubgroupCollectiveOperation { .. } => seen.together = true,
+                | Statement::SubgroupCollectiveOperation { .. } => effects.together = true,
                 _ => {}
             }
         }
     }
-    seen
+    effects
 }
 
-/// Adds what variables begin with: initialisers are run before the call, by the caller. All that is
-/// read there, where one of them is for a variable that is reached.
+/// Adds the effects of variables' initialisers, which the caller runs before the call: all of them
+/// if one is for a variable in use.
 pub(super) fn through_initialisers(
     ir: &naga::Module,
     caller: &Function,
     reached: &mut FxHashSet<Handle<GlobalVariable>>,
 ) {
-    let written = reach::statements(&caller.body).filter_map(|statement| match statement {
-        Statement::Store { pointer, .. } => reach::root(caller, *pointer),
+    let written = call_graph::statements(&caller.body).filter_map(|statement| match statement {
+        Statement::Store { pointer, .. } => call_graph::root(caller, *pointer),
         _ => None,
     });
     if written.collect::<FxHashSet<_>>().is_disjoint(reached) {
         return;
     }
     let read = caller.expressions.iter().filter_map(|(_, expression)| match expression {
-        Expression::Load { pointer } => reach::root(caller, *pointer),
+        Expression::Load { pointer } => call_graph::root(caller, *pointer),
         _ => None,
     });
     reached.extend(read);
-    let mut called: Vec<Handle<Function>> = reach::calls(caller).collect();
-    // The last call is the one that is meant.
+    let mut called: Vec<Handle<Function>> = call_graph::calls(caller).collect();
+    // The last call is the call of the target.
     called.pop();
     for function in called {
-        reached.extend(reach::variables(ir, &ir.functions[function]));
+        reached.extend(call_graph::variables(ir, &ir.functions[function]));
     }
 }

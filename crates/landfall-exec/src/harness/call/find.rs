@@ -1,4 +1,4 @@
-//! Which function is meant: by its name, by its name and types, or by what the arguments fit.
+//! Finds the function of a request: by its name, its name and types, or its arguments.
 
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
@@ -9,24 +9,24 @@ use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo, LeftOut, Parameter};
 use landfall_layout::source::{Language, Span};
 
-/// The function that is meant, and its arguments as words.
+/// The function to call and its arguments as words.
 #[derive(Debug)]
-pub struct Found<'m> {
+pub struct Target<'m> {
     pub info: &'m FunctionInfo,
     pub signature: FunctionSignature,
-    /// By parameter; empty for one that is `out`.
+    /// By parameter; empty for an `out` parameter.
     pub arguments: Vec<Words>,
 }
 
-/// Finds it among the functions of a module.
+/// Finds the function among those of a module.
 pub(super) fn find<'m>(
     module: &'m Module,
     program: &Program,
     meant: &str,
     arguments: &[Value],
     language: Language,
-) -> Result<Found<'m>, Misfit> {
-    let Meant { name, named, fitting } = Meant::of(module, meant);
+) -> Result<Target<'m>, Misfit> {
+    let Candidates { name, named, fitting } = Candidates::of(module, meant);
     if named.is_empty() {
         return Err(unknown(module, name));
     }
@@ -35,7 +35,8 @@ pub(super) fn find<'m>(
     for info in &fitting {
         match taken(program, info, arguments, language) {
             Ok(taken) => found.push(taken),
-            // Of several, the one of as many parameters says best what is wrong.
+            // Of several overloads, the error of one with the right number of parameters explains
+            // most.
             Err(misfit) if wrong.is_none() || misfit.code != "wrong-count" => wrong = Some(misfit),
             Err(_) => {}
         }
@@ -52,22 +53,22 @@ pub(super) fn find<'m>(
         (_, _) => Err(Misfit {
             code: Code::AmbiguousFunction,
             message: format!("{} functions `{name}` take these arguments", found.len()),
-            help: Some(format!("say which with its types: {}", all_of(&named))),
+            help: Some(format!("name one with its types: {}", all_of(&named))),
         }),
     }
 }
 
-/// The arguments as a function takes them.
+/// Returns the arguments converted to the function's parameters.
 fn taken<'m>(
     program: &Program,
     info: &'m FunctionInfo,
     given: &[Value],
     language: Language,
-) -> Result<Found<'m>, Misfit> {
+) -> Result<Target<'m>, Misfit> {
     let cannot = |message: String| Misfit { code: Code::CannotCall, message, help: None };
     let signature = program.signature(info.handle.index()).map_err(|what| {
         let shown = shown(info);
-        cannot(format!("`{shown}` cannot be called: the evaluator does not know {what}"))
+        cannot(format!("`{shown}` cannot be called: the evaluator does not support {what}"))
     })?;
     let Some(signature) = signature else {
         let (shown, which) = (shown(info), opaque(info));
@@ -80,23 +81,23 @@ fn taken<'m>(
     let outs = (0..all).filter(is_out).count();
     let mut given: Vec<Option<&Value>> = given.iter().map(Some).collect();
     if given.len() == all - outs && outs > 0 {
-        // Those that are only `out` were left out.
+        // `out` parameters were left out.
         (0..all).filter(is_out).for_each(|at| given.insert(at, None));
     }
     if given.len() != all {
         return Err(Misfit {
             code: Code::WrongCount,
             message: format!(
-                "`{}` takes {}, and {} given",
+                "`{}` takes {}, but {} given",
                 shown(info),
                 match all {
                     1 => "1 argument".to_string(),
                     _ => format!("{all} arguments"),
                 },
                 match given.len() {
-                    0 => "none is".to_string(),
-                    1 => "1 is".to_string(),
-                    given => format!("{given} are"),
+                    0 => "none was".to_string(),
+                    1 => "1 was".to_string(),
+                    given => format!("{given} were"),
                 }
             ),
             help: Some(format!("it is `{}`", declared(info))),
@@ -113,21 +114,21 @@ fn taken<'m>(
         }
         arguments.push(flat.into_iter().map(|word| vec![word]).collect());
     }
-    Ok(Found { info, signature, arguments })
+    Ok(Target { info, signature, arguments })
 }
 
-/// Which parameter is no plain value.
+/// Returns a message that names the parameter without a plain value.
 pub(super) fn opaque(info: &FunctionInfo) -> String {
     let words = ["sampler", "texture", "image"];
     let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
-    opaque.map_or("a parameter is no plain value".to_string(), |p| {
-        format!("`{}` is a `{}`, which is no plain value", p.name, p.ty)
+    opaque.map_or("a parameter is not a plain value".to_string(), |p| {
+        format!("`{}` is a `{}`, which is not a plain value", p.name, p.ty)
     })
 }
 
-/// The function of that name, whatever its arguments; an entry point of WGSL as a function.
+/// Finds a function by name, whatever its arguments; an entry point of WGSL as a function.
 pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Misfit> {
-    let Meant { name, named, fitting } = Meant::of(module, meant);
+    let Candidates { name, named, fitting } = Candidates::of(module, meant);
     match (&fitting[..], named.len()) {
         ([one], _) => Ok((*one).clone()),
         ([], 0) => {
@@ -138,20 +139,20 @@ pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Mi
         (_, several) => Err(Misfit {
             code: Code::AmbiguousFunction,
             message: format!("{several} functions are named `{name}`"),
-            help: Some(format!("say which with its types: {}", all_of(&named))),
+            help: Some(format!("name one with its types: {}", all_of(&named))),
         }),
     }
 }
 
-/// The functions of a name, and those of them that have the types that were said.
-struct Meant<'m, 'a> {
+/// The functions of a name, and those with the types of the request.
+struct Candidates<'m, 'a> {
     name: &'a str,
     named: Vec<&'m FunctionInfo>,
     fitting: Vec<&'m FunctionInfo>,
 }
 
-impl<'m, 'a> Meant<'m, 'a> {
-    fn of(module: &'m Module, meant: &'a str) -> Meant<'m, 'a> {
+impl<'m, 'a> Candidates<'m, 'a> {
+    fn of(module: &'m Module, meant: &'a str) -> Candidates<'m, 'a> {
         let (name, types) = match meant.split_once('(') {
             Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
             None => (meant.trim(), None),
@@ -161,7 +162,7 @@ impl<'m, 'a> Meant<'m, 'a> {
         let fits =
             |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
         let fitting = named.iter().copied().filter(fits).collect();
-        Meant { name, named, fitting }
+        Candidates { name, named, fitting }
     }
 }
 
@@ -177,7 +178,7 @@ fn all_of(named: &[&FunctionInfo]) -> String {
     named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ")
 }
 
-/// An entry point of WGSL as a function that takes what its stage gives it.
+/// Returns an entry point of WGSL as a function of its stage's inputs.
 fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
     let mut function = entry.function.clone();
@@ -198,10 +199,10 @@ fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     Some(FunctionInfo { name, parameters, returns, span, handle })
 }
 
-/// What to say of a function that cannot be called: it is not there, or it does not run.
+/// Returns the error of a function that cannot be called: it does not exist or does not run.
 pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
     if let Some(LeftOut { why, .. }) = module.left_out().iter().find(|left| left.function == name) {
-        let place = why.labels.first().map(|label| module.files().locate(label.span));
+        let place = why.labels.first().map(|label| module.files().locate(label.at));
         let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
         let message = format!("`{name}` cannot run: {}{place}", why.message);
         return Misfit { code: Code::CannotCall, message, help: why.help.clone() };
@@ -223,7 +224,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
     }
 }
 
-/// `phong(vec3, Light)`.
+/// Returns `phong(vec3, Light)`.
 pub(super) fn shown(info: &FunctionInfo) -> String {
     format!("{}({})", info.name, listed(info))
 }
@@ -232,7 +233,7 @@ fn listed(info: &FunctionInfo) -> String {
     info.parameters.iter().map(|p| p.ty.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// `phong(vec3 normal, Light light)`.
+/// Returns `phong(vec3 normal, Light light)`.
 fn declared(info: &FunctionInfo) -> String {
     let parameters = info.parameters.iter().map(|p| {
         let way = match p.direction {
@@ -245,7 +246,7 @@ fn declared(info: &FunctionInfo) -> String {
     format!("{}({})", info.name, parameters.collect::<Vec<_>>().join(", "))
 }
 
-/// Types without spaces, as they are compared.
+/// Returns types without spaces, for comparison.
 fn bare(types: &str) -> String {
     types.chars().filter(|c| !c.is_whitespace()).collect()
 }

@@ -1,17 +1,32 @@
-//! Blocks and global variables of a module as arguments of its last function, the caller: a block
-//! comes in by value, what the function writes goes out through a pointer.
+//! Turns blocks and global variables of a module into arguments of its last function, the caller:
+//! blocks are passed by value, written variables returned through pointers.
 //!
-//! Feeds [`make`](super::make).
+//! Used by [`make`](super::make).
 
 use naga::{
     AddressSpace, Block, Expression, Function, FunctionArgument, GlobalVariable, Handle, Span,
     Statement, Type, TypeInner,
 };
 
-use super::make::Sampled;
+use crate::interp::ValueType;
 use landfall_ir::Module;
 
-/// Gives the caller an argument for each block, then one for each variable that is written.
+/// A block whose members become parameters.
+pub(super) struct Sampled {
+    /// The index among the module's blocks.
+    pub number: usize,
+    pub variable: Handle<GlobalVariable>,
+    pub members: Vec<SampledMember>,
+}
+
+/// A member that becomes a parameter.
+pub(super) struct SampledMember {
+    pub name: String,
+    pub ty: ValueType,
+    pub read: bool,
+}
+
+/// Adds a parameter to the caller for each block, then one for each written variable.
 pub(super) fn through_arguments(
     module: &mut Module,
     handle: Handle<Function>,
@@ -50,7 +65,7 @@ pub(super) fn through_arguments(
     ir.functions[handle] = function;
 }
 
-/// Puts statements before the body, and copies of variables into pointers before it returns.
+/// Prepends statements to the body, and copies variables into pointers before each return.
 fn surround(function: &mut Function, front: Block, tail: &[(u32, Handle<GlobalVariable>)]) {
     let mut body = front;
     let old = std::mem::take(&mut function.body);

@@ -1,7 +1,7 @@
-//! Makes a function of a shader pure: refuses what cannot be sampled, turns blocks into
-//! parameters, and binds what stays fixed.
+//! Makes a function of a shader pure: rejects side effects, turns blocks into parameters, and binds
+//! fixed resources.
 //!
-//! Made of a [`Module`]; gives [`pure`](super::pure) all it holds.
+//! Built from a [`Module`]; [`pure`](super::pure) holds the result.
 
 use landfall_layout::diagnostic::Code;
 use naga::{AddressSpace, Function, GlobalVariable, Handle};
@@ -10,72 +10,90 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::arguments::Misfit;
 use super::caller;
 use super::caller::{Caller, CallerInput};
-use super::effects::{Seen, look, through_initialisers};
+use super::effects::{Effects, effects_of, through_initialisers};
 use super::find::{alone, opaque, shown};
-use super::globals::through_arguments;
-use super::parameters::{Known, Listed, list};
-use super::pure::{Asks, Pure, PureRequest};
+use super::globals::{Sampled, SampledMember, through_arguments};
+use super::parameters::{CallerParameters, PublicParameters, list};
+use super::pure::{PureFunction, PureRequest, Purpose};
 use super::reads;
 use super::reads::Members;
-use super::white;
+use super::{Refusal, white};
 use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::interp::{FunctionSignature, Program, ValueType};
 use landfall_ir::module::{FunctionInfo, ModuleHandle};
-use landfall_ir::{Module, reach};
+use landfall_ir::{Module, call_graph};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
-/// Scalars a block may have to become parameters; larger ones stay buffers.
+/// The maximum number of scalars of a block that becomes parameters; larger blocks stay buffers.
 const SCALARS: usize = 4096;
 
-/// A block whose members become parameters.
-pub(super) struct Sampled {
-    /// Which of the module's.
-    pub number: usize,
-    pub variable: Handle<GlobalVariable>,
-    pub members: Vec<SampledMember>,
+impl PureFunction {
+    /// Makes a function of a shader pure.
+    ///
+    /// # Errors
+    /// Fails if the shader does not run, the function does not exist, or its side effects rule out
+    /// sampling.
+    pub fn new(
+        source: &Source,
+        options: &Options,
+        request: &PureRequest,
+    ) -> Result<PureFunction, Box<Refusal>> {
+        PureFunction::prepare(source, options, request, Purpose::Pure)
+    }
+
+    /// Prepares a function for a purpose; a single call need not be pure.
+    pub(super) fn prepare(
+        source: &Source,
+        options: &Options,
+        request: &PureRequest,
+        purpose: Purpose,
+    ) -> Result<PureFunction, Box<Refusal>> {
+        let options = &options.clone().with_gather(true).with_naga(false);
+        let module = Module::for_calls(source, options).map_err(|found| {
+            Box::new(Refusal { found, files: landfall_layout::layout(source, options).files })
+        })?;
+        let files = module.files().clone();
+        let refused =
+            |found: Diagnostic| Box::new(Refusal { found: vec![found], files: files.clone() });
+        make(source, options, module, request, purpose).map_err(|found| refused(*found))
+    }
 }
 
-pub(super) struct SampledMember {
-    pub name: String,
-    pub ty: ValueType,
-    pub read: bool,
-}
-
-/// The function as one that depends on its parameters alone.
-pub(super) fn make(
+/// Makes a function that depends on its parameters alone.
+fn make(
     source: &Source,
     options: &Options,
     mut module: Module,
     request: &PureRequest,
-    asks: Asks,
-) -> Result<Pure, Box<Diagnostic>> {
+    purpose: Purpose,
+) -> Result<PureFunction, Box<Diagnostic>> {
     let (language, path) = (source.language, source.path.as_str());
     let refuse = |m: Misfit| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
     let info = alone(&mut module, &request.function).map_err(refuse)?;
     let shown = shown(&info);
-    let cannot = |Why { what, help }: Why| {
-        let done = match asks {
-            Asks::Pure => "sampled",
-            Asks::Call => "called",
+    let cannot = |Obstacle { what, help }: Obstacle| {
+        let done = match purpose {
+            Purpose::Pure => "sampled",
+            Purpose::Call => "called",
         };
         let message = format!("`{shown}` cannot be {done}: {what}");
         let help = (!help.is_empty()).then(|| help.to_string());
         refuse(Misfit { code: Code::CannotCall, message, help })
     };
     let target = &module.ir.functions[info.handle];
-    let mut reached = reach::variables(&module.ir, target);
-    let seen = look(&module.ir, target);
-    if asks == Asks::Pure {
-        of_its_own_lane(&module, &seen).map_err(cannot)?;
+    let mut reached = call_graph::variables(&module.ir, target);
+    let effects = effects_of(&module.ir, target);
+    if purpose == Purpose::Pure {
+        is_confined_to_lane(&module, &effects).map_err(cannot)?;
     }
     let private = |(handle, variable): (Handle<GlobalVariable>, &GlobalVariable)| {
-        let written = variable.space == AddressSpace::Private && seen.stored.contains(&handle);
+        let written = variable.space == AddressSpace::Private && effects.stored.contains(&handle);
         written.then_some(handle)
     };
-    // What a function returns is its result; one that returns nothing gives what it writes.
+    // The results are the return value, or the written parameters and variables if there is none.
     let written: Vec<Handle<GlobalVariable>> = match info.returns {
         Some(_) => Vec::new(),
         None => module.ir.global_variables.iter().filter_map(private).collect(),
@@ -101,7 +119,7 @@ pub(super) fn make(
     let signature = signature(&program, handle, &info).map_err(cannot)?;
     let given = inputs.iter().cloned().zip(signature.parameters.iter().map(|p| p.ty.clone()));
     let given = given.collect();
-    let known = Known {
+    let known = CallerParameters {
         module: &module,
         language,
         inputs: &inputs,
@@ -109,16 +127,16 @@ pub(super) fn make(
         info: &info,
         blocks: &blocks,
     };
-    let Listed { parameters, slots, results } = list(&known, &signature);
-    if asks == Asks::Pure && results.is_empty() {
-        let what = "it gives nothing back".to_string();
+    let PublicParameters { parameters, slots, results } = list(&known, &signature);
+    if purpose == Purpose::Pure && results.is_empty() {
+        let what = "it returns nothing".to_string();
         let help =
             "name a function that returns something, has an `out` parameter or writes a global";
-        return Err(cannot(Why { what, help }));
+        return Err(cannot(Obstacle { what, help }));
     }
     let reached = |handle: &&ModuleHandle| reached.contains(&handle.variable);
     notes.extend(white(module.handles().iter().filter(reached), &request.textures));
-    Ok(Pure {
+    Ok(PureFunction {
         shown,
         name_span: info.span,
         parameters,
@@ -136,58 +154,60 @@ pub(super) fn make(
         inputs: given,
         source: source.clone(),
         options: options.clone(),
-        asks,
+        purpose,
     })
 }
 
-/// Why a function cannot be sampled, and what to do.
-struct Why {
+/// The reason why a function cannot be sampled, and a remedy.
+struct Obstacle {
     what: String,
     help: &'static str,
 }
 
-/// What the caller takes and gives.
+/// Returns the signature of the caller.
 fn signature(
     program: &Program,
     caller: Handle<Function>,
     info: &FunctionInfo,
-) -> Result<FunctionSignature, Why> {
+) -> Result<FunctionSignature, Obstacle> {
     match program.signature(caller.index()) {
         Ok(Some(signature)) => Ok(signature),
-        Ok(None) => Err(Why { what: opaque(info), help: "name the function that calls it" }),
-        Err(what) => Err(Why { what: format!("the evaluator does not know {what}"), help: "" }),
+        Ok(None) => Err(Obstacle { what: opaque(info), help: "name the function that calls it" }),
+        Err(what) => {
+            Err(Obstacle { what: format!("the evaluator does not support {what}"), help: "" })
+        }
     }
 }
 
-/// That what a function does is of its own lane.
-fn of_its_own_lane(module: &Module, seen: &Seen) -> Result<(), Why> {
-    if seen.derivatives {
-        return Err(Why {
+/// Fails if a function's effects go beyond its own lane.
+fn is_confined_to_lane(module: &Module, effects: &Effects) -> Result<(), Obstacle> {
+    if effects.derivatives {
+        return Err(Obstacle {
             what: "it takes derivatives, which samples do not have".to_string(),
-            help: "name the function that is given what they depend on",
+            help: "name the function whose arguments they depend on",
         });
     }
     let variables = module.ir.global_variables.iter();
-    for (_, variable) in variables.filter(|(handle, _)| seen.stored.contains(handle)) {
+    for (_, variable) in variables.filter(|(handle, _)| effects.stored.contains(handle)) {
         let what = match variable.space {
             AddressSpace::Storage { .. } | AddressSpace::WorkGroup => "buffer",
             AddressSpace::Handle => "image",
             _ => continue,
         };
         let name = variable.name.as_deref().unwrap_or_default();
-        return Err(Why {
+        return Err(Obstacle {
             what: format!("it writes the {what} `{name}`"),
-            help: "name a function that returns what is to be written",
+            help: "name a function that returns the value instead",
         });
     }
-    if seen.together {
-        let what = "it waits for other invocations, or computes with them".to_string();
-        return Err(Why { what, help: "" });
+    if effects.together {
+        let what = "it synchronises with other invocations or uses their values".to_string();
+        return Err(Obstacle { what, help: "" });
     }
     Ok(())
 }
 
-/// The blocks whose members become parameters: those that are reached and not given.
+/// Returns the blocks whose members become parameters: those in use without given values.
 fn sampled(
     module: &Module,
     reached: &FxHashSet<Handle<GlobalVariable>>,
@@ -209,13 +229,13 @@ fn sampled(
         let ty = ValueType::of(module, module.ir.global_variables[variable].ty);
         let Some(ValueType::Struct { members, .. }) = ty else {
             notes.push(format!(
-                "`{name}` is no structure of a known size: it is zero, --data gives values"
+                "`{name}` is not a structure of known size and is zero: set it with --data"
             ));
             continue;
         };
         let scalars: usize = members.iter().map(|(_, ty)| ty.scalars().len()).sum();
         if scalars > SCALARS {
-            notes.push(format!("`{name}` has {scalars} scalars: it is zero, --data gives values"));
+            notes.push(format!("`{name}` has {scalars} scalars and is zero: set it with --data"));
             continue;
         }
         let reads = |member: u32| {

@@ -1,10 +1,10 @@
-//! The parameters people know of those the caller takes: inputs of the stage, arguments, members
-//! of blocks; and what it gives back.
+//! The public parameters of the caller: inputs of the stage, arguments and members of blocks; and
+//! its results.
 //!
-//! Feeds [`make`](super::make).
+//! Used by [`make`](super::make).
 
 use super::arguments;
-use super::make::Sampled;
+use super::globals::Sampled;
 use super::pure::{Origin, PureParameter, PureResult, Slot};
 use crate::interp::{FunctionSignature, ValueType};
 use landfall_ir::Module;
@@ -12,30 +12,32 @@ use landfall_ir::module::{Direction, FunctionInfo};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::Language;
 
-/// What the caller's parameters are, in their order: inputs, arguments, blocks, and then variables
-/// that are written.
-pub(super) struct Known<'a> {
+/// The caller's parameters in order: inputs, arguments, blocks, and written variables.
+pub(super) struct CallerParameters<'a> {
     pub module: &'a Module,
     pub language: Language,
     pub inputs: &'a [String],
-    /// By input.
+    /// By input: whether it is read.
     pub read_inputs: Vec<bool>,
     pub info: &'a FunctionInfo,
     pub blocks: &'a [Sampled],
 }
 
-/// What a function reads and gives, and which of the caller's parameters each is.
+/// The public parameters and results of a function, and the caller's parameters they stand for.
 #[derive(Default)]
-pub(super) struct Listed {
+pub(super) struct PublicParameters {
     pub parameters: Vec<PureParameter>,
     /// By parameter of the caller.
     pub slots: Vec<Slot>,
     pub results: Vec<PureResult>,
 }
 
-/// Lists them.
-pub(super) fn list(known: &Known<'_>, signature: &FunctionSignature) -> Listed {
-    let mut listed = Listed::default();
+/// Lists parameters and results.
+pub(super) fn list(
+    known: &CallerParameters<'_>,
+    signature: &FunctionSignature,
+) -> PublicParameters {
+    let mut listed = PublicParameters::default();
     if let Some(ty) = signature.result.clone() {
         listed.results.push(PureResult { name: "result".to_string(), ty, at: None });
     }
@@ -74,19 +76,19 @@ pub(super) fn list(known: &Known<'_>, signature: &FunctionSignature) -> Listed {
         listed.results.push(PureResult { name, ty, at: Some(at) });
         listed.slots.push(Slot::Out);
     }
-    listed.told_apart()
+    listed.disambiguated()
 }
 
-impl Listed {
-    /// Adds what one parameter of the caller is given.
+impl PublicParameters {
+    /// Adds the parameters that fill one parameter of the caller.
     fn given(&mut self, parameters: Vec<PureParameter>) {
         let first = self.parameters.len();
         self.parameters.extend(parameters);
         self.slots.push(Slot::Given((first..self.parameters.len()).collect()));
     }
 
-    /// A uniform may have the name of a parameter: then it is named with its block.
-    fn told_apart(mut self) -> Listed {
+    /// Prefixes a uniform with its block's name if another parameter has the same name.
+    fn disambiguated(mut self) -> PublicParameters {
         let paths: Vec<String> = self.parameters.iter().map(|p| p.path.clone()).collect();
         for parameter in &mut self.parameters {
             let twice = paths.iter().filter(|path| **path == parameter.path).count() > 1;
@@ -99,7 +101,7 @@ impl Listed {
     }
 }
 
-/// The members of a block as parameters.
+/// Returns the members of a block as parameters.
 fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<PureParameter> {
     let named = layout.instance.as_deref().or(match &*layout.name {
         _ if layout.gathered || language == Language::Glsl => None,
@@ -121,7 +123,7 @@ fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
     PureParameter { path, origin, ty, scalars, read: true, block: None }
 }
 
-/// The way to each scalar of a value.
+/// Returns the path of each scalar of a value.
 fn scalars(path: &str, ty: &ValueType) -> Vec<String> {
     arguments::paths(ty).into_iter().map(|rest| format!("{path}{rest}")).collect()
 }

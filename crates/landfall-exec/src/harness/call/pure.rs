@@ -1,13 +1,13 @@
-//! A function of a shader with everything it reads as a parameter: arguments, inputs of the
-//! stage, members of blocks. What it writes besides its result comes back too.
+//! A function of a shader with everything it reads as a parameter: arguments, inputs of the stage,
+//! members of blocks. What it writes is returned beside its result.
 //!
-//! Made by `make` of a shader's text; `landfall_light::accuracy::stress` calls it over
-//! many samples at a time.
+//! Built by `make` from a shader's text; `landfall_light::accuracy::stress` calls it over many
+//! samples at a time.
 
 use serde_json::{Map, Value};
 
 use super::report::Given;
-use super::{Refusal, arguments, caller, make};
+use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
 use crate::interp::{
@@ -15,86 +15,86 @@ use crate::interp::{
 };
 use landfall_ir::Module;
 use landfall_ir::module::FunctionInfo;
+use landfall_layout::Options;
 use landfall_layout::source::{Files, Language, Source, Span as TextSpan};
-use landfall_layout::{Diagnostic, Options};
 
-/// What is to be called, and what of it stays fixed.
+/// A function to make pure, with its fixed resources.
 #[derive(Clone, Debug, Default)]
 pub struct PureRequest {
     /// The function: `phong`, or `phong(vec3, Light)` where several have the name.
     pub function: String,
-    /// What blocks hold; the others are parameters.
+    /// Contents of blocks; the members of others become parameters.
     pub data: Data,
     /// Colours of textures by name; the others are white.
     pub textures: Vec<(String, [f32; 4])>,
-    /// What its floats are rounded to.
+    /// The precision to which floats are rounded.
     pub floats: Floats,
 }
 
 /// A function that depends on its parameters alone.
 #[derive(Debug)]
-pub struct Pure {
-    /// Its name with the types of its parameters.
+pub struct PureFunction {
+    /// The name with the types of its parameters.
     pub shown: String,
-    /// Its name in the text.
+    /// The span of the name in the text.
     pub(super) name_span: TextSpan,
-    /// What it reads.
+    /// The parameters.
     pub parameters: Vec<PureParameter>,
-    /// What it gives.
+    /// The results.
     pub results: Vec<PureResult>,
-    /// What was taken for what was not given.
+    /// Notes on defaults taken for missing values.
     pub notes: Vec<String>,
-    /// The files the shader is made of.
+    /// The shader's files.
     pub files: Files,
-    /// The language the shader is written in.
+    /// The shader's language.
     pub language: Language,
     pub(super) program: Program,
     pub(super) resources: Vec<Resource>,
-    /// By parameter of the caller: which of ours, or what stands there.
+    /// By parameter of the caller: the source of its value.
     pub(super) slots: Vec<Slot>,
-    /// Data that was given, for repeating a call.
+    /// Given contents of blocks, for repeating a call.
     pub(super) data: Data,
-    /// Colours of textures that were given.
+    /// Given colours of textures.
     pub(super) textures: Vec<(String, [f32; 4])>,
     /// The module; its last function is the caller.
     pub(super) module: Module,
-    /// The function as its text declares it.
+    /// The function as declared in the text.
     pub(super) info: FunctionInfo,
-    /// The inputs of the stage, which the caller takes first, whether they are read or not.
+    /// The stage's inputs, used or not, which are the caller's first parameters.
     pub(super) inputs: Vec<(String, ValueType)>,
-    /// The text, and how it is read: a driver may have a compiler of its own.
+    /// The text and how it is read, for drivers with their own compiler.
     pub(super) source: Source,
     pub(super) options: Options,
-    pub(super) asks: Asks,
+    pub(super) purpose: Purpose,
 }
 
-/// What is to be done with the function.
+/// The purpose for which a function is prepared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Asks {
-    /// It is called over many lanes, and so may do nothing that is not of its own lane.
+pub(super) enum Purpose {
+    /// Calls over many lanes, which allow no effects beyond the lane.
     Pure,
-    /// It is called once, by one invocation.
+    /// A single call by one invocation.
     Call,
 }
 
-/// Something the function reads.
+/// A parameter of a pure function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PureParameter {
-    /// The way to it as people write it: `light`, `material` of a block.
+    /// The path as users write it: `light`, `material` of a block.
     pub path: String,
-    /// Where it comes from.
+    /// The source of the parameter.
     pub origin: Origin,
-    /// What it is.
+    /// The type.
     pub ty: ValueType,
-    /// The way to each of its scalars, and what the scalar is in the text.
+    /// The path of each scalar in the text.
     pub scalars: Vec<String>,
-    /// Whether it is read: of a block, only some members may be. The others may be anything.
+    /// Whether it is read; only some members of a block may be. The others may have any value.
     pub read: bool,
-    /// Of a member of a block: which of the module's.
+    /// For a member of a block: the index among the module's blocks.
     pub(super) block: Option<usize>,
 }
 
-/// Where a parameter comes from.
+/// The source of a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// An argument of the function, by position.
@@ -105,71 +105,41 @@ pub enum Origin {
     Block(String, String),
 }
 
-/// Something the function gives.
+/// A result of a pure function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PureResult {
     /// `result`, or the name of the parameter or variable.
     pub name: String,
-    /// What it is.
+    /// The type.
     pub ty: ValueType,
-    /// The parameter of the caller it is left in; none for what is returned.
+    /// The caller's parameter that receives it; `None` for the return value.
     pub(super) at: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum Slot {
-    /// Parameters of ours, one after the other.
+    /// Public parameters, concatenated.
     Given(Vec<usize>),
-    /// Zeros, as many.
+    /// This many zero scalars.
     Zero(usize),
-    /// Only written.
+    /// Output only.
     Out,
 }
 
-/// What a call of many lanes gave.
+/// The results of a call over many lanes.
 #[derive(Clone, Debug)]
 pub struct PureCalled {
     /// By result: its numbers.
     pub results: Vec<Numbers>,
-    /// All else.
+    /// The remaining results.
     pub called: Called,
 }
 
-impl Pure {
-    /// Makes a function of a shader pure.
+impl PureFunction {
+    /// Calls the function over lanes, given the words of each scalar of all parameters in order.
     ///
     /// # Errors
-    /// A shader that does not run; a function it does not have; one that cannot be called by
-    /// itself, by what it does.
-    pub fn new(
-        source: &Source,
-        options: &Options,
-        request: &PureRequest,
-    ) -> Result<Pure, Box<Refusal>> {
-        Pure::asked(source, options, request, Asks::Pure)
-    }
-
-    /// The same of a function that need not be pure, if it is only called.
-    pub(super) fn asked(
-        source: &Source,
-        options: &Options,
-        request: &PureRequest,
-        asks: Asks,
-    ) -> Result<Pure, Box<Refusal>> {
-        let options = &Options { gather: true, naga: false, ..options.clone() };
-        let module = Module::for_calls(source, options).map_err(|found| {
-            Box::new(Refusal { found, files: landfall_layout::layout(source, options).files })
-        })?;
-        let files = module.files().clone();
-        let refused =
-            |found: Diagnostic| Box::new(Refusal { found: vec![found], files: files.clone() });
-        make::make(source, options, module, request, asks).map_err(|found| refused(*found))
-    }
-
-    /// Calls it over lanes: the words of each scalar of all parameters, in order.
-    ///
-    /// # Errors
-    /// As [`Program::call`].
+    /// Those of [`Program::call`].
     pub fn call(
         &self,
         columns: &[Vec<u64>],
@@ -204,13 +174,14 @@ impl Pure {
         Ok(PureCalled { results, called })
     }
 
-    /// The place of an operation of a trace: of what no text says, where the function is named.
+    /// Returns the place of a traced operation; that of the function's name if it has no place in
+    /// the text.
     pub fn place_of(&self, step: &Step) -> Place {
         let place = self.program.place_of(step);
         if place.shown.is_empty() { self.place() } else { place }
     }
 
-    /// Where the function is named.
+    /// Returns the place of the function's name.
     pub fn place(&self) -> Place {
         let at = self.files.locate(self.name_span);
         let shown = format!("{}:{}:{}", at.path, at.line, at.column);
@@ -218,7 +189,7 @@ impl Pure {
         Place { function, span: self.name_span, shown }
     }
 
-    /// Where each scalar of each result came from, in the order of the results.
+    /// Returns the source of each scalar of each result, in order.
     pub fn sources(&self, trace: &Trace) -> Vec<crate::interp::Source> {
         let of = |result: &PureResult| match result.at {
             None => trace.results.clone(),
@@ -227,7 +198,7 @@ impl Pure {
         self.results.iter().flat_map(of).collect()
     }
 
-    /// The scalar of our parameters that a scalar of the caller's is: its number in the columns.
+    /// Returns the column of a scalar of a caller's parameter, if it is public.
     pub fn scalar_of(&self, parameter: u32, scalar: u32) -> Option<usize> {
         let Slot::Given(parameters) = self.slots.get(parameter as usize)? else { return None };
         let mut rest = scalar as usize;
@@ -242,12 +213,13 @@ impl Pure {
         None
     }
 
-    /// The way from a result to one of its scalars: `.x`.
+    /// Returns the path of a scalar within a result, such as `.x`.
     pub fn result_path(&self, result: usize, scalar: usize) -> String {
         arguments::paths(&self.results[result].ty).get(scalar).cloned().unwrap_or_default()
     }
 
-    /// The arguments, block contents and inputs of one sample as `landfall run` takes them.
+    /// Returns the arguments, block contents and inputs of one sample in the form `landfall run`
+    /// takes.
     pub fn json(&self, words: &[u64]) -> (Vec<Value>, Data, Vec<(String, Value)>) {
         let mut arguments: Vec<(usize, Value)> = Vec::new();
         let mut data = self.data.clone();
@@ -275,7 +247,7 @@ impl Pure {
     }
 }
 
-/// Floats by the fewest digits that are the same `f32`.
+/// Shortens floats to the fewest digits that denote the same `f32`.
 fn shortest(value: Value) -> Value {
     match value {
         Value::Array(items) => Value::Array(items.into_iter().map(shortest).collect()),

@@ -1,22 +1,22 @@
-//! Which members of a block a function reads, by itself and through those it calls.
+//! Finds the block members that a function reads, directly and through its callees.
 //!
-//! Feeds [`make`](super::make): only what is read is worth a value.
+//! Used by [`make`](super::make), which makes parameters of the members that are read.
 
 use naga::{Expression, Function, GlobalVariable, Handle, Module, Statement};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use landfall_ir::reach;
+use landfall_ir::call_graph;
 
-/// Members by number; none where it may be all of them.
+/// Member indices; `None` if all may be read.
 pub(super) type Members = Option<FxHashSet<u32>>;
 
-/// The members that a function reads of each variable it names.
+/// Returns the members a function reads of each variable in use.
 pub(super) fn members(
     ir: &Module,
     function: &Function,
 ) -> FxHashMap<Handle<GlobalVariable>, Members> {
     let mut all: FxHashMap<Handle<GlobalVariable>, Members> = FxHashMap::default();
-    for function in reach::functions(ir, function) {
+    for function in call_graph::functions(ir, function) {
         let wholes = passed(function);
         for (at, expression) in function.expressions.iter() {
             let (variable, member) = match *expression {
@@ -44,11 +44,12 @@ fn named(function: &Function, at: Handle<Expression>) -> Option<Handle<GlobalVar
     }
 }
 
-/// What is passed to functions, which may read all of it.
+/// Returns the expressions passed to other functions, which may read all of them.
 fn passed(function: &Function) -> FxHashSet<Handle<Expression>> {
-    let arguments = reach::statements(&function.body).filter_map(|statement| match statement {
-        Statement::Call { arguments, .. } => Some(arguments),
-        _ => None,
-    });
+    let arguments =
+        call_graph::statements(&function.body).filter_map(|statement| match statement {
+            Statement::Call { arguments, .. } => Some(arguments),
+            _ => None,
+        });
     arguments.flatten().copied().collect()
 }

@@ -1,4 +1,4 @@
-//! What calling a function gave: plain data, as `landfall schema run` describes it.
+//! The results of a call: plain data, as `landfall schema run` describes it.
 //!
 //! Made by [`call`](super::call()), printed by the report of `landfall run`.
 
@@ -16,57 +16,57 @@ pub use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::{Scalar, ScalarKind};
 use landfall_layout::source::{Files, Language};
 
-/// What one call gave.
+/// The report of one call.
 #[derive(Clone, Debug)]
 pub struct CallReport {
     /// The path of the shader as messages print it.
     pub path: String,
     /// The function with the types of its parameters: `phong(vec3, Light)`.
     pub function: String,
-    /// Who ran it.
-    pub reader: Device,
-    /// What it returned; none where it returns nothing.
+    /// The device that ran it.
+    pub backend: Device,
+    /// The returned value; `None` if the function returns nothing.
     pub result: Option<Given>,
-    /// What is left in each `out` and `inout` parameter.
+    /// The value of each `out` and `inout` parameter after the call.
     pub parameters: Vec<(String, Direction, Given)>,
-    /// Whether it met a `discard`.
+    /// Whether the call executed a `discard`.
     pub discarded: bool,
-    /// Operations of the evaluator; none where it did not run.
+    /// Number of operations on the evaluator; `None` if it did not run.
     pub operations: Option<u64>,
     /// Operations without a defined value.
     pub undefined: Vec<Undefined>,
-    /// What was taken for what was not given, and why there is no `f64`.
+    /// Notes on defaults taken for missing values, and the reason for a missing `f64`.
     pub notes: Vec<String>,
-    /// The files the shader is made of.
+    /// The shader's files.
     pub files: Files,
 }
 
-/// A value that came back.
+/// A returned value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Given {
-    /// Its type, as its language spells it.
+    /// The type, as its language spells it.
     pub ty: String,
-    /// Its scalars in order.
+    /// The scalars in order.
     pub scalars: Vec<GivenScalar>,
     shape: ValueType,
 }
 
-/// One scalar that came back.
+/// A returned scalar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenScalar {
-    /// The way to it: `.color.x`; empty for a plain scalar.
+    /// The path: `.color.x`; empty for a plain scalar.
     pub path: String,
-    /// What the reader gave.
+    /// The backend's value.
     pub value: Datum,
-    /// The same in double precision, by the evaluator; none for what is no `f32`.
+    /// The evaluator's value in `f64`; `None` unless the type is `f32`.
     pub double: Option<f64>,
-    /// How far the two are apart, in units of the last place of an `f32`; none where one is not
-    /// a number, or infinite, and the other is not.
+    /// The difference of the two in ULPs of an `f32`; `None` if only one of them is finite or a
+    /// number.
     pub ulp: Option<f64>,
 }
 
 impl CallReport {
-    /// The undefined operations as findings, each with its place.
+    /// Returns the undefined operations as findings, each with its place.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let found = self.undefined.iter().map(|seen| {
             let operands: Vec<String> = seen.operands.iter().map(|x| plain(*x)).collect();
@@ -89,7 +89,7 @@ impl CallReport {
     }
 }
 
-/// The function of the shader's that an operation is in.
+/// Returns the name of the shader's function that an operation belongs to.
 pub fn function_name(name: &str) -> &str {
     if name == super::caller::NAME { "main" } else { name }
 }
@@ -120,7 +120,7 @@ impl Given {
         Given { ty: spelled(ty, language), scalars: given.collect(), shape: ty.clone() }
     }
 
-    /// The value as JSON, as arguments are given.
+    /// Returns the value as JSON, in the form of arguments.
     pub fn json(&self) -> Value {
         let mut each = self
             .scalars
@@ -129,17 +129,17 @@ impl Given {
         nested(&self.shape, &mut each)
     }
 
-    /// The same in double precision; what has none is null.
+    /// Returns the value in `f64` as JSON; null where there is none.
     pub fn json_double(&self) -> Value {
         let mut each = self.scalars.iter().map(|scalar| scalar.double.map_or(Value::Null, number));
         nested(&self.shape, &mut each)
     }
 }
 
-/// A double as JSON.
+/// Returns a double as JSON.
 pub fn number(double: f64) -> Value {
     if double.is_nan() {
-        // Which NaN a machine makes is its own affair.
+        // The sign and payload of a NaN depend on the machine.
         return Value::from("nan");
     }
     serde_json::to_value(Datum { scalar: Scalar::F64, bits: double.to_bits() })
@@ -164,13 +164,13 @@ fn nested(ty: &ValueType, each: &mut dyn Iterator<Item = Value>) -> Value {
     }
 }
 
-/// How far an `f32` is from a number, in units of the `f32`s' last place there.
+/// Returns the distance of an `f32` from a number in ULPs of the `f32` at that number.
 pub(super) fn ulps(single: f32, double: f64) -> Option<f64> {
     if single.is_nan() && double.is_nan() {
         return Some(0.0);
     }
     if single.is_infinite() || double.is_infinite() {
-        // What is past the largest f32 is infinity in it.
+        // Numbers beyond the largest `f32` round to infinity.
         return (single == double as f32).then_some(0.0);
     }
     if single.is_nan() || double.is_nan() {
@@ -179,7 +179,7 @@ pub(super) fn ulps(single: f32, double: f64) -> Option<f64> {
     Some((f64::from(single) - double).abs() / last_place(double))
 }
 
-/// A value's JSON, in full.
+/// A value in JSON with all its details.
 #[derive(Serialize)]
 pub struct GivenObject {
     /// The type as the shader spells it.
@@ -189,25 +189,25 @@ pub struct GivenObject {
     pub value: Value,
     /// The value in f64.
     pub double: Value,
-    /// Each scalar of it, in both precisions.
+    /// Each scalar, in both precisions.
     pub scalars: Vec<ScalarObject>,
 }
 
-/// One scalar of a value, in f32 beside f64.
+/// A scalar in JSON, f32 beside f64.
 #[derive(Serialize)]
 pub struct ScalarObject {
-    /// Its path in the value.
+    /// The path within the value.
     pub path: String,
-    /// Its f32 value.
+    /// The f32 value.
     pub value: Datum,
-    /// Its f64 value, for floats.
+    /// The f64 value, for floats.
     pub double: Option<Value>,
-    /// How far apart they are, in units in the last place of the f32.
+    /// The difference of the two in ULPs of the f32.
     pub ulp: Option<f64>,
 }
 
 impl GivenObject {
-    /// The JSON form of a returned value.
+    /// Returns the JSON form of a returned value.
     pub fn of(given: &Given) -> GivenObject {
         let scalars = given.scalars.iter().map(|scalar| ScalarObject {
             path: scalar.path.clone(),

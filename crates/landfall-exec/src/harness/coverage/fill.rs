@@ -1,5 +1,5 @@
-//! Contents made up for blocks and inputs nobody gave: zeros, then small positive numbers with
-//! whole numbers that let every loop over an array run to its end.
+//! Generates contents for blocks and inputs without values: zeros, then small positive numbers with
+//! integers that let every loop over an array run to its end.
 
 use super::{spots, starts};
 use crate::harness::bindings::zeros;
@@ -8,14 +8,14 @@ use landfall_ir::module::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
-/// What buffers hold.
+/// The generated contents of buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Filling {
-    /// Nothing but zeros.
+    /// Zeros.
     Zeros,
-    /// Small positive floats; whole numbers are the length of the longest array.
+    /// Small positive floats; integers are the length of the longest array.
     Counts,
-    /// Small positive floats; whole numbers are one.
+    /// Small positive floats; integers are one.
     Ones,
 }
 
@@ -31,7 +31,7 @@ impl Filling {
     }
 }
 
-/// The length of the longest array in any block.
+/// Returns the length of the longest array in any block.
 pub(crate) fn longest(module: &Module) -> u32 {
     let leaves = module.blocks().iter().flat_map(|block| &block.layout.leaves);
     let lengths = leaves.flat_map(|leaf| &leaf.dims).filter_map(|len| match len {
@@ -41,7 +41,7 @@ pub(crate) fn longest(module: &Module) -> u32 {
     lengths.max().unwrap_or(1)
 }
 
-/// The bytes of a block.
+/// Returns the bytes of a block.
 pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u8> {
     let mut bytes = zeros(block);
     let whole = match filling {
@@ -69,7 +69,7 @@ pub(crate) fn fill(block: &BlockLayout, filling: Filling, longest: u32) -> Vec<u
     bytes
 }
 
-/// A component's bytes, in the first of eight.
+/// Returns a component's bytes, in the first of eight.
 fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
     let float = 0.25 + f64::from(number % 7) * 0.125;
     let bits = match (scalar.kind, scalar.width) {
@@ -78,14 +78,14 @@ fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
         (ScalarKind::Sint | ScalarKind::Uint, _) => u64::from(whole),
         (ScalarKind::Float, 8) => float.to_bits(),
         (ScalarKind::Float, 4) => u64::from((float as f32).to_bits()),
-        // 0.5 in half precision; zero will do for the other small formats.
+        // 0.5 in half precision; zero for the other small formats.
         (ScalarKind::Float, _) => 0x3800,
         (ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => 0,
     };
     bits.to_le_bytes()
 }
 
-/// The inputs of as many invocations: zeros, or small numbers of both signs.
+/// Returns inputs for a number of invocations: zeros, or small numbers of both signs.
 pub(super) fn inputs(
     ports: &[(Port, Vec<bool>)],
     filling: Filling,
@@ -94,7 +94,7 @@ pub(super) fn inputs(
     let numbers = |floats: bool, port: Port, nth: usize| -> Vec<u64> {
         let word = |lane: usize| match (port, floats) {
             (Port::VertexIndex | Port::InstanceIndex, _) => lane as u64,
-            // Pixels of a square of eight.
+            // Pixels of a square of eight by eight.
             (Port::Position, _) => {
                 let pixel = if nth == 0 { lane % 8 } else { lane / 8 };
                 let at = if nth < 2 { pixel as f32 + 0.5 } else { 1.0 };

@@ -1,16 +1,17 @@
-//! Which bytes of its blocks a shader could read: those that some load, in some function its
-//! entry points reach, points at. An index that is computed points at every element.
+//! Finds the bytes of its blocks that a shader could read: the targets of every load in the
+//! functions its entry points reach. A computed index targets every element.
 //!
-//! Reads a [`Module`]'s IR; what it does not find is certain to be never read.
+//! Reads a [`Module`]'s IR; bytes not found are certain to be never read.
 
 use naga::{
     AddressSpace, Expression, Function, GlobalVariable, Handle, Statement, TypeInner, VectorSize,
 };
 use rustc_hash::FxHashMap;
 
-use landfall_ir::{Module, reach};
+use landfall_ir::{Module, call_graph};
 
-/// By block of the module: whether some instruction could read each byte of a buffer of that size.
+/// Returns, by block of the module, whether some instruction could read each byte of a buffer of
+/// that size.
 pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
     let mut blocks: Vec<Vec<bool>> = sizes.iter().map(|size| vec![false; *size]).collect();
     let numbers: FxHashMap<Handle<GlobalVariable>, usize> =
@@ -18,11 +19,11 @@ pub(super) fn loadable(module: &Module, sizes: &[usize]) -> Vec<Vec<bool>> {
     let mut walk = Walk { module, numbers, blocks: &mut blocks };
     let ir = &module.ir;
     if ir.entry_points.is_empty() {
-        // An include: whoever includes it may call any of it.
+        // An include: any of its functions may be called.
         ir.functions.iter().for_each(|(_, function)| walk.function(function));
     }
     for entry in &ir.entry_points {
-        let reached = reach::functions(ir, &entry.function);
+        let reached = call_graph::functions(ir, &entry.function);
         reached.into_iter().for_each(|function| walk.function(function));
     }
     blocks
@@ -34,11 +35,11 @@ struct Walk<'m, 'b> {
     blocks: &'b mut [Vec<bool>],
 }
 
-/// A part of a variable: where it starts, how often it repeats, and what is there.
+/// A part of a variable: its offset, its repetitions, and its type.
 struct Part {
     variable: Handle<GlobalVariable>,
     offset: u64,
-    /// Count and distance; a runtime-sized array has as many as the buffer holds.
+    /// Count and stride; the count of a runtime-sized array follows from the buffer.
     repeats: Vec<(Option<u64>, u64)>,
     inner: TypeInner,
 }
@@ -50,9 +51,9 @@ impl Walk<'_, '_> {
                 self.mark(function, *pointer);
             }
         }
-        for statement in reach::statements(&function.body) {
+        for statement in call_graph::statements(&function.body) {
             match statement {
-                // What a callee reads through a pointer is not followed.
+                // Reads by a callee through a pointer are not followed.
                 Statement::Call { arguments, .. } => {
                     arguments.iter().for_each(|argument| self.mark(function, *argument));
                 }
@@ -63,14 +64,14 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Marks what a pointer points at, if that is a block.
+    /// Marks the target of a pointer, if it is in a block.
     fn mark(&mut self, function: &Function, pointer: Handle<Expression>) {
         let Some(part) = self.part(function, pointer) else { return };
         let Some(&number) = self.numbers.get(&part.variable) else { return };
         let ir = &self.module.ir;
         let bytes = &mut self.blocks[number];
         let len = bytes.len() as u64;
-        // A runtime-sized tail is as long as the buffer.
+        // The buffer determines the length of a runtime-sized tail.
         let runs_on = match &part.inner {
             TypeInner::Array { size, .. } => matches!(size, naga::ArraySize::Dynamic),
             TypeInner::Struct { members, .. } => members.last().is_some_and(|last| {
@@ -101,7 +102,7 @@ impl Walk<'_, '_> {
 
     fn part(&self, function: &Function, pointer: Handle<Expression>) -> Option<Part> {
         let ir = &self.module.ir;
-        // The way to the variable, from its end.
+        // The path to the variable, from its end.
         let mut way = Vec::new();
         let mut at = pointer;
         let variable = loop {

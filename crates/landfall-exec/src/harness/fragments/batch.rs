@@ -1,4 +1,4 @@
-//! Fragments packed into images, run, and unpacked.
+//! Packs fragments into images, runs them, and unpacks the results.
 
 use crate::backend::BackendKind;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::{ATLAS, FragmentShader, SIZE};
 use crate::backend::{
-    Failure, Grid, Job, LooseUniform, Reader, Resource, ResourceKind, StageCode, Texel,
+    Backend, Failure, Grid, Job, LooseUniform, Resource, ResourceKind, StageCode, Texel,
 };
 use crate::harness::access;
 use crate::harness::bindings as bound;
@@ -17,65 +17,65 @@ use landfall_layout::buffer::decode;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::Stage;
 
-/// What is bound for a list of fragments.
+/// A list of fragments and the resources bound for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'a> {
     /// The bytes of each block, in the order of [`FragmentShader::blocks`].
     pub blocks: &'a [Vec<u8>],
     /// The textures, in the order of [`FragmentShader::textures`].
     pub textures: &'a [Image],
-    /// Values of each input, in the order of [`FragmentShader::inputs`]: one a fragment, its
-    /// components first.
+    /// The values of each input, in the order of [`FragmentShader::inputs`]: one vector per
+    /// fragment, components first.
     pub inputs: &'a [Vec<[f32; 4]>],
-    /// How many fragments.
+    /// The number of fragments.
     pub count: usize,
-    /// A reader that takes longer for one job has failed.
+    /// The time limit of one job; a backend that exceeds it has failed.
     pub limit: Duration,
 }
 
 /// A texture: four floats a texel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// Texels in a row.
+    /// Width in texels.
     pub width: u32,
-    /// Rows, from the first.
+    /// Height in texels, first row first.
     pub height: u32,
     /// `width * height` texels.
     pub texels: Vec<[f32; 4]>,
 }
 
-/// What fragments became.
+/// The results of a list of fragments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shaded {
-    /// Output location 0 of each fragment; zeros of a discarded one.
+    /// Output location 0 of each fragment; zeros if discarded.
     pub colors: Vec<[f32; 4]>,
-    /// Which were discarded; empty where the shader discards none ever.
+    /// Whether each fragment was discarded; empty if the shader never discards.
     pub discarded: Vec<bool>,
 }
 
-/// Fragments of one job at most: enough to keep a reader busy, few enough to show progress.
+/// Maximum number of fragments in one job: keeps a backend busy and still shows progress.
 const MOST: usize = 1 << 16;
 
-/// Fragments in a row of the image, for drivers.
+/// Width of the image in pixels, on drivers.
 const ROW: usize = 256;
 
-/// Texels a side of a texture that every driver takes.
+/// Width and height of a texture that every driver supports.
 const SIDE: usize = 8192;
 
 impl FragmentShader {
-    /// Runs the shader over fragments. `after` is called after each job with the reader and the
-    /// number of fragments of that job.
+    /// Runs the shader over fragments. `after` is called after each job with the backend and the
+    /// job's number of fragments.
     ///
     /// # Errors
-    /// What the reader says against the shader, the buffers or their number.
-    pub fn run<R: Reader + ?Sized>(
+    /// Fails if the backend rejects the shader or the buffers, or their number is wrong.
+    pub fn run<R: Backend + ?Sized>(
         &self,
-        reader: &mut R,
+        backend: &mut R,
         batch: &Batch<'_>,
         mut after: impl FnMut(&mut R, usize),
     ) -> Result<Shaded, Failure> {
-        let is_gl = reader.device().reader == BackendKind::Gl;
-        let whole = reader.device().reader == BackendKind::Cpu;
+        let is_gl = backend.device().backend == BackendKind::Gl;
+        let whole = backend.device().backend == BackendKind::Cpu;
         self.fits(batch)?;
         let mut shaded = Shaded::default();
         shaded.colors.reserve(batch.count);
@@ -86,23 +86,23 @@ impl FragmentShader {
         let mut from = 0;
         while from < batch.count {
             let count = most.min(batch.count - from);
-            // The evaluator counts what it does, so no pixel is one too many.
+            // The evaluator counts operations, so it gets no padding pixels.
             let width = if whole { count } else { ROW.min(count) };
             let packed = self.pack(batch, from, count, width);
             jobs.put(self, packed);
-            let answer = reader.run(&jobs.shading)?;
+            let answer = backend.run(&jobs.shading)?;
             shaded.colors.extend(answer.pixels[..count].iter().map(|p| p.map(f32::from_bits)));
             if let Some(covering) = &mut jobs.covering {
                 covering.resources = std::mem::take(&mut jobs.shading.resources);
                 covering.grid = jobs.shading.grid;
-                let answer = reader.run(covering);
+                let answer = backend.run(covering);
                 jobs.shading.resources = std::mem::take(&mut covering.resources);
                 let answer = answer?;
                 let white = answer.pixels[..count].iter().map(|pixel| pixel[0] == 0);
                 shaded.discarded.extend(white);
             }
             from += count;
-            after(reader, count);
+            after(backend, count);
         }
         for (color, discarded) in shaded.colors.iter_mut().zip(&shaded.discarded) {
             if *discarded {
@@ -116,7 +116,7 @@ impl FragmentShader {
         let check = |what: &str, wanted: usize, given: usize| match wanted == given {
             true => Ok(()),
             false => {
-                let message = format!("the shader has {wanted} {what}, and {given} are given");
+                let message = format!("the shader has {wanted} {what}, but {given} were given");
                 Err(Failure::refused(message, ""))
             }
         };
@@ -126,12 +126,13 @@ impl FragmentShader {
         let short = batch.inputs.iter().find(|values| values.len() < batch.count);
         short.map_or(Ok(()), |values| {
             let message =
-                format!("{} fragments, and an input of only {}", batch.count, values.len());
+                format!("{} fragments, but an input has only {}", batch.count, values.len());
             Err(Failure::refused(message, ""))
         })
     }
 
-    /// The inputs of some fragments, one below the other; the last fragment fills the last row.
+    /// Packs the inputs of some fragments, one below the other; the last fragment fills up the last
+    /// row.
     pub(super) fn pack(&self, batch: &Batch<'_>, from: usize, count: usize, width: usize) -> Image {
         let rows = count.div_ceil(width);
         let size = rows * width;
@@ -148,7 +149,7 @@ impl FragmentShader {
         Image { width: width as u32, height: (texels.len() / width) as u32, texels }
     }
 
-    /// What stays bound, by the places of the module.
+    /// Returns the resources that all jobs share, by the bindings of the module.
     pub(super) fn for_module(&self, batch: &Batch<'_>) -> Vec<Resource> {
         let blocks = self.blocks().iter().zip(batch.blocks).map(|(block, bytes)| Resource {
             name: block.layout.name.to_string(),
@@ -170,7 +171,7 @@ impl FragmentShader {
         resources
     }
 
-    /// What stays bound, by OpenGL's names.
+    /// Returns the resources that all jobs share, by OpenGL's names.
     fn for_gl(&self, batch: &Batch<'_>) -> Vec<Resource> {
         let mut resources = Vec::new();
         for (block, bytes) in self.blocks().iter().zip(batch.blocks) {
@@ -200,7 +201,7 @@ fn texture(image: &Image) -> ResourceKind {
     ResourceKind::Texture { width, height, texels }
 }
 
-/// Every element of a block by its name.
+/// Returns every element of a block of loose uniforms by its name.
 fn loose(block: &BlockLayout, bytes: &[u8]) -> Vec<LooseUniform> {
     let mut uniforms = Vec::new();
     if let Ok(decoded) = decode(block, bytes) {
@@ -212,13 +213,13 @@ fn loose(block: &BlockLayout, bytes: &[u8]) -> Vec<LooseUniform> {
     uniforms
 }
 
-/// The jobs of a batch; only the texture of inputs and the size change from one to the next.
+/// The jobs of a batch, which differ in the texture of inputs and its size alone.
 struct Jobs {
     shading: Job,
     covering: Option<Job>,
-    /// Where the texture of inputs is among the resources.
+    /// The index of the texture of inputs among the resources.
     atlas: usize,
-    /// Where the uniform with its size is.
+    /// The index of the uniform with its size.
     size: Option<usize>,
 }
 
@@ -230,7 +231,7 @@ impl Jobs {
         limit: Duration,
     ) -> Result<Jobs, Failure> {
         let texts = match (is_gl, &shader.texts) {
-            (true, None) => return Err(Failure::refused("OpenGL takes no WGSL", "")),
+            (true, None) => return Err(Failure::refused("OpenGL does not accept WGSL", "")),
             (true, Some((text, covered))) => Some((text, covered)),
             (false, _) => None,
         };

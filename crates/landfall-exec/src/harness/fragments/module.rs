@@ -1,7 +1,7 @@
-//! A module whose fragment entry point reads its inputs from a texture, by its pixel.
+//! Makes the fragment entry point of a module read its inputs from a texture, by its pixel.
 //!
 //! The old entry point becomes a function; the new one loads a texel for each of its inputs and
-//! calls it. Feeds [`fragments`](super) with the module and what its inputs are.
+//! calls it. Used by [`fragments`](super).
 
 use landfall_layout::diagnostic::Code;
 use naga::{
@@ -12,45 +12,45 @@ use naga::{
 };
 
 use super::{ATLAS, Input, InputKind};
-use landfall_ir::{Module, reach};
+use landfall_ir::{Module, call_graph};
 use landfall_layout::Diagnostic;
 
-/// A fragment entry point that reads a texture.
+/// A module with a fragment entry point that reads its inputs from a texture.
 pub(super) struct Fetching {
-    /// What runs.
+    /// The module to run.
     pub module: Module,
-    /// The same, but white wherever the shader does not discard; if it may.
+    /// The same, writing white unless the shader discards; `None` if it never discards.
     pub covered: Option<Module>,
-    /// Its entry point.
+    /// The name of the entry point.
     pub entry: String,
-    /// In the order of their rows of texels.
+    /// The inputs in the order of their rows of texels.
     pub inputs: Vec<Input>,
     /// Group and binding of the texture.
     pub atlas: (u32, u32),
-    /// Whether it takes differences between neighbouring pixels.
+    /// Whether the entry point uses derivatives.
     pub differences: bool,
-    /// Which of the module's blocks it reads.
+    /// By block of the module: whether it is read.
     pub read: Vec<bool>,
 }
 
-/// The new entry point's name; names like it are none of the shader's.
+/// The new entry point's name; names like it are reserved.
 const ENTRY: &str = "landfall_main";
 
-/// What the new entry point returns.
+/// The output of the new entry point.
 #[derive(Clone, Copy)]
 enum Gives {
     Result,
     White,
 }
 
-/// Makes the module's fragment entry point of that name, or its only one, read a texture.
+/// Makes the fragment entry point of that name, or the only one, read a texture.
 pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, Vec<Diagnostic>> {
     let entries = &module.ir.entry_points;
     let fragments: Vec<&EntryPoint> =
         entries.iter().filter(|entry| entry.stage == ShaderStage::Fragment).collect();
     let names = || fragments.iter().map(|e| format!("`{}`", e.name)).collect::<Vec<_>>().join(", ");
     let entry = match (name, &fragments[..]) {
-        (_, []) => return Err(refused("the shader has no fragment stage to light with".into())),
+        (_, []) => return Err(refused("the shader has no fragment stage".into())),
         (Some(name), all) => all.iter().find(|entry| entry.name == name).ok_or_else(|| {
             refused(format!("there is no fragment entry point `{name}`; there is {}", names()))
         })?,
@@ -81,7 +81,7 @@ fn refused(message: String) -> Vec<Diagnostic> {
     vec![Diagnostic::error(Code::CannotRun, landfall_layout::Span::default(), message)]
 }
 
-/// Every input with a location, in the order of the arguments, and the pixel.
+/// Returns every input with a location, in the order of the arguments, and the pixel coordinate.
 fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnostic>> {
     let ir = &module.ir;
     let mut inputs = Vec::new();
@@ -94,13 +94,13 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
         let (components, scalar) = match ir.types[ty].inner {
             TypeInner::Scalar(scalar) => (1, scalar),
             TypeInner::Vector { size, scalar } => (size as u8, scalar),
-            _ => return Err(refused(format!("the input `{name}` is no scalar or vector"))),
+            _ => return Err(refused(format!("the input `{name}` is not a scalar or vector"))),
         };
         let kind = match (scalar.kind, scalar.width) {
             (ScalarKind::Float, 4) => InputKind::Float,
             (ScalarKind::Sint, 4) => InputKind::Sint,
             (ScalarKind::Uint, 4) => InputKind::Uint,
-            _ => return Err(refused(format!("the input `{name}` is not of 32-bit numbers"))),
+            _ => return Err(refused(format!("the input `{name}` does not have a 32-bit type"))),
         };
         inputs.push(Input { name, location: Some(*location), components, kind });
         Ok(())
@@ -120,11 +120,11 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
     Ok(inputs)
 }
 
-/// Whether the entry point may discard, and whether it takes derivatives.
+/// Returns whether the entry point may discard, and whether it uses derivatives.
 fn reaches(module: &Module, entry: &EntryPoint) -> (bool, bool) {
-    let functions = reach::functions(&module.ir, &entry.function);
+    let functions = call_graph::functions(&module.ir, &entry.function);
     let kills = |function: &&Function| {
-        reach::statements(&function.body).any(|statement| matches!(statement, Statement::Kill))
+        call_graph::statements(&function.body).any(|statement| matches!(statement, Statement::Kill))
     };
     let differs = |function: &&Function| {
         function.expressions.iter().any(|(_, e)| matches!(e, Expression::Derivative { .. }))
@@ -142,7 +142,7 @@ fn rebuilt(
     let mut module = module.clone();
     let ir = &mut module.ir;
     let mut old = entry.function.clone();
-    // GLSL's entry point is not its `main`, but what calls it.
+    // GLSL's entry point is a wrapper that calls `main`.
     if ir.functions.iter().any(|(_, function)| function.name == old.name) {
         old.name = Some("landfall_entry".to_string());
     }
@@ -169,11 +169,11 @@ fn rebuilt(
             _ => None,
         })
         .collect();
-    // Built-in values first: arguments and literals stand outside of what is emitted.
+    // Built-in values first: arguments and literals are not emitted.
     let position = new.builtin(&BuiltIn::Position { invariant: false }, types.position);
     for (argument, members) in old_arguments.iter().zip(&structs) {
         let mut note = |binding: &Option<Binding>, ty| {
-            // The pixel was taken above.
+            // The pixel coordinate was added above.
             if let Some(Binding::BuiltIn(builtin)) = binding {
                 new.builtin(builtin, ty);
             }
@@ -220,7 +220,7 @@ fn rebuilt(
     module.validated()
 }
 
-/// The texture that holds the inputs.
+/// Returns the texture that holds the inputs.
 fn atlas(ty: Handle<Type>, group: u32, binding: u32) -> GlobalVariable {
     GlobalVariable {
         name: Some(ATLAS.to_string()),
@@ -232,7 +232,7 @@ fn atlas(ty: Handle<Type>, group: u32, binding: u32) -> GlobalVariable {
     }
 }
 
-/// Makes a function return white at location 0; the value it returns.
+/// Makes a function return white at location 0, and returns its result.
 fn white(function: &mut Function, ty: Handle<Type>) -> Handle<Expression> {
     let binding = Binding::Location {
         location: 0,
@@ -256,10 +256,10 @@ struct Types {
     place: Handle<Type>,
 }
 
-/// The new entry point in the making.
+/// The new entry point under construction.
 struct Fetcher {
     function: Function,
-    /// Built-in values it is given, and their expressions.
+    /// The built-in arguments and their expressions.
     builtins: Vec<(BuiltIn, Handle<Expression>)>,
 }
 
@@ -268,7 +268,7 @@ impl Fetcher {
         self.function.expressions.append(expression, Span::UNDEFINED)
     }
 
-    /// The argument of a built-in value, which an entry point may have only once.
+    /// Returns the argument of a built-in value, which an entry point may have only once.
     fn builtin(&mut self, builtin: &BuiltIn, ty: Handle<Type>) -> Handle<Expression> {
         let same = |other: &BuiltIn| match (other, builtin) {
             (BuiltIn::Position { .. }, BuiltIn::Position { .. }) => true,
@@ -285,7 +285,7 @@ impl Fetcher {
         value
     }
 
-    /// Loads of all inputs; what is emitted begins with them.
+    /// Appends loads of all inputs; emission starts with them.
     fn fetches(
         &mut self,
         inputs: &[Input],
@@ -299,7 +299,7 @@ impl Fetcher {
         let level = self.add(literal(Literal::I32(0)));
         let numbers: Vec<_> =
             (0..inputs.len()).map(|k| self.add(literal(Literal::I32(k as i32)))).collect();
-        // From here on everything is emitted.
+        // Everything from here on is emitted.
         let whole = |expr, kind| Expression::As { expr, kind, convert: Some(4) };
         let axis = |base, index| Expression::AccessIndex { base, index };
         let binary = |op, left, right| Expression::Binary { op, left, right };
@@ -341,7 +341,7 @@ impl Fetcher {
         each.collect()
     }
 
-    /// What an argument, or a member of one, is given.
+    /// Returns the value of an argument or of one of its members.
     fn value(
         &mut self,
         binding: &Option<Binding>,
@@ -357,7 +357,7 @@ impl Fetcher {
         }
     }
 
-    /// The function with everything emitted that must be.
+    /// Returns the function with all expressions emitted.
     fn emitted(mut self) -> Function {
         let first = self.function.expressions.iter().find(|(_, expression)| {
             !matches!(

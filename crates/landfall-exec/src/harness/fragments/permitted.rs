@@ -1,7 +1,7 @@
-//! What any conformant device may give for fragments: the shader run by the evaluator with the
-//! bounds that WGSL and Vulkan set to each operation.
+//! The results that any conformant device may give for fragments: the evaluator runs the shader
+//! with the error bounds of WGSL and Vulkan.
 //!
-//! Packs as [`batch`](super::batch) does; feeds [`bench`](mod@landfall_light::accuracy::bench).
+//! Packs as [`batch`](super::batch) does; used by [`bench`](mod@landfall_light::accuracy::bench).
 
 use std::time::Instant;
 
@@ -10,21 +10,22 @@ use super::{ATLAS, FragmentShader};
 use crate::backend::{Failure, Resource, ResourceKind};
 use crate::interp::{Invocations, Port, Precision, Program, Settings};
 
-/// What fragments may become.
+/// The permitted results of a list of fragments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Permitted {
-    /// Of each channel of each fragment, the least and the greatest; infinite where it may be
-    /// anything.
+    /// The least and greatest value of each channel of each fragment; infinite if any value is
+    /// permitted.
     pub colors: Vec<[[f64; 2]; 4]>,
-    /// Where a branch may go the other way on another device.
+    /// Whether a branch of the fragment may go the other way on another device.
     pub unsure: Vec<bool>,
 }
 
 impl FragmentShader {
-    /// Runs the shader over fragments for all that conformant devices may give.
+    /// Runs the shader over fragments and returns all results that conformant devices may give.
     ///
     /// # Errors
-    /// What does not fit the shader, and what the evaluator does not know, as `f16`.
+    /// Fails if the batch does not fit the shader, or the evaluator has no bounds for it, as for
+    /// `f16`.
     pub fn permitted(&self, batch: &Batch<'_>) -> Result<Permitted, Failure> {
         self.fits(batch)?;
         if batch.count == 0 {
@@ -56,11 +57,11 @@ impl FragmentShader {
         let spans = match first {
             Some((_, numbers)) => match &numbers.permitted {
                 Some(spans) => &spans[..],
-                None => return Err(Failure::refused("the colour is no float", "")),
+                None => return Err(Failure::refused("the colour is not a float", "")),
             },
             None => &[],
         };
-        // What is not written is black, as every reader has it.
+        // Outputs that are not written are black, as on every backend.
         let at = |lane: usize, channel: usize| spans.get(channel).map_or([0.0; 2], |s| s[lane]);
         let color = |lane: usize| [0, 1, 2, 3].map(|channel| at(lane, channel));
         Ok(Permitted { colors: (0..batch.count).map(color).collect(), unsure: outputs.unsure })

@@ -1,6 +1,6 @@
-//! The user's GLSL with inputs that are fetched from a texture, for OpenGL: a text
-//! [`rewrite`](crate::harness::rewrite) has made variables of the inputs of, and a new `main` that
-//! fills them and calls the old one.
+//! Adapts the user's GLSL for OpenGL so that inputs are fetched from a texture:
+//! [`rewrite`](crate::harness::rewrite) turns the inputs into variables, and a new `main` fills
+//! them and calls the old one.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -14,19 +14,20 @@ use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::RawText;
 
-/// What stands for `gl_FragCoord` where that is an input.
+/// The name that replaces `gl_FragCoord`.
 const COORDINATE: &str = "landfall_FragCoord";
 
-/// What the new `main` does.
+/// The output of the new `main`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Writes {
-    /// What the shader does.
+    /// The shader's own output.
     Result,
-    /// White wherever the shader does not discard.
+    /// White unless the shader discards.
     White,
 }
 
-/// A text without `#version` that has precisions is of OpenGL ES, whose compilers take it so.
+/// Adds `#version 100` to a text without `#version` that declares precisions, as OpenGL ES
+/// compilers take it.
 pub(super) fn versioned<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s, Source> {
     if source.language != Language::Glsl || source.text.contains("#version") {
         return Cow::Borrowed(source);
@@ -44,24 +45,24 @@ pub(super) fn versioned<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s
     }
 }
 
-/// Whether the text fetches by coordinates from 0 to 1, and so wants to know the size.
+/// Returns whether the text samples with coordinates from 0 to 1, and so needs the texture's size.
 pub(super) fn wants_size(source: &Source, options: &ReadOptions) -> bool {
     let raw = raw::read(source, options);
     !fetches(raw.version, raw.es)
 }
 
-/// Whether `gl_FragCoord` counts from the bottom.
+/// Returns whether row 0 of `gl_FragCoord` is the bottom one.
 pub(super) fn is_opengl(source: &Source, options: &ReadOptions) -> bool {
     let raw = || raw::read(source, options).target;
     source.language == Language::Glsl && raw() != Some(Target::Vulkan)
 }
 
-/// `texelFetch` is of GLSL 1.30 and ES 3.00.
+/// Returns whether `texelFetch` is available: GLSL 1.30 and ES 3.00.
 fn fetches(version: u32, es: bool) -> bool {
     if es { version >= 300 } else { version >= 130 }
 }
 
-/// The text for OpenGL's compiler.
+/// Returns the text for OpenGL's compiler.
 pub(super) fn text(
     source: &Source,
     options: &ReadOptions,
@@ -129,7 +130,7 @@ pub(super) fn text(
     }
     let _ = writeln!(out, "    {MAIN}();");
     if writes == Writes::White {
-        // All that is written before is written over.
+        // The new outputs overwrite the shader's own.
         let name = outputs(raw, &rewritten.flat.text);
         let _ = writeln!(out, "    {name};");
     }
@@ -137,7 +138,7 @@ pub(super) fn text(
     code::without(&out, "set")
 }
 
-/// A statement that makes the first output white.
+/// Returns a statement that makes the first output white.
 fn outputs(raw: &RawText, text: &str) -> String {
     for declaration in raw.declarations(text) {
         let Item::Variables(variables) = &declaration.item else { continue };

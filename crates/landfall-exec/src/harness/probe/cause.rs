@@ -1,25 +1,29 @@
-//! What a reader must have taken for the layout, when it reads other bytes than expected.
+//! Infers the layout that a backend used when it reads other bytes than expected.
 //!
-//! Fits offset and strides to the bytes a leaf was read from, and compares the fit with
-//! what other rules, other orders and naga would give.
+//! Fits offset and strides to the bytes a leaf was read from, and compares the fit with other
+//! layout rules, other matrix orders and naga's layout.
 
-use super::judge::{Got, Sighting};
+use super::results::{Got, ProbeResult};
 use landfall_layout::layout::{BlockLayout, Leaf, lay_out};
-use landfall_layout::shape::{Block, Majorness, Member, OffsetOrder, Rules};
+use landfall_layout::shape::{Block, MatrixLayout, Member, OffsetOrder, Rules};
 
-/// Where a reader takes a leaf to be.
+/// The linear placement of a leaf.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Place {
     offset: i64,
-    /// Distance of elements for each dimension; `None` where only one element was read.
+    /// The stride of each dimension; `None` if only one element was read.
     strides: Vec<Option<i64>>,
     column: Option<i64>,
     row: Option<i64>,
 }
 
-/// The likely cause of what one leaf's sightings say, in words; `None` when nothing fits.
-pub fn cause(block: &BlockLayout, expected: &Leaf, sightings: &[&Sighting]) -> Option<String> {
-    let place = fit(expected, sightings)?;
+/// Returns the likely cause of one leaf's deviations; `None` if nothing fits.
+pub fn cause(
+    block: &BlockLayout,
+    expected: &Leaf,
+    probe_results: &[&ProbeResult],
+) -> Option<String> {
+    let place = fit(expected, probe_results)?;
     let meant = of_leaf(expected, &place);
     if place == meant {
         return None;
@@ -42,10 +46,10 @@ pub fn cause(block: &BlockLayout, expected: &Leaf, sightings: &[&Sighting]) -> O
             (count, nth) if nth + 1 == count => " of the inner dimension".to_string(),
             (_, nth) => format!(" of dimension {}", nth + 1),
         };
-        parts.push(format!("the array stride{which} is taken as {got} instead of {want}"));
+        parts.push(format!("the array stride{which} is {got} instead of {want}"));
     }
     if (place.column, place.row) == (meant.row, meant.column) && place.column != place.row {
-        parts.push("rows and columns are taken for one another".to_string());
+        parts.push("rows and columns are swapped".to_string());
     } else {
         for (what, got, want) in
             [("columns", place.column, meant.column), ("components", place.row, meant.row)]
@@ -58,7 +62,7 @@ pub fn cause(block: &BlockLayout, expected: &Leaf, sightings: &[&Sighting]) -> O
     Some(parts.join("; "))
 }
 
-/// A leaf's own place, with as many steps known as in the other.
+/// Returns the leaf's expected placement, with the strides that `like` has.
 fn of_leaf(leaf: &Leaf, like: &Place) -> Place {
     let width = leaf.size.map_or(4, |_| component_width(leaf));
     let matrix = leaf.matrix_stride.map(|stride| stride as i64);
@@ -87,39 +91,40 @@ fn component_width(leaf: &Leaf) -> i64 {
     }
 }
 
-/// The linear place that all sightings agree with.
-fn fit(leaf: &Leaf, sightings: &[&Sighting]) -> Option<Place> {
-    let seen: Vec<(&Sighting, i64)> = sightings
+/// Fits a linear placement to all results of a leaf.
+fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<Place> {
+    let seen: Vec<(&ProbeResult, i64)> = probe_results
         .iter()
-        .filter_map(|sighting| match sighting.got {
-            Got::Byte(byte) => Some((*sighting, byte as i64)),
+        .filter_map(|probe_result| match probe_result.got {
+            Got::Byte(byte) => Some((*probe_result, byte as i64)),
             Got::Other(_) => None,
         })
         .collect();
-    let steps = |sighting: &Sighting| -> Vec<i64> {
-        let element = sighting.read.element.iter().map(|index| i64::from(*index));
-        let inner = [sighting.read.column, sighting.read.row];
+    let steps = |probe_result: &ProbeResult| -> Vec<i64> {
+        let element = probe_result.read.element.iter().map(|index| i64::from(*index));
+        let inner = [probe_result.read.column, probe_result.read.row];
         element.chain(inner.into_iter().map(|step| i64::from(step.unwrap_or(0)))).collect()
     };
-    let origin = seen.iter().find(|(sighting, _)| steps(sighting).iter().all(|step| *step == 0));
+    let origin =
+        seen.iter().find(|(probe_result, _)| steps(probe_result).iter().all(|step| *step == 0));
     let offset = origin?.1;
     let count = leaf.dims.len() + 2;
     let mut distances: Vec<Option<i64>> = vec![None; count];
     for (at, distance) in distances.iter_mut().enumerate() {
-        let alone = seen.iter().find(|(sighting, _)| {
-            let steps = steps(sighting);
+        let alone = seen.iter().find(|(probe_result, _)| {
+            let steps = steps(probe_result);
             steps.iter().enumerate().all(|(other, step)| (other == at) == (*step != 0))
         });
-        if let Some((sighting, byte)) = alone {
-            let step = steps(sighting)[at];
+        if let Some((probe_result, byte)) = alone {
+            let step = steps(probe_result)[at];
             if (byte - offset) % step != 0 {
                 return None;
             }
             *distance = Some((byte - offset) / step);
         }
     }
-    let holds = seen.iter().all(|(sighting, byte)| {
-        let steps = steps(sighting);
+    let holds = seen.iter().all(|(probe_result, byte)| {
+        let steps = steps(probe_result);
         let away: Option<i64> = steps
             .iter()
             .zip(&distances)
@@ -135,13 +140,13 @@ fn fit(leaf: &Leaf, sightings: &[&Sighting]) -> Option<Place> {
     })
 }
 
-/// A known way to get it wrong that gives just this place.
+/// Names a known error that gives exactly this placement.
 fn known(block: &BlockLayout, leaf: &Leaf, place: &Place) -> Option<String> {
     if let Some(naga) = &leaf.naga {
         let strides: Vec<i64> = naga.strides.iter().map(|stride| *stride as i64).collect();
         let known: Vec<i64> = place.strides.iter().copied().flatten().collect();
         if naga.offset as i64 == place.offset && strides == known {
-            return Some("this is where naga puts it".to_string());
+            return Some("this is its offset in naga's layout".to_string());
         }
     }
     for rules in [Rules::Std140, Rules::Std430, Rules::Scalar] {
@@ -151,16 +156,16 @@ fn known(block: &BlockLayout, leaf: &Leaf, place: &Place) -> Option<String> {
         let Some(other) = under(block, rules) else { continue };
         let same = other.leaves.iter().find(|other| other.path == leaf.path);
         if same.is_some_and(|same| of_leaf(same, place) == *place) {
-            return Some(format!("this is its place in {}", rules.name()));
+            return Some(format!("this is its offset in {}", rules.name()));
         }
     }
     None
 }
 
-/// The block's members laid out by other rules.
+/// Returns the block's members laid out by other rules.
 fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
     let members = block.members.iter().map(|member| Member {
-        majorness: member.row_major.then_some(Majorness::Row),
+        matrix_layout: member.row_major.then_some(MatrixLayout::Row),
         ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
     });
     lay_out(&Block {
@@ -173,7 +178,7 @@ fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
         group: block.group,
         binding: block.binding,
         count: Vec::new(),
-        majorness: Majorness::Column,
+        matrix_layout: MatrixLayout::Column,
         members: members.collect(),
         opaque: Vec::new(),
         offset_order: OffsetOrder::Any,

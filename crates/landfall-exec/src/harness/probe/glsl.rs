@@ -1,20 +1,20 @@
-//! A GLSL shader with a probe for its `main`: the user's text as it is, then the reads.
+//! Adds a probe to a GLSL shader: the user's text unchanged, then a `main` with the reads.
 //!
-//! Reads a [`Plan`]; the text goes to the OpenGL driver, and through our own
-//! front end to the evaluator and wgpu.
+//! Implements a [`Plan`]; the text goes to the OpenGL driver, and through Landfall's front end to
+//! the evaluator and wgpu.
 
 use std::fmt::Write as _;
 
 use super::plan::{Plan, Read, Way, top_member};
-use super::words;
+use super::sentinel;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
 
-/// The storage block that holds the indices and takes the words.
+/// The storage block that holds the indices and receives the words.
 pub(crate) const RESULTS: &str = "LandfallWords";
 
-/// The user's text with its `main` put aside and the probe's in its place.
+/// Returns the user's text with its `main` replaced by the probe's.
 pub(crate) fn text(
     source: &Source,
     block: &BlockLayout,
@@ -28,7 +28,7 @@ pub(crate) fn text(
     text
 }
 
-/// The user's text with its `main` put aside.
+/// Returns the user's text with its `main` renamed.
 pub(crate) fn aside(source: &Source, head: &Head) -> String {
     let mut text = String::with_capacity(source.text.len() + 4096);
     text.push_str(&source.text[..head.end]);
@@ -38,7 +38,7 @@ pub(crate) fn aside(source: &Source, head: &Head) -> String {
     if head.end == 0 {
         text.push_str("#version 450\n");
     }
-    // What the probe itself needs beyond the shader's version.
+    // Extensions that the probe needs beyond the shader's version.
     if !head.es && head.version < 430 && head.end > 0 {
         text.push_str("#extension GL_ARB_shader_storage_buffer_object : enable\n");
         text.push_str("#extension GL_ARB_shader_bit_encoding : enable\n");
@@ -50,7 +50,8 @@ pub(crate) fn aside(source: &Source, head: &Head) -> String {
     text
 }
 
-/// What stands before a `main` of ours: the results' block, and a size where a workgroup has none.
+/// Appends the declarations before a generated `main`: the results' block, and a workgroup size if
+/// there is none.
 pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage, head: &Head) {
     if head.es {
         text.push_str("precision highp float;\nprecision highp int;\n");
@@ -63,17 +64,17 @@ pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage
     }
 }
 
-/// Whether a text says how large a workgroup is, in any direction.
+/// Returns whether a text declares a workgroup size in any dimension.
 pub(crate) fn is_sized(text: &str) -> bool {
     text.contains("local_size_")
 }
 
-/// A `main` of that stage, which one invocation runs.
+/// Appends a `main` for a stage, whose body one invocation runs.
 pub(crate) fn main(text: &mut String, stage: ExecutableStage, body: &str) {
     text.push_str("void main() {\n");
     match stage {
         ExecutableStage::Vertex => text.push_str("    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);\n"),
-        // A group of the user's size would write every word many times over.
+        // The other invocations of a workgroup would write every word again.
         ExecutableStage::Compute => {
             text.push_str("    if (gl_GlobalInvocationID != uvec3(0u)) return;\n");
         }
@@ -83,11 +84,11 @@ pub(crate) fn main(text: &mut String, stage: ExecutableStage, body: &str) {
     text.push_str("}\n");
 }
 
-/// The `#version` line: what it says and where it ends.
+/// The `#version` line: its contents and its end.
 pub(crate) struct Head {
-    /// One past its line break; 0 where there is none.
+    /// The byte after its line break; 0 if there is no such line.
     end: usize,
-    /// Number of the line after it.
+    /// The number of the next line.
     line: usize,
     pub(crate) version: u32,
     pub(crate) es: bool,
@@ -134,7 +135,7 @@ fn append(
             }
             Way::Written => {
                 for (nth, read) in reads.into_iter().enumerate() {
-                    // Every other write finds its place by dynamic indices.
+                    // Every other write uses dynamic indices.
                     let way = if nth % 2 == 0 { Way::Constant } else { Way::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
@@ -166,7 +167,7 @@ fn append(
     main(text, stage, &body);
 }
 
-/// What stands before the members: `block[1].`, or nothing.
+/// Returns the prefix of a member's path: `block[1].`, or nothing.
 fn root(block: &BlockLayout, element: &[u32]) -> String {
     match &block.instance {
         Some(instance) => format!("{instance}{}.", subscripts(element)),
@@ -181,16 +182,16 @@ fn subscripts(indices: &[u32]) -> String {
     })
 }
 
-/// Reads that share a copy, or that share nothing.
+/// Reads that share a copy, or that need none.
 pub(super) struct Group<'a> {
     pub way: Way,
     pub member: Option<&'a MemberLayout>,
-    /// Indices of the member's own dimensions, where its elements are structures.
+    /// Indices of the member's own dimensions, if its elements are structures.
     pub start: Vec<u32>,
     pub reads: Vec<&'a Read>,
 }
 
-/// The reads of a plan by the copy they need.
+/// Returns the reads of a plan grouped by the copy they need.
 pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     for read in &plan.reads {
@@ -220,8 +221,8 @@ pub(super) fn is_structure(member: &MemberLayout) -> bool {
     matches!(member.ty.innermost(), Type::Struct(_))
 }
 
-/// `T name`, or `T name[4]` for a copy of a whole array; and how many segments of a leaf's path
-/// and of its indices the copy stands for.
+/// Returns the declaration `T name`, or `T name[4]` for a copy of a whole array; and the number of
+/// path segments and indices that the copy replaces.
 fn declared(member: &MemberLayout, name: &str) -> (String, usize) {
     let inner = member.ty.innermost().spelled(Language::Glsl);
     if is_structure(member) {
@@ -233,8 +234,8 @@ fn declared(member: &MemberLayout, name: &str) -> (String, usize) {
     }
 }
 
-/// The leaf's path with its indices, the first `skipped` of them and the member they belong to
-/// left out where a copy stands for them.
+/// Returns the leaf's path with its indices, without the first `skipped` of them and their member
+/// if a copy replaces those.
 pub(super) fn path(
     block: &BlockLayout,
     read: &Read,
@@ -265,7 +266,7 @@ pub(super) fn path(
     text
 }
 
-/// An index as a number, or read from the words the results begin with.
+/// Returns an index as a literal, or as a read of the words the results begin with.
 pub(super) fn subscript(index: u32, way: Way, plan: &Plan) -> String {
     let slot = plan.indices.iter().position(|known| *known == index);
     match (way, slot) {
@@ -276,7 +277,7 @@ pub(super) fn subscript(index: u32, way: Way, plan: &Plan) -> String {
     }
 }
 
-/// The component of a vector or matrix: by name, or by index where the way is dynamic.
+/// Returns the access to a component: by name, or by index if the way is dynamic.
 pub(super) fn component(from: String, read: &Read, way: Way, plan: &Plan) -> String {
     let column = read.column.map(u32::from).map(|column| subscript(column, way, plan));
     let row = read.row.map(|row| match way {
@@ -292,7 +293,7 @@ pub(super) fn component(from: String, read: &Read, way: Way, plan: &Plan) -> Str
     }
 }
 
-/// Stores a component's bits into its words.
+/// Appends statements that store a component's bits into its words.
 fn result(text: &mut String, read: &Read, from: &str) {
     let slot = read.slot;
     let _ = match kind(read.scalar) {
@@ -309,21 +310,21 @@ fn result(text: &mut String, read: &Read, from: &str) {
     };
 }
 
-/// What a write assigns.
+/// Returns the value that a write assigns.
 fn value(read: &Read) -> String {
-    let low = words::written(read.slot);
+    let low = sentinel::written(read.slot);
     match kind(read.scalar) {
         Kind::Float => format!("uintBitsToFloat({low}u)"),
         Kind::Whole if read.scalar.kind == ScalarKind::Sint => format!("int({low}u)"),
         Kind::Whole => format!("{low}u"),
         Kind::Bool => "false".to_string(),
         Kind::Double => {
-            format!("packDouble2x32(uvec2({low}u, {}u))", words::written(read.slot + 1))
+            format!("packDouble2x32(uvec2({low}u, {}u))", sentinel::written(read.slot + 1))
         }
     }
 }
 
-/// How bits are told apart.
+/// The category of a component, which determines how its bits are compared.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Float,

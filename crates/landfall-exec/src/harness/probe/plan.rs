@@ -1,43 +1,44 @@
-//! Which reads prove a block: every leaf by constant and by dynamic index, at its
+//! Chooses the reads that verify a block: every leaf by constant and by dynamic index, at its
 //! first, middle and last element, through copies and as an argument.
 //!
-//! Reads [`layout`](landfall_layout::layout()); the byte each read must see comes from the
-//! layout that is to be proven, which need not be the shader's own.
+//! Reads [`layout`](landfall_layout::layout()); the expected byte of each read comes from the
+//! layout to be verified, which need not be the shader's own.
 
 use std::collections::BTreeMap;
 
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Struct, Type};
 
-/// Elements a runtime-sized tail is given.
+/// Number of elements of a runtime-sized tail.
 pub const TAIL: u32 = 3;
 
-/// Words one probe returns at most: compilers take their time over longer ones.
+/// Maximum number of words one probe returns; longer probes are slow to compile.
 const MOST_WORDS: u32 = 250;
 
-/// Elements of a whole array that is copied at most.
+/// Maximum number of elements of an array that is copied as a whole.
 const LARGEST_COPY: u64 = 64;
 
-/// The largest buffer a probe fills: further words are no 32-bit float of their own.
+/// Maximum size of a probed buffer in bytes: sentinels beyond it would not be distinct 32-bit
+/// floats.
 pub const LARGEST_BUFFER: u64 = 32 << 20;
 
-/// How a leaf is read, or written.
+/// The way in which a leaf is read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Way {
     /// `data[3].pos.x`.
     Constant,
-    /// `data[i].pos[j]`, the indices known only when it runs.
+    /// `data[i].pos[j]`, with indices known only at run time.
     Dynamic,
-    /// From a copy of the structure, or array, that it is in.
+    /// From a copy of the structure or array that contains it.
     Copied,
-    /// From such a structure given to a function.
+    /// From such a structure passed to a function.
     Passed,
     /// Assigned, in a storage block.
     Written,
 }
 
 impl Way {
-    /// The name in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Way::Constant => "constant",
@@ -49,24 +50,24 @@ impl Way {
     }
 }
 
-/// One component read, or written, in one way.
+/// One component read or written in one way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Read {
-    /// Index into the block's leaves.
+    /// The index of the leaf in the block.
     pub leaf: usize,
-    /// Indices for the dimensions on its path.
+    /// The indices of the dimensions on its path.
     pub element: Vec<u32>,
-    /// Column of a matrix.
+    /// The column of a matrix.
     pub column: Option<u8>,
-    /// Component of a vector or of a matrix's column.
+    /// The component of a vector or of a matrix's column.
     pub row: Option<u8>,
-    /// How.
+    /// The way of access.
     pub way: Way,
-    /// Word of the results; a `double` takes two.
+    /// The word in the results; a `double` takes two.
     pub slot: u32,
-    /// The byte it must see.
+    /// The expected byte.
     pub byte: u64,
-    /// What the component is.
+    /// The component type.
     pub scalar: Scalar,
 }
 
@@ -75,43 +76,43 @@ pub struct Read {
 pub struct Plan {
     /// The reads; their slots follow [`Plan::indices`].
     pub reads: Vec<Read>,
-    /// Index values that reads use, in the words the results begin with.
+    /// The index values of dynamic reads, which are the first words of the results.
     pub indices: Vec<u32>,
-    /// Words of the results, indices included.
+    /// The number of words of the results, indices included.
     pub words: u32,
 }
 
-/// Why a leaf is not probed.
+/// A leaf that is not probed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unprobed {
     /// The leaf's path.
     pub path: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
-/// What to do about a block.
+/// The runs that probe a block.
 #[derive(Clone, Debug, Default)]
 pub struct Plans {
     /// Runs that read.
     pub reads: Vec<Plan>,
     /// Runs that write.
     pub writes: Vec<Plan>,
-    /// What is left out, and why.
+    /// Leaves that are left out.
     pub unprobed: Vec<Unprobed>,
 }
 
-/// What may be done to the members of a block.
+/// The access to a member of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// They may be read.
+    /// Whether it may be read.
     pub read: bool,
-    /// They may be assigned.
+    /// Whether it may be written.
     pub write: bool,
 }
 
-/// Chooses the reads of a block whose members may be read and written like that. The bytes they
-/// must see are those of `expected`, which has the same leaves by path.
+/// Plans the reads and writes of a block with the given access to its members. The expected bytes
+/// are those of `expected`, whose leaves have the same paths.
 pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> Plans {
     let mut plans = Plans::default();
     let by_path: BTreeMap<&str, &Leaf> =
@@ -145,13 +146,13 @@ pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> 
             continue;
         }
         for way in ways(leaf, top, block.space, access) {
-            // A copy shows in two elements what it could show in all.
+            // Two elements of a copy reveal as much as all.
             let copied = matches!(way, Way::Copied | Way::Passed);
             let elements = if copied { &elements[..elements.len().min(2)] } else { &elements };
             for element in elements {
                 for (column, row) in components(&leaf.ty) {
                     let Some(byte) = byte_of(expected, element, column, row, scalar) else {
-                        plans.leave_out(leaf, "the given layout has another shape of it");
+                        plans.leave_out(leaf, "the given layout has another type for it");
                         continue;
                     };
                     let read = Read {
@@ -191,7 +192,7 @@ impl Plans {
     }
 }
 
-/// Reads that go into one run.
+/// The reads collected for one run.
 #[derive(Default)]
 struct Batch {
     reads: Vec<Read>,
@@ -199,7 +200,7 @@ struct Batch {
 }
 
 impl Batch {
-    /// Adds a read; whether the batch is full now.
+    /// Adds a read and returns whether the batch is full.
     fn add(&mut self, read: Read) -> bool {
         self.words += words_of(read.scalar);
         self.reads.push(read);
@@ -226,30 +227,31 @@ impl Batch {
     }
 }
 
-/// Words a component takes.
+/// Returns the number of words of a component.
 pub fn words_of(scalar: Scalar) -> u32 {
     if scalar.width == 8 { 2 } else { 1 }
 }
 
-/// The component type of a leaf, if its bits can be told from a 32-bit word.
+/// Returns the component type of a leaf, if a 32-bit word can identify it.
 fn component(leaf: &Leaf) -> Result<Scalar, String> {
     let scalar = match &leaf.ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => *scalar,
         Type::Vector { scalar, .. } | Type::Matrix { scalar, .. } => *scalar,
         Type::Address(name) => return Err(format!("a `{name}` is an address, not a value")),
-        Type::Struct(_) | Type::Array { .. } => return Err("it is no leaf".to_string()),
+        Type::Struct(_) | Type::Array { .. } => return Err("it is not a leaf".to_string()),
     };
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, 4)
         | (ScalarKind::Float, 8) => Ok(scalar),
         (_, width) => Err(format!(
-            "probes read components of 32 bits and doubles, it has {} bits",
+            "probes read 32-bit components and doubles, but it has {} bits",
             u32::from(width) * 8
         )),
     }
 }
 
-/// First, middle and last of every dimension, the others at their first.
+/// Returns the first, middle and last element of every dimension, the other dimensions at their
+/// first.
 fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     let mut dims: Vec<Vec<u32>> = Vec::with_capacity(leaf.dims.len());
     for len in &leaf.dims {
@@ -266,7 +268,7 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     let firsts: Vec<u32> = dims.iter().map(|dim| dim[0]).collect();
     let lasts: Vec<u32> = dims.iter().filter_map(|dim| dim.last().copied()).collect();
     let mut chosen = vec![firsts.clone(), lasts.clone()];
-    // Arrays of one element end where they begin.
+    // First and last coincide in arrays of one element.
     chosen.dedup();
     for (at, dim) in dims.iter().enumerate() {
         for &index in dim {
@@ -280,7 +282,7 @@ fn elements(leaf: &Leaf) -> Option<Vec<Vec<u32>>> {
     Some(chosen)
 }
 
-/// Column and row of every component.
+/// Returns column and row of every component.
 fn components(ty: &Type) -> Vec<(Option<u8>, Option<u8>)> {
     match ty {
         Type::Vector { rows, .. } => (0..*rows).map(|row| (None, Some(row))).collect(),
@@ -295,7 +297,7 @@ fn components(ty: &Type) -> Vec<(Option<u8>, Option<u8>)> {
     }
 }
 
-/// Where a component of an element is, from the start of the block.
+/// Returns the offset of a component of an element from the start of the block.
 pub fn byte_of(
     leaf: &Leaf,
     element: &[u32],
@@ -320,7 +322,7 @@ pub fn byte_of(
     byte.checked_add(inside)
 }
 
-/// The member of the block that a leaf is in.
+/// Returns the member of the block that contains a leaf.
 pub fn top_member<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Option<&'a MemberLayout> {
     let name = leaf.path.split(['.', '[']).next()?;
     block.members.iter().find(|member| &*member.name == name)
@@ -337,7 +339,7 @@ fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Ac
         }
         match top.map(|top| (top, top.ty.innermost())) {
             Some((_, Type::Struct(structure))) if can_be_copied(structure) => {
-                // A copy of a structure without a name cannot be declared.
+                // A copy of an unnamed structure cannot be declared.
                 if !structure.name.is_empty() {
                     ways.extend([Way::Copied, Way::Passed]);
                 }
@@ -354,7 +356,7 @@ fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Ac
     ways
 }
 
-/// Neither WGSL's atomics nor GLSL's samplers can be copied.
+/// Returns whether a structure can be copied: WGSL's atomics and GLSL's samplers cannot.
 fn can_be_copied(structure: &Struct) -> bool {
     structure.opaque.is_empty()
         && structure.members.iter().all(|member| match member.ty.innermost() {

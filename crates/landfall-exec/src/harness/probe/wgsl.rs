@@ -1,21 +1,21 @@
-//! A WGSL shader with a probe for an entry point: the user's text as it is, then the reads.
+//! Adds a probe to a WGSL shader: the user's text unchanged, then an entry point with the reads.
 //!
-//! Reads a [`Plan`]; the text goes through naga, its offsets replaced by ours, to the
+//! Implements a [`Plan`]; the text goes through naga, its offsets replaced by Landfall's, to the
 //! evaluator and wgpu.
 
 use std::fmt::Write as _;
 
 use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
 use super::plan::{Plan, Read, Way};
-use super::words;
+use super::sentinel;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
 
-/// The entry point that is added.
+/// The name of the added entry point.
 pub(crate) const ENTRY: &str = "landfall_probe";
 
-/// The user's text and a probe after it.
+/// Returns the user's text followed by a probe.
 pub(crate) fn text(
     source: &Source,
     block: &BlockLayout,
@@ -28,7 +28,7 @@ pub(crate) fn text(
         text,
         "\n@group(0) @binding({binding}) var<storage, read_write> landfall_words: array<u32>;\n"
     );
-    // A plain store type is named as the variable: its path begins with it.
+    // A plain store type is named as the variable, which its path begins with.
     let root = block.instance.as_ref().map_or(String::new(), |instance| format!("{instance}."));
     let mut body = String::new();
     for (number, group) in groups(block, plan).into_iter().enumerate() {
@@ -81,7 +81,7 @@ pub(crate) fn text(
     text
 }
 
-/// An entry point of that stage, which one invocation runs.
+/// Appends an entry point of a stage, whose body one invocation runs.
 pub(crate) fn entry(text: &mut String, name: &str, stage: ExecutableStage, body: &str) {
     let _ = match stage {
         ExecutableStage::Vertex => writeln!(
@@ -100,7 +100,7 @@ pub(crate) fn entry(text: &mut String, name: &str, stage: ExecutableStage, body:
     };
 }
 
-/// A binding of group 0 that no `@binding(` of the text has.
+/// Returns a binding of group 0 that no `@binding(` of the text uses.
 pub(crate) fn free_binding(text: &str) -> u32 {
     let after = text.split("@binding").skip(1);
     let numbers = after.filter_map(|rest| {
@@ -111,7 +111,7 @@ pub(crate) fn free_binding(text: &str) -> u32 {
     numbers.max().map_or(0, |most| most.saturating_add(1))
 }
 
-/// A value, through `atomicLoad` where it is an atomic.
+/// Returns the read of a value, through `atomicLoad` if it is an atomic.
 fn loaded(block: &BlockLayout, read: &Read, from: String) -> String {
     match &block.leaves[read.leaf].ty {
         Type::Atomic(_) if block.space == AddressSpace::Storage => format!("atomicLoad(&{from})"),
@@ -128,14 +128,14 @@ fn result(text: &mut String, read: &Read, from: &str) {
         Kind::Float | Kind::Whole => {
             writeln!(text, "    landfall_words[{slot}] = bitcast<u32>({from});")
         }
-        // Neither stands in a WGSL buffer; naga's f64 has no bits in WGSL.
+        // A WGSL buffer holds neither; naga's f64 has no bitcast in WGSL.
         Kind::Bool => writeln!(text, "    landfall_words[{slot}] = select(0u, 1u, {from});"),
         Kind::Double => Ok(()),
     };
 }
 
 fn value(read: &Read) -> String {
-    let bits = words::written(read.slot);
+    let bits = sentinel::written(read.slot);
     match kind(read.scalar) {
         Kind::Whole if read.scalar.kind == ScalarKind::Uint => format!("{bits}u"),
         Kind::Whole => format!("bitcast<i32>({bits}u)"),

@@ -1,5 +1,5 @@
-//! The code of a probe in the form its reader takes: the user's text for OpenGL, ported where
-//! OpenGL has no bytes for its uniforms, and a module for the evaluator and wgpu.
+//! The code of a probe in the form its backend takes: the user's text for OpenGL, ported if it has
+//! loose uniforms, which have no offsets in OpenGL, and a module for the evaluator and wgpu.
 
 use crate::backend::BackendKind;
 use std::borrow::Cow;
@@ -18,15 +18,15 @@ use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source, St
 pub use landfall_layout::syntax::glsl::raw;
 use landfall_layout::{Diagnostic, Options, layout};
 
-/// Where the results of a probe are bound that goes through naga's own GLSL front end.
+/// The binding of the results if the text goes through naga's GLSL front end.
 const NAGA_BINDING: u32 = 99;
 
-/// What code is needed of.
+/// The probe for which code is made.
 pub(super) struct Need<'a> {
-    pub reader: BackendKind,
+    pub backend: BackendKind,
     pub source: &'a Source,
     pub block: &'a BlockLayout,
-    /// Which buffer of an array of blocks.
+    /// The indices of the buffer in an array of blocks.
     pub element: &'a [u32],
     pub plan: &'a Plan,
     pub stage: ExecutableStage,
@@ -35,9 +35,9 @@ pub(super) struct Need<'a> {
     pub options: &'a VerifyOptions,
 }
 
-/// A probe's code, and where its buffers are bound.
+/// A probe's code and the bindings of its buffers.
 pub(super) struct Code {
-    /// In the order of the pipeline.
+    /// The stages in pipeline order.
     pub stages: Vec<StageCode>,
     pub block: Bound,
     pub results: Bound,
@@ -45,7 +45,7 @@ pub(super) struct Code {
     pub writable: bool,
 }
 
-/// A buffer's name, and its binding in the module.
+/// A buffer's name and its binding in the module.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bound {
     pub name: String,
@@ -53,9 +53,9 @@ pub(super) struct Bound {
     pub binding: u32,
 }
 
-/// The text that a reader is given.
-pub(super) fn form(reader: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
-    match (reader, naga) {
+/// Returns the form of code for a backend.
+pub(super) fn form(backend: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
+    match (backend, naga) {
         (BackendKind::Gl, _) if is_loose(source, block) => Form::Ported,
         (BackendKind::Gl, _) => Form::Original,
         (_, false) => Form::Module,
@@ -63,42 +63,42 @@ pub(super) fn form(reader: BackendKind, source: &Source, block: &BlockLayout, na
     }
 }
 
-/// Whether the block is the loose uniforms of a GLSL shader.
+/// Returns whether the block holds the loose uniforms of a GLSL shader.
 pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
     source.language == Language::Glsl && block.gathered
 }
 
-/// The stage a probe runs in on a reader, or why it does not.
+/// Returns the stage a probe runs in on a backend, or why it cannot run.
 pub(super) fn fits(
-    reader: BackendKind,
+    backend: BackendKind,
     source: &Source,
     block: &BlockLayout,
     stage: Stage,
 ) -> Result<ExecutableStage, String> {
     let Some(runs) = ExecutableStage::of(stage) else {
-        return Err(format!("probes run in no {} stage", stage.name()));
+        return Err(format!("probes do not run in {} stages", stage.name()));
     };
-    if reader != BackendKind::Gl {
+    if backend != BackendKind::Gl {
         return Ok(runs);
     }
     match (source.language, block.space) {
-        (Language::Wgsl, _) => Err("OpenGL takes no WGSL".to_string()),
+        (Language::Wgsl, _) => Err("OpenGL does not accept WGSL".to_string()),
         (Language::Glsl, AddressSpace::PushConstant) => {
             Err("OpenGL has no push constants".to_string())
         }
         (Language::Glsl, _) if block.rules == Rules::Scalar => {
-            Err("OpenGL has no scalar rules".to_string())
+            Err("OpenGL has no scalar layout".to_string())
         }
         (Language::Glsl, _) => Ok(runs),
     }
 }
 
-/// The code of a probe.
+/// Returns the code of a probe.
 ///
 /// # Errors
-/// The shader does not run: why.
+/// Fails if the shader does not run.
 pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
-    let form = form(need.reader, need.source, need.block, need.options.naga);
+    let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
             let source = opened(need.source, &need.options.layout.read);
@@ -110,7 +110,7 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
     }
 }
 
-/// The shader with its includes in it: drivers open no files.
+/// Returns the shader with its includes inlined, since drivers open no files.
 pub(crate) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, Source> {
     if !source.text.contains("#include") {
         return Cow::Borrowed(source);
@@ -119,7 +119,7 @@ pub(crate) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, S
     Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
 }
 
-/// The user's text as OpenGL's compiler takes it, without a probe.
+/// Returns the user's text for OpenGL's compiler, without a probe.
 pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
     without(&opened(source, &options.layout.read).text, "set")
 }
@@ -143,10 +143,10 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
     })
 }
 
-/// The fragment stage that a vertex stage needs to run.
+/// Returns the fragment stage that a vertex stage needs to run.
 fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
     let source = partner::fragment(source);
-    let module = match need.reader {
+    let module = match need.backend {
         BackendKind::Gl => None,
         _ => {
             let made = Module::new(&source, &Options::default());
@@ -165,14 +165,15 @@ fn stage_code(
     StageCode { stage, entry: entry.to_string(), module, glsl, spirv: None }
 }
 
-/// The name OpenGL gives one buffer of a block, or of an array of them: `B[0]`.
+/// Returns OpenGL's name of a block, or of one buffer of an array of blocks: `B[0]`.
 pub(crate) fn gl_name(block: &str, element: &[u32]) -> String {
     element.iter().fold(block.to_string(), |name, index| format!("{name}[{index}]"))
 }
 
-/// The shader with its loose uniforms in a block: the members keep their order.
+/// Returns the code with loose uniforms in a block, members in their order.
 fn ported(need: &Need<'_>) -> Result<Code, Failure> {
-    let options = PortOptions { read: need.options.layout.read.clone(), ..PortOptions::default() };
+    let mut options = PortOptions::default();
+    options.read = need.options.layout.read.clone();
     let ported = port(need.source, &options).map_err(|found| refused("ported", &found))?;
     let shader = layout(&ported.source, &need.options.layout);
     let name = ported.block.as_deref().unwrap_or_default();
@@ -181,7 +182,7 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
         block.leaves.iter().map(|leaf| (leaf.offset, leaf.strides.clone())).collect()
     };
     let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
-        return Err(failure("the ported text has its uniforms in other places".to_string()));
+        return Err(failure("the ported text has its uniforms at other offsets".to_string()));
     };
     let text = glsl::text(&ported.source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &ported.source, &text)?;
@@ -196,7 +197,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         }
         Language::Wgsl => (wgsl::text(need.source, need.block, need.plan, need.stage), wgsl::ENTRY),
     };
-    // naga wants a binding of everything, and gives none out.
+    // naga needs explicit bindings.
     let text = match form {
         Form::Naga => text.replace(
             &format!("layout(std430) buffer {}", glsl::RESULTS),
@@ -206,7 +207,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
     };
     let source =
         Source { text: Arc::from(text), stage: Some(need.stage.into()), ..need.source.clone() };
-    let options = Options { gather: true, naga: false, ..need.options.layout.clone() };
+    let options = need.options.layout.clone().with_gather(true).with_naga(false);
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
         Form::Original | Form::Ported | Form::Module | Form::Spirv => {
@@ -232,7 +233,7 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
     Ok(Code { stages, block, results, writable: need.writable })
 }
 
-/// Where the probed block is bound in the module.
+/// Returns the binding of the probed block in the module.
 fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound, Failure> {
     let nth = nth_buffer(block, element);
     let found = module.blocks().iter().find(|other| {
@@ -245,7 +246,7 @@ fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound,
     Ok(Bound { name: block.name.to_string(), group: found.group, binding: found.binding })
 }
 
-/// Which buffer of an array of blocks, counted through all dimensions.
+/// Returns the index of a buffer in an array of blocks, flattened over all dimensions.
 fn nth_buffer(block: &BlockLayout, element: &[u32]) -> Option<u32> {
     let counted = element.iter().zip(&block.count).fold(0, |sum, (index, len)| match len {
         ArrayLen::Fixed(length) => sum * length + index,
@@ -263,7 +264,7 @@ fn refused(what: &str, found: &[Diagnostic]) -> Failure {
     Failure { kind: FailureKind::Unfit, ..failure(format!("it cannot be {what}: {first}")) }
 }
 
-/// The text without `WORD = N` in its layout qualifiers: OpenGL has no descriptor sets.
+/// Removes `WORD = N` from layout qualifiers; OpenGL has no descriptor sets.
 pub(crate) fn without(text: &str, word: &str) -> String {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;
@@ -293,7 +294,7 @@ pub(crate) fn without(text: &str, word: &str) -> String {
         } else if let (Some(more), Some(head)) =
             (rest.trim_start().strip_prefix(')'), result.trim_end().strip_suffix('('))
         {
-            // An empty list is no list.
+            // An empty `layout()` is invalid.
             rest = more;
             let head = head.trim_end();
             let head = head.strip_suffix("layout").unwrap_or(head).len();

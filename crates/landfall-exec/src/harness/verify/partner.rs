@@ -1,8 +1,8 @@
-//! The stage beside a probe, without which its pipeline is not whole.
+//! Generates the other stage that a probe's pipeline needs.
 //!
-//! A vertex probe needs a fragment stage. A fragment probe needs, in OpenGL, a vertex
-//! stage that writes each input the user's own `main` reads, though that is dead: made
-//! from the user's declarations, `in` turned into `out`.
+//! A vertex probe needs a fragment stage. In OpenGL, a fragment probe needs a vertex stage that
+//! writes each input the user's own `main` reads, though that is dead code: it is made from the
+//! user's declarations, with `in` turned into `out`.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::{RawDeclaration, RawText, RawToken};
 
-/// A fragment stage that writes nothing of note, in the version of that text.
+/// Returns a minimal fragment stage in the version of the given text.
 pub(crate) fn fragment(of: &Source) -> Source {
     let version = of.text.lines().find(|line| line.trim_start().starts_with("#version"));
     let version = match of.language {
@@ -32,7 +32,8 @@ pub(crate) fn fragment(of: &Source) -> Source {
     }
 }
 
-/// A vertex stage that declares what a fragment shader reads, and covers the image.
+/// Returns a vertex stage that declares the inputs of a fragment shader as outputs and covers the
+/// image.
 pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     let raw = raw::read(of, options);
     let mut text = String::with_capacity(1024);
@@ -57,7 +58,7 @@ pub(crate) fn vertex(of: &Source, options: &ReadOptions) -> String {
     text
 }
 
-/// The directives the compiler obeys: the tokens of each.
+/// Returns the directives that the compiler obeys, as token ranges.
 fn directives(raw: &RawText) -> Vec<Range<usize>> {
     let mut all: Vec<Range<usize>> = Vec::new();
     for (at, token) in raw.tokens.iter().enumerate().filter(|(_, token)| token.active) {
@@ -70,7 +71,7 @@ fn directives(raw: &RawText) -> Vec<Range<usize>> {
     all
 }
 
-/// Takes over a directive, but for conditions: what they leave out is left out already.
+/// Copies a directive, except for conditions, which have been evaluated already.
 fn append_directive(text: &mut String, of: &Source, raw: &RawText, directive: &Range<usize>) {
     let tokens = &raw.tokens[directive.clone()];
     let word = |token: &RawToken| &of.text[token.start..token.end];
@@ -81,7 +82,7 @@ fn append_directive(text: &mut String, of: &Source, raw: &RawText, directive: &R
     }
 }
 
-/// Takes over declarations of types, constants and precision as they are, and inputs as outputs.
+/// Copies declarations of types, constants and precision unchanged, and inputs as outputs.
 fn append(text: &mut String, of: &Source, raw: &RawText, declaration: &RawDeclaration<'_>) {
     let qualifiers = match &declaration.item {
         Item::Variables(variables) => Some(&variables.qualifiers),

@@ -1,7 +1,8 @@
-//! What verifying a shader found: for each block and reader, which bytes every leaf was read from.
+//! The results of verifying a shader: by block and backend, the bytes that every leaf was read
+//! from.
 //!
-//! Plain data, as `landfall schema verify` describes it; made by
-//! [`verify`](super::verify), printed by the report of `landfall verify`.
+//! Plain data, as `landfall schema verify` describes it; made by [`verify`](super::verify), printed
+//! by the report of `landfall verify`.
 
 use crate::backend::BackendKind;
 use serde::Serialize;
@@ -9,54 +10,56 @@ use serde::Serialize;
 use crate::backend::{Device, Failure};
 use crate::harness::coverage::BlockCoverage;
 
-/// One shader.
+/// The report of one shader.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShaderReport {
     /// The path as messages print it.
     pub path: String,
     /// `glsl` or `wgsl`.
     pub language: &'static str,
-    /// Its blocks, in the order of the text.
+    /// The blocks in declaration order.
     pub blocks: Vec<BlockReport>,
-    /// What a user's own SPIR-V gave when it was run, where that was asked.
+    /// The run of third-party SPIR-V, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub compiled: Option<CompiledRun>,
 }
 
-/// A user's own SPIR-V, run as it is beside landfall's module over the same buffers.
+/// Third-party SPIR-V run unchanged, compared with Landfall's module over the same buffers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct CompiledRun {
-    /// Who ran both.
-    pub reader: BackendKind,
-    /// Whether they gave the same; skipped where it could not be run.
+    /// The backend that ran both.
+    #[serde(rename = "reader")]
+    pub backend: BackendKind,
+    /// Whether the results agree; skipped if the SPIR-V could not be run.
     pub outcome: Outcome,
-    /// Words of images and buffers that were compared.
+    /// Number of words of images and buffers compared.
     pub compared: usize,
-    /// Of them, those that differ.
+    /// Number of these that differ.
     pub differing: usize,
-    /// Why it was not run.
+    /// The reason why it was not run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
-/// One block of a shader.
+/// The report of one block.
 #[derive(Clone, Debug, Serialize)]
 pub struct BlockReport {
-    /// Its name.
+    /// The name of the block.
     pub name: String,
-    /// Its variable, where there is one.
+    /// The instance name, if any.
     pub instance: Option<String>,
-    /// `std140`, …
+    /// The layout rules: `std140`, …
     pub rules: &'static str,
-    /// Bytes a buffer must hold, a runtime-sized tail counted with one element.
+    /// The buffer's minimum size in bytes, with one element of a runtime-sized tail.
     pub size: u64,
-    /// How many leaves it has.
+    /// The number of leaves.
     pub leaves: usize,
-    /// What each reader saw.
-    pub readers: Vec<ReaderReport>,
-    /// Leaves that no probe reads, and why.
+    /// The results by backend.
+    #[serde(rename = "readers")]
+    pub backends: Vec<BackendReport>,
+    /// Leaves that no probe reads.
     pub unprobed: Vec<Unprobed>,
-    /// Which of its bytes the shader's own code reads, where that was asked.
+    /// The bytes that the shader's own code reads, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<BlockCoverage>,
 }
@@ -64,18 +67,18 @@ pub struct BlockReport {
 /// A leaf that no probe reads.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unprobed {
-    /// Its path.
+    /// The path.
     pub path: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
-/// What tells where a block's members are.
+/// The source of a block's actual layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadBy {
-    /// A probe on a backend.
+    /// Probes on a backend.
     Backend(BackendKind),
-    /// The decorations of a user's own SPIR-V, which nothing ran.
+    /// The decorations of third-party SPIR-V, which is not run.
     Spirv,
 }
 
@@ -95,60 +98,61 @@ impl Serialize for ReadBy {
     }
 }
 
-/// What one reader saw of one block.
+/// The results of one backend for one block.
 #[derive(Clone, Debug, Serialize)]
-pub struct ReaderReport {
-    /// Which reader.
-    pub reader: ReadBy,
-    /// The stage that read.
+pub struct BackendReport {
+    /// The backend.
+    #[serde(rename = "reader")]
+    pub backend: ReadBy,
+    /// The stage of the probes.
     pub stage: &'static str,
-    /// The text that was run.
+    /// The form of code that was run.
     pub form: Form,
-    /// What came of it.
+    /// The outcome.
     pub outcome: Outcome,
-    /// Why there is no answer, or none from this reader.
+    /// The reason for a missing result.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// What the driver or its compiler said.
+    /// The log of the driver or its compiler.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub log: String,
-    /// Every element that was read or written.
+    /// Every element read or written.
     pub reads: Vec<ElementReport>,
-    /// For each leaf that was read elsewhere, the likely cause.
+    /// The likely cause for each leaf that was read elsewhere.
     pub causes: Vec<Cause>,
 }
 
-/// The text a reader ran.
+/// The form of code that a backend ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Form {
-    /// The user's text, a probe in place of its `main`.
+    /// The user's text with a probe instead of its `main`.
     Original,
-    /// The same ported to GLSL 4.50, its loose uniforms in one block.
+    /// The same, ported to GLSL 4.50 with its loose uniforms in one block.
     Ported,
-    /// A module of the user's text with landfall's offsets.
+    /// A module of the user's text with Landfall's offsets.
     Module,
-    /// A module as naga's own front end makes it.
+    /// A module of naga's front end.
     Naga,
-    /// The decorations of a module that a compiler of the user's made.
+    /// The decorations of a third-party compiler's SPIR-V.
     Spirv,
 }
 
-/// What came of a probe.
+/// The outcome of a block's probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
-    /// Every read saw the byte it had to.
+    /// Every read reached the expected byte.
     Confirmed,
-    /// Some read saw another.
+    /// Some read reached another byte.
     Disagrees,
-    /// The reader could not run it.
+    /// The backend could not run a probe.
     Failed,
-    /// It is not for this reader: WGSL on OpenGL.
+    /// Not applicable to this backend, such as WGSL on OpenGL.
     Skipped,
 }
 
-/// One element that was read.
+/// The result of one element read or written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ElementReport {
     /// `data[63].pos.y`.
@@ -157,37 +161,37 @@ pub struct ElementReport {
     pub leaf: String,
     /// `constant`, `dynamic`, `copied`, `passed`, `written`, or `reported` by the driver.
     pub way: &'static str,
-    /// The byte it had to see.
+    /// The expected byte.
     pub expected_byte: u64,
-    /// The byte it saw; none where it saw nothing of the upload.
+    /// The byte reached; `None` if it is not in the upload.
     pub byte_read: Option<u64>,
 }
 
-/// Why a leaf was read from elsewhere, as far as can be told.
+/// The likely cause of a leaf being read elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Cause {
     /// The leaf's pattern.
     pub leaf: String,
-    /// In words.
+    /// The cause, as text.
     pub cause: String,
 }
 
-/// A reader, whether it ran or not.
+/// A backend that was requested, available or not.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Attendance {
-    /// It ran.
+pub enum BackendStatus {
+    /// Available.
     Here(Device),
-    /// It could not be had.
+    /// Not available.
     Missing {
         /// `cpu`, `gl` or `gpu`.
-        reader: BackendKind,
-        /// Why.
+        backend: BackendKind,
+        /// The reason.
         failure: Failure,
     },
 }
 
 impl ShaderReport {
-    /// Adds to each block which of its bytes the shader's own code reads.
+    /// Adds to each block the coverage by the shader's own code.
     pub fn cover(&mut self, found: Vec<BlockCoverage>) {
         for coverage in found {
             let block = self
@@ -200,18 +204,18 @@ impl ShaderReport {
         }
     }
 
-    /// Whether some reader read another byte than expected.
+    /// Returns whether some backend read an unexpected byte.
     pub fn disagrees(&self) -> bool {
         let compiled = self.compiled.iter().map(|run| run.outcome);
         self.outcomes().chain(compiled).any(|outcome| outcome == Outcome::Disagrees)
     }
 
-    /// Whether some reader could not run a probe.
+    /// Returns whether some backend could not run a probe.
     pub fn failed(&self) -> bool {
         self.outcomes().any(|outcome| outcome == Outcome::Failed)
     }
 
     fn outcomes(&self) -> impl Iterator<Item = Outcome> {
-        self.blocks.iter().flat_map(|block| block.readers.iter().map(|reader| reader.outcome))
+        self.blocks.iter().flat_map(|block| block.backends.iter().map(|backend| backend.outcome))
     }
 }

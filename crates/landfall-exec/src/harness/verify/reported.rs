@@ -1,7 +1,7 @@
-//! What the OpenGL driver itself says of a block: offset, strides and size of each active
-//! member, against the layout.
+//! Compares the OpenGL driver's reflection of a block with the layout: offset, strides and size of
+//! each active member.
 //!
-//! Reads a [`Reflection`] of the user's text as it is.
+//! Reads a [`Reflection`] of the unchanged text.
 
 use super::report::ElementReport;
 use crate::backend::reflection::{ReflectedBlock, ReflectedMember, Reflection};
@@ -9,7 +9,7 @@ use crate::harness::probe::plan::byte_of;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{AddressSpace, Type};
 
-/// Every active leaf that the driver lists, by the place of its listed element.
+/// Returns every active leaf that the driver lists, with the offset of its listed element.
 pub(super) fn elements(
     block: &BlockLayout,
     expected: &BlockLayout,
@@ -19,7 +19,7 @@ pub(super) fn elements(
     listed.members.iter().flat_map(|member| of_member(member, expected)).collect()
 }
 
-/// The block among those that are listed.
+/// Returns the reflected block of that name.
 fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r ReflectedBlock> {
     let listed = match block.space {
         AddressSpace::Storage => &reflection.storage_blocks,
@@ -33,7 +33,7 @@ fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r Ref
     listed.iter().find(|other| named(&other.name))
 }
 
-/// The second column and the second row of every matrix that is listed.
+/// Returns the second column and the second row of every listed matrix.
 pub(super) fn matrices(
     block: &BlockLayout,
     expected: &BlockLayout,
@@ -62,11 +62,11 @@ pub(super) fn matrices(
     listed.members.iter().filter_map(steps).flatten().collect()
 }
 
-/// The place of a listed element, and of the one after it by the listed stride.
+/// Returns the offset of a listed element, and of the next one by the listed stride.
 fn of_member(member: &ReflectedMember, expected: &BlockLayout) -> Vec<ElementReport> {
     let (pattern, indices) = pattern(&member.name);
     let find = |pattern: &str| expected.leaves.iter().find(|leaf| leaf.path == pattern);
-    // An array of scalars is listed as its first element, with or without `[0]`.
+    // An array of scalars is listed by its first element, with or without `[0]`.
     let found = find(&pattern).or_else(|| find(&format!("{pattern}[]")));
     let Some(leaf) = found.filter(|leaf| leaf.offset.is_some()) else { return Vec::new() };
     let mut elements = vec![report(leaf, &member.name, &indices, member.offset)];
@@ -93,7 +93,7 @@ fn report(leaf: &Leaf, name: &str, indices: &[u64], byte: u64) -> ElementReport 
     }
 }
 
-/// `lights[2].pos` as `lights[].pos`, and its indices.
+/// Splits `lights[2].pos` into `lights[].pos` and its indices.
 fn pattern(name: &str) -> (String, Vec<u64>) {
     let (mut pattern, mut indices) = (String::with_capacity(name.len()), Vec::new());
     let mut rest = name;

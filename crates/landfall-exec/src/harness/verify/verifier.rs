@@ -1,40 +1,40 @@
-//! One block, read by every reader: its probes are run, and what they saw is judged.
+//! Verifies one block on every backend: runs its probes and compares their results.
 //!
-//! Takes plans and code of probes; gives a [`BlockReport`].
+//! Takes plans and code of probes; returns a [`BlockReport`].
 
 use std::collections::BTreeMap;
 
 use super::code;
 use super::code::{Code, Need};
 use super::{
-    BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, ReaderReport, Unprobed,
+    BackendReport, BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, Unprobed,
     VerifyOptions, reported,
 };
-use crate::backend::{Failure, FailureKind, Job, Reader, Resource, ResourceKind};
+use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind};
 use crate::harness::bindings::kind as buffer_of;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
-use crate::harness::probe::{Got, Sighting, cause, judge, words};
+use crate::harness::probe::{Got, ProbeResult, cause, results, sentinel};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Source, Stage};
 
-/// Buffers of one dimension of an array of blocks that are bound at most.
+/// Maximum number of buffers bound per dimension of an array of blocks.
 const MOST_BUFFERS: u32 = 64;
 
-/// One block and what is to be proven of it.
+/// A block and the layout to verify.
 pub(super) struct Verifier<'a> {
     pub source: &'a Source,
     pub options: &'a VerifyOptions,
     pub blocks: &'a [BlockLayout],
     pub block: &'a BlockLayout,
     pub expected: &'a BlockLayout,
-    /// What may be done to each member.
+    /// The access to each member.
     pub access: Vec<Access>,
 }
 
 impl Verifier<'_> {
-    pub fn block(&self, readers: &mut [Box<dyn Reader>], is_given: bool) -> BlockReport {
+    pub fn block(&self, backends: &mut [Box<dyn Backend>], is_given: bool) -> BlockReport {
         let plans = plans(self.block, self.expected, &self.access);
         let buffer = self.buffer();
         let refusal = self.refusal(is_given, &buffer);
@@ -42,12 +42,12 @@ impl Verifier<'_> {
         let stages: &[Stage] =
             if self.options.stages.is_empty() { &own } else { &self.options.stages };
         let mut reports = Vec::new();
-        for reader in readers {
+        for backend in backends {
             for &stage in stages {
                 reports.push(match (&refusal, &buffer) {
-                    (None, Ok(buffer)) => self.reader(reader.as_mut(), stage, &plans, *buffer),
-                    (Some(reason), _) => skipped(reader.as_ref(), stage, reason),
-                    (None, Err(reason)) => skipped(reader.as_ref(), stage, reason),
+                    (None, Ok(buffer)) => self.backend(backend.as_mut(), stage, &plans, *buffer),
+                    (Some(reason), _) => skipped(backend.as_ref(), stage, reason),
+                    (None, Err(reason)) => skipped(backend.as_ref(), stage, reason),
                 });
             }
         }
@@ -58,21 +58,23 @@ impl Verifier<'_> {
             rules: self.block.rules.name(),
             size: self.block.size.unwrap_or(0),
             leaves: self.block.leaves.len(),
-            readers: reports,
+            backends: reports,
             unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
             coverage: None,
         }
     }
 
-    /// Bytes of a buffer that holds either layout, a runtime-sized tail of [`TAIL`] elements.
+    /// Returns the size of a buffer that holds either layout, with [`TAIL`] elements of a
+    /// runtime-sized tail.
     fn buffer(&self) -> Result<u64, String> {
         let (own, expected) = (bytes(self.block)?, bytes(self.expected)?);
-        // naga rounds a structure with dvec4 up to 32 bytes, and wgpu wants as much.
+        // naga rounds the size of a structure with dvec4 up to 32 bytes, and wgpu requires that
+        // size.
         Ok(own.max(expected).next_multiple_of(32))
     }
 
-    /// The other blocks, filled with zeros: OpenGL wants every block bound that it counts as
-    /// active, and it counts those of a dead `main`.
+    /// Returns the other blocks, filled with zeros: OpenGL requires every active block to be bound,
+    /// and counts those of a dead `main` as active.
     fn others(&self) -> Vec<Resource> {
         let resource = |(block, element): (&BlockLayout, Vec<u32>)| {
             let bytes = vec![0; bytes(block).ok()?.next_multiple_of(4) as usize];
@@ -94,7 +96,7 @@ impl Verifier<'_> {
             .collect()
     }
 
-    /// Why no reader can probe the block, if so.
+    /// Returns the reason why no backend can probe the block, if there is one.
     fn refusal(&self, is_given: bool, buffer: &Result<u64, String>) -> Option<String> {
         if !is_given {
             return Some(format!("the given layout has no block `{}`", self.block.name));
@@ -121,16 +123,16 @@ impl Verifier<'_> {
         buffer.as_ref().err().cloned()
     }
 
-    fn reader(
+    fn backend(
         &self,
-        reader: &mut dyn Reader,
+        backend: &mut dyn Backend,
         stage: Stage,
         plans: &Plans,
         buffer: u64,
-    ) -> ReaderReport {
-        let name = reader.device().reader;
-        let mut report = ReaderReport {
-            reader: ReadBy::Backend(name),
+    ) -> BackendReport {
+        let name = backend.device().backend;
+        let mut report = BackendReport {
+            backend: ReadBy::Backend(name),
             stage: stage.name(),
             form: code::form(name, self.source, self.block, self.options.naga),
             outcome: Outcome::Confirmed,
@@ -147,30 +149,30 @@ impl Verifier<'_> {
                 return report;
             }
         };
-        let mut sightings = Vec::new();
+        let mut probe_results = Vec::new();
         for element in elements(&self.block.count) {
             for plan in plans.reads.iter().chain(&plans.writes) {
-                match self.run(reader, runs, &element, plan, buffer) {
-                    Ok(seen) => sightings.extend(seen),
+                match self.run(backend, runs, &element, plan, buffer) {
+                    Ok(seen) => probe_results.extend(seen),
                     Err(failure) => {
-                        self.refused(reader, stage, failure, &mut report);
+                        self.refused(backend, stage, failure, &mut report);
                         return report;
                     }
                 }
             }
         }
-        self.judge(&sightings, &mut report);
-        self.reported(reader, stage, &mut report);
+        self.judge(&probe_results, &mut report);
+        self.reported(backend, stage, &mut report);
         report
     }
 
-    /// Holds what the driver itself says of the text against the layout.
-    fn reported(&self, reader: &mut dyn Reader, stage: Stage, report: &mut ReaderReport) {
+    /// Compares the driver's reflection of the text with the layout.
+    fn reported(&self, backend: &mut dyn Backend, stage: Stage, report: &mut BackendReport) {
         if report.form != Form::Original {
             return;
         }
         let text = code::bare(self.source, self.options);
-        let Some(Ok(reflection)) = reader.reflect(&[(stage, &text)], self.options.limit) else {
+        let Some(Ok(reflection)) = backend.reflect(&[(stage, &text)], self.options.limit) else {
             return;
         };
         for element in reported::elements(self.block, self.expected, &reflection) {
@@ -181,14 +183,15 @@ impl Verifier<'_> {
         }
     }
 
-    /// Why a probe has no answer. What a reader cannot take at all is none of its failures: a
-    /// text its compiler refuses without a probe too, a shader that makes no module.
+    /// Records why a probe has no result. A shader the backend cannot take at all is no failure of
+    /// the backend: a text that its compiler rejects without a probe too, or a shader without a
+    /// module.
     fn refused(
         &self,
-        reader: &mut dyn Reader,
+        backend: &mut dyn Backend,
         stage: Stage,
         failure: Failure,
-        report: &mut ReaderReport,
+        report: &mut BackendReport,
     ) {
         report.outcome = Outcome::Failed;
         report.reason = Some(failure.message);
@@ -200,25 +203,25 @@ impl Verifier<'_> {
             return;
         }
         let text = code::bare(self.source, self.options);
-        let alone = reader.reflect(&[(stage, &text)], self.options.limit);
+        let alone = backend.reflect(&[(stage, &text)], self.options.limit);
         if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
             report.outcome = Outcome::Skipped;
-            report.reason = Some("its compiler does not take the text".to_string());
+            report.reason = Some("its compiler rejects the text".to_string());
             report.log = log;
         }
     }
 
-    /// Runs a plan on one buffer of the block: once over sentinels, and for bools once a bit.
+    /// Runs a plan on one buffer of the block: once over sentinels, and once per bit for bools.
     fn run(
         &self,
-        reader: &mut dyn Reader,
+        backend: &mut dyn Backend,
         stage: ExecutableStage,
         element: &[u32],
         plan: &Plan,
         buffer: u64,
-    ) -> Result<Vec<Sighting>, Failure> {
+    ) -> Result<Vec<ProbeResult>, Failure> {
         let need = Need {
-            reader: reader.device().reader,
+            backend: backend.device().backend,
             source: self.source,
             block: self.block,
             element,
@@ -229,23 +232,23 @@ impl Verifier<'_> {
         };
         let code = code::code(&need)?;
         let writes = plan.reads.iter().any(|read| read.way == crate::harness::probe::Way::Written);
-        let mut ask = |bytes: Vec<u8>| self.ask(reader, &code, stage, plan, bytes);
-        let answer = ask(words::buffer(buffer))?;
+        let mut ask = |bytes: Vec<u8>| self.ask(backend, &code, stage, plan, bytes);
+        let answer = ask(sentinel::buffer(buffer))?;
         if writes {
-            return Ok(judge::written(plan, &answer.block));
+            return Ok(results::written(plan, &answer.block));
         }
         let mut passes = Vec::new();
         if plan.reads.iter().any(|read| read.scalar.kind == ScalarKind::Bool) {
-            for bit in 0..words::passes(buffer) {
-                passes.push(ask(words::pass(buffer, bit))?.words);
+            for bit in 0..sentinel::passes(buffer) {
+                passes.push(ask(sentinel::pass(buffer, bit))?.words);
             }
         }
-        Ok(judge::read(plan, buffer, &answer.words, &passes))
+        Ok(results::read(plan, buffer, &answer.words, &passes))
     }
 
     fn ask(
         &self,
-        reader: &mut dyn Reader,
+        backend: &mut dyn Backend,
         code: &Code,
         stage: ExecutableStage,
         plan: &Plan,
@@ -275,13 +278,13 @@ impl Verifier<'_> {
             grid: crate::backend::single_run(stage),
             limit: self.options.limit,
         };
-        let mut answer = reader.run(&job)?;
+        let mut answer = backend.run(&job)?;
         let mut buffers = answer.buffers.drain(..);
         let (block, results) = (buffers.next().flatten(), buffers.next().flatten());
         let Some(results) = results else {
             return Err(Failure {
                 kind: FailureKind::Died,
-                message: "the results did not come back".to_string(),
+                message: "the results were not returned".to_string(),
                 log: String::new(),
             });
         };
@@ -290,22 +293,22 @@ impl Verifier<'_> {
         Ok(Words { words: words.collect(), block: block.unwrap_or_default() })
     }
 
-    /// Turns what was seen into the report, with a cause for each leaf that was read elsewhere.
-    fn judge(&self, sightings: &[Sighting], report: &mut ReaderReport) {
-        let mut wrong: BTreeMap<usize, Vec<&Sighting>> = BTreeMap::new();
-        for sighting in sightings {
-            report.reads.push(element_report(self.block, sighting));
-            if !sighting.lands() {
-                wrong.entry(sighting.read.leaf).or_default();
+    /// Adds the results to the report, with a cause for each leaf that was read elsewhere.
+    fn judge(&self, probe_results: &[ProbeResult], report: &mut BackendReport) {
+        let mut wrong: BTreeMap<usize, Vec<&ProbeResult>> = BTreeMap::new();
+        for probe_result in probe_results {
+            report.reads.push(element_report(self.block, probe_result));
+            if !probe_result.lands() {
+                wrong.entry(probe_result.read.leaf).or_default();
             }
         }
         if wrong.is_empty() {
             return;
         }
         report.outcome = Outcome::Disagrees;
-        for sighting in sightings {
-            if let Some(seen) = wrong.get_mut(&sighting.read.leaf) {
-                seen.push(sighting);
+        for probe_result in probe_results {
+            if let Some(seen) = wrong.get_mut(&probe_result.read.leaf) {
+                seen.push(probe_result);
             }
         }
         for (leaf, seen) in wrong {
@@ -319,10 +322,10 @@ impl Verifier<'_> {
     }
 }
 
-/// What came back of a run.
+/// The words and bytes returned by a run.
 struct Words {
     words: Vec<u32>,
-    /// The block's own buffer, where it was written.
+    /// The block's own buffer, if it was written.
     block: Vec<u8>,
 }
 
@@ -338,11 +341,11 @@ fn has_address(ty: &Type) -> bool {
     }
 }
 
-/// Bytes of a buffer for a block, a runtime-sized tail of [`TAIL`] elements.
+/// Returns the size of a buffer for a block, with [`TAIL`] elements of a runtime-sized tail.
 fn bytes(block: &BlockLayout) -> Result<u64, String> {
     if block.size.is_some_and(|size| size > LARGEST_BUFFER) {
         let size = block.size.unwrap_or(0);
-        return Err(format!("it has {size} bytes, probes fill {LARGEST_BUFFER} at most"));
+        return Err(format!("it has {size} bytes, but probes fill {LARGEST_BUFFER} at most"));
     }
     let has_tail = block.members.iter().any(|member| member.dims.contains(&ArrayLen::Runtime));
     let buffer = match has_tail {
@@ -352,9 +355,9 @@ fn bytes(block: &BlockLayout) -> Result<u64, String> {
     buffer.map(|buffer| buffer.bytes().len() as u64).map_err(|error| error.to_string())
 }
 
-fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
-    ReaderReport {
-        reader: ReadBy::Backend(reader.device().reader),
+fn skipped(backend: &dyn Backend, stage: Stage, reason: &str) -> BackendReport {
+    BackendReport {
+        backend: ReadBy::Backend(backend.device().backend),
         stage: stage.name(),
         form: Form::Original,
         outcome: Outcome::Skipped,
@@ -365,7 +368,8 @@ fn skipped(reader: &dyn Reader, stage: Stage, reason: &str) -> ReaderReport {
     }
 }
 
-/// The buffers of an array of blocks that are probed: first and last of each dimension.
+/// Returns the indices of the buffers that are probed in an array of blocks: first and last of each
+/// dimension.
 fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
     combined(count, |length| {
         let mut ends = vec![0, length.saturating_sub(1)];
@@ -374,7 +378,7 @@ fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
     })
 }
 
-/// Every buffer of an array of blocks.
+/// Returns the indices of every buffer of an array of blocks.
 pub(crate) fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
     combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
 }
@@ -394,8 +398,8 @@ fn combined(count: &[ArrayLen], chosen: impl Fn(u32) -> Vec<u32>) -> Vec<Vec<u32
     all
 }
 
-fn element_report(block: &BlockLayout, sighting: &Sighting) -> ElementReport {
-    let read = &sighting.read;
+fn element_report(block: &BlockLayout, probe_result: &ProbeResult) -> ElementReport {
+    let read = &probe_result.read;
     let leaf = &block.leaves[read.leaf].path;
     let mut path = String::new();
     let mut indices = read.element.iter();
@@ -417,7 +421,7 @@ fn element_report(block: &BlockLayout, sighting: &Sighting) -> ElementReport {
         leaf: leaf.clone(),
         way: read.way.name(),
         expected_byte: read.byte,
-        byte_read: match sighting.got {
+        byte_read: match probe_result.got {
             Got::Byte(byte) => Some(byte),
             Got::Other(_) => None,
         },

@@ -1,6 +1,6 @@
-//! What arithmetic instructions compute.
+//! The operations of arithmetic instructions.
 
-/// Float operations of one operand.
+/// Float operations with one operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum F1 {
     Neg,
@@ -36,7 +36,7 @@ pub(in crate::interp) enum F1 {
     FrexpFract,
 }
 
-/// Float operations of two operands.
+/// Float operations with two operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum F2 {
     Add,
@@ -51,7 +51,7 @@ pub(in crate::interp) enum F2 {
     Atan2,
 }
 
-/// Float operations of three operands.
+/// Float operations with three operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum F3 {
     Fma,
@@ -78,12 +78,12 @@ pub(in crate::interp) enum Test {
     IsInf,
 }
 
-/// Integer operations of one operand; `Sint` where the sign matters.
+/// Integer operations with one operand; `Sint` where the sign matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum I1 {
     Neg,
     Not,
-    /// Of a bool.
+    /// Negates a bool.
     LogicalNot,
     AbsSint,
     SignSint,
@@ -94,12 +94,12 @@ pub(in crate::interp) enum I1 {
     FirstTrailing,
     FirstLeadingSint,
     FirstLeadingUint,
-    /// Keeps the low 16 bits and extends their sign, or zeros.
+    /// Keeps the low 16 bits, extended by their sign or zeros.
     Narrow16Sint,
     Narrow16Uint,
 }
 
-/// Integer operations of two operands.
+/// Integer operations with two operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum I2 {
     Add,
@@ -123,14 +123,14 @@ pub(in crate::interp) enum I2 {
     Dot4Uint,
 }
 
-/// Operations on the bits of a double.
+/// Operations on doubles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum D2 {
     Float(F2),
     Int(I2),
 }
 
-/// Changes of type.
+/// Conversions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum Cast {
     RealToSint,
@@ -160,14 +160,14 @@ pub(in crate::interp) enum Cast {
     Uint64ToReal,
     Sint64ToDouble,
     Uint64ToDouble,
-    /// An exponent as `frexp` splits it off.
+    /// The exponent that `frexp` splits off.
     Exponent,
-    /// To the nearest half, still a real.
+    /// Rounds to the nearest half; the result is a real.
     RoundHalf,
     /// The bits of a half.
     HalfToBits,
-    /// The half that the lowest 16 bits of a word are.
+    /// The half in the lowest 16 bits of a word.
     LowHalf,
-    /// The half that the highest are.
+    /// The half in the highest 16 bits of a word.
     HighHalf,
 }

@@ -1,4 +1,4 @@
-//! What compiling fills: constants, registers, instructions, in the end a [`Program`].
+//! The parts of a [`Program`] under construction: constants, registers, instructions.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -12,8 +12,8 @@ use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Va
 use super::super::counts::price;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
+use super::super::optimize;
 use super::super::program::{Argument, BufferInfo, Floats, FunctionCode, ImageInfo, Program};
-use super::super::tidy;
 use super::nowhere;
 pub use landfall_ir::module::Locals;
 use landfall_layout::source::Language;
@@ -25,9 +25,9 @@ pub(super) struct Builder<'a> {
     pub overrides: &'a [Option<f64>],
     pub locals: Locals,
     pub floats: Floats,
-    /// With [`Floats::Mediump`]: spans of the expressions that are rounded.
+    /// With [`Floats::Mediump`]: the spans of the expressions that are rounded.
     pub reduced: &'a FxHashSet<(u32, u32)>,
-    /// Whether what is being compiled is rounded to `f16`.
+    /// Whether the current expression is rounded to `f16`.
     pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
     pub images: Vec<ImageInfo>,
@@ -39,17 +39,17 @@ pub(super) struct Builder<'a> {
     variables: [u32; 3],
     /// Temporaries of all functions so far.
     temporaries: [u32; 3],
-    /// The function at hand.
+    /// The current function.
     pub body: Body,
-    /// All functions before it.
+    /// The functions before it.
     code: Vec<Inst>,
     origins: Vec<Origin>,
     pool: Vec<u32>,
 }
 
-/// Registers a program may have: half a million are 128 megabytes of `f32` a thread.
+/// Maximum number of registers of a program: half a million take 128 MB of `f32` per thread.
 const MOST_REGISTERS: u32 = 1 << 19;
-/// Operands of a program.
+/// Maximum number of operands of a program.
 const MOST_OPERANDS: usize = 1 << 24;
 
 impl<'a> Builder<'a> {
@@ -86,7 +86,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A constant; of a real, the bits of its `f32`.
+    /// Returns the register of a constant; of a real, `bits` are those of its `f32`.
     pub fn constant(&mut self, class: Class, bits: u64) -> Reg {
         let list = &mut self.constants[class as usize];
         *self.known.entry((class as u32, bits)).or_insert_with(|| {
@@ -103,13 +103,13 @@ impl<'a> Builder<'a> {
         self.constant(Class::Real, u64::from(value.to_bits()))
     }
 
-    /// The value of a constant register.
+    /// Returns the value of a constant register.
     pub fn known(&self, reg: Reg) -> Option<u64> {
         (reg.region() == Region::Constant)
             .then(|| self.constants[reg.class() as usize][reg.number() as usize])
     }
 
-    /// Constants side by side, for an index.
+    /// Returns registers of constants in a row, for an index.
     pub fn table(&mut self, regs: &[Reg]) -> Vec<Reg> {
         if let Some(found) = self.tables.get(regs) {
             return found.clone();
@@ -141,7 +141,7 @@ impl<'a> Builder<'a> {
         (0..count).map(|_| self.temporary(class)).collect()
     }
 
-    /// Registers for a variable, each class's side by side.
+    /// Allocates registers for a variable, those of each class in a row.
     pub fn variable(&mut self, inner: &TypeInner) -> Result<Rc<[Reg]>, String> {
         let leaves = self.types.leaves(inner)?;
         let classes: Result<Vec<Class>, String> = leaves.iter().map(|l| class(l.scalar)).collect();
@@ -168,7 +168,7 @@ impl<'a> Builder<'a> {
         self.accesses.len() as u32 - 1
     }
 
-    /// One instruction; its number.
+    /// Appends an instruction and returns its index.
     pub fn push(&mut self, op: Op, head: &[Reg], operands: &[u32]) -> u32 {
         let len = op.shape().len();
         let groups = operands.len().checked_div(len).unwrap_or(0);
@@ -186,12 +186,12 @@ impl<'a> Builder<'a> {
         body.code.len() as u32 - 1
     }
 
-    /// The number of the next instruction.
+    /// Returns the index of the next instruction.
     pub fn here(&self) -> u32 {
         self.body.code.len() as u32
     }
 
-    /// Makes a jump go to the next instruction.
+    /// Sets the target of a jump to the next instruction.
     pub fn land(&mut self, jump: u32) {
         let here = self.here();
         if let Some(target) = self.body.code.get_mut(jump as usize).and_then(|i| i.op.target()) {
@@ -203,7 +203,7 @@ impl<'a> Builder<'a> {
         self.body = Body { origin: Some(nowhere(function)), ..Body::default() };
     }
 
-    /// Tidies the function at hand and puts it behind the others.
+    /// Optimises the current function and appends it to the others.
     pub fn finish(
         &mut self,
         name: String,
@@ -212,7 +212,7 @@ impl<'a> Builder<'a> {
     ) -> FunctionCode {
         let mut body = std::mem::take(&mut self.body);
         let compiled = compiled.and_then(|compiled| {
-            tidy::tidy(&mut body);
+            optimize::tidy(&mut body);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
             if body.overflow || sum > MOST_REGISTERS {
                 return Err(format!("values of more than {MOST_REGISTERS} scalars"));
@@ -273,7 +273,7 @@ impl<'a> Builder<'a> {
             self.pool.extend_from_slice(&body.pool[from..from + operands]);
             inst.at = (self.pool.len() - operands) as u32;
             let at = inst.at as usize;
-            tidy::registers(&inst, |place, _| {
+            optimize::registers(&inst, |place, _| {
                 let reg = Reg(self.pool[at + place]);
                 if reg.region() == Region::Temporary {
                     self.pool[at + place] += before[reg.class() as usize];
@@ -288,7 +288,7 @@ impl<'a> Builder<'a> {
         start
     }
 
-    /// Gives every register its place in the file of its class.
+    /// Assigns every register its place in the file of its class.
     pub fn link(
         mut self,
         mut functions: Vec<FunctionCode>,
@@ -306,12 +306,12 @@ impl<'a> Builder<'a> {
         };
         for inst in &self.code {
             let at = inst.at as usize;
-            tidy::registers(inst, |operand, _| {
+            optimize::registers(inst, |operand, _| {
                 let word = &mut self.pool[at + operand];
                 *word = place(Reg(*word));
             });
         }
-        // The classes stay in the registers that an API fills and reads.
+        // The registers that the API fills and reads keep their class.
         let packed = |reg: &mut Reg| {
             *reg = Reg::new(reg.class(), Region::Variable, place(*reg));
         };

@@ -1,4 +1,4 @@
-//! Expressions: constants, parts of values, loads; what computes is in
+//! Compiles expressions: constants, parts of values, loads. Computations are in
 //! [`operators`](super::operators) and [`math`](super::math).
 
 use std::rc::Rc;
@@ -13,7 +13,7 @@ use super::function::{Function, Resolved, Value};
 use super::pointer::Root;
 
 impl Function<'_, '_> {
-    /// Compiles an expression where it stands.
+    /// Compiles an expression.
     pub fn expression(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let rounds = self.is_rounded(handle);
         let outer = std::mem::replace(&mut self.b.rounds, rounds);
@@ -25,7 +25,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// Whether a value is rounded to `f16`.
+    /// Returns whether a value is rounded to `f16`.
     pub fn is_rounded(&self, handle: Handle<Expression>) -> bool {
         match self.b.floats {
             Floats::AsWritten => false,
@@ -33,14 +33,14 @@ impl Function<'_, '_> {
             Floats::Mediump => {
                 let range = self.arena.get_span(handle).to_range();
                 let span = range.map(|range| (range.start as u32, range.end as u32));
-                // A literal has no precision, and one stands for all of its value.
+                // A literal has no precision of its own.
                 let literal = matches!(self.arena[handle], Expression::Literal(_));
                 span.is_some_and(|span| self.b.reduced.contains(&span)) && !literal
             }
         }
     }
 
-    /// An expression whose operations are rounded, but not what it only reads.
+    /// Compiles an expression whose operations are rounded, but not its operands.
     fn unrounded(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let arena = self.arena;
         let regs = match &arena[handle] {
@@ -113,7 +113,7 @@ impl Function<'_, '_> {
         Ok(Value::Regs(regs))
     }
 
-    /// An argument, a local variable or a global one.
+    /// Compiles an argument, a local variable or a global one.
     fn variable(&mut self, handle: Handle<Expression>) -> Result<Value, String> {
         let arena = self.arena;
         match &arena[handle] {
@@ -144,7 +144,7 @@ impl Function<'_, '_> {
                 debug_assert!(variable.space != AddressSpace::Handle);
                 Ok(self.whole(root, ty))
             }
-            _ => Err("a variable that is none".into()),
+            _ => Err("an expression that is not a variable".into()),
         }
     }
 
@@ -169,13 +169,13 @@ impl Function<'_, '_> {
         Ok(self.each1(op, Class::Real, &from))
     }
 
-    /// The number of elements of a runtime-sized array.
+    /// Compiles the number of elements of a runtime-sized array.
     fn array_length(&mut self, array: Handle<Expression>) -> Result<Reg, String> {
         let pointer = self.pointer(array)?;
         let inner = pointer.ty.inner_with(&self.b.ir.types);
         let (Root::Buffer { number, .. }, TypeInner::Array { stride, .. }) = (&pointer.root, inner)
         else {
-            return Err("the length of what is no array in a buffer".into());
+            return Err("the length of anything but an array in a buffer".into());
         };
         let bound = Bound::Runtime { offset: pointer.bytes, stride: *stride };
         let dynamics = vec![Dynamic { strides: [0; 3], bound }];
@@ -204,7 +204,7 @@ impl Function<'_, '_> {
         Ok(self.b.constant(class, bits))
     }
 
-    /// An expression of the module, where this one stands.
+    /// Compiles an expression of the module.
     fn global(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
         if let Resolved::Module(_) = self.resolved {
             return self.regs(handle);
@@ -226,12 +226,12 @@ impl Function<'_, '_> {
         module.regs(handle)
     }
 
-    /// The value of an override: what was given, or its default.
+    /// Returns the value of an override: the given one, or its default.
     fn given(&mut self, handle: Handle<naga::Override>) -> Result<Rc<[Reg]>, String> {
         let declared = &self.b.ir.overrides[handle];
         if let Some(value) = self.b.overrides[handle.index()] {
             let TypeInner::Scalar(scalar) = self.b.ir.types[declared.ty].inner else {
-                return Err("an override that is no scalar".into());
+                return Err("an override that is not a scalar".into());
             };
             let class = class(scalar)?;
             let bits = match (scalar.kind, class) {
@@ -254,7 +254,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// A part at an index known before it runs.
+    /// Compiles a part at a constant index.
     fn part(&mut self, base: Handle<Expression>, index: u32) -> Result<Value, String> {
         match self.value(base)? {
             Value::Pointer(pointer) => Ok(Value::Pointer(Rc::new(self.step(&pointer, index)?))),
@@ -273,7 +273,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// A part at a computed index.
+    /// Compiles a part at a computed index.
     fn part_at(
         &mut self,
         base: Handle<Expression>,

@@ -1,4 +1,4 @@
-//! One function: its arguments, variables and result, and the values of its expressions.
+//! Compiles one function: its arguments, variables, result, and the values of its expressions.
 
 use std::rc::Rc;
 
@@ -16,17 +16,17 @@ use super::pointer::Pointer;
 use super::{Global, nowhere};
 pub use landfall_ir::module::Locals;
 
-/// What an expression is while it is compiled.
+/// The compiled form of an expression.
 #[derive(Clone)]
 pub(super) enum Value {
-    /// Its scalars.
+    /// The registers of its scalars.
     Regs(Rc<[Reg]>),
     Pointer(Rc<Pointer>),
-    /// What a buffer that nobody writes holds there: loaded where it is used.
+    /// A place in a read-only buffer, loaded where it is used.
     View(Rc<Pointer>),
 }
 
-/// Where the types of expressions stand.
+/// The source of expressions' types.
 #[derive(Clone, Copy)]
 pub(super) enum Resolved<'a> {
     Function(&'a FunctionInfo),
@@ -98,7 +98,7 @@ impl<'f, 'a> Function<'f, 'a> {
         })
     }
 
-    /// The code that fills the private variables.
+    /// Compiles the code that fills the private variables.
     pub fn globals(
         b: &'f mut Builder<'a>,
         none: &'f naga::Function,
@@ -160,7 +160,7 @@ impl<'f, 'a> Function<'f, 'a> {
         Ok(Compiled { arguments: self.arguments, result: self.result, result_type })
     }
 
-    /// The type of an expression.
+    /// Returns the type of an expression.
     pub fn ty(&self, handle: Handle<Expression>) -> &'f TypeInner
     where
         'a: 'f,
@@ -179,7 +179,7 @@ impl<'f, 'a> Function<'f, 'a> {
         }
     }
 
-    /// Says where the next instructions come from.
+    /// Sets the origin of the next instructions.
     pub fn at(&mut self, span: naga::Span) {
         if let Some(range) = span.to_range() {
             let function = self.b.body.origin.unwrap_or(nowhere(0)).function;
@@ -188,10 +188,10 @@ impl<'f, 'a> Function<'f, 'a> {
         }
     }
 
-    /// The scalars of an expression, loaded if they must be.
+    /// Returns the scalars of an expression, loaded if necessary.
     pub fn regs(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
         match self.value(handle)? {
-            // What is rounded takes its operands so: a literal is as precise as they are.
+            // The operands of a rounded operation are rounded too, literals included.
             Value::Regs(regs) if self.b.rounds && self.b.floats == Floats::Mediump => {
                 Ok(self.halves(&regs))
             }
@@ -201,7 +201,7 @@ impl<'f, 'a> Function<'f, 'a> {
         }
     }
 
-    /// The one scalar of an expression.
+    /// Returns the only scalar of an expression.
     pub fn scalar(&mut self, handle: Handle<Expression>) -> Result<Reg, String> {
         let regs = self.regs(handle)?;
         regs.first().copied().ok_or_else(|| "a value without a scalar".into())
@@ -212,7 +212,7 @@ impl<'f, 'a> Function<'f, 'a> {
             return Ok(value.clone());
         }
         let value = self.expression(handle)?;
-        // The default of an override may be computed in a branch that others do not take.
+        // The default of an override may be computed in a branch that other uses do not execute.
         if !matches!(self.arena[handle], Expression::Override(_)) {
             self.values[handle.index()] = Some(value.clone());
         }
@@ -224,12 +224,12 @@ impl<'f, 'a> Function<'f, 'a> {
         leaves.iter().map(|leaf| Ok(self.b.constant(class(leaf.scalar)?, 0))).collect()
     }
 
-    /// Copies scalars, each class in one instruction.
+    /// Copies scalars, with one instruction per class.
     pub fn copy(&mut self, op: impl Fn(Class) -> Op, to: &[Reg], from: &[Reg]) {
         self.groups(op, &[], to, from);
     }
 
-    /// One instruction for each class, with pairs of operands.
+    /// Emits one instruction per class, with pairs of operands.
     pub fn groups(&mut self, op: impl Fn(Class) -> Op, head: &[Reg], a: &[Reg], b: &[Reg]) {
         for class in [Class::Real, Class::Word, Class::Wide] {
             let operands: Vec<u32> = a

@@ -1,4 +1,4 @@
-//! Images: two-dimensional, one level, four floats a texel, sampled at the nearest.
+//! Compiles image expressions: two-dimensional, one level, four floats a texel, nearest sampling.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use super::function::Function;
 
 impl Function<'_, '_> {
     pub fn image(&mut self, handle: Handle<Expression>) -> Result<Rc<[Reg]>, String> {
-        // What is sampled may be of less precision than where it is.
+        // The result may be of lower precision than the coordinates.
         self.b.rounds = false;
         let arena = self.arena;
         match &arena[handle] {

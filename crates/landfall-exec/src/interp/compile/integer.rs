@@ -1,4 +1,4 @@
-//! Math functions of integers: bits, packing, and what floats have too.
+//! Compiles math functions of integers: bit operations, packing, and those shared with floats.
 
 use std::rc::Rc;
 
@@ -103,7 +103,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// The fields of a word.
+    /// Returns the fields of a word.
     fn apart(&mut self, word: Reg, bits: u32, signed: bool) -> Rc<[Reg]> {
         let offsets: Vec<Reg> = (0..32 / bits).map(|i| self.b.word(i * bits)).collect();
         let count = self.b.word(bits);
@@ -111,7 +111,7 @@ impl Function<'_, '_> {
         self.each3(op, Class::Word, &[word], &offsets, &[count])
     }
 
-    /// `max(field / scale, -1)`: WGSL §17.10.
+    /// Compiles `max(field / scale, -1)`: WGSL §17.10.
     fn unpack(&mut self, word: Reg, bits: u32, scale: f32, signed: bool) -> Rc<[Reg]> {
         let fields = self.apart(word, bits, signed);
         let cast = if signed { Cast::SintToReal } else { Cast::UintToReal };

@@ -1,4 +1,4 @@
-//! Math functions. What the specifications define by a formula is that formula, in its
+//! Compiles math functions. Functions that the specifications define by a formula follow it in its
 //! order: `reflect` is `e1 - 2 * dot(e2, e1) * e2` (WGSL §17.5, GLSL 4.60 §8.5).
 
 use std::rc::Rc;
@@ -45,7 +45,7 @@ impl Function<'_, '_> {
         regs.ok_or_else(|| format!("the function `{fun:?}` on these types"))
     }
 
-    /// Functions of several operands that work component by component.
+    /// Compiles functions of several operands that work component by component.
     fn by_component(
         &mut self,
         fun: MathFunction,
@@ -85,7 +85,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// Functions of vectors as a whole: products, lengths, directions.
+    /// Compiles functions of whole vectors: products, lengths, directions.
     fn geometric(
         &mut self,
         fun: MathFunction,
@@ -162,7 +162,7 @@ impl Function<'_, '_> {
         a: &[Reg],
     ) -> Result<Rc<[Reg]>, String> {
         let TypeInner::Matrix { columns, rows, .. } = *ty else {
-            return Err("a matrix function of what is no matrix".into());
+            return Err("a matrix function of a non-matrix".into());
         };
         let (columns, rows) = (columns as usize, rows as usize);
         Ok(match fun {
@@ -175,7 +175,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// Functions that pack numbers into a word.
+    /// Compiles functions that pack numbers into a word.
     fn packed(&mut self, fun: MathFunction, a: &[Reg]) -> Option<Rc<[Reg]>> {
         Some(match fun {
             M::Pack4x8snorm => self.pack(a, 8, -1.0, 127.0, false),
@@ -198,7 +198,7 @@ impl Function<'_, '_> {
         self.narrowed(scalar, regs)
     }
 
-    /// A constant of the scalar's width.
+    /// Returns a constant of the scalar's width.
     pub fn number(&mut self, scalar: Scalar, value: f32) -> Reg {
         match scalar.width {
             8 => self.b.constant(Class::Wide, f64::from(value).to_bits()),
@@ -206,7 +206,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// `x * (1 - a) + y * a`, each step rounded: GLSL 4.60 §8.3.
+    /// Compiles `x * (1 - a) + y * a`, each step rounded: GLSL 4.60 §8.3.
     fn mix_by_steps(&mut self, x: &[Reg], y: &[Reg], a: &[Reg]) -> Rc<[Reg]> {
         let (f32, one) = (Scalar::F32, self.b.real(1.0));
         let rest = self.f2(F2::Sub, f32, &[one], a);
@@ -215,7 +215,7 @@ impl Function<'_, '_> {
         self.f2(F2::Add, f32, &left, &right)
     }
 
-    /// `t * t * (3 - 2 * t)`, each step rounded: GLSL 4.60 §8.3.
+    /// Compiles `t * t * (3 - 2 * t)`, each step rounded: GLSL 4.60 §8.3.
     fn smoothstep_by_steps(&mut self, low: &[Reg], high: &[Reg], x: &[Reg]) -> Rc<[Reg]> {
         let f32 = Scalar::F32;
         let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|x| self.b.real(x));
@@ -259,7 +259,7 @@ impl Function<'_, '_> {
         let k = self.f2(F2::Sub, scalar, &[one], &product);
         let op = if scalar.width == 8 { Op::DCmp(Cmp::Lt) } else { Op::FCmp(Cmp::Lt) };
         let total = self.each2(op, Class::Word, &k, &[zero]);
-        // The root is not taken where all light is reflected.
+        // No root is taken in case of total reflection.
         let positive = self.f2(F2::Max, scalar, &k, &[zero]);
         let root = self.f1(F1::Sqrt, scalar, &positive);
         let along = self.f2(F2::Mul, scalar, eta, &dot);
@@ -278,11 +278,11 @@ impl Function<'_, '_> {
         }
     }
 
-    /// `floor(0.5 + scale * clamp(x, low, 1))` in the fields of a word: WGSL §17.9.
+    /// Compiles `floor(0.5 + scale * clamp(x, low, 1))` into the fields of a word: WGSL §17.9.
     fn pack(&mut self, a: &[Reg], bits: u32, low: f32, scale: f32, unsigned: bool) -> Rc<[Reg]> {
         let numbers = [low, 1.0, scale, 0.5].map(|x| self.b.real(x));
         let f32 = Scalar::F32;
-        // The fields have more bits than an `f16` has.
+        // The fields have more bits than the significand of an `f16`.
         let rounds = std::mem::replace(&mut self.b.rounds, false);
         let clamped = self.f3(F3::Clamp, f32, a, &numbers[..1], &numbers[1..2]);
         let scaled = self.f2(F2::Mul, f32, &clamped, &numbers[2..3]);
@@ -294,7 +294,7 @@ impl Function<'_, '_> {
         self.together(&fields, bits)
     }
 
-    /// Fields of a word, the first the lowest.
+    /// Combines fields into a word, the first in the lowest bits.
     pub fn together(&mut self, fields: &[Reg], bits: u32) -> Rc<[Reg]> {
         let mask = self.b.word(u32::MAX >> (32 - bits));
         let kept = self.each2(Op::I2(I2::And), Class::Word, fields, &[mask]);
@@ -308,7 +308,7 @@ impl Function<'_, '_> {
     }
 }
 
-/// Functions of one operand, component by component.
+/// Returns the operation of a function of one operand that works component by component.
 fn single(fun: MathFunction) -> Option<F1> {
     Some(match fun {
         M::Abs => F1::Abs,

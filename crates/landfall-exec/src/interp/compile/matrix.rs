@@ -1,5 +1,5 @@
-//! Matrices: products, determinant, inverse. All are plain sums of products, so that
-//! every step is rounded and every step can be looked at.
+//! Compiles matrix functions: products, determinant, inverse. All are plain sums of products, so
+//! that every step is rounded and traceable.
 
 use std::rc::Rc;
 
@@ -9,7 +9,7 @@ use super::super::code::{Class, F1, F2, Op, Reg};
 use super::function::Function;
 
 impl Function<'_, '_> {
-    /// One sum of products for each pair of lists.
+    /// Emits one sum of products for each pair of lists.
     pub fn dots(&mut self, scalar: Scalar, pairs: &[(Vec<Reg>, Vec<Reg>)]) -> Rc<[Reg]> {
         if scalar.width == 4 && self.b.rounds {
             return pairs.iter().map(|(a, b)| self.dot_by_steps(scalar, a, b)).collect();
@@ -35,7 +35,7 @@ impl Function<'_, '_> {
         sum
     }
 
-    /// A product that is not component by component; none if it is.
+    /// Compiles a matrix product; `None` if the operands multiply component by component.
     pub fn matrix_product(
         &mut self,
         left: &TypeInner,
@@ -76,13 +76,13 @@ impl Function<'_, '_> {
         }
     }
 
-    /// `a * d - b * c`
+    /// Emits `a * d - b * c`.
     fn minor(&mut self, scalar: Scalar, a: Reg, d: Reg, b: Reg, c: Reg) -> Reg {
         let products = self.f2(F2::Mul, scalar, &[a, b], &[d, c]);
         self.f2(F2::Sub, scalar, &products[..1], &products[1..])[0]
     }
 
-    /// The sum with alternating signs of products, as a cofactor expansion has it.
+    /// Emits the sum of products with alternating signs of a cofactor expansion.
     fn expand(&mut self, scalar: Scalar, factors: &[Reg], minors: &[Reg]) -> Reg {
         let products = self.f2(F2::Mul, scalar, factors, minors);
         let mut sum = products[0];
@@ -93,7 +93,8 @@ impl Function<'_, '_> {
         sum
     }
 
-    /// The determinant of columns and rows, by the first of them.
+    /// Emits the determinant of a submatrix of the given columns and rows, expanded by the first
+    /// column.
     fn determinant_of(&mut self, scalar: Scalar, m: &[Reg], columns: &[usize], n: usize) -> Reg {
         let size = columns.len();
         let first = n - size;
@@ -126,7 +127,7 @@ impl Function<'_, '_> {
         self.determinant_of(scalar, m, &columns, n)
     }
 
-    /// The adjugate over the determinant.
+    /// Emits the adjugate divided by the determinant.
     pub fn inverse(&mut self, scalar: Scalar, m: &[Reg], n: usize) -> Rc<[Reg]> {
         let determinant = self.determinant(scalar, m, n);
         let mut cofactors = Vec::with_capacity(n * n);

@@ -1,4 +1,4 @@
-//! Operators, comparisons and changes of type.
+//! Compiles operators, comparisons and conversions.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use super::super::code::{Cast, Class, Cmp, D2, F1, F2, I1, I2, Op, Reg, Test};
 use super::super::flatten::class;
 use super::function::Function;
 
-/// What the components of a type are.
+/// Returns the component type of a type.
 pub(super) fn scalar_of(inner: &TypeInner) -> Result<Scalar, String> {
     match inner {
         TypeInner::Scalar(scalar)
@@ -23,7 +23,7 @@ pub(super) fn scalar_of(inner: &TypeInner) -> Result<Scalar, String> {
 }
 
 impl Function<'_, '_> {
-    /// The same operation on each scalar.
+    /// Emits an operation on each scalar.
     pub fn each1(&mut self, op: Op, to: Class, a: &[Reg]) -> Rc<[Reg]> {
         let to = self.b.temporaries(to, a.len());
         let operands: Vec<u32> = to.iter().zip(a).flat_map(|(to, a)| [to.0, a.0]).collect();
@@ -31,7 +31,8 @@ impl Function<'_, '_> {
         to.into()
     }
 
-    /// The same of two; one scalar stands for as many as the other has.
+    /// Emits an operation on each pair of scalars; a single scalar is paired with all of the other
+    /// operand.
     pub fn each2(&mut self, op: Op, to: Class, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
         let to = self.b.temporaries(to, a.len().max(b.len()));
         let mut operands = Vec::with_capacity(3 * to.len());
@@ -42,7 +43,7 @@ impl Function<'_, '_> {
         to.into()
     }
 
-    /// The same of three.
+    /// Emits an operation on each triple of scalars.
     pub fn each3(&mut self, op: Op, to: Class, a: &[Reg], b: &[Reg], c: &[Reg]) -> Rc<[Reg]> {
         let to = self.b.temporaries(to, a.len().max(b.len()).max(c.len()));
         let mut operands = Vec::with_capacity(4 * to.len());
@@ -53,7 +54,7 @@ impl Function<'_, '_> {
         to.into()
     }
 
-    /// The nearest `f16` of those that are floats of 16 or 32 bits.
+    /// Rounds floats of 16 or 32 bits to the nearest `f16`.
     pub fn halves(&mut self, regs: &[Reg]) -> Rc<[Reg]> {
         let half = |this: &mut Self, reg: &Reg| match reg.class() {
             Class::Real => this.each1(Op::Cast(Cast::RoundHalf), Class::Real, &[*reg])[0],
@@ -62,7 +63,7 @@ impl Function<'_, '_> {
         regs.iter().map(|reg| half(self, reg)).collect()
     }
 
-    /// Rounds what is of 16 bits.
+    /// Wraps or rounds 16-bit scalars to their width.
     pub fn narrowed(&mut self, scalar: Scalar, regs: Rc<[Reg]>) -> Rc<[Reg]> {
         match (scalar.kind, scalar.width) {
             (ScalarKind::Float, 4) if self.b.rounds => {
@@ -75,7 +76,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// A float operation of the scalar's width.
+    /// Emits a float operation of the scalar's width.
     pub fn f1(&mut self, f: F1, scalar: Scalar, a: &[Reg]) -> Rc<[Reg]> {
         let regs = match scalar.width {
             8 => self.each1(Op::D1(f), Class::Wide, a),
@@ -92,7 +93,7 @@ impl Function<'_, '_> {
         self.narrowed(scalar, regs)
     }
 
-    /// An integer operation of the scalar's width.
+    /// Emits an integer operation of the scalar's width.
     pub fn i2(&mut self, f: I2, scalar: Scalar, a: &[Reg], b: &[Reg]) -> Rc<[Reg]> {
         let regs = match scalar.width {
             8 => self.each2(Op::D2(D2::Int(f)), Class::Wide, a, b),
@@ -184,7 +185,7 @@ impl Function<'_, '_> {
         match floats {
             Some(f) if float => Ok(self.f2(f, scalar, &a, &b)),
             _ if float => Err("a bitwise operator on floats".into()),
-            // What a 64-bit integer is shifted by has 32 bits.
+            // The shift amount of a 64-bit integer has 32 bits.
             _ if matches!(op, B::ShiftLeft | B::ShiftRight) && scalar.width == 8 => {
                 let by = self.each1(Op::Cast(Cast::UintToWide), Class::Wide, &b);
                 Ok(self.i2(ints, scalar, &a, &by))
@@ -265,7 +266,8 @@ impl Function<'_, '_> {
                 (_, ScalarKind::Float) if class == Class::Real => {
                     self.each1(Op::Cast(Cast::BitsReal), class, &a)
                 }
-                // Doubles and 64-bit integers share a file; so do words of either sign.
+                // Doubles and 64-bit integers share a register file; so do signed and unsigned
+                // words.
                 _ => self.narrowed(to, a),
             });
         }

@@ -1,4 +1,5 @@
-//! Pointers: a variable or buffer, and the way into it, part of it computed while it runs.
+//! Pointers: a variable or buffer, and an access path, some of whose indices are computed at run
+//! time.
 
 use std::rc::Rc;
 
@@ -9,10 +10,10 @@ use super::super::code::{Access, Bound, Class, Dynamic, Op, Reg, Region};
 use super::super::flatten::{class, stored};
 use super::function::{Function, Value};
 
-/// Where something lives.
+/// The memory a pointer points into.
 #[derive(Clone)]
 pub(super) enum Root {
-    /// In registers, all of its scalars.
+    /// Registers of all scalars of a variable.
     Variable(Rc<[Reg]>),
     Buffer {
         number: u32,
@@ -23,13 +24,13 @@ pub(super) enum Root {
 #[derive(Clone)]
 pub(super) struct Pointer {
     pub root: Root,
-    /// What it points at.
+    /// The pointee's type.
     pub ty: TypeResolution,
-    /// Scalars before it in a variable.
+    /// Number of scalars before it in a variable.
     pub leaves: u32,
-    /// Bytes before it in a buffer.
+    /// Number of bytes before it in a buffer.
     pub bytes: u32,
-    /// Computed indices on the way.
+    /// Computed indices of the path.
     pub indices: Vec<(Reg, Dynamic)>,
 }
 
@@ -41,13 +42,13 @@ impl Function<'_, '_> {
         }
     }
 
-    /// A pointer to a whole variable.
+    /// Returns a pointer to a whole variable.
     pub fn whole(&self, root: Root, ty: TypeResolution) -> Value {
         let pointer = Pointer { root, ty, leaves: 0, bytes: 0, indices: Vec::new() };
         Value::Pointer(Rc::new(pointer))
     }
 
-    /// One step by an index known before it runs.
+    /// Appends a constant index to the path.
     pub fn step(&self, from: &Pointer, index: u32) -> Result<Pointer, String> {
         let step = self.b.types.step(from.ty.inner_with(&self.b.ir.types), index)?;
         let bytes = from.bytes.checked_add(step.bytes);
@@ -60,7 +61,7 @@ impl Function<'_, '_> {
         })
     }
 
-    /// One step by a computed index.
+    /// Appends a computed index to the path.
     pub fn index(&mut self, from: &Pointer, index: Reg) -> Result<Pointer, String> {
         let inner = from.ty.inner_with(&self.b.ir.types);
         let known = self.b.known(index);
@@ -85,7 +86,7 @@ impl Function<'_, '_> {
         Ok(Pointer { ty: element.ty, indices, ..from.clone() })
     }
 
-    /// What a load gives: the scalars, or a view of what nobody writes.
+    /// Compiles a load: returns the scalars, or a view of a read-only buffer.
     pub fn load(&mut self, pointer: &Rc<Pointer>) -> Result<Value, String> {
         let inner = pointer.ty.inner_with(&self.b.ir.types);
         let composite = matches!(inner, TypeInner::Struct { .. } | TypeInner::Array { .. });
@@ -162,7 +163,7 @@ impl Function<'_, '_> {
         self.b.access(Access { buffer, dynamics, change: None })
     }
 
-    /// An element of a value at a computed index.
+    /// Compiles an element of a value at a computed index.
     pub fn element(
         &mut self,
         base: Handle<Expression>,

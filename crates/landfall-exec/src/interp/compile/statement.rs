@@ -1,4 +1,4 @@
-//! Statements: blocks, branches, loops, calls, stores.
+//! Compiles statements: blocks, branches, loops, calls, stores.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use super::operators::scalar_of;
 use super::pointer::Root;
 
 impl Function<'_, '_> {
-    /// A block. Where no lane is left in it, the machine goes on at its end.
+    /// Compiles a block. When no lane is left in it, the machine continues at its end.
     pub fn block(&mut self, block: &Block) -> Result<(), String> {
         let mut skips = Vec::new();
         for (statement, span) in block.span_iter() {
@@ -22,7 +22,7 @@ impl Function<'_, '_> {
         Ok(())
     }
 
-    /// One statement; the instruction that leaves the block when no lane is left.
+    /// Compiles a statement; returns the instruction that leaves the block when no lane is left.
     fn statement(&mut self, statement: &Statement) -> Result<Option<u32>, String> {
         match statement {
             Statement::Emit(range) => {
@@ -30,7 +30,7 @@ impl Function<'_, '_> {
                     let span = self.arena.get_span(handle);
                     self.at(span);
                     self.value(handle)?;
-                    // A loop evaluates it anew: the same registers, the same instructions.
+                    // A loop evaluates it again in the same registers by the same instructions.
                 }
                 Ok(None)
             }
@@ -70,7 +70,7 @@ impl Function<'_, '_> {
                 self.b.push(Op::Barrier, &[], &[]);
                 Ok(None)
             }
-            // All lanes see every store as soon as it is made.
+            // Every store is visible to all lanes at once.
             Statement::MemoryBarrier(_) => Ok(None),
             Statement::Store { pointer, value } => {
                 let from = self.regs(*value)?;
@@ -107,7 +107,7 @@ impl Function<'_, '_> {
         }
     }
 
-    /// An `if`; the instruction that leaves it.
+    /// Compiles an `if`; returns the instruction that leaves it.
     fn branch(
         &mut self,
         condition: Handle<Expression>,
@@ -126,7 +126,7 @@ impl Function<'_, '_> {
         Ok(self.b.push(Op::EndIf(0), &[], &[]))
     }
 
-    /// A loop; the instruction that leaves it.
+    /// Compiles a loop; returns the instruction that leaves it.
     fn repeat(
         &mut self,
         body: &Block,
@@ -143,7 +143,7 @@ impl Function<'_, '_> {
             let condition = self.scalar(condition)?;
             self.b.push(Op::BreakIf, &[condition], &[]);
         }
-        // Its place is the loop's: that is what a loop without an end is named by.
+        // The origin is the loop's, which an endless loop is reported by.
         self.b.body.origin = origin;
         self.b.push(Op::Again(head), &[], &[]);
         self.b.land(leave);
@@ -255,7 +255,7 @@ impl Function<'_, '_> {
             return Err("atomics other than of 32-bit integers".into());
         }
         let Root::Buffer { number, .. } = pointer.root else {
-            return Err("an atomic that is in no buffer".into());
+            return Err("an atomic outside a buffer".into());
         };
         let value = self.scalar(value)?;
         let compare = compare.unwrap_or(value);

@@ -1,5 +1,5 @@
-//! Changes of type. A float that an integer cannot hold becomes the nearest one that it
-//! can, NaN becomes 0 (WGSL §15.7.6); a 64-bit integer loses its high bits.
+//! Conversions. A float outside an integer's range becomes the nearest integer in it, NaN becomes 0
+//! (WGSL §15.7.6); a 64-bit integer loses its high bits.
 
 use super::super::code::{Cast, LANES};
 use super::super::real::Real;

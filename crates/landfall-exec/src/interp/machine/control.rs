@@ -1,4 +1,4 @@
-//! Control flow of many invocations: which of them are where.
+//! Control flow of many invocations, by masks of active lanes.
 
 use super::super::code::{LANES, Op};
 use super::super::real::Real;
@@ -12,14 +12,14 @@ enum Kind {
     Call,
 }
 
-/// A construct that lanes are in.
+/// An open control-flow construct.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     kind: Kind,
     /// `if`: lanes of the else branch. Loop, switch: lanes that left it. Call: all lanes.
     first: u64,
-    /// `if`: lanes done with the first branch. Loop: lanes that continue. Switch: all
-    /// lanes. Call: where to go back.
+    /// `if`: lanes that finished the first branch. Loop: lanes that continue. Switch: all lanes.
+    /// Call: the return address.
     second: u64,
 }
 
@@ -32,7 +32,7 @@ impl Frame {
 const INSIDE: &str = "constructs are closed in the order they were opened";
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// The lanes in which a bool is true.
+    /// Returns the lanes in which a bool is true.
     fn lanes_of(&self, reg: u32) -> u64 {
         let column = self.words[reg as usize].as_ref().expect(HELD);
         let mut lanes = 0;
@@ -46,7 +46,7 @@ impl<R: Real> Machine<'_, '_, R> {
         lanes
     }
 
-    /// An instruction that changes which lanes are active; where to go on if not behind it.
+    /// Runs an instruction that changes the active lanes; returns its jump target, if it jumps.
     pub(super) fn branch(&mut self, op: Op, head: &[u32]) -> Option<u32> {
         match op {
             Op::If(target) => {
@@ -146,14 +146,14 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// The end of a function: where its caller goes on, if it has one.
+    /// Ends a function; returns where its caller continues, if it has one.
     pub(super) fn end(&mut self) -> Option<usize> {
         let frame = self.frames.pop()?;
         self.set(frame.first & !self.killed);
         Some(frame.second as usize)
     }
 
-    /// Whether all lanes of the batch that are still there are active.
+    /// Returns whether all remaining lanes of the batch are active.
     pub(super) fn together(&self) -> bool {
         self.frames.iter().all(|frame| match frame.kind {
             Kind::If => frame.first | frame.second == 0,
@@ -163,7 +163,7 @@ impl<R: Real> Machine<'_, '_, R> {
         })
     }
 
-    /// One iteration of a loop more.
+    /// Counts one loop iteration, and checks the budget and the deadline.
     pub(super) fn tick(&mut self, pc: usize) -> Result<(), Stopped> {
         self.batch_steps = self.batch_steps.saturating_add(1);
         if self.active == u64::MAX {

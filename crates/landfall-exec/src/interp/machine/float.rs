@@ -1,4 +1,4 @@
-//! Floats: each operation on each lane, in the precision of the run.
+//! Float operations on each lane, in the precision of the run.
 
 use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
 use super::super::real::Real;
@@ -6,12 +6,12 @@ use super::kernel::{dear, map1, map2, map3};
 use super::{Column, Machine, column, take};
 use landfall_layout::buffer::float::odd;
 
-/// `pow` as devices are asked for it: no value of a negative base, whatever the exponent.
+/// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
 pub(super) fn pow(x: f64, y: f64) -> f64 {
     if x < 0.0 { f64::NAN } else { x.powf(y) }
 }
 
-/// A function of one operand that no processor instruction computes.
+/// Returns a function of one operand that has no processor instruction.
 pub(super) fn transcendental(f: F1, x: f64) -> f64 {
     match f {
         F1::Sin => x.sin(),
@@ -48,19 +48,19 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
     }
 }
 
-/// By `x - 1`: the library's form (Rust 1.95) has no digits left of it beside 1.
+/// Uses `x - 1`: the standard library's form (Rust 1.95) loses all digits near 1.
 fn acosh(x: f64) -> f64 {
     let past = x - 1.0;
     (past + past.sqrt() * (past + 2.0).sqrt()).ln_1p()
 }
 
-/// Of the absolute value: the library's form (Rust 1.95) loses digits beside -1.
+/// Uses the absolute value: the standard library's form (Rust 1.95) loses digits near -1.
 fn atanh(x: f64) -> f64 {
     let size = x.abs();
     (0.5 * (2.0 * size / (1.0 - size)).ln_1p()).copysign(x)
 }
 
-/// Fraction from 0.5 to 1 and exponent.
+/// Returns the fraction, from 0.5 to 1, and the exponent.
 pub(in crate::interp) fn frexp(x: f64) -> (f64, i32) {
     if x == 0.0 || !x.is_finite() {
         return (x, 0);
@@ -72,7 +72,7 @@ pub(in crate::interp) fn frexp(x: f64) -> (f64, i32) {
     (fraction, if scaled { exponent - 64 } else { exponent })
 }
 
-/// `x * 2^e` without an overflow on the way.
+/// Returns `x * 2^e` without intermediate overflow.
 pub(super) fn ldexp(x: f64, e: i32) -> f64 {
     let e = e.clamp(-2200, 2200);
     let third = e / 3;
@@ -111,7 +111,7 @@ fn sign(x: f64) -> f64 {
 }
 
 pub(super) fn step<R: Real>(edge: R, x: R) -> R {
-    // Both parts of a shadow decide for themselves.
+    // Each part of a shadow is selected separately.
     x.function2(F2::Step, edge, |x, edge| f64::from(u8::from(edge <= x)))
 }
 
@@ -372,7 +372,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// Each component over the length: WGSL §17.5.
+    /// Divides each component by the length: WGSL §17.5.
     pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(2 * n) {
             let (to, from) = group.split_at(n);
@@ -409,8 +409,9 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// Differences within quads of lanes: the second right of the first, the third below. What
-    /// was not started is as the lane beside it: a call by itself has no neighbours.
+    /// Computes differences within quads of lanes: the second lane is right of the first, the third
+    /// below. A lane that was not started has its neighbour's value: a single call has no
+    /// neighbours.
     pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let mut to = take(&mut self.reals, group[0]);
@@ -432,7 +433,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 }
 
-/// Sums of products for a number that knows what other devices may give.
+/// Computes sums of products in any order of summation.
 fn products_in_any_order<R: Real>(
     to: &mut [R; LANES],
     factors: impl Fn(usize, usize) -> (R, R),

@@ -1,5 +1,5 @@
-//! Integers of 32 bits and bools. They wrap; a division by zero gives the dividend, a
-//! remainder by zero gives 0 (WGSL §8.7), a shift takes the low five bits of its width.
+//! Integers of 32 bits and bools. Operations wrap; a division by zero returns the dividend, a
+//! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
 use super::super::code::{Class, Cmp, I1, I2, LANES};
 use super::super::real::Real;
@@ -65,7 +65,7 @@ pub(super) fn two(f: I2, a: u32, b: u32) -> u32 {
     }
 }
 
-/// `count` bits from `offset` on, both cut to what a word has: WGSL §17.7.
+/// Returns `count` bits from `offset` on, both clamped to the word: WGSL §17.7.
 pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     let offset = offset.min(32);
     let count = count.min(32 - offset);
@@ -76,7 +76,7 @@ pub(super) fn extract(signed: bool, x: u32, offset: u32, count: u32) -> u32 {
     if signed { ((up as i32) >> (32 - count)) as u32 } else { up >> (32 - count) }
 }
 
-/// The same bits replaced.
+/// Replaces `count` bits from `offset` on, both clamped to the word.
 pub(super) fn insert(x: u32, new: u32, offset: u32, count: u32) -> u32 {
     let offset = offset.min(32);
     let count = count.min(32 - offset);
@@ -123,7 +123,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(3) {
             let mut to = take(&mut self.words, group[0]);
             let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
-            // Adding 2^31 puts signed numbers in the order of unsigned ones.
+            // Adding 2^31 maps the order of signed numbers to that of unsigned ones.
             let flip = if signed { 1 << 31 } else { 0 };
             match cmp {
                 Cmp::Eq => map2(&mut to, a, b, |a, b| u32::from(a == b)),
@@ -188,7 +188,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// A copy of all lanes.
+    /// Copies all lanes.
     pub(super) fn shift(&mut self, class: Class, operands: &[u32]) {
         macro_rules! copy {
             ($file:ident) => {
@@ -208,7 +208,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// A copy of the active lanes.
+    /// Copies the active lanes.
     pub(super) fn store(&mut self, class: Class, operands: &[u32]) {
         if self.active == u64::MAX {
             return self.shift(class, operands);

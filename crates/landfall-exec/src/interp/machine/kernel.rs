@@ -1,5 +1,5 @@
-//! Loops over lanes: the same few lines for every operation, each compiled by itself so
-//! that it is vectorised.
+//! Loops over lanes: the same few lines for every operation, compiled separately for each so that
+//! they are vectorised.
 
 use super::super::code::LANES;
 
@@ -35,7 +35,7 @@ pub(super) fn map3<S: Copy, T: Copy, U>(
     }
 }
 
-/// For what is dear: once if all lanes agree, else for the active ones.
+/// Runs an expensive operation once if all lanes agree, else for the active lanes.
 pub(super) fn dear<T: Copy, U: Copy>(
     to: &mut [U; LANES],
     active: u64,
@@ -62,7 +62,7 @@ pub(super) fn dear<T: Copy, U: Copy>(
     }
 }
 
-/// Stores the lanes of a mask of ones.
+/// Copies the lanes of a mask of all-ones words.
 #[inline(never)]
 pub(super) fn blend<T: Copy>(to: &mut [T; LANES], from: &[T; LANES], mask: &[u32; LANES]) {
     for lane in 0..LANES {

@@ -1,14 +1,14 @@
 //! Loads and stores: buffers by their bytes, variables by an index, images by the texel.
 //!
-//! An index past the end is taken as the last one; what a buffer does not hold reads as
-//! zero and is not written (WGSL §2.2 leaves the choice).
+//! An index past the end is clamped to the last element; bytes outside a buffer read as zero and
+//! are not written (WGSL §2.2 leaves the choice).
 
 use super::super::code::{Access, Bound, Change, Class, Dynamic, LANES, Stored};
 use super::super::real::Real;
 use super::integer::two;
 use super::{HELD, Machine, column, take};
 
-/// Elements an index may name.
+/// Returns the number of elements that an index is limited to.
 pub(super) fn elements(bound: Bound, bytes: usize) -> u32 {
     match bound {
         Bound::Known(len) => len,
@@ -21,7 +21,7 @@ pub(super) fn elements(bound: Bound, bytes: usize) -> u32 {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// What the indices of a lane add up to.
+    /// Returns the offset that the indices of a lane add up to.
     pub(super) fn way(&self, access: &Access, head: &[u32], lane: usize, class: usize) -> usize {
         let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.bytes.len());
         let step = |(reg, dynamic): (&u32, &Dynamic)| {
@@ -32,7 +32,7 @@ impl<R: Real> Machine<'_, '_, R> {
         head.iter().zip(&access.dynamics).map(step).sum()
     }
 
-    /// A lane to ask for all, if the active ones agree in their indices.
+    /// Returns a lane that stands for all, if the active lanes agree in their indices.
     fn agreed(&self, head: &[u32]) -> Option<usize> {
         let first = (self.active.trailing_zeros() as usize).min(LANES - 1);
         let agree = head.iter().all(|&reg| {
@@ -95,7 +95,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// The bits at a byte, as a register has them; zero past the end.
+    /// Returns the bits at a byte in the format of a register; zero past the end.
     fn fetch(&self, buffer: usize, at: usize, stored: Stored) -> u64 {
         let bytes = &self.buffers[buffer].bytes;
         let Some(from) = bytes.get(at..at + stored.width()) else {
@@ -125,7 +125,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// Notes that those bytes were read.
+    /// Records that bytes were read.
     fn mark(&mut self, buffer: usize, at: usize, stored: Stored) {
         let read = &mut self.buffers[buffer].read;
         for byte in at..at + stored.width() {
@@ -224,7 +224,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    /// One lane after the other.
+    /// Runs an atomic, one lane after the other.
     pub(super) fn atomic<const WATCH: bool>(
         &mut self,
         access: u32,

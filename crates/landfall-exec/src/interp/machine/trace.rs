@@ -1,8 +1,8 @@
-//! Notes every operation of one invocation, and where its operands came from: the graph of
-//! what was computed, loops unrolled, copies looked through.
+//! Records every operation of one invocation and the sources of its operands: the graph of the
+//! computation, with loops unrolled and copies resolved.
 //!
-//! Like [`watch`](super::watch) it looks at registers behind each instruction; the public
-//! form is [`Trace`].
+//! Like [`sanitizer`](super::sanitizer) it reads registers after each instruction; the public form
+//! is [`Trace`].
 
 use rustc_hash::FxHashMap;
 
@@ -12,19 +12,19 @@ use super::super::real::Real;
 use super::super::trace::{Number, Operand, Operation, Source, Step, Trace};
 use super::{Machine, column};
 
-/// Steps that are noted at most.
+/// Maximum number of recorded steps.
 const MOST: usize = 1 << 17;
 
-/// A trace while it is made.
+/// A trace under construction.
 #[derive(Clone, Debug, Default)]
 pub(in crate::interp) struct Tracer {
     pub trace: Trace,
-    /// By class and register: what was written there last.
+    /// By class and register: the source of the last value written.
     written: FxHashMap<(u8, u32), Source>,
 }
 
 impl Tracer {
-    /// The arguments are in their registers.
+    /// Starts the trace; the arguments are in their registers.
     pub fn begin(&mut self, code: &FunctionCode) {
         for (parameter, argument) in code.arguments.iter().enumerate() {
             for (scalar, reg) in argument.regs.iter().enumerate() {
@@ -34,7 +34,7 @@ impl Tracer {
         }
     }
 
-    /// The results are in their registers.
+    /// Ends the trace; the results are in their registers.
     pub fn finish(&mut self, code: &FunctionCode) {
         let of = |regs: &[Reg]| -> Vec<Source> {
             regs.iter().map(|reg| self.source(reg.class(), reg.number())).collect()
@@ -55,7 +55,7 @@ impl Tracer {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// Notes an instruction that has run, for the first lane.
+    /// Records an executed instruction for the first lane.
     pub(super) fn trace(&mut self, pc: usize, op: Op, head: &[u32], operands: &[u32]) {
         if self.active & 1 == 0 || op.shape().len() == 0 {
             return;
@@ -93,7 +93,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let access = &self.program.accesses[access as usize];
             self.way(access, head, 0, class as usize) as u32
         };
-        // Copies are looked through.
+        // Copies pass on their source.
         match op {
             Op::Move(class) | Op::Blank(class) | Op::Store(class) => {
                 let source = t.source(class, group[1]);
@@ -123,7 +123,7 @@ impl<R: Real> Machine<'_, '_, R> {
             _ => {}
         }
         let Some((operation, to, from)) = form(op) else {
-            // Doubles, atomics, images' sizes: where they come from is not followed.
+            // The sources of doubles, atomics and image sizes are not followed.
             for class in [Class::Real, Class::Word, Class::Wide] {
                 for &reg in &group[..op.shape().writes] {
                     t.write(class, reg, Source::Unknown);
@@ -156,7 +156,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 }
 
-/// What an instruction is called, the class of its results and of its operands.
+/// Returns the operation of an instruction, and the classes of its results and operands.
 fn form(op: Op) -> Option<(Operation, Class, Class)> {
     use Class::{Real, Word};
     Some(match op {

@@ -1,24 +1,24 @@
-//! Which variables a watched run reads before anything was put into them.
+//! Finds variables that a watched run reads before they were written.
 //!
-//! GLSL leaves such a variable open; the machine has zeros there, as WGSL says, and a driver
-//! whatever the register held. Only floats are followed: through copies, to the first operation.
+//! In GLSL such a variable is undefined: the machine has zeros there, as WGSL requires, and a
+//! driver whatever the register held. Only floats are followed: through copies, to the first
+//! operation.
 
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Class, Op};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
-use super::watch::{gives_reals, takes_reals};
 use super::{Machine, column};
 
-/// By register of a float: the lanes in which nothing was put into it.
+/// By register of a float: the lanes in which it was not written.
 #[derive(Clone, Debug, Default)]
 pub(in crate::interp) struct Unset {
     lanes: FxHashMap<u32, u64>,
 }
 
 impl Unset {
-    /// Forgets everything: other invocations begin.
+    /// Clears the state for other invocations.
     pub fn clear(&mut self) {
         self.lanes.clear();
     }
@@ -37,10 +37,10 @@ impl Unset {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// Notes the operands of an operation that nothing was put into.
+    /// Notes the unwritten operands of an operation.
     pub(super) fn inspect_unset(&mut self, pc: usize, op: Op, operands: &[u32]) {
         let Some(mut watch) = self.watch.take() else { return };
-        let computes = gives_reals(op) && takes_reals(op) || matches!(op, Op::FCmp(_));
+        let computes = op.computes_reals() && op.takes_reals() || matches!(op, Op::FCmp(_));
         if computes && !watch.unset.lanes.is_empty() {
             let shape = op.shape();
             for group in operands.chunks_exact(shape.len()) {
@@ -54,7 +54,7 @@ impl<R: Real> Machine<'_, '_, R> {
         self.watch = Some(watch);
     }
 
-    /// Follows an instruction that has run.
+    /// Propagates the state through an executed instruction.
     pub(super) fn follow_unset(&mut self, op: Op, head: &[u32], operands: &[u32]) {
         let Some(mut watch) = self.watch.take() else { return };
         let unset = &mut watch.unset;

@@ -1,5 +1,4 @@
-//! Doubles and 64-bit integers: the same operations, in their own width whatever the
-//! precision of the run.
+//! Doubles and 64-bit integers: operations in their own width, whatever the precision of the run.
 
 use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
 use super::super::real::Real;
@@ -26,7 +25,7 @@ pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
         I2::MinUint => a.min(b),
         I2::MaxSint => x.max(y) as u64,
         I2::MaxUint => a.max(b),
-        // Of packed words only.
+        // Defined for packed words only.
         I2::Dot4Sint | I2::Dot4Uint => 0,
     }
 }

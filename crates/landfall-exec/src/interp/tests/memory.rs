@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::super::{Call, Cpu, Program, Settings};
 use super::support::{module, program, single, words};
-use crate::backend::{Answer, Grid, Job, Reader, Resource, ResourceKind, StageCode};
+use crate::backend::{Backend, Grid, Job, JobOutput, Resource, ResourceKind, StageCode};
 use landfall_layout::source::Stage;
 
 pub fn resource(binding: u32, kind: ResourceKind) -> Resource {
@@ -16,7 +16,7 @@ fn bytes(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|w| w.to_le_bytes()).collect()
 }
 
-fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> Answer {
+fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput {
     let stages = vec![StageCode {
         stage: Stage::Compute,
         entry: "main".into(),
@@ -32,7 +32,7 @@ fn storage(words: &[u32]) -> ResourceKind {
     ResourceKind::Storage { bytes: bytes(words), writable: true }
 }
 
-fn left(answer: &Answer, resource: usize) -> Vec<u32> {
+fn left(answer: &JobOutput, resource: usize) -> Vec<u32> {
     let bytes = answer.buffers[resource].as_ref().expect("it is writable");
     bytes.chunks(4).map(|w| u32::from_le_bytes(w.try_into().expect("four bytes"))).collect()
 }

@@ -1,4 +1,4 @@
-//! Hazards of plain arithmetic: lights and cameras play no part in them.
+//! Hazards of plain arithmetic, without lights or cameras.
 
 use landfall_layout::finding::Level;
 
@@ -12,9 +12,9 @@ pub(super) static NOT_FINITE: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Deny,
     what: "an uploaded number, or the sum, is not finite",
-    why: "one NaN or infinity among the lights is the whole sum.",
+    why: "One NaN or infinity among the lights makes the whole sum NaN or infinite.",
     threshold: None,
-    robust: "let the host refuse numbers that are not finite",
+    robust: "reject numbers that are not finite on the host",
     citation: "WGSL 15.7.2: implementations may assume that there are no infinities and NaNs",
 };
 
@@ -37,8 +37,8 @@ pub(super) static OPPOSITE_VECTORS: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "two opposite vectors add to zero, and the sum is normalised",
-    why: "a half vector has no direction where the view is opposite to the light: 0 / 0.",
+    what: "two opposite vectors add up to zero, and the sum is normalised",
+    why: "A half vector has no direction where the view is opposite to the light: 0 / 0.",
     threshold: Some(&LENGTH),
     robust: "guard it: `v * inversesqrt(max(dot(v, v), 1.0e-30))`",
     citation: "GLSL 4.60 8.5 (`normalize`); WGSL 17.5",
@@ -50,8 +50,8 @@ pub(super) static DIVISION_BY_ZERO: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "it divides by zero",
-    why: "the quotient is infinite or NaN by IEEE 754 and anything by the specifications.",
+    what: "a division by zero",
+    why: "The quotient is infinite or NaN by IEEE 754 and undefined by the specifications.",
     threshold: None,
     robust: "keep the denominator away from zero with `max`",
     citation: "GLSL 4.60 4.7.1; WGSL 15.7.2",
@@ -63,11 +63,11 @@ pub(super) static UNDEFINED_OPERATION: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "no specification gives this operation a value here",
-    why: "devices differ, and each may be right.",
+    what: "the specifications define no value for this operation here",
+    why: "Devices return different values, each of them conforming.",
     threshold: None,
-    robust: "keep its operands where it is defined",
-    citation: "GLSL 4.60, chapters 5 and 8: each operation says where it is undefined",
+    robust: "keep the operands in the range where the operation is defined",
+    citation: "GLSL 4.60, chapters 5 and 8: each operation lists where it is undefined",
 };
 
 pub(super) static LARGE_VALUES: HazardInfo = HazardInfo {
@@ -76,10 +76,10 @@ pub(super) static LARGE_VALUES: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "the result is too large for a float of its kind",
-    why: "beyond 3.4e38 an f32 is infinite, beyond 65504 a 16-bit float.",
+    what: "the result is above the range of its float type",
+    why: "Above 3.4e38 an f32 is infinite, above 65504 a 16-bit float.",
     threshold: None,
-    robust: "let the host refuse such values",
+    robust: "reject such values on the host",
     citation: "IEEE 754 binary32 and binary16",
 };
 
@@ -90,9 +90,9 @@ pub(super) static CANCELLATION: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "nearly equal numbers are subtracted",
-    why: "the leading digits go and the rounding errors of the operands stay.",
+    why: "The leading digits cancel and the rounding errors of the operands remain.",
     threshold: None,
-    robust: "rewrite the difference so that it is not of rounded numbers",
+    robust: "rewrite the difference so that its operands are exact",
     citation: "Higham, Accuracy and Stability of Numerical Algorithms, 1.7",
 };
 
@@ -102,8 +102,8 @@ pub(super) static ACCUMULATED_ERROR: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "rounding adds up to more than is allowed",
-    why: "no single operation is at fault: the error of each is small, their sum is not.",
+    what: "rounding errors add up to more than is permitted",
+    why: "No single operation is at fault: the error of each is small, their sum is not.",
     threshold: None,
     robust: "compute this part in fewer or better conditioned operations",
     citation: "Higham, Accuracy and Stability of Numerical Algorithms, 3.1",
@@ -116,9 +116,9 @@ pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Deny,
     what: "a loop does not end within the budget",
-    why: "a driver ends such a shader by resetting the device.",
+    why: "A driver ends such a shader by resetting the device.",
     threshold: None,
-    robust: "bound it by a constant: `i < min(count, N)`",
+    robust: "bound the loop by a constant: `i < min(count, N)`",
     citation: "WGSL 2.1 (a shader whose loop does not end is a dynamic error)",
 };
 
@@ -128,10 +128,11 @@ pub(super) static DRIVER_NOT_FINITE: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "a driver gives no finite number where the evaluator does",
-    why: "the operation overflows in this driver's expansion of it, or is less accurate than f32.",
+    what: "a driver returns no finite number where the evaluator does",
+    why: "The operation overflows in this driver's expansion of it, or is less accurate than f32.",
     threshold: None,
-    robust: "keep operands of division, `pow`, `log` and `exp` where every device is held to an error",
+    robust: "keep the operands of division, `pow`, `log` and `exp` in the range for which the \
+             specifications bound the error",
     citation: "Vulkan 1.3, appendix A; WGSL 15.7.4 (accuracy by range of operands)",
 };
 
@@ -141,9 +142,11 @@ pub(super) static DRIVER_APART: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "a driver is off by more than the evaluator is",
-    why: "specifications permit `pow`, `exp2` and division larger errors than f32 rounding.",
+    what: "a driver is less accurate than the evaluator",
+    why: "The specifications permit larger errors than f32 rounding for `pow`, `exp2` and \
+          division.",
     threshold: None,
-    robust: "use operations of smaller permitted error: multiplications for `pow`, `x * inversesqrt(d)` for a division by a length",
+    robust: "use operations with a smaller permitted error: multiplications for `pow`, `x * \
+             inversesqrt(d)` for a division by a length",
     citation: "Vulkan 1.3, appendix A; WGSL 15.7.4 (accuracy)",
 };

@@ -13,13 +13,13 @@ pub(super) static LIGHT_AT_FRAGMENT: HazardInfo = HazardInfo {
     label: Some("H1"),
     aliases: &[],
     level: Level::Deny,
-    what: "the light is where the fragment is, and a vector of length zero is normalised",
+    what: "the light is at the fragment, and a vector of length zero is normalised",
     why: "`normalize(vec3(0))` is 0 / 0: three NaNs by the formula and on lavapipe. Where `max` \
           hides them the light is silently black.",
     threshold: Some(&LENGTH),
     robust: "guard it: `v * inversesqrt(max(dot(v, v), 1.0e-30))`",
-    citation: "GLSL 4.60 8.5 (`normalize`); WGSL 17.5 (`normalize` of a zero vector is an error \
-               or indeterminate)",
+    citation: "GLSL 4.60 8.5 (`normalize`); WGSL 17.5 (`normalize` of a zero vector is an error or \
+               indeterminate)",
 };
 
 pub(super) static ATTENUATION_AT_LIGHT: HazardInfo = HazardInfo {
@@ -28,7 +28,7 @@ pub(super) static ATTENUATION_AT_LIGHT: HazardInfo = HazardInfo {
     label: Some("H1b"),
     aliases: &[],
     level: Level::Deny,
-    what: "without a constant term the attenuation divides by zero at the light",
+    what: "an attenuation without a constant term divides by zero at the light",
     why: "1 / 0 is infinite, and infinity times a colour of 0 is NaN, even where `max` and `min` \
           hide NaNs.",
     threshold: Some(&ATTENUATION),
@@ -43,7 +43,7 @@ pub(super) static CAMERA_AT_FRAGMENT: HazardInfo = HazardInfo {
     label: Some("H2"),
     aliases: &[],
     level: Level::Deny,
-    what: "the eye is where the fragment is, and a vector of length zero is normalised",
+    what: "the camera is at the fragment, and a vector of length zero is normalised",
     why: "`normalize(vec3(0))` is NaN by the formula: the highlight of the fragment is NaN, or \
           silently missing where `max` hides it.",
     threshold: Some(&LENGTH),
@@ -57,12 +57,13 @@ pub(super) static ATTENUATION_UNSET: HazardInfo = HazardInfo {
     label: Some("H3"),
     aliases: &["zero-attenuation"],
     level: Level::Deny,
-    what: "a light whose attenuation was never set divides by zero",
+    what: "an attenuation whose coefficients were never set divides by zero",
     why: "1 / (0 + 0 + 0) is infinite: white where the light has a colour, and NaN where its \
           colour is 0 as well.",
     threshold: Some(&ATTENUATION),
-    robust: "keep the denominator away from zero: `1.0 / max(c + d * (l + q * d), 1.0e-4)`; loop over the lights in use only",
-    citation: "measured on lavapipe and by the interpreter; the limit is that of \
+    robust: "keep the denominator away from zero: `1.0 / max(c + d * (l + q * d), 1.0e-4)`; loop \
+             over the lights in use only",
+    citation: "measured on lavapipe and with the interpreter; the limit is that of \
                `attenuation-at-light`",
 };
 
@@ -73,10 +74,11 @@ pub(super) static OVERFLOW: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "a square is too large for an `f32`",
-    why: "from a distance of 1.85e19 `dot(v, v)` is infinite: the direction is 0 and the light \
-          silently off. In 16-bit floats that happens at 256 (`mediump-position`).",
+    why: "From a distance of 1.85e19 `dot(v, v)` is infinite: the direction is 0 and the light \
+          silently off. In 16-bit floats the limit is a distance of 256 (`mediump-position`).",
     threshold: Some(&COORDINATE),
-    robust: "scale before squaring, or by Horner's rule: `c + d * (l + q * d)`; let the host refuse coordinates above 1e18",
+    robust: "scale before squaring, or use Horner's rule: `c + d * (l + q * d)`; reject \
+             coordinates above 1e18 on the host",
     citation: "IEEE 754 binary32; measured: right at 1.8e19, zero at 1.9e19",
 };
 
@@ -87,11 +89,11 @@ pub(super) static UNDERFLOW: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "a square is too small for an `f32`",
-    why: "at a distance of 1e-22 a highlight is 1.36 times too bright, at 1e-23 it is NaN; \
-          devices that flush subnormals lose distances below 1.1e-19.",
+    why: "At a distance of 1e-22 a highlight is 1.36 times too bright, at 1e-23 it is NaN; devices \
+          that flush subnormals lose distances below 1.1e-19.",
     threshold: Some(&LENGTH),
-    robust: "guard a direction: `v * inversesqrt(max(dot(v, v), 1.0e-30))`; \
-             nearer than 1e-15 means at the same place",
+    robust: "guard a direction: `v * inversesqrt(max(dot(v, v), 1.0e-30))`, which treats distances \
+             below 1e-15 as zero",
     citation: "IEEE 754 binary32; Vulkan 1.3, appendix A (subnormals may be flushed)",
 };
 
@@ -101,11 +103,11 @@ pub(super) static EQUAL_CUT_OFFS: HazardInfo = HazardInfo {
     label: Some("H6"),
     aliases: &["hard-cone"],
     level: Level::Deny,
-    what: "inner and outer cone are the same, and their difference is divided by",
-    why: "the factor is infinite inside and 0 / 0 at the edge itself: NaN by the formula, 0 where \
-          `clamp` hides it.",
+    what: "the inner and outer cone are equal, and their difference is a divisor",
+    why: "The factor is infinite inside the cone and 0 / 0 exactly on its edge: NaN by the \
+          formula, 0 where `clamp` hides it.",
     threshold: Some(&CONE_WIDTH),
-    robust: "`clamp((theta - outer) / max(inner - outer, 1.0e-4), 0.0, 1.0)`",
+    robust: "guard the divisor: `clamp((theta - outer) / max(inner - outer, 1.0e-4), 0.0, 1.0)`",
     citation: "GLSL 4.60 4.7.1 (division by zero is undefined); glTF's KHR_lights_punctual \
                guards the same difference with 0.001",
 };
@@ -116,10 +118,10 @@ pub(super) static SWAPPED_CUT_OFFS: HazardInfo = HazardInfo {
     label: Some("H6b"),
     aliases: &["swapped-cone"],
     level: Level::Warn,
-    what: "the inner cone is the wider one, which turns the edge inside out",
-    why: "with cosines 0.90 and 0.95 everything outside the cone is lit and its centre is black.",
+    what: "the inner cone is wider than the outer one, which inverts the edge",
+    why: "With cosines 0.90 and 0.95 everything outside the cone is lit and its centre is black.",
     threshold: None,
-    robust: "let the host sort the two, or refuse them",
+    robust: "sort the two cut-offs on the host, or reject them",
     citation: "follows from the formula; GLSL 4.60 8.3 (`smoothstep` is undefined for such edges)",
 };
 
@@ -129,12 +131,12 @@ pub(super) static CONE_OUT_OF_RANGE: HazardInfo = HazardInfo {
     label: Some("H7"),
     aliases: &["wrong-unit"],
     level: Level::Warn,
-    what: "a cut-off that is an angle, not its cosine, is taken as it comes",
+    what: "a cut-off is an angle where its cosine is expected",
     why: "12.5 and 17.5 degrees make a soft cone light everything, and a hard one nothing; in \
           radians the centre is black.",
     threshold: Some(&COSINE),
-    robust: "upload the cosine, or refuse a cut-off outside -1 to 1",
-    citation: "measured by the interpreter: (1 - 17.5) / (12.5 - 17.5) = 3.3",
+    robust: "upload the cosine, or reject a cut-off outside -1 to 1",
+    citation: "measured with the interpreter: (1 - 17.5) / (12.5 - 17.5) = 3.3",
 };
 
 pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
@@ -143,9 +145,9 @@ pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
     label: Some("H8"),
     aliases: &["empty-cone"],
     level: Level::Deny,
-    what: "a cone of no width divides by zero; rounding puts its axis inside now and then",
-    why: "on the axis the rounded cosine is above 1 in 14 of 100 fragments: fully lit sparkles \
-          of a cone that lights nothing.",
+    what: "a cone of no width divides by zero, and rounding lights some fragments on its axis",
+    why: "On the axis the rounded cosine is above 1 in 14 of 100 fragments: fully lit sparkles of \
+          a cone that lights nothing.",
     threshold: Some(&CONE_WIDTH),
     robust: "divide by `max(1.0 - cutoff, 1.0e-4)`",
     citation: "measured: 14.27 % of the fragments on the axis, cosines up to 1.0000002",
@@ -158,11 +160,12 @@ pub(super) static FAR_FROM_ORIGIN: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "coordinates far from the origin cancel",
-    why: "the error grows with the distance: 2.9 of 255 steps at 1e4, 24 at 1e5, a destroyed \
-          picture at 1e6; matrices to view space in f32 are twice as bad.",
+    why: "The error grows with the distance: 2.9 of 255 steps at 1e4, 24 at 1e5, a destroyed \
+          picture at 1e6; matrices to view space in f32 double it.",
     threshold: Some(&ORIGIN),
     robust: "upload positions relative to the camera, subtracted in `f64`",
-    citation: "measured of a scene of 3 m; relative to the camera it is 0.0035 steps anywhere",
+    citation: "measured on a scene of 3 m; relative to the camera the error is 0.0035 steps \
+               anywhere",
 };
 
 pub(super) static NARROW_CONE: HazardInfo = HazardInfo {
@@ -171,11 +174,12 @@ pub(super) static NARROW_CONE: HazardInfo = HazardInfo {
     label: Some("H17"),
     aliases: &[],
     level: Level::Warn,
-    what: "two cosines near one are subtracted, and nothing of a narrow cone is left",
-    why: "the cosine of a small angle is 1 less half its square, of which f32 keeps no digits \
+    what: "two cosines near 1 are subtracted, which leaves no digits of a narrow cone",
+    why: "The cosine of a small angle is 1 minus half its square, of which f32 keeps no digits \
           below 0.02 degrees: 0.53 of 255 steps off at 0.5 degrees, 16 at 0.1, all 255 at 0.05.",
     threshold: Some(&NARROW),
-    robust: "by the chord: `vec3 e = l - axis; clamp((mo - 0.5 * dot(e, e)) / (mo - mi), 0.0, 1.0)` with `mo = 1 - outer`, `mi = 1 - inner`",
+    robust: "compare by the chord: `vec3 e = l - axis; clamp((mo - 0.5 * dot(e, e)) / (mo - mi), \
+             0.0, 1.0)` with `mo = 1 - outer`, `mi = 1 - inner`",
     citation: "measured; 1 - cos(a) = |L - D|^2 / 2 for unit vectors",
 };
 
@@ -185,12 +189,12 @@ pub(super) static CONE_EDGE: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "the fragment is within rounding of the edge of a cone without a ramp",
-    why: "on one side it is lit and on the other it is not, and rounding decides: comparing it \
-          with another device's says nothing. Such fragments are left out and counted.",
+    what: "the fragment is within rounding error of the edge of a cone without a ramp",
+    why: "One side of the edge is lit and the other is not, and rounding decides, so that devices \
+          may differ. Comparisons leave such fragments out and count them.",
     threshold: Some(&EDGE),
-    robust: "give the cone a ramp, an outer angle above the inner one",
-    citation: "measured: of a hard cone the band is 4.7e-5 degrees wide at 12.5 degrees, 6e-4 at 1",
+    robust: "give the cone a ramp: an outer angle above the inner one",
+    citation: "measured: the band of a hard cone is 4.7e-5 degrees wide at 12.5 degrees, 6e-4 at 1",
 };
 
 pub(super) static MEDIUMP_POSITION: HazardInfo = HazardInfo {
@@ -199,11 +203,12 @@ pub(super) static MEDIUMP_POSITION: HazardInfo = HazardInfo {
     label: Some("H22"),
     aliases: &[],
     level: Level::Warn,
-    what: "a position is below `highp`, and its squared distance overflows",
-    why: "where `mediump` has 16 bits, squares overflow at 256 and positions have 11 bits.",
+    what: "a position is below `highp`, and its squared distance may overflow",
+    why: "Where `mediump` has 16 bits, squares overflow at a distance of 256 and positions have 11 \
+          bits.",
     threshold: Some(&HALF_DISTANCE),
     robust: "declare positions, directions and distances `highp`",
-    citation: "GLSL ES 3.00 4.5.1 (the least range of `mediump` is 2^14)",
+    citation: "GLSL ES 3.00 4.5.1 (the minimum range of `mediump` is 2^14)",
 };
 
 pub(super) static ZERO_DIRECTION: HazardInfo = HazardInfo {
@@ -212,10 +217,10 @@ pub(super) static ZERO_DIRECTION: HazardInfo = HazardInfo {
     label: Some("H24"),
     aliases: &[],
     level: Level::Warn,
-    what: "a direction that is zero is normalised",
-    why: "normalised by the shader or the host it is NaN, and so is every light it takes part in.",
+    what: "a zero direction is normalised",
+    why: "Normalised by the shader or the host it is NaN, and so is every light computed from it.",
     threshold: Some(&LENGTH),
-    robust: "guard it: `v * inversesqrt(max(dot(v, v), 1.0e-30))`, or refuse it on the host",
+    robust: "guard it: `v * inversesqrt(max(dot(v, v), 1.0e-30))`, or reject it on the host",
     citation: "GLSL 4.60 8.5 (`normalize`); WGSL 17.5",
 };
 
@@ -225,11 +230,11 @@ pub(super) static NEGATIVE_ATTENUATION: HazardInfo = HazardInfo {
     label: Some("H26"),
     aliases: &["negative-color"],
     level: Level::Warn,
-    what: "with a negative coefficient the attenuation has a pole",
-    why: "at some distance the denominator is 0, beyond it the light is negative; no range bounds \
-          such a light, so that it cannot be culled.",
+    what: "an attenuation with a negative coefficient has a pole",
+    why: "At some distance the denominator is 0, and beyond it the light is negative; no range \
+          bounds such a light, so that it cannot be culled.",
     threshold: None,
-    robust: "refuse negative coefficients on the host",
+    robust: "reject negative coefficients on the host",
     citation: "follows from the formula",
 };
 
@@ -239,10 +244,10 @@ pub(super) static LONE_CONSTANT: HazardInfo = HazardInfo {
     label: Some("H27"),
     aliases: &[],
     level: Level::Warn,
-    what: "only the constant term is set, to what looks like another coefficient",
-    why: "setting `constant` three times, to 1, 0.09 and 0.032, leaves 0.032 and zeros: the light \
+    what: "only the constant term is set, to a value that looks like another coefficient",
+    why: "Setting `constant` three times, to 1, 0.09 and 0.032, leaves 0.032 and zeros: the light \
           is 31 times too bright at every distance.",
     threshold: None,
-    robust: "set `constant`, `linear` and `quadratic`, each once",
-    citation: "seen in a public program that copied the line and changed only the value",
+    robust: "set each of `constant`, `linear` and `quadratic` once",
+    citation: "found in a public program that copied the line and changed only the value",
 };

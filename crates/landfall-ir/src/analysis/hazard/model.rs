@@ -12,8 +12,8 @@ pub(super) static LOOP_PAST_COUNT: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "slots that hold no light are evaluated",
-    why: "a slot of zeros is 1 / 0 times 0, and one NaN is the whole sum: with 2 of 128 slots in \
-          use every fragment was NaN on lavapipe.",
+    why: "A slot of zeros is 1 / 0 times 0, which is NaN, and so is the whole sum: with 2 of 128 \
+          slots in use every fragment was NaN on lavapipe.",
     threshold: None,
     robust: "loop to `min(count, N)`",
     citation: "measured: 243037 of 243037 fragments",
@@ -26,10 +26,10 @@ pub(super) static POW_OF_ZERO: HazardInfo = HazardInfo {
     aliases: &["power-of-zero", "zero-shininess"],
     level: Level::Deny,
     what: "zero to the power of zero or less is undefined",
-    why: "`pow(0, 0)` is 1 by the C library, NaN by exp2(0 * log2(0)) and 0 on lavapipe. A \
-          clamped highlight has base 0, a material that was never set has exponent 0.",
+    why: "`pow(0, 0)` is 1 in the C library, NaN by exp2(0 * log2(0)) and 0 on lavapipe. A clamped \
+          highlight has base 0, a material that was never set has exponent 0.",
     threshold: None,
-    robust: "`x > 0.0 ? pow(x, n) : 0.0`",
+    robust: "guard the base: `x > 0.0 ? pow(x, n) : 0.0`",
     citation: "GLSL 4.60 8.2: `pow` is undefined for x = 0 and y <= 0",
 };
 
@@ -40,9 +40,9 @@ pub(super) static POW_OF_NEGATIVE: HazardInfo = HazardInfo {
     aliases: &["power-of-negative"],
     level: Level::Deny,
     what: "a power of a negative number is undefined",
-    why: "the C library gives 0.0625 where exp2(n * log2(x)) and lavapipe give NaN.",
+    why: "The C library returns 0.0625 where exp2(n * log2(x)) and lavapipe return NaN.",
     threshold: None,
-    robust: "`x > 0.0 ? pow(x, n) : 0.0`",
+    robust: "guard the base: `x > 0.0 ? pow(x, n) : 0.0`",
     citation: "GLSL 4.60 8.2: `pow` is undefined for x < 0",
 };
 
@@ -52,10 +52,10 @@ pub(super) static BASE_ABOVE_ONE: HazardInfo = HazardInfo {
     label: Some("H11"),
     aliases: &[],
     level: Level::Warn,
-    what: "rounding puts a cosine above one, and the power makes much of it",
-    why: "half of all normalised vectors are longer than 1; 1 + 2^-23 to the power of 1e7 is 3.3.",
+    what: "rounding lifts a cosine above 1, and the power amplifies the excess",
+    why: "Half of all normalised vectors are longer than 1; 1 + 2^-23 to the power of 1e7 is 3.3.",
     threshold: Some(&ABOVE_ONE),
-    robust: "`pow(clamp(x, 0.0, 1.0), n)`",
+    robust: "clamp the base: `pow(clamp(x, 0.0, 1.0), n)`",
     citation: "measured: 49.9 % of normalised vectors on lavapipe",
 };
 
@@ -65,9 +65,9 @@ pub(super) static UNINITIALISED: HazardInfo = HazardInfo {
     label: Some("H12"),
     aliases: &[],
     level: Level::Deny,
-    what: "a variable is read before anything is put into it",
-    why: "what a register held before is added to: a NaN stays one, and 8388608 swallows the \
-          light.",
+    what: "a variable is read before it is initialised",
+    why: "The sum starts from whatever the register held: a NaN stays NaN, and 8388608 swallows \
+          the light.",
     threshold: None,
     robust: "initialise it: `vec3 total = vec3(0.0);`",
     citation: "GLSL 4.60 4.3 (reading an uninitialised variable is undefined)",
@@ -79,12 +79,12 @@ pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
     label: Some("H13"),
     aliases: &[],
     level: Level::Warn,
-    what: "a light below the horizon has a highlight",
-    why: "a light 0.2 below the surface makes it 0.459 bright at a grazing view; and lights \
-          behind a surface cannot be skipped.",
+    what: "a light below the horizon makes a highlight",
+    why: "A light 0.2 below the surface makes it 0.459 bright at a grazing view; and lights behind \
+          a surface cannot be skipped.",
     threshold: Some(&CHANGE),
-    robust: "take the highlight only where `dot(n, l) > 0.0`",
-    citation: "measured by the interpreter",
+    robust: "add the highlight only where `dot(n, l) > 0.0`",
+    citation: "measured with the interpreter",
 };
 
 pub(super) static UNNORMALISED_NORMAL: HazardInfo = HazardInfo {
@@ -93,12 +93,12 @@ pub(super) static UNNORMALISED_NORMAL: HazardInfo = HazardInfo {
     label: Some("H14"),
     aliases: &["normal-not-normalised"],
     level: Level::Warn,
-    what: "the result depends on how long the normal is",
-    why: "between vertices whose normals are 20 degrees apart a highlight of exponent 32 falls to \
-          0.375 of its peak; a model scaled by 1.1 has one of 717.",
+    what: "the result depends on the length of the normal",
+    why: "Between vertices whose normals are 20 degrees apart a highlight of exponent 32 falls to \
+          0.38 of its peak; a normal 10 % too long makes it 446 times too bright.",
     threshold: Some(&CHANGE),
     robust: "normalise it in the fragment stage: `normalize(v_normal)`",
-    citation: "measured by the interpreter",
+    citation: "measured with the interpreter",
 };
 
 pub(super) static VEC4_NORMALISE: HazardInfo = HazardInfo {
@@ -108,12 +108,13 @@ pub(super) static VEC4_NORMALISE: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "a normal is normalised together with its fourth component",
-    why: "the inverse transpose of a matrix with a translation leaves a fourth component, which \
-          shortens each vertex's normal differently: interpolated they bend by 3.3 degrees at a \
-          camera distance of 2 and by 14.4 at 100.",
+    why: "The inverse transpose of a matrix with a translation leaves a fourth component, which \
+          shortens each vertex's normal by a different factor: the interpolated normals bend by \
+          3.3 degrees at a camera distance of 2 and by 14.4 at 100.",
     threshold: None,
-    robust: "`normalize(mat3(transpose(inverse(m))) * n)`, or take `.xyz` first",
-    citation: "measured by the interpreter, of vertex normals 30 degrees apart",
+    robust: "normalise three components: `normalize(mat3(transpose(inverse(m))) * n)`, or take \
+             `.xyz` first",
+    citation: "measured with the interpreter, for vertex normals 30 degrees apart",
 };
 
 pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
@@ -123,24 +124,25 @@ pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "the power multiplies the relative error of its base by the exponent",
-    why: "from f32 vectors a highlight is 0.035 of 255 steps off at 256, 0.54 at 4096, 8.1 at \
-          65536, however exact `pow` is.",
+    why: "A highlight computed from f32 vectors is 0.035 of 255 steps off at exponent 256, 0.54 at \
+          4096, 8.1 at 65536, however exact `pow` is.",
     threshold: Some(&EXPONENT),
-    robust: "above 256 by the chord: `m = 0.5 * dot(v - r, v - r); exp2(n * log2(1.0 - m))`, by a series for small `m`",
+    robust: "above 256 compute by the chord: `m = 0.5 * dot(v - r, v - r); exp2(n * log2(1.0 - \
+             m))`, by a series for small `m`",
     citation: "measured; WGSL 15.7.4 and Vulkan 1.3, appendix A (accuracy of `pow`)",
 };
 
 pub(super) static AMBIENT_PER_LIGHT: HazardInfo = HazardInfo {
     code: "ambient-per-light",
-    name: "ambient light once a light",
+    name: "ambient light per light",
     label: Some("H20"),
     aliases: &[],
     level: Level::Warn,
-    what: "ambient light is added once for every light",
-    why: "five such terms are 13.5 % of the red of a published scene; 128 of them add 6.4.",
+    what: "ambient light is added for every light",
+    why: "Five such terms are 13.5 % of the red of a published scene; 128 of them add up to 6.4.",
     threshold: None,
     robust: "keep one ambient light beside the array, and add it once",
-    citation: "measured of a published scene of six lights",
+    citation: "measured on a published scene of six lights",
 };
 
 pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
@@ -149,11 +151,11 @@ pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
     label: Some("H21"),
     aliases: &[],
     level: Level::Warn,
-    what: "a compiler is free to simplify the compensation of a sum to 0",
-    why: "(t - s) - y is 0 in real numbers; Mesa gives 1.0 for 1.0000298 where the operations are \
-          not marked.",
+    what: "a compiler may simplify the compensation of a sum to 0",
+    why: "(t - s) - y is 0 in real numbers; Mesa returns 1.0 for 1.0000298 where the operations \
+          are not marked `precise`.",
     threshold: None,
-    robust: "declare the variables `precise`; in WGSL sum in several lanes, or pairwise",
+    robust: "declare the variables `precise`; in WGSL, sum in several lanes, or pairwise",
     citation: "GLSL 4.60 4.9 (`precise`); WGSL 15.7.3 (reassociation is permitted)",
 };
 
@@ -164,8 +166,8 @@ pub(super) static COUNT_PAST_ARRAY: HazardInfo = HazardInfo {
     aliases: &["too-many-lights"],
     level: Level::Deny,
     what: "an index is past the end of its array",
-    why: "the 129th of 128 lights has the bits of the count for a position, or what the driver \
-          gives for a read out of bounds.",
+    why: "The 129th of 128 lights has the bits of the count as its position, or what the driver \
+          returns for a read out of bounds.",
     threshold: None,
     robust: "clamp the count: `min(count, N)`",
     citation: "GLSL 4.60 5.7 (indexing out of bounds is undefined)",

@@ -1,14 +1,14 @@
-//! The numbers that separate inputs that meet a hazard from those that do not, each with its reason.
+//! The thresholds of hazards, each with its reason.
 
-/// A number below or above which inputs meet a hazard.
+/// A number below or above which a hazard occurs.
 #[derive(Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Threshold {
     /// The number.
     pub value: f64,
-    /// What is compared with it, with its unit.
+    /// The quantity compared with it, with its unit.
     pub of: &'static str,
-    /// Why it is this number.
+    /// The reason for this number.
     pub why: &'static str,
 }
 
@@ -24,7 +24,7 @@ impl Threshold {
     }
 }
 
-/// The least length that is a length.
+/// The smallest length that is not treated as zero.
 pub static LENGTH: Threshold = Threshold {
     value: 1e-15,
     of: "length of the vector",
@@ -34,7 +34,7 @@ pub static LENGTH: Threshold = Threshold {
           No two points of a scene in f32 coordinates above 1e-7 are so near without being equal.",
 };
 
-/// The largest coordinate.
+/// The largest coordinate or distance whose square does not overflow.
 pub static COORDINATE: Threshold = Threshold {
     value: 1e18,
     of: "coordinate or distance",
@@ -42,7 +42,7 @@ pub static COORDINATE: Threshold = Threshold {
           f32 (3.4e38); squares overflow at distances of 1.85e19.",
 };
 
-/// The least number that attenuation divides by.
+/// The smallest divisor of an attenuation.
 pub static ATTENUATION: Threshold = Threshold {
     value: 1e-4,
     of: "number the attenuation divides by",
@@ -53,7 +53,7 @@ pub static ATTENUATION: Threshold = Threshold {
           by 1 or more, so none of them changes.",
 };
 
-/// The least difference of cosines that a cone divides by.
+/// The smallest difference of cosines that a cone divides by.
 pub static CONE_WIDTH: Threshold = Threshold {
     value: 1e-4,
     of: "difference of cosines the cone divides by",
@@ -70,7 +70,7 @@ pub static COSINE: Threshold = Threshold {
     why: "cosines are at most 1, and what is rounded to four digits is still taken for one.",
 };
 
-/// The most by which rounding alone lifts a cosine above one.
+/// The largest excess above one that rounding causes in a cosine.
 pub static ABOVE_ONE: Threshold = Threshold {
     value: 1e-5,
     of: "excess of the base over 1",
@@ -79,7 +79,7 @@ pub static ABOVE_ONE: Threshold = Threshold {
           far. What exceeds 1 by more is no cosine.",
 };
 
-/// A change of the result that counts.
+/// The smallest change of a result that is reported.
 pub static CHANGE: Threshold = Threshold {
     value: 1e-3,
     of: "change of the result, as a share of full scale",
@@ -113,7 +113,7 @@ pub static EDGE: Threshold = Threshold {
           side, and is 2.6e-4 degrees wide at 12.5 degrees.",
 };
 
-/// The exponent from which a loss in a power is the exponent's.
+/// The exponent from which the loss of accuracy in a power is attributed to the exponent.
 pub static EXPONENT: Threshold = Threshold {
     value: 16.0,
     of: "exponent",

@@ -1,8 +1,8 @@
-//! Branches, cases and loops: what variables hold where several ways meet.
+//! Branches, cases and loops: the values of variables where control flow joins.
 
 use naga::{Block, Expression, Handle};
 
-use super::facts::Facts;
+use super::abstract_domain::Facts;
 use super::graph::{Id, Op};
 use super::walk::{Flow, Frame, Walk};
 
@@ -74,7 +74,7 @@ impl<'m> Walk<'m> {
         Flow::Falls
     }
 
-    /// Gives every variable one of the values it has in those states.
+    /// Joins the values that each variable has in several states.
     fn join(&mut self, states: &[Vec<Id>]) {
         for cell in 0..self.cells.len() {
             let mut values: Vec<Id> =

@@ -1,4 +1,4 @@
-//! Expressions to nodes; what is computed is shown to [`judge`](super::judge).
+//! Turns expressions into nodes, and runs [`checks`](super::checks) on each.
 
 use naga::{Expression, Handle, Literal, MathFunction as M};
 
@@ -8,7 +8,7 @@ use super::walk::{Frame, Walk};
 use landfall_layout::source::Span;
 
 impl<'m> Walk<'m> {
-    /// The value of an expression, evaluated or not.
+    /// Returns the value of an expression, evaluated on demand.
     pub fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Id {
         match self.pointer(frame, handle) {
             Value::Is(id) => id,
@@ -16,7 +16,7 @@ impl<'m> Walk<'m> {
         }
     }
 
-    /// The value of an expression, or the variable it points to.
+    /// Returns the value of an expression, or the variable it points to.
     pub fn pointer(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Value {
         if let Some(value) = frame.values.get(&handle) {
             return value.clone();
@@ -49,7 +49,7 @@ impl<'m> Walk<'m> {
         self.graph.number(number)
     }
 
-    /// A value of those parts.
+    /// Returns a value composed of those parts.
     pub fn composed(&mut self, parts: &[Id]) -> Id {
         match parts {
             [first, rest @ ..]
@@ -160,7 +160,7 @@ impl<'m> Walk<'m> {
         Value::Is(id)
     }
 
-    /// A vector, matrix, array or structure of those parts.
+    /// Returns a vector, matrix, array or structure of those parts.
     fn composite(&mut self, ty: Handle<naga::Type>, parts: &[Id]) -> Id {
         let id = self.composed(parts);
         let wanted = match self.ir.types[ty].inner {
@@ -194,7 +194,7 @@ impl<'m> Walk<'m> {
         }
     }
 
-    /// A call of a math function; `distance` is the length of a difference.
+    /// Evaluates a math function; `distance` is the length of a difference.
     fn math(&mut self, fun: M, args: &[Id]) -> Id {
         match (fun, args) {
             (M::Distance, &[a, b]) => {

@@ -1,25 +1,27 @@
-//! Values without numbers: each operation a node, equal ones the same node.
+//! Symbolic values: each operation is a node, and equal operations share a node.
 //!
-//! Filled by [`walk`](super::walk); [`facts`](super::facts) and [`judge`](super::judge) read it.
+//! Built by [`walk`](super::walk), read by [`abstract_domain`](super::abstract_domain) and
+//! [`checks`](super::checks).
 
 use naga::{BinaryOperator, MathFunction};
 use rustc_hash::FxHashMap;
 
 use crate::analysis::roles::Role;
 
-/// A node.
+/// The index of a node.
 pub type Id = u32;
 
-/// What a node is.
+/// The operation of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
-    /// A number, or a vector of it: its bits.
+    /// The bits of a number, or of the equal components of a vector.
     Number(u64),
-    /// Something from outside: its number among [`Graph::leaves`].
+    /// A value from outside the shader: its index in [`Graph::leaves`].
     Leaf(u32),
-    /// The value of a variable that was never given one.
+    /// The value of an uninitialised variable.
     Undefined(u32),
-    /// A variable at the top of a loop that changes it; the argument is its value before.
+    /// A variable that a loop changes, at the start of an iteration; the argument is its value
+    /// before the loop.
     Looping(u32),
     /// One of its arguments.
     Joined(u32),
@@ -38,11 +40,11 @@ pub enum Op {
     Convert,
     Binary(BinaryOperator),
     Math(MathFunction),
-    /// Anything else: no two are equal.
+    /// Any other value; no two are equal.
     Opaque(u32),
 }
 
-/// Where a leaf comes from.
+/// The origin of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// A block.
@@ -53,20 +55,20 @@ pub enum Origin {
     Other,
 }
 
-/// Something from outside.
+/// A value from outside the shader.
 #[derive(Clone, Debug)]
 pub struct Leaf {
-    /// The way to it from its block or input, elements by index nodes.
+    /// The path from its block or input, with indices as nodes.
     pub key: String,
-    /// The same with arrays as patterns, as messages show it.
+    /// The path in messages, with `[]` for indices.
     pub path: String,
-    /// Its own name.
+    /// The name of the member.
     pub name: String,
     pub ty: naga::Handle<naga::Type>,
     pub origin: Origin,
-    /// The block's number in the module.
+    /// The block's index in the module.
     pub block: Option<usize>,
-    /// The light it belongs to, and the way from there.
+    /// The light it belongs to, and the path from there.
     pub light: Option<(usize, String)>,
     pub role: Option<Role>,
 }
@@ -77,7 +79,7 @@ pub struct Node {
     pub args: Vec<Id>,
 }
 
-/// All nodes.
+/// The nodes of a shader.
 #[derive(Debug, Default)]
 pub struct Graph {
     pub nodes: Vec<Node>,
@@ -154,7 +156,7 @@ impl Graph {
         self.op(id) == Op::Math(fun)
     }
 
-    /// The operands of such an operation.
+    /// Returns the operands of a value if it is such an operation.
     pub fn binary(&self, id: Id, op: BinaryOperator) -> Option<(Id, Id)> {
         match (self.op(id), self.args(id)) {
             (Op::Binary(own), &[a, b]) if own == op => Some((a, b)),
@@ -162,7 +164,7 @@ impl Graph {
         }
     }
 
-    /// What a value is made of without being computed: through parts, signs and conversions.
+    /// Returns the value below parts, signs and conversions.
     pub fn bare(&self, mut id: Id) -> Id {
         loop {
             id = match (self.op(id), self.args(id)) {
@@ -183,12 +185,13 @@ impl Graph {
         }
     }
 
-    /// The leaf a value is, or is a part of.
+    /// Returns the leaf that a value is, or is a part of.
     pub fn bare_leaf(&self, id: Id) -> Option<&Leaf> {
         self.as_leaf(self.bare(id))
     }
 
-    /// Whether something below, itself included, is so; so many nodes are looked at.
+    /// Returns whether a predicate holds for a node or one below it; the number of nodes visited is
+    /// limited.
     pub fn contains(&self, id: Id, is: &mut dyn FnMut(Id) -> bool) -> bool {
         let mut left = 400;
         let mut seen = rustc_hash::FxHashSet::default();
@@ -209,7 +212,7 @@ impl Graph {
         false
     }
 
-    /// The leaf of such a role below.
+    /// Returns a leaf below a node that has such a role.
     pub fn leaf_below(&self, id: Id, wanted: &dyn Fn(&Leaf) -> bool) -> Option<&Leaf> {
         let mut found = None;
         self.contains(id, &mut |id| match self.as_leaf(id) {

@@ -1,4 +1,4 @@
-//! Variables and parts of values: which node stands behind a pointer.
+//! Variables and parts of values: the nodes that pointers refer to.
 
 use naga::{Handle, TypeInner};
 
@@ -7,11 +7,11 @@ use super::walk::Walk;
 use super::{Access, Bound};
 use landfall_layout::source::Span;
 
-/// A value, or the way to a variable.
+/// A value, or the path to a variable.
 #[derive(Clone, Debug)]
 pub enum Value {
     Is(Id),
-    /// A variable of the shader's own.
+    /// A variable that the shader declares.
     At(usize, Vec<Step>),
 }
 
@@ -58,7 +58,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A member or component of a value.
+    /// Returns a member or component of a value.
     pub fn part(&mut self, mut id: Id, index: u32) -> Id {
         loop {
             let args = self.graph.args(id);
@@ -106,7 +106,7 @@ impl Walk<'_> {
         }
     }
 
-    /// An element of a value; `span` is where it is asked for.
+    /// Returns an element of a value; `span` is the access.
     pub fn element(&mut self, id: Id, index: Id, span: Option<Span>) -> Id {
         if let Some(number) = self.graph.value(index) {
             let is_array = self.graph.as_leaf(id).is_some_and(|leaf| {
@@ -133,7 +133,7 @@ impl Walk<'_> {
         made
     }
 
-    /// A leaf with its light and role filled in.
+    /// Adds a leaf with its light and role.
     pub fn leaf(&mut self, mut leaf: Leaf) -> Id {
         if leaf.light.is_none() {
             leaf.light = self.light_of(&leaf);
@@ -148,7 +148,7 @@ impl Walk<'_> {
     fn light_of(&self, leaf: &Leaf) -> Option<(usize, String)> {
         let block = leaf.block.map(|block| &self.module.blocks[block].layout);
         if let Some(block) = block {
-            let here = |light: &&crate::analysis::roles::Held<'_>| {
+            let here = |light: &&crate::analysis::roles::LightBinding<'_>| {
                 let same = light.block.name == block.name
                     || light.block.space == landfall_layout::shape::AddressSpace::Default;
                 same && light.path == leaf.path
@@ -158,13 +158,13 @@ impl Walk<'_> {
             }
         }
         let name = self.ir.types[leaf.ty].name.as_deref()?;
-        let named = |light: &crate::analysis::roles::Held<'_>| {
+        let named = |light: &crate::analysis::roles::LightBinding<'_>| {
             *light.roles.name == *name && light.form == crate::analysis::roles::Form::Structure
         };
         Some((self.lights.iter().position(named)?, String::new()))
     }
 
-    /// Notes what bounds the index of an access to an array of lights.
+    /// Records the index of an access to an array of lights.
     fn note_access(&mut self, element: Id, index: Id, span: Option<Span>) {
         let (Some(span), Some(leaf)) = (span, self.graph.as_leaf(element)) else { return };
         let Some((light, way)) = leaf.light.clone() else { return };
@@ -210,7 +210,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The value below conversions.
+    /// Returns the value without its conversions.
     fn through(&self, mut id: Id) -> Id {
         while let (Op::Convert, &[of]) = (self.graph.op(id), self.graph.args(id)) {
             id = of;
@@ -224,7 +224,7 @@ impl Walk<'_> {
         leaf.is_some_and(|leaf| leaf.path == *count.member.name && leaf.block.is_some())
     }
 
-    /// Whether an input is interpolated.
+    /// Returns the origin of an input: whether it is interpolated.
     pub fn origin(&self, binding: &naga::Binding) -> Origin {
         match binding {
             naga::Binding::Location { interpolation, .. }
@@ -236,7 +236,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A leaf for something of a type.
+    /// Adds a leaf of a type.
     pub fn outside(&mut self, name: &str, ty: Handle<naga::Type>, origin: Origin) -> Id {
         let fresh = self.graph.next();
         let key = format!("{name}#{fresh}");

@@ -1,16 +1,16 @@
-//! Highlights on the far side of a surface: powers that nothing about the light's side gates.
+//! Highlights of lights behind the surface: powers that no condition on the light's side cuts off.
 //!
-//! Powers are noted when they are met; what they are multiplied with is known at the end.
+//! Powers are recorded during the walk; their factors are known at the end.
 
 use naga::{BinaryOperator as B, MathFunction as M};
 
+use super::checks::Candidate;
 use super::graph::{Id, Op};
-use super::judge::Candidate;
 use super::walk::Walk;
 use super::{Certainty, Hazard, Kind, Occurrence};
 use landfall_layout::source::Span;
 
-/// Values above a power that are looked at.
+/// The number of values above a power that are examined.
 const MOST_ABOVE: usize = 400;
 
 /// A highlight.
@@ -20,7 +20,7 @@ pub struct Power {
     base: Id,
     normal: Id,
     span: Span,
-    /// Whether a condition about the light's side holds around it.
+    /// Whether an enclosing condition tests the light's side.
     gated: bool,
 }
 
@@ -33,7 +33,7 @@ impl Walk<'_> {
         self.powers.push(Power { node, base, normal, span, gated });
     }
 
-    /// The normal of `dot(v, reflect(-l, n))` or `dot(n, normalize(l + v))`.
+    /// Returns the normal of `dot(v, reflect(-l, n))` or `dot(n, normalize(l + v))`.
     fn normal_of_highlight(&self, base: Id) -> Option<Id> {
         let mut found = None;
         self.graph.contains(base, &mut |id| {
@@ -60,7 +60,8 @@ impl Walk<'_> {
         found
     }
 
-    /// Whether it is made of the normal's cosine with something else than the highlight's.
+    /// Returns whether a value contains the normal's cosine with a direction other than the
+    /// highlight's.
     fn speaks_of_side(&self, id: Id, normal: Id, base: Id) -> bool {
         self.graph.contains(id, &mut |id| {
             self.graph.is_math(id, M::Dot)
@@ -90,7 +91,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether the highlight is multiplied with something of the light's side on its way out.
+    /// Returns whether the highlight is multiplied by a factor that depends on the light's side.
     fn is_multiplied(&self, above: &[Vec<Id>], power: &Power) -> bool {
         let mut todo = vec![power.node];
         let mut seen = 0;

@@ -1,17 +1,17 @@
-//! What is known at the end only: how arrays of lights are looped over, and all there is to say,
-//! each place once.
+//! The results at the end of the walk: how loops index arrays of lights, and all hazards, each
+//! place once.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::checks::Candidate;
 use super::graph::{Id, Leaf};
-use super::judge::Candidate;
 use super::walk::Walk;
 use super::{Access, Bound, Certainty, Found, Hazard, Kind, Occurrence};
 use crate::analysis::roles::Role;
 use landfall_layout::source::Span;
 
 impl Walk<'_> {
-    /// All that was found, each place once.
+    /// Returns all hazards and accesses, each place once.
     pub fn judged(mut self) -> Found {
         self.look_at_specular();
         self.look_at_accesses();

@@ -1,42 +1,42 @@
-//! Statements one after the other, calls inlined; [`control`](super::control) has branches and
+//! Walks statements in order, with calls inlined; [`control`](super::control) handles branches and
 //! loops.
 
 use naga::{AddressSpace, Block, Expression, Function, Handle, Statement};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::facts::Facts;
+use super::abstract_domain::Facts;
+use super::checks::Candidate;
 use super::graph::{Graph, Id, Op, Origin};
-use super::judge::Candidate;
 use super::memory::Value;
 use super::specular::Power;
 use super::{Access, Found, Setting};
-use crate::analysis::roles::Held;
-use crate::{Module, reach};
+use crate::analysis::roles::LightBinding;
+use crate::{Module, call_graph};
 use landfall_layout::source::Language;
 
-/// Expressions a shader may come to, calls inlined and loops run twice.
+/// The most expressions that are evaluated, with calls inlined and loops run twice.
 const MOST_STEPS: u32 = 400_000;
 
-/// Calls one inside the other.
+/// The deepest nesting of calls.
 const DEEPEST_CALL: u32 = 64;
 
 /// A walk through a module.
 pub struct Walk<'m> {
     pub module: &'m Module,
     pub ir: &'m naga::Module,
-    pub lights: &'m [Held<'m>],
+    pub lights: &'m [LightBinding<'m>],
     pub setting: Setting,
     pub in_fragment: bool,
     pub graph: Graph,
-    /// What conditions say of values, in the order they were met.
+    /// The facts assumed from conditions, in order.
     pub assumed: Vec<(Id, Facts)>,
-    /// The first is not above the second.
+    /// Pairs of values of which the first is at most the second.
     pub relations: Vec<(Id, Id)>,
-    /// Facts of joined values, from where they were joined.
+    /// Facts about joined values, computed at the join.
     pub settled: FxHashMap<Id, Facts>,
-    /// What variables hold.
+    /// The values of variables.
     pub cells: Vec<Id>,
-    /// Compositions whose arguments are their parts one by one.
+    /// Compositions that have one argument for each part.
     pub whole_parts: FxHashSet<Id>,
     pub candidates: Vec<Candidate>,
     /// Accesses to arrays of lights, and the index of each.
@@ -44,33 +44,33 @@ pub struct Walk<'m> {
     pub powers: Vec<Power>,
     globals: FxHashMap<Handle<naga::GlobalVariable>, Value>,
     constants: FxHashMap<Handle<Expression>, Id>,
-    /// What variables hold where a loop is left or gone on with.
+    /// The values of variables at each `break` and `continue` of a loop.
     pub left: Vec<Vec<Id>>,
     steps: u32,
     depth: u32,
 }
 
-/// A function that is being run.
+/// A function being walked.
 pub struct Frame<'m> {
     pub function: &'m Function,
     pub values: FxHashMap<Handle<Expression>, Value>,
     pub arguments: Vec<Value>,
-    /// Where its variables begin.
+    /// The index of its first variable.
     pub locals: usize,
     returns: Vec<(Id, Facts)>,
 }
 
-/// How a block ends.
+/// The way in which a block ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     Falls,
-    /// By a `break`, which a `switch` takes too.
+    /// By a `break`, which also leaves a `switch`.
     Breaks,
     Leaves,
 }
 
-/// Follows every entry point, or without one every function that no other calls.
-pub fn follow(module: &Module, lights: &[Held<'_>], setting: Setting) -> Found {
+/// Walks every entry point, or, if there is none, every function that no other calls.
+pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) -> Found {
     let mut walk = Walk {
         module,
         ir: &module.ir,
@@ -99,7 +99,7 @@ pub fn follow(module: &Module, lights: &[Held<'_>], setting: Setting) -> Found {
     if walk.ir.entry_points.is_empty() {
         let functions = walk.ir.functions.iter();
         let called: FxHashSet<Handle<Function>> =
-            functions.flat_map(|(_, function)| reach::calls(function)).collect();
+            functions.flat_map(|(_, function)| call_graph::calls(function)).collect();
         for (handle, function) in walk.ir.functions.iter() {
             if !called.contains(&handle) {
                 walk.root(function, false);
@@ -184,7 +184,7 @@ impl<'m> Walk<'m> {
         self.globals[&handle].clone()
     }
 
-    /// The value of an expression of the module's own.
+    /// Returns the value of a global expression.
     pub fn constant(&mut self, handle: Handle<Expression>) -> Id {
         if let Some(&id) = self.constants.get(&handle) {
             return id;
@@ -211,7 +211,7 @@ impl<'m> Walk<'m> {
         id
     }
 
-    /// Runs a function; what it gives back.
+    /// Walks a function, and returns its result.
     pub fn call(&mut self, function: &'m Function, arguments: Vec<Value>) -> Option<Id> {
         if self.depth > DEEPEST_CALL || self.is_cut_short() {
             return None;
@@ -255,7 +255,7 @@ impl<'m> Walk<'m> {
         }
     }
 
-    /// One of those values.
+    /// Returns a node for one of several values.
     pub fn joined(&mut self, values: &[Id]) -> Id {
         match values {
             [first, rest @ ..] if rest.iter().all(|other| other == first) => *first,

@@ -1,18 +1,18 @@
-//! The member that says how many slots of an array of lights are in use.
+//! The member that counts the used slots of an array of lights.
 
 use super::names::is_light;
-use super::{Count, Held};
-use crate::analysis::words::words;
+use super::{Count, LightBinding};
+use crate::analysis::identifier::words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ScalarKind, Type};
 
-/// A whole number whose name speaks of a count, and the words of it.
+/// An integer whose name means a count, and the words of the name.
 pub(super) struct Candidate<'a> {
     count: Count<'a>,
     said: Vec<String>,
 }
 
-/// Every member of blocks that may count something.
+/// Returns every member of the blocks that may be a count.
 pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
     let mut all = Vec::new();
     for block in blocks {
@@ -26,11 +26,15 @@ pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
     all
 }
 
-/// Counts of one shader that are looked at.
+/// The most counts of a shader that are examined.
 const MOST_COUNTS: usize = 256;
 
-/// The count of an array of lights: beside it, or in another block if its name speaks of them.
-pub(super) fn count_of<'a>(light: &Held<'a>, counts: &[Candidate<'a>]) -> Option<Count<'a>> {
+/// Returns the count of an array of lights: beside it, or in another block if its name mentions the
+/// lights.
+pub(super) fn count_of<'a>(
+    light: &LightBinding<'a>,
+    counts: &[Candidate<'a>],
+) -> Option<Count<'a>> {
     if light.dims.is_empty() {
         return None;
     }
@@ -74,7 +78,7 @@ fn says_count(said: &[String]) -> bool {
     said.iter().any(|word| count.contains(&word.as_str()))
 }
 
-/// The same word, in singular or plural.
+/// Returns whether two words are equal up to the plural.
 fn same_word(a: &str, b: &str) -> bool {
     a.trim_end_matches('s') == b.trim_end_matches('s')
 }

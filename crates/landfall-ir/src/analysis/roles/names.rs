@@ -1,12 +1,12 @@
-//! What names mean: the part a member plays, and whether something is a light at all.
+//! The meaning of names: the role of a member, and whether a structure is a light.
 //!
-//! Reads [`words`](crate::analysis::words); feeds [`roles`](super).
+//! Splits names with [`identifier`](crate::analysis::identifier); used by [`roles`](super).
 
 use super::Role;
-use crate::analysis::words::words;
+use crate::analysis::identifier::words;
 use landfall_layout::shape::{ScalarKind, Type};
 
-/// The role a member has by its name and type.
+/// Returns the role of a member by its name and type.
 pub fn role(name: &str, ty: &Type) -> Option<Role> {
     let said = words(name);
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
@@ -97,7 +97,7 @@ pub(super) fn is_light(said: &[String]) -> bool {
     said.iter().any(|word| light.contains(&word.as_str()))
 }
 
-/// Whether a name speaks of light without being a light's.
+/// Returns whether a name mentions light but does not name a light.
 pub(super) fn is_about_something_else(said: &[String]) -> bool {
     let other = [
         "material", "camera", "vertex", "probe", "grid", "cluster", "tile", "map", "shadow",

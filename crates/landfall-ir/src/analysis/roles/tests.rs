@@ -8,7 +8,7 @@ fn lights(name: &str, text: &str) -> Vec<String> {
     let shader = layout(&Source::new(name, text), &Options::default());
     assert!(shader.diagnostics.is_empty(), "{:?}", shader.diagnostics);
     let all = held(&shader.blocks);
-    let line = |light: &Held<'_>| {
+    let line = |light: &LightBinding<'_>| {
         let parts = light.roles.parts.iter().map(|p| format!("{}={}", p.path, p.role.name()));
         let count = light.count.map(|c| format!(" count {}", c.member.name));
         format!(

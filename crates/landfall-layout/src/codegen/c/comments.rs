@@ -4,7 +4,7 @@ use crate::ShaderLayout;
 use crate::source::Span;
 use crate::text::escape::is_bidi;
 
-/// The lines of some comments, markers taken off.
+/// The lines of comments, without their markers.
 pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
     let mut lines = Vec::new();
     for span in spans {
@@ -25,8 +25,8 @@ pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
     lines
 }
 
-/// Text that neither ends nor opens a comment, holds no trigraph, no line continuation and no
-/// character that reorders text.
+/// Escapes text for a C comment: no comment delimiters, trigraphs, line continuations, control or
+/// bidirectional characters.
 pub(super) fn safe(text: &str) -> String {
     let text: String = text.chars().filter(|c| !c.is_control() && !is_bidi(*c)).collect();
     let mut text = text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
@@ -36,7 +36,7 @@ pub(super) fn safe(text: &str) -> String {
     text.trim().to_string()
 }
 
-/// A comment of those lines; empty without any.
+/// A C comment of `lines`; empty if there are none.
 pub(super) fn block(lines: &[String], indent: &str) -> String {
     match lines {
         [] => String::new(),

@@ -1,5 +1,5 @@
-//! Identifiers of C and C++ from names of shaders: keywords, macros of the
-//! systems' own headers and clashes get out of the way, always the same one.
+//! C and C++ identifiers from shader names, deterministic and free of keywords, macros of system
+//! headers and duplicates.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -7,8 +7,7 @@ use crate::ShaderLayout;
 use crate::layout::MemberLayout;
 use crate::shape::Type;
 
-/// Words C11 or C++17 (or C++20, C23) keep for themselves, and macros that
-/// common system headers define in lower case.
+/// Keywords of C11, C23, C++17 and C++20, and lower-case macros of common system headers.
 const TAKEN: &str = "\
     alignas alignof and and_eq asm assert auto bitand bitor bool break case catch char char16_t \
     char32_t char8_t class co_await co_return co_yield compl complex concept const const_cast \
@@ -22,21 +21,21 @@ const TAKEN: &str = "\
     unsigned using virtual void volatile wchar_t while xor xor_eq NULL EOF TRUE FALSE IN OUT \
     OPTIONAL CONST VOID";
 
-/// The names of a header that are taken so far.
+/// The names used so far in a header.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
     prefix: String,
-    /// Types, macros and functions: one namespace, as the preprocessor has it.
+    /// Types, macros and functions, which share the preprocessor's one namespace.
     global: FxHashSet<String>,
-    /// The number that was given last to each name that is wanted several times.
+    /// The last suffix number used for each repeated name.
     numbers: FxHashMap<String, u32>,
-    /// Structures and blocks of all shaders: no field is called like one of them, since C++
-    /// takes a name inside a structure for one thing only.
+    /// Structures and blocks of all shaders, which no field may be named after: C++ forbids a name
+    /// to change its meaning inside a class.
     types: FxHashSet<String>,
 }
 
 impl Names {
-    /// The names a header for these shaders starts with.
+    /// The initial names of a header for `shaders`.
     pub fn new(prefix: &str, shaders: &[&ShaderLayout]) -> Names {
         let mut types = FxHashSet::default();
         for block in shaders.iter().flat_map(|shader| &shader.blocks) {
@@ -51,24 +50,24 @@ impl Names {
         }
     }
 
-    /// A name for a type that nothing else in the header has.
+    /// Claims a type name unique in the header.
     pub fn of_type(&mut self, shader_name: &str) -> String {
         let name = identifier(&format!("{}{}", self.prefix, identifier_part(shader_name)));
         self.claim(name)
     }
 
-    /// The macro name for a shader name, not claimed: `POINT_LIGHT_BLOCK`.
+    /// Returns the macro name of a shader name without claiming it: `POINT_LIGHT_BLOCK`.
     pub fn upper(&self, shader_name: &str) -> String {
         let name = snake(&format!("{}{}", self.prefix, identifier_part(shader_name)));
         identifier(&name.to_ascii_uppercase())
     }
 
-    /// The part of a macro's name that a member makes: `ACTUALLY_USED_COUNT`.
+    /// Returns a member's part of a macro name: `ACTUALLY_USED_COUNT`.
     pub fn upper_part(&self, member: &str) -> String {
         snake(&identifier_part(member)).to_ascii_uppercase()
     }
 
-    /// The include guard of a file, or of what these shaders make when it has no name yet.
+    /// The include guard, from the file name, or from the shaders' paths if there is none.
     pub fn guard(&self, file: &str, shaders: &[&ShaderLayout]) -> String {
         let paths: Vec<&str> = shaders.iter().map(|shader| shader.path.as_str()).collect();
         let name = if file.is_empty() { paths.join("_") } else { file.to_string() };
@@ -77,7 +76,7 @@ impl Names {
         format!("LANDFALL_{}{name}_", self.prefix).to_ascii_uppercase()
     }
 
-    /// That name, or the first of `NAME_2`, `NAME_3`, … that is free.
+    /// Claims `name`, or the first free one of `NAME_2`, `NAME_3`, …
     pub fn claim(&mut self, name: String) -> String {
         if self.global.insert(name.clone()) {
             return name;
@@ -94,13 +93,13 @@ impl Names {
         free
     }
 
-    /// Gives a name back.
+    /// Releases a claimed name.
     pub fn release(&mut self, name: &str) {
         self.global.remove(name);
         self.numbers.clear();
     }
 
-    /// A field's name, different from those in `others`.
+    /// A field's name, distinct from the names in `others`.
     pub fn field(&self, shader_name: &str, others: &FxHashSet<String>) -> String {
         let mut name = identifier(shader_name);
         while self.types.contains(&name) || others.contains(&name) {
@@ -120,7 +119,7 @@ fn structures(members: &[MemberLayout], types: &mut FxHashSet<String>) {
     }
 }
 
-/// A name that C and C++ take as an identifier.
+/// Turns a name into a valid C and C++ identifier.
 fn identifier(name: &str) -> String {
     let mut name = identifier_part(name);
     if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) {
@@ -132,7 +131,7 @@ fn identifier(name: &str) -> String {
     name
 }
 
-/// Letters, digits and underscores as they are, other characters by number.
+/// Keeps ASCII letters, digits and underscores; writes other characters as `uHEX`.
 fn identifier_part(name: &str) -> String {
     let mut result = String::with_capacity(name.len());
     for c in name.chars() {
@@ -145,7 +144,7 @@ fn identifier_part(name: &str) -> String {
     result
 }
 
-/// `PointLightBlock` as `Point_Light_Block`: underscores where words begin.
+/// Puts underscores between words: `PointLightBlock` becomes `Point_Light_Block`.
 pub(super) fn snake(name: &str) -> String {
     let chars: Vec<char> = name.chars().collect();
     let mut result = String::with_capacity(name.len() + 4);

@@ -1,10 +1,10 @@
-//! Scalars, vectors and matrices as C declares them.
+//! C types of scalars, vectors and matrices.
 
 use super::types::CType;
 use crate::layout::MemberLayout;
 use crate::shape::{Scalar, ScalarKind, Type};
 
-/// A scalar, vector or matrix.
+/// The C type of a scalar, vector or matrix.
 pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
     let (scalar, brackets) = match ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, vec![]),
@@ -36,7 +36,7 @@ fn c_scalar(scalar: Scalar) -> &'static str {
         (ScalarKind::Sint, _) => "int32_t",
         (ScalarKind::Float, 8) => "double",
         (ScalarKind::Float, 4) => "float",
-        // C has no type for the others: their bits.
+        // C has no type for the others, so their bits are stored.
         (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 1) => "uint8_t",
         (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 2) => "uint16_t",
         (ScalarKind::Uint, 8) => "uint64_t",

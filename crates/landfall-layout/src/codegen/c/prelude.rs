@@ -1,7 +1,6 @@
-//! What every generated header begins with, guarded so that several of them
-//! can be included in one file.
+//! The start of every generated header, guarded so that one file can include several headers.
 
-/// Includes, the row of a table, and the search through one.
+/// The includes, the row type of tables, and the lookup function.
 pub(super) const PRELUDE: &str = r#"#include <assert.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -81,8 +80,8 @@ static inline int64_t landfall_lookup(const landfall_leaf *leaves, size_t count,
 #endif
 "#;
 
-/// A definition that may stand in several headers of one file: once, or it is an error to have
-/// it with other facts.
+/// Guards a definition that several headers share; a second one with different `facts` is an
+/// `#error`.
 pub(super) fn once(guard: &str, what: &str, facts: &str, text: &str) -> String {
     let hash = hash(facts);
     format!(
@@ -96,7 +95,7 @@ pub(super) fn once(guard: &str, what: &str, facts: &str, text: &str) -> String {
     )
 }
 
-/// FNV-1a, 64 bits.
+/// The 64-bit FNV-1a hash.
 fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)

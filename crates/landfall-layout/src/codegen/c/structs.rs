@@ -1,4 +1,4 @@
-//! The header as text: its head, the structures in order, then the blocks.
+//! Prints the header: its head, the structures in order, then the blocks.
 
 use super::COptions;
 use super::comments::{block, safe};
@@ -9,7 +9,7 @@ use super::types::{CStruct, Field, Types};
 use crate::ShaderLayout;
 use crate::layout::targets;
 
-/// The whole header.
+/// The text of the whole header.
 pub(super) fn header(
     shaders: &[&ShaderLayout],
     options: &COptions,
@@ -76,7 +76,7 @@ fn structure(made: &CStruct) -> String {
     text
 }
 
-/// One field with what the shader says of it.
+/// One field with its shader comment, type and offset.
 fn member(field: &Field, tail: &str) -> String {
     let mut text = block(&field.comment, "    ");
     let brackets: String = field.ty.brackets.iter().map(|n| format!("[{n}]")).collect();
@@ -99,7 +99,7 @@ fn assert_offset(made: &CStruct, field: &Field) -> String {
     )
 }
 
-/// A name as a string of C shows it everywhere.
+/// A name with non-ASCII characters escaped for C string literals.
 fn ascii(name: &str) -> String {
     name.chars().flat_map(|c| if c.is_ascii() { vec![c] } else { vec!['?'] }).collect()
 }

@@ -1,47 +1,47 @@
-//! What a header says of one block beside its structure: macros for sizes,
-//! offsets and bindings, and the table of names.
+//! The section of one block beside its structure: macros for sizes, offsets and bindings, and
+//! the table of names.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments::safe;
 use super::names::{Names, snake};
-use super::reach::Mirror;
+use super::reachable::Mirror;
 use crate::ShaderLayout;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::{ArrayLen, Rules, Scalar, ScalarKind, Type};
 
-/// Array dimensions a row of the table holds.
+/// The most array dimensions that a row of the table holds.
 pub(super) const MOST_DIMS: usize = 8;
 
-/// Parameters of offset macros, one a dimension.
+/// The parameters of offset macros, one per dimension.
 const INDICES: [&str; MOST_DIMS] = ["i", "j", "k", "l", "m", "n", "o", "p"];
 
 /// The macros, the table and the search of one block.
 #[derive(Clone, Debug)]
 pub(super) struct Section {
-    /// What its macros begin with.
+    /// The prefix of its macros.
     pub macros: String,
-    /// The function that finds the elements of its runtime-sized tail.
+    /// The function that returns the elements of its runtime-sized tail.
     pub tail: Option<String>,
     /// The macro of each leaf's offset, in the order of the leaves.
     pub offsets: Vec<String>,
     /// The function from a path to an offset.
     pub lookup: String,
     pub text: String,
-    /// What it says, so that it is said once.
+    /// The section's contents, to skip repeated sections.
     pub facts: String,
 }
 
-/// What the sections before one have taken.
+/// The names and contents of the sections written so far.
 #[derive(Debug, Default)]
 pub(super) struct Earlier {
     facts: FxHashSet<String>,
     macros: FxHashSet<String>,
-    /// The number that was given last to each name of macros that is wanted several times.
+    /// The last suffix number used for each repeated macro prefix.
     numbers: FxHashMap<String, u32>,
 }
 
-/// Writes a block's section; `None` when an earlier one says the same of the same block.
+/// Writes a block's section; `None` when an earlier section already describes the same block.
 pub(super) fn section(
     block: &BlockLayout,
     shader: &ShaderLayout,
@@ -68,7 +68,7 @@ pub(super) fn section(
     Some(Section { macros, tail, offsets, lookup, text, facts })
 }
 
-/// What a block's macros begin with: its name, and its instance or a number where that is taken.
+/// The prefix of a block's macros: its name, with its instance or a number added if taken.
 fn macros(block: &BlockLayout, earlier: &mut Earlier, names: &Names) -> String {
     let taken = |name: &str| earlier.macros.contains(name);
     let mut wanted = names.upper(&block.name);
@@ -148,7 +148,7 @@ fn constants(
     }
 }
 
-/// The function that finds the elements of the runtime-sized tail.
+/// Writes the function that returns the elements of the runtime-sized tail; returns its name.
 fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
     let (field, _) = mirror.tail.as_ref()?;
     let lower = macros.to_ascii_lowercase();
@@ -170,7 +170,7 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
     Some(function)
 }
 
-/// The offset macros; returns their names.
+/// Writes the offset macros; returns their names.
 fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut String) -> Vec<String> {
     let mut all = Vec::with_capacity(block.leaves.len());
     for leaf in &block.leaves {
@@ -193,7 +193,7 @@ fn offsets(block: &BlockLayout, macros: &str, names: &mut Names, text: &mut Stri
     all
 }
 
-/// The table of names and the function that searches it; returns the function's name.
+/// Writes the table of names and its lookup function; returns the function's name.
 fn rows(
     block: &BlockLayout,
     shader: &ShaderLayout,
@@ -262,7 +262,7 @@ fn kind(scalar: Scalar) -> &'static str {
     }
 }
 
-/// An unsigned number of C; wider than 32 bits where it has to be.
+/// An unsigned C literal, `ull` if it needs more than 32 bits.
 fn number(value: u64) -> String {
     if value <= u64::from(u32::MAX) { format!("{value}u") } else { format!("{value}ull") }
 }

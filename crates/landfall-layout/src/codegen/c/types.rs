@@ -1,6 +1,6 @@
-//! What C declares members as, and the structures that takes, each kept once.
+//! The C types of members, and the structures they need, each kept once.
 //!
-//! Reads the [layout](crate::layout); `structs`(super::structs) writes what is kept here.
+//! Reads the [layout](crate::layout); [`structs`](super::structs) prints these structures.
 
 use crate::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -8,7 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::comments;
 use super::names::Names;
 use super::plain::plain_type;
-use super::reach::Mirror;
+use super::reachable::Mirror;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Type};
 use crate::source::Span;
@@ -31,18 +31,18 @@ impl Refusal {
     }
 }
 
-/// A type as C declares it, and how its leaves are reached.
+/// A C type, and the access expression of its leaves.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct CType {
-    /// What stands before the name: `float`, `PointLight`.
+    /// The type before the name: `float`, `PointLight`.
     pub base: String,
-    /// What stands after it: `[3]`.
+    /// The array lengths after the name: `[3]`.
     pub brackets: Vec<u64>,
-    /// Bytes, as C counts them.
+    /// `sizeof`, in bytes.
     pub size: u64,
-    /// What C aligns it to, at most.
+    /// The largest alignment C may give it.
     pub align: u64,
-    /// What follows the name on the way to a leaf or structure: `[].value`.
+    /// The access from the name to a leaf or structure: `[].value`.
     pub access: String,
 }
 
@@ -66,34 +66,34 @@ pub(super) struct CStruct {
     pub fields: Vec<Field>,
     pub size: u64,
     pub align: u64,
-    /// Alignment that `#pragma pack` has to bring it down to.
+    /// The alignment that `#pragma pack` must lower it to.
     pub pack: Option<u64>,
-    /// A runtime-sized array behind it.
+    /// The runtime-sized array after it.
     pub tail: Option<Field>,
-    /// Whether it is one of our own that other headers have too.
+    /// Whether it is a padded element that other headers define too.
     pub shared: bool,
-    /// What the shader calls it; empty for one of our own.
+    /// Its name in the shader; empty for padded elements.
     pub shader_name: String,
     pub comment: Vec<String>,
 }
 
-/// The structures of a header in the order C needs them.
+/// The structures of a header, each after those it contains.
 #[derive(Debug, Default)]
 pub(super) struct Types {
     pub structs: Vec<CStruct>,
-    /// Where each is, by its name in C.
+    /// The index of each, by its C name.
     places: FxHashMap<String, usize>,
-    /// Its name in C, by what it is called and made of.
+    /// The C name of each, by shader name and signature.
     known: FxHashMap<(String, String), String>,
 }
 
 impl Types {
-    /// A point to [roll back](Types::roll_back) to.
+    /// A mark to [roll back](Types::roll_back) to.
     pub fn mark(&self) -> usize {
         self.structs.len()
     }
 
-    /// Forgets the structures added since.
+    /// Removes the structures added since `mark`.
     pub fn roll_back(&mut self, mark: usize, names: &mut Names) {
         for dropped in self.structs.drain(mark..) {
             names.release(&dropped.name);
@@ -102,12 +102,12 @@ impl Types {
         self.known.retain(|_, name| self.places.contains_key(name));
     }
 
-    /// The structure of that name in C.
+    /// Returns the structure with this C name.
     pub fn get(&self, name: &str) -> Option<&CStruct> {
         self.places.get(name).map(|&place| &self.structs[place])
     }
 
-    /// The structures a block takes.
+    /// Adds the structures of a block.
     pub fn block(
         &mut self,
         block: &BlockLayout,
@@ -139,7 +139,7 @@ impl Types {
         Ok(Mirror { structure, tail, fields })
     }
 
-    /// The fields of some members and the padding between them, up to `end`.
+    /// The fields of `members` and the padding between them, up to `end`.
     fn fields(
         &mut self,
         members: &[MemberLayout],
@@ -172,7 +172,7 @@ impl Types {
         }
         if at > end {
             let span = members.last().map_or(Span::default(), |member| member.span);
-            return Err(overlap(&fields, at, end, "what follows", span));
+            return Err(overlap(&fields, at, end, "the next member", span));
         }
         if !fields.is_empty() || end > 0 {
             pad(&mut fields, &mut taken, at, end);
@@ -180,7 +180,7 @@ impl Types {
         Ok(fields)
     }
 
-    /// What C declares a member as; a runtime-sized outer dimension is left out.
+    /// The C type of a member, without a runtime-sized outer dimension.
     fn member_type(
         &mut self,
         member: &MemberLayout,
@@ -219,10 +219,10 @@ impl Types {
         Ok(ty)
     }
 
-    /// A structure of one `value` and the padding that fills a stride.
+    /// A structure of one `value` and padding up to `stride`.
     fn element(&mut self, ty: CType, stride: u64, names: &mut Names) -> CType {
         let access = format!(".value{}", ty.access);
-        // Of plain types it is called the same, and is the same, in every header.
+        // Padded plain types have the same name and contents in every header.
         let shared = self.get(&ty.base).is_none_or(|base| base.shared);
         let mut name = ty.base.trim_end_matches("_t").to_string();
         if shared && !name.starts_with("landfall_") {
@@ -252,13 +252,13 @@ impl Types {
         self.use_of(name, access)
     }
 
-    /// That structure as a type.
+    /// The type of a kept structure.
     fn use_of(&self, name: String, access: String) -> CType {
         let found = self.get(&name).expect("it was just kept");
         CType { size: found.size, align: found.align, brackets: Vec::new(), base: name, access }
     }
 
-    /// The structure of that content, made if there is none yet.
+    /// Returns the C name of the structure with these contents, adding it if it is new.
     fn structure(
         &mut self,
         shader_name: &str,
@@ -291,7 +291,7 @@ impl Types {
 }
 
 impl CStruct {
-    /// What it is made of, comments aside.
+    /// A key of its contents, comments ignored.
     pub fn signature(&self) -> String {
         signature(&self.fields, self.size, self.tail.as_ref())
     }
@@ -311,7 +311,7 @@ impl CStruct {
     }
 }
 
-/// What a structure is made of, comments aside.
+/// A key of a structure's contents, comments ignored.
 fn signature(fields: &[Field], size: u64, tail: Option<&Field>) -> String {
     let mut text = format!("{size}");
     for (mark, field) in fields.iter().map(|f| (';', f)).chain(tail.map(|f| ('~', f))) {
@@ -371,7 +371,7 @@ fn overlap(fields: &[Field], end: u64, next: u64, name: &str, span: Span) -> Ref
     Refusal { span, why }
 }
 
-/// The largest alignment, at most `natural`, under which C puts every field where it belongs.
+/// The largest alignment, at most `natural`, under which C places every field at its offset.
 fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
     let mut align = natural;
     while align > 1 {
@@ -385,7 +385,7 @@ fn fitting_alignment(made: &CStruct, natural: u64) -> u64 {
     align
 }
 
-/// Bytes of a structure, from its placed members.
+/// The size in bytes of a structure, from its placed members.
 fn structure_size(members: &[MemberLayout], rules: Rules) -> u64 {
     let align = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
     let end = members.iter().filter_map(|m| Some(m.offset? + m.size?)).max().unwrap_or(0);

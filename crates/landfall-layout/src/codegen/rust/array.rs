@@ -1,7 +1,6 @@
-//! Which Rust type stands for a member: an array of padded elements, or what
-//! its element is.
+//! The Rust type of a member: an array of padded elements, or the element's type.
 //!
-//! Called by [`super::plan`] for every member, calls it back for structures.
+//! [`super::plan`] calls this for every member; this calls it back for structures.
 
 use crate::layout::MemberLayout;
 use crate::shape::{ArrayLen, Type};
@@ -10,7 +9,7 @@ use super::leaf;
 use super::plan::{Place, Plan};
 use super::types::{Made, Padded, RustType, Sized, Tight};
 
-/// The type of a member at `place`, its dimensions from `dim` on.
+/// The type of a member at `place`, without its dimensions before `dim`.
 pub(super) fn member_type(
     plan: &mut Plan,
     member: &MemberLayout,
@@ -52,7 +51,7 @@ fn element_type(plan: &mut Plan, member: &MemberLayout, place: &Place) -> Sized 
     }
 }
 
-/// An element with the padding up to `stride`.
+/// Pads an element to `stride` bytes.
 pub(super) fn padded(plan: &mut Plan, element: Sized, stride: u64) -> Sized {
     if element.size == stride {
         return element;
@@ -61,7 +60,7 @@ pub(super) fn padded(plan: &mut Plan, element: Sized, stride: u64) -> Sized {
     Sized { ty: plan.intern(Made::Padded(padded)), size: stride }
 }
 
-/// Bytes of a member, its dimensions from `dim` on, without padding after its last element.
+/// The bytes of a member, from dimension `dim` on, without padding after its last element.
 pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
     let mut size = match member.ty.innermost() {
         Type::Struct(_) => reach(&member.members),
@@ -79,7 +78,7 @@ pub(super) fn tight_size(member: &MemberLayout, dim: usize) -> u64 {
     size
 }
 
-/// Furthest end of any of the members of a structure.
+/// The largest end offset among members.
 pub(super) fn reach(members: &[MemberLayout]) -> u64 {
     members
         .iter()
@@ -88,8 +87,8 @@ pub(super) fn reach(members: &[MemberLayout]) -> u64 {
         .unwrap_or(0)
 }
 
-/// The largest power of two up to 16 that divides a number of bytes: no type here is aligned
-/// to more than 16.
+/// The largest power of two, at most 16, that divides `bytes`: no mirror type is aligned to more
+/// than 16.
 pub(super) fn divisor(bytes: u64) -> u64 {
     1 << bytes.trailing_zeros().min(4)
 }

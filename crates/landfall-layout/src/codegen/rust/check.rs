@@ -1,7 +1,7 @@
-//! Prints the assertions that hold the mirrors to the shader's layout when
-//! they are compiled: the size of each type, the offset of each field.
+//! Prints compile-time assertions that mirrors match the shader's layout: the size of each type,
+//! the offset of each field.
 //!
-//! What is asserted follows from explicit padding, whatever glam is aligned to.
+//! Explicit padding makes them hold for any alignment of glam's types.
 
 use std::fmt::Write as _;
 
@@ -44,7 +44,7 @@ fn size_of(name: &str) -> String {
 
 fn assert(out: &Printer<'_>, text: &mut String, actual: &str, expected: u64, what: &str) {
     let mismatch = &out.names.mismatch;
-    // `{:?}` quotes what a path may have in it.
+    // `{:?}` escapes quotes in paths.
     let arguments = [format!("{what:?}"), expected.to_string(), actual.to_string()];
     let mut message = String::new();
     call(&mut message, "    ", &format!("{mismatch}::new"), &arguments, ".text()");
@@ -54,14 +54,13 @@ fn assert(out: &Printer<'_>, text: &mut String, actual: &str, expected: u64, wha
         false => format!("    {actual}\n        == {expected},"),
     };
     if actual.len() + 8 >= WIDTH {
-        // Nothing but a name is left to break; where rustfmt would is not worth following.
+        // Only a name is left to break; matching rustfmt here is not worth it.
         text.push_str("#[rustfmt::skip]\n");
     }
     let _ = writeln!(text, "const _: () = assert!(\n{condition}\n    \"{{}}\",\n{message});");
 }
 
-/// The message of a failed assertion: only text known in advance or made by const functions can
-/// stand there.
+/// Prints the type of an assertion's message, which must be a literal or built in const code.
 fn mismatch(out: &Printer<'_>, text: &mut String) {
     let name = &out.names.mismatch;
     let _ = write!(

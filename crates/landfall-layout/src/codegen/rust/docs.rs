@@ -1,6 +1,6 @@
-//! Doc comments: the shader's own words, then offset and size.
+//! Doc comments of mirrors: the shader's comments, then offset and size.
 //!
-//! Made by [`super::plan`] with each mirror, printed by [`super::mirror`].
+//! [`super::plan`] makes them with each mirror; [`super::mirror`] prints them.
 
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Struct};
@@ -15,29 +15,29 @@ use super::plan::{by_offset, structure_align};
 pub(super) struct Origin<'a> {
     pub(super) files: &'a Files,
     pub(super) language: Language,
-    /// What the shader is called in the output.
+    /// The shader's name in the output.
     pub(super) input: &'a str,
 }
 
-/// What is said about a mirror, and what sets it apart from another of its name.
+/// The documentation of a mirror, and the marks that distinguish it from mirrors of the same name.
 pub(super) struct MirrorDoc {
-    /// The shader's comment, as it stands after `/// `.
+    /// The shader's comment, without `/// `.
     comment: Vec<String>,
-    /// What it is a mirror of, and where that is declared.
+    /// What it mirrors, and the file and line of that declaration.
     fact: String,
-    /// Bytes, where it is the whole of something.
+    /// Its size in bytes, unless it mirrors only a part.
     size: Option<u64>,
-    /// Whether what follows it begins in the padding at its end.
+    /// Whether the next member starts in its tail padding.
     cut: bool,
-    /// The rules that lay it out so.
+    /// The rules that give this layout.
     rules: Vec<Rules>,
-    /// The same for each field, in ascending order of offset.
+    /// The documentation of each field, in ascending order of offset.
     pub(super) fields: Vec<Vec<String>>,
-    /// What the shader calls it.
+    /// Its name in the shader.
     pub(super) shader_name: String,
     /// The shader.
     pub(super) input: String,
-    /// Marks of being a block, of storing by rows, of having no padding at the end.
+    /// Name suffixes: for a block, for row-major matrices, for no tail padding.
     marks: [&'static str; 3],
 }
 
@@ -85,14 +85,14 @@ impl MirrorDoc {
         }
     }
 
-    /// Notes that other rules lay it out alike.
+    /// Records that `rules` give the same layout.
     pub(super) fn also_by(&mut self, rules: Rules) {
         if !self.rules.contains(&rules) {
             self.rules.push(rules);
         }
     }
 
-    /// Its documentation, as it stands after `/// `.
+    /// Its documentation lines, without `/// `.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = self.comment.clone();
         paragraph(&mut lines);
@@ -105,12 +105,12 @@ impl MirrorDoc {
         lines
     }
 
-    /// What can be added to its name, in this order, to tell it from others of that name.
+    /// The suffixes that distinguish mirrors of the same name, in the order they are tried.
     pub(super) fn marks(&self) -> [&'static str; 4] {
         let [block, order, end] = self.marks;
         let rules = match self.rules[..] {
             [one] => rules_mark(one),
-            // It is the one that most agree on.
+            // The common case needs no mark.
             _ => "",
         };
         [block, rules, order, end]
@@ -134,7 +134,7 @@ fn stores_rows(member: &MemberLayout) -> bool {
     member.row_major || member.members.iter().any(stores_rows)
 }
 
-/// File and line: the shader's name, or that of the include the span is in.
+/// `FILE:LINE` of a span, in the shader or an include.
 fn place(at: &Origin<'_>, span: Span) -> String {
     let location = at.files.locate(span);
     let path = match span.file {
@@ -169,7 +169,7 @@ fn field(member: &MemberLayout, at: &Origin<'_>) -> Vec<String> {
     lines
 }
 
-/// A member as its language declares it.
+/// A member's declaration in the shader's language.
 fn declared(member: &MemberLayout, language: Language) -> String {
     let (name, ty) = (&member.name, member.ty.spelled(language).to_string());
     match language {
@@ -181,7 +181,7 @@ fn declared(member: &MemberLayout, language: Language) -> String {
     }
 }
 
-/// An empty line between what was said and what follows.
+/// Adds an empty line unless there are no lines yet.
 fn paragraph(lines: &mut Vec<String>) {
     if !lines.is_empty() {
         lines.push(String::new());
@@ -193,7 +193,7 @@ pub(super) fn comment(files: &Files, spans: &[Span]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for span in spans {
         for line in bare(files.text(*span)) {
-            // One empty line parts paragraphs; more say nothing.
+            // One empty line separates paragraphs; the others are dropped.
             if !line.is_empty() || lines.last().is_some_and(|last| !last.is_empty()) {
                 lines.push(line);
             }
@@ -205,8 +205,8 @@ pub(super) fn comment(files: &Files, spans: &[Span]) -> Vec<String> {
     lines
 }
 
-/// The comments right before the declaration of a structure, whose name is at `span`: the model
-/// has those of blocks and members only.
+/// The comments right before the declaration of a structure, whose name is at `span`; the model
+/// only holds those of blocks and members.
 fn before(files: &Files, span: Span) -> Vec<String> {
     let text = files.get(span.file).map_or("", |file| &file.text);
     let Some(mut text) = text.get(..span.start as usize) else { return Vec::new() };
@@ -215,7 +215,7 @@ fn before(files: &Files, span: Span) -> Vec<String> {
     let mut found = Vec::new();
     loop {
         let rest = text.trim_end();
-        // An empty line parts a comment from what follows it.
+        // An empty line ends the association of a comment with what follows.
         if text[rest.len()..].bytes().filter(|b| *b == b'\n').count() > 1 {
             break;
         }
@@ -224,7 +224,7 @@ fn before(files: &Files, span: Span) -> Vec<String> {
             line
         } else if rest.ends_with("*/") {
             let start = rest.rfind("/*").unwrap_or(rest.len());
-            // A comment after something else on its line is that one's.
+            // A comment after code on its line belongs to that code.
             match rest[..start].rsplit('\n').next() {
                 Some(alone) if alone.trim().is_empty() => start,
                 _ => break,
@@ -240,7 +240,7 @@ fn before(files: &Files, span: Span) -> Vec<String> {
     comment(files, &found)
 }
 
-/// The lines of one comment without the signs that make it one.
+/// The lines of one comment without its markers.
 fn bare(comment: &str) -> Vec<String> {
     let comment = comment.trim();
     let (inside, sign) = match comment.strip_prefix("/*") {
@@ -259,7 +259,7 @@ fn bare(comment: &str) -> Vec<String> {
         .collect()
 }
 
-/// A line without the rules that people draw at its ends: `---- lights ----`.
+/// Strips decoration from both ends of a line: `---- lights ----`.
 fn undecorated(line: &str) -> &str {
     let mut line = line;
     for sign in ['=', '-', '~', '*', '#', '_', '/'] {
@@ -275,8 +275,8 @@ fn undecorated(line: &str) -> &str {
     line.trim()
 }
 
-/// Plain words such that rustdoc, rustc and clippy take them for nothing else: no links, HTML,
-/// lists, headings, code blocks or letters that turn the direction of text.
+/// Escapes a line for rustdoc, rustc and clippy: no links, HTML, lists, headings, code blocks or
+/// bidirectional characters.
 fn markdown(line: &str) -> String {
     let code = line.matches('`').count().is_multiple_of(2) && !line.contains("``");
     let mut inside = false;
@@ -298,7 +298,7 @@ fn markdown(line: &str) -> String {
             '.' | ')' if at > 0 && line[..at].bytes().all(|b| b.is_ascii_digit()) => {
                 result.push('\\')
             }
-            // A bare address is to stand in angle brackets.
+            // rustdoc warns of bare URLs (`bare_urls`).
             ':' if !inside && line[at..].starts_with("://") => result.push('\\'),
             _ => {}
         }

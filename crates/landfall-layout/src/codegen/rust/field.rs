@@ -1,16 +1,16 @@
-//! What a member of a block is called in its mirror.
+//! The name of a block's member in its mirror.
 //!
-//! Uses the naming of [`super::plan`]; read by [`format::diff`](crate::format::diff).
+//! Follows the naming of [`super::plan`]; used by [`format::diff`](crate::format::diff).
 
 use super::names::{Scope, camel, snake};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::Type;
 
-/// The field that mirrors a member, `PointLight::color` for `data[].color`; the mirror itself for
-/// an empty path. `None` for what has no mirror.
+/// The field that mirrors a member: `PointLight::color` for `data[].color`, the mirror itself for
+/// an empty path. `None` if it has no mirror.
 ///
-/// Where two mirrors of one file ask for one name, [`rust`](super::rust()) tells them apart by
-/// more than this says.
+/// Does not include the suffix that [`rust`](super::rust()) adds where two mirrors of one file
+/// have the same name.
 pub fn field(block: &BlockLayout, path: &str) -> Option<String> {
     block.size?;
     let mut owner = camel(&block.name);

@@ -1,4 +1,4 @@
-//! The head of the output: who made it, from what, and what it needs.
+//! The head of the output: the tool's version, the inputs, and the crates and features needed.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,15 +11,15 @@ use super::print::Printer;
 use super::types::{Made, RustType};
 use super::{RustOptions, Vectors, leaf};
 
-/// What a shader is called in the output: its name among the inputs, or its path.
+/// A shader's name in the output: its entry in [`RustOptions::inputs`], or its path.
 pub(super) fn input(shader: &ShaderLayout, options: &RustOptions, at: usize) -> String {
     let name = options.inputs.get(at).unwrap_or(&shader.path);
-    // It stands in comments and in messages: one line, without quotes, and no letters that turn
-    // the direction of text, which rustc denies.
+    // Used in comments and messages: one line, no quotes, and no bidirectional characters, which
+    // rustc denies.
     escape::name(&relative(name).replace(['\n', '\r', '`', '"', '\\'], "_")).into_owned()
 }
 
-/// A path that is the same on every machine: the file name of an absolute one.
+/// A path independent of the machine: an absolute one is reduced to its file name.
 pub(super) fn relative(path: &str) -> &str {
     let path = path.strip_prefix("./").unwrap_or(path);
     if Path::new(path).is_absolute() {
@@ -59,7 +59,7 @@ pub(super) fn header(out: &Printer<'_>, inputs: &[String], shaders: &[&ShaderLay
     text
 }
 
-/// glam's features that the output needs and that are on unless turned off.
+/// The default features of glam that the output needs.
 fn glam_features(out: &Printer<'_>) -> Vec<&'static str> {
     let used = |prefixes: [&str; 2]| {
         out.plan.made.iter().any(|made| {
@@ -96,7 +96,7 @@ fn glam_features(out: &Printer<'_>) -> Vec<&'static str> {
     features
 }
 
-/// The glam type that a type is, or is an array of.
+/// The glam type of a type, or of an array's elements.
 fn glam_name(ty: &RustType) -> Option<&'static str> {
     match ty {
         RustType::Named(name) => Some(name),
@@ -105,7 +105,7 @@ fn glam_name(ty: &RustType) -> Option<&'static str> {
     }
 }
 
-/// Whether some array has a length for which bytemuck wants `min_const_generics`.
+/// Whether an array's length needs bytemuck's feature `min_const_generics`.
 fn long_arrays(out: &Printer<'_>) -> bool {
     let plain =
         |len: u64| len <= 32 || matches!(len, 48 | 64 | 96 | 128 | 256 | 512 | 1024 | 2048 | 4096);

@@ -1,9 +1,8 @@
-//! Which Rust type stands for a scalar, vector or matrix.
+//! The Rust type of a scalar, vector or matrix.
 //!
-//! Called by [`super::array`] and [`super::plan`] for the ends of the tree. The
-//! choice depends on the alignment that is certain where the type stands: a
-//! type is used only where its own alignment, on any target and with any
-//! features of glam, is no larger.
+//! Called by [`super::array`] and [`super::plan`] for leaves. A type is used only where its
+//! alignment, on any target and with any features of glam, does not exceed the guaranteed
+//! alignment of its place.
 
 use crate::shape::{Scalar, ScalarKind, Type};
 
@@ -11,7 +10,7 @@ use super::Vectors;
 use super::plan::Plan;
 use super::types::{Component, LeafType, Made, RustType, Shape, Sized, component};
 
-/// The type of a leaf at a place that is certain to be aligned to `align` bytes.
+/// The type of a leaf at a place guaranteed to be aligned to `align` bytes.
 pub(super) fn leaf(
     plan: &mut Plan,
     ty: &Type,
@@ -21,7 +20,7 @@ pub(super) fn leaf(
 ) -> Sized {
     match ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => scalar_type(plan, *scalar, align),
-        // An address is handled as the number it is.
+        // An address is a 64-bit number.
         Type::Address(_) => scalar_type(plan, Scalar::U64, align),
         Type::Vector { scalar, rows } => vector(plan, *scalar, *rows, align),
         Type::Matrix { scalar, columns, rows } => {
@@ -89,7 +88,7 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     }
     let column = vector(plan, scalar, rows, align);
     match column.ty {
-        // One type for the whole matrix reads better than an array of small ones.
+        // One type for the whole matrix instead of an array of small ones.
         RustType::Made(_) => made(plan, LeafType { scalar, shape, unaligned }, size),
         RustType::Named(_) | RustType::Array(..) => {
             Sized { ty: RustType::Array(Box::new(column.ty), columns.into()), size }
@@ -105,7 +104,7 @@ fn made(plan: &mut Plan, leaf: LeafType, size: u64) -> Sized {
     Sized { ty: plan.intern(Made::Leaf(leaf)), size }
 }
 
-/// The Rust type of a component, written into the output where Rust has none.
+/// The Rust type of a component, generated where Rust has none.
 pub(super) fn component_type(plan: &mut Plan, scalar: Scalar) -> RustType {
     match component(scalar) {
         Component::Plain(name) => RustType::Named(name),
@@ -113,7 +112,7 @@ pub(super) fn component_type(plan: &mut Plan, scalar: Scalar) -> RustType {
     }
 }
 
-/// glam's vector of those components, if it has one.
+/// The glam vector with `rows` components of type `scalar`, if there is one.
 pub(super) fn glam_vector(scalar: Scalar, rows: u8) -> Option<&'static str> {
     let names = match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => ["glam::Vec2", "glam::Vec3", "glam::Vec4"],
@@ -140,8 +139,8 @@ pub(super) fn glam_vector(scalar: Scalar, rows: u8) -> Option<&'static str> {
     names.get(usize::from(rows) - 2).copied()
 }
 
-/// glam's vectors are aligned like their component, but for `Vec4`: that is aligned to 16 with
-/// SIMD and to 4 with `scalar-math`. (The feature `cuda` aligns more, for a device's own code.)
+/// The largest alignment of a glam vector: that of its component, except 16 for `Vec4`, which is
+/// aligned to 16 with SIMD and to 4 with `scalar-math`. (`cuda` aligns more, in device code.)
 fn glam_vector_align(scalar: Scalar, rows: u8) -> u64 {
     match (scalar.kind, scalar.width, rows) {
         (ScalarKind::Float, 4, 4) => 16,
@@ -149,8 +148,8 @@ fn glam_vector_align(scalar: Scalar, rows: u8) -> u64 {
     }
 }
 
-/// glam's square matrix of those components and what it may be aligned to: `Mat2` and `Mat4`
-/// are aligned to 16 with SIMD and to 4 with `scalar-math`.
+/// The square glam matrix of these components, and its largest alignment: `Mat2` and `Mat4` are
+/// aligned to 16 with SIMD and to 4 with `scalar-math`.
 pub(super) fn glam_matrix(scalar: Scalar, order: u8) -> Option<(&'static str, u64)> {
     match (scalar.kind, scalar.width, order) {
         (ScalarKind::Float, 4, 2) => Some(("glam::Mat2", 16)),

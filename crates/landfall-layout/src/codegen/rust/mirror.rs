@@ -1,9 +1,8 @@
 //! Prints the mirrors: the structure, `new`, `Default`.
 //!
-//! `new` takes what a program has (a `glam::Mat3`, a `bool`, an array without
-//! padding) and makes what the shader reads of it; [`natural`] and [`conversion`]
-//! say what that is for each type. [`super::tail`] adds what runtime-sized
-//! blocks need.
+//! `new` takes host types (a `glam::Mat3`, a `bool`, an array without padding) and converts them
+//! to the shader's representation; [`natural`] and [`conversion`] map each type.
+//! [`super::tail`] adds the items of runtime-sized blocks.
 
 use std::fmt::Write as _;
 
@@ -11,7 +10,7 @@ use super::print::{DERIVES, FieldValue, Printer, assignment, default, doc, liter
 use super::types::{Bits, Component, Made, MadeId, Mirror, RustType, Shape, component};
 use super::{Vectors, leaf, tail};
 
-/// More parameters than clippy wants a function to have.
+/// The most parameters of a function that clippy accepts.
 const MANY: usize = 7;
 
 pub(super) fn mirrors(out: &Printer<'_>, text: &mut String) {
@@ -84,7 +83,7 @@ fn new(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) {
     text.push_str("    }\n}\n\n");
 }
 
-/// The type a program has for what is stored as `ty`, where that is another one.
+/// The host type of a value stored as `ty`; `None` if it is `ty`.
 pub(super) fn natural(out: &Printer<'_>, ty: &RustType) -> Option<String> {
     match ty {
         RustType::Named(_) => None,
@@ -124,7 +123,7 @@ fn natural_leaf(out: &Printer<'_>, leaf: super::types::LeafType) -> String {
     }
 }
 
-/// The call that makes `ty` of a value of its [`natural`] type; nothing if they are the same.
+/// The method call that converts a value of the [`natural`] type to `ty`; empty if they are equal.
 pub(super) fn conversion(out: &Printer<'_>, ty: &RustType) -> String {
     if natural(out, ty).is_none() {
         return String::new();

@@ -4,7 +4,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Words that are no names in some edition, but are with `r#` before them.
+/// Keywords of any edition that are identifiers with `r#`.
 const KEYWORDS: &[&str] = &[
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do", "dyn",
     "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let",
@@ -13,10 +13,10 @@ const KEYWORDS: &[&str] = &[
     "virtual", "where", "while", "yield",
 ];
 
-/// Words that are no names even so.
+/// Keywords that cannot be raw identifiers.
 const NEVER_NAMES: &[&str] = &["self", "super", "crate", "Self"];
 
-/// Types of the prelude that the output speaks of by their short names.
+/// Prelude items that the output uses by their short names.
 const PRELUDE: &[&str] = &[
     "Clone",
     "Copy",
@@ -34,10 +34,10 @@ const PRELUDE: &[&str] = &[
     "Some",
 ];
 
-/// Crates that the output speaks of.
+/// Crates that the output uses.
 const CRATES: &[&str] = &["alloc", "bytemuck", "core", "glam", "std"];
 
-/// Words of a shader name: split at `_` and where small letters end and capitals begin.
+/// The words of a shader name, split at `_` and at changes from lower to upper case.
 fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut word = String::new();
@@ -59,7 +59,7 @@ fn words(name: &str) -> Vec<String> {
         if letter.is_ascii() {
             word.push(letter.to_ascii_lowercase());
         } else {
-            // Rust warns of letters that look alike; their numbers do not.
+            // rustc warns of confusable letters (`confusable_idents`), so write their code points.
             word.push_str(&format!("u{:x}", u32::from(letter)));
         }
     }
@@ -73,7 +73,7 @@ pub(super) fn snake(name: &str) -> String {
     escape(plain_snake(name))
 }
 
-/// The same, not yet fit to stand alone.
+/// [`snake`] without keywords escaped.
 fn plain_snake(name: &str) -> String {
     let name = words(name).join("_");
     match name.as_bytes().first() {
@@ -93,7 +93,7 @@ fn escape(name: String) -> String {
     }
 }
 
-/// A module name: as [`snake`], but for crates that the output speaks of.
+/// A module name: [`snake`], with an underscore after the names of crates in use.
 pub(super) fn module(name: &str) -> String {
     let name = snake(name);
     if CRATES.contains(&name.as_str()) { format!("{name}_") } else { name }
@@ -108,7 +108,7 @@ pub(super) fn screaming(name: &str) -> String {
 pub(super) fn camel(name: &str) -> String {
     let mut result = String::new();
     for word in words(name) {
-        // `Light_2_4` keeps its numbers apart.
+        // `Light_2_4` keeps its numbers separate.
         if word.starts_with(|c: char| c.is_ascii_digit())
             && result.ends_with(|c: char| c.is_ascii_digit())
         {
@@ -129,16 +129,16 @@ pub(super) fn camel(name: &str) -> String {
     result
 }
 
-/// Names taken so far in one Rust namespace.
+/// The names used so far in one Rust namespace.
 #[derive(Default)]
 pub(super) struct Scope {
     taken: FxHashSet<String>,
-    /// Where to go on counting for a name, so that a thousand equal names stay cheap.
+    /// The next suffix number of each name, so that many equal names stay cheap.
     next: FxHashMap<String, u32>,
 }
 
 impl Scope {
-    /// The name, or it with a number that makes it new.
+    /// Claims `wanted`, with a number appended if it is taken.
     pub(super) fn take(&mut self, wanted: &str) -> String {
         if self.taken.insert(wanted.to_string()) {
             return wanted.to_string();
@@ -159,12 +159,12 @@ impl Scope {
         }
     }
 
-    /// Whether the name is free.
+    /// Whether `name` is free.
     pub(super) fn is_free(&self, name: &str) -> bool {
         !self.taken.contains(name)
     }
 
-    /// Keeps names from being taken.
+    /// Marks names as taken.
     pub(super) fn reserve(&mut self, names: &[&str]) {
         self.taken.extend(names.iter().map(|name| name.to_string()));
     }

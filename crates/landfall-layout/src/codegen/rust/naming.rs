@@ -1,8 +1,8 @@
-//! Every type and module of the output gets a name of its own.
+//! Unique names for every type and module of the output.
 //!
-//! Reads [`super::plan`] when it is complete, because a name depends on who
-//! else asks for it: two mirrors of one structure get the rules into their
-//! names, a single one does not. Mirrors come first; the helpers yield.
+//! Reads the complete [`super::plan`], because a name depends on the others: the names of two
+//! mirrors of one structure include their rules, a single one's does not. Mirrors are named
+//! before helper types.
 
 use rustc_hash::FxHashMap;
 
@@ -12,13 +12,13 @@ use super::plan::Plan;
 use super::types::{LeafType, Made, MadeId, Padded, RustType, Shape};
 use crate::shape::{Scalar, ScalarKind};
 
-/// The names of everything that is written at the top of the output.
+/// The names of the output's top-level items.
 pub(super) struct Names {
-    /// Of each made type.
+    /// The name of each [`Made`], by index.
     pub(super) made: Vec<String>,
-    /// Of the type of a runtime-sized tail's elements, by its header.
+    /// The element type of each runtime-sized tail, by the mirror before it.
     pub(super) elements: FxHashMap<MadeId, String>,
-    /// Of each block's table.
+    /// The module of each block's table.
     pub(super) tables: Vec<String>,
     pub(super) mismatch: String,
     pub(super) too_short: String,
@@ -37,7 +37,7 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
             elements.insert(id, scope.take(&tail.name));
         }
     }
-    // Inner types stand before those made of them, so their names are there.
+    // Inner types come before the types that contain them, so their names are known.
     for (at, one) in plan.made.iter().enumerate() {
         let wanted = match one {
             Made::Mirror(_) => continue,
@@ -69,19 +69,19 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
 }
 
 fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
-    let mut asking: FxHashMap<&str, Vec<MadeId>> = FxHashMap::default();
+    let mut by_name: FxHashMap<&str, Vec<MadeId>> = FxHashMap::default();
     for (id, mirror) in plan.mirrors() {
-        asking.entry(&mirror.name).or_default().push(id);
+        by_name.entry(&mirror.name).or_default().push(id);
     }
-    // Whoever is alone keeps the plain name.
+    // Unique names stay as they are.
     for (id, mirror) in plan.mirrors() {
-        if asking[mirror.name.as_str()].len() == 1 {
+        if by_name[mirror.name.as_str()].len() == 1 {
             made[id.0] = scope.take(&mirror.name);
         }
     }
     let mut groups: FxHashMap<&str, Vec<String>> = FxHashMap::default();
     for (id, mirror) in plan.mirrors() {
-        let group = &asking[mirror.name.as_str()];
+        let group = &by_name[mirror.name.as_str()];
         if group.len() > 1 {
             let names =
                 groups.entry(&mirror.name).or_insert_with(|| marked(plan, &mirror.name, group));
@@ -91,19 +91,19 @@ fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
     }
 }
 
-/// The names of mirrors that ask for the same one: each with the marks that tell some of them
-/// apart. What stays equal is numbered by the caller.
+/// Appends the marks that distinguish mirrors of the same name. The caller numbers names that
+/// stay equal.
 fn marked(plan: &Plan<'_>, name: &str, group: &[MadeId]) -> Vec<String> {
     let mut names = vec![name.to_string(); group.len()];
     for slot in 0..4 {
         let marks: Vec<&str> = group.iter().map(|id| plan.docs[id].marks()[slot]).collect();
-        let mut seen: FxHashMap<String, Option<&str>> = FxHashMap::default();
+        let mut common_marks: FxHashMap<String, Option<&str>> = FxHashMap::default();
         for (name, mark) in names.iter().zip(&marks) {
-            let common = seen.entry(name.clone()).or_insert(Some(mark));
+            let common = common_marks.entry(name.clone()).or_insert(Some(mark));
             *common = common.filter(|one| one == mark);
         }
         for (name, mark) in names.iter_mut().zip(marks) {
-            if seen[name.as_str()].is_none() {
+            if common_marks[name.as_str()].is_none() {
                 name.push_str(mark);
             }
         }
@@ -112,16 +112,16 @@ fn marked(plan: &Plan<'_>, name: &str, group: &[MadeId]) -> Vec<String> {
 }
 
 fn table_names(plan: &Plan<'_>, scope: &mut Scope) -> Vec<String> {
-    let mut asking: FxHashMap<String, u32> = FxHashMap::default();
+    let mut counts: FxHashMap<String, u32> = FxHashMap::default();
     let names: Vec<String> = plan.blocks.iter().map(|block| module(&block.layout.name)).collect();
     for name in &names {
-        *asking.entry(name.clone()).or_default() += 1;
+        *counts.entry(name.clone()).or_default() += 1;
     }
     let blocks = plan.blocks.iter().zip(names);
     blocks
         .map(|(block, name)| {
             let instance = block.layout.instance.as_deref();
-            let both = instance.filter(|_| asking[&name] > 1 || !scope.is_free(&name));
+            let both = instance.filter(|_| counts[&name] > 1 || !scope.is_free(&name));
             match both {
                 Some(instance) => scope.take(&module(&format!("{}_{instance}", block.layout.name))),
                 None => scope.take(&name),
@@ -130,7 +130,7 @@ fn table_names(plan: &Plan<'_>, scope: &mut Scope) -> Vec<String> {
         .collect()
 }
 
-/// `Vec3`, `F32`, `LightX4`: a type's name as part of another's.
+/// A type's name as part of another's: `Vec3`, `F32`, `LightX4`.
 fn type_name(ty: &RustType, made: &[String]) -> String {
     match ty {
         RustType::Named(name) => camel(name.rsplit("::").next().unwrap_or(name)),
@@ -139,7 +139,7 @@ fn type_name(ty: &RustType, made: &[String]) -> String {
     }
 }
 
-/// `Mat3Stride16`, `Vec4Packed`, `DVec3Unaligned`.
+/// The name of a leaf type: `Mat3Stride16`, `Vec4Packed`, `DVec3Unaligned`.
 fn leaf_name(leaf: LeafType) -> String {
     let mut name = match leaf.shape {
         Shape::Scalar => scalar_name(leaf.scalar).to_string(),

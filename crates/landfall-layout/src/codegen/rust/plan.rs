@@ -1,8 +1,7 @@
-//! The plan of the output: every type it will have, found by walking the
-//! layouts of the blocks once.
+//! The plan of the output: all its types, from one walk over the layouts of the blocks.
 //!
-//! Types are interned by what they hold, so a structure that two blocks, rules
-//! or shaders lay out alike is one mirror. [`super::naming`] names them.
+//! Types are interned by content, so a structure that two blocks, rules or shaders lay out alike
+//! is one mirror. [`super::naming`] names them.
 
 use rustc_hash::FxHashMap;
 
@@ -16,21 +15,21 @@ use super::docs::{MirrorDoc, Origin};
 use super::names::{Scope, camel, snake};
 use super::types::{Field, Made, MadeId, Mirror, RuntimeTail, RustType, Sized};
 
-/// Everything that will be written.
+/// All types and tables of the output.
 pub(super) struct Plan<'a> {
     pub(super) vectors: Vectors,
-    /// Types in an order in which each comes after those it is made of.
+    /// The types, each after those it contains.
     pub(super) made: Vec<Made>,
     ids: FxHashMap<Made, MadeId>,
-    /// What is said about the mirrors among them.
+    /// The documentation of each mirror.
     pub(super) docs: FxHashMap<MadeId, MirrorDoc>,
-    /// Blocks with a table of their own.
+    /// The blocks that get a table.
     pub(super) blocks: Vec<PlannedBlock<'a>>,
     planned: FxHashMap<BlockKey, usize>,
     origin: Option<Origin<'a>>,
 }
 
-/// What makes two blocks of two shaders the same one.
+/// Blocks with the same mirror, group and binding share a table.
 type BlockKey = (MadeId, Option<u32>, Option<u32>);
 
 /// A block and its mirror.
@@ -40,12 +39,12 @@ pub(super) struct PlannedBlock<'a> {
     pub(super) input: &'a str,
 }
 
-/// Where a member stands.
+/// The space available for a member.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
-    /// Bytes up to what comes next.
+    /// Bytes up to the next member.
     pub(super) room: u64,
-    /// It starts at a multiple of this, 16 at most.
+    /// The guaranteed alignment of its start, at most 16.
     pub(super) align: u64,
     pub(super) rules: Rules,
 }
@@ -63,7 +62,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Adds a block that [`super::refuse`] has nothing to say about.
+    /// Adds a block that [`super::refuse`] accepts.
     pub(super) fn add(
         &mut self,
         layout: &'a BlockLayout,
@@ -92,7 +91,7 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The mirror of a structure that is the type of a member, or of its elements.
+    /// Adds the mirror of a structure, the type of a member or of its elements.
     pub(super) fn structure(&mut self, s: &Struct, member: &MemberLayout, at: &Place) -> Sized {
         let members = &member.members;
         let reach = reach(members);
@@ -155,7 +154,7 @@ impl<'a> Plan<'a> {
         id
     }
 
-    /// The type, made once.
+    /// Interns a type.
     pub(super) fn intern(&mut self, made: Made) -> RustType {
         RustType::Made(match self.ids.get(&made) {
             Some(id) => *id,
@@ -170,7 +169,7 @@ impl<'a> Plan<'a> {
         id
     }
 
-    /// The id of a type, if it is part of the plan.
+    /// The id of a type in the plan.
     pub(super) fn id(&self, made: &Made) -> Option<MadeId> {
         self.ids.get(made).copied()
     }
@@ -179,7 +178,7 @@ impl<'a> Plan<'a> {
         &self.made[id.0]
     }
 
-    /// The mirrors, each after those it is made of.
+    /// The mirrors, each after those it contains.
     pub(super) fn mirrors(&self) -> impl Iterator<Item = (MadeId, &Mirror)> {
         self.made.iter().enumerate().filter_map(|(i, made)| match made {
             Made::Mirror(mirror) => Some((MadeId(i), mirror)),
@@ -188,7 +187,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Offsets of members with their index, in ascending order.
+/// The offset and index of each member, by ascending offset.
 pub(super) fn by_offset(members: &[MemberLayout]) -> Vec<(u64, usize)> {
     let offset = |m: &MemberLayout| m.offset.expect("blocks without offsets are refused");
     let mut starts: Vec<(u64, usize)> =
@@ -197,7 +196,7 @@ pub(super) fn by_offset(members: &[MemberLayout]) -> Vec<(u64, usize)> {
     starts
 }
 
-/// The members of a block without its runtime-sized tail, and that.
+/// Splits off the runtime-sized tail of a block, if it has one.
 fn split_tail(block: &BlockLayout) -> (&[MemberLayout], Option<&MemberLayout>) {
     match block.members.split_last() {
         Some((last, rest)) if last.dims.first() == Some(&ArrayLen::Runtime) => (rest, Some(last)),
@@ -205,7 +204,7 @@ fn split_tail(block: &BlockLayout) -> (&[MemberLayout], Option<&MemberLayout>) {
     }
 }
 
-/// Rule 9 of OpenGL 4.6 §7.6.2.2: std140 rounds a structure's alignment up to 16.
+/// A structure's alignment, which std140 rounds up to 16 (OpenGL 4.6 §7.6.2.2, rule 9).
 pub(super) fn structure_align(members: &[MemberLayout], rules: Rules) -> u64 {
     let own = members.iter().filter_map(|m| m.align).max().unwrap_or(1);
     match rules {

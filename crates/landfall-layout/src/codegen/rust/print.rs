@@ -1,4 +1,4 @@
-//! What the printers share: how types are spelled, and where rustfmt breaks lines.
+//! Helpers of the printers: spelling types, and breaking lines as rustfmt does.
 
 use std::fmt::Write as _;
 
@@ -15,11 +15,11 @@ const LITERAL: usize = 18;
 /// rustfmt's width for the arguments of a call, and the elements of an array, on one line.
 const CALL: usize = 60;
 
-/// The derives of every type that is written.
+/// The derives of every generated type.
 pub(super) const DERIVES: &str =
     "#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]";
 
-/// All that a printer reads.
+/// The input of the printers.
 #[derive(Clone, Copy)]
 pub(super) struct Printer<'a> {
     pub(super) plan: &'a Plan<'a>,
@@ -36,7 +36,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A type as it is written.
+    /// The spelling of a type.
     pub(super) fn ty(&self, ty: &RustType) -> String {
         match ty {
             RustType::Named(name) => name.to_string(),
@@ -61,7 +61,7 @@ impl Printer<'_> {
     }
 }
 
-/// Lines of documentation.
+/// Prints doc comment lines.
 pub(super) fn doc(text: &mut String, indent: &str, lines: &[impl AsRef<str>]) {
     for line in lines {
         let line = line.as_ref();
@@ -70,7 +70,7 @@ pub(super) fn doc(text: &mut String, indent: &str, lines: &[impl AsRef<str>]) {
     }
 }
 
-/// `head(parameters) tail`, with one parameter a line where that is too long.
+/// Prints `head(parameters) tail`, one parameter per line if it is too long.
 pub(super) fn signature(
     text: &mut String,
     indent: &str,
@@ -90,7 +90,7 @@ pub(super) fn signature(
     let _ = writeln!(text, "{indent}){tail}");
 }
 
-/// `function(arguments).method()` as an argument of a macro, which gets no comma at its end.
+/// Prints `function(arguments).method()` as a macro argument, without a trailing comma.
 pub(super) fn call(
     text: &mut String,
     indent: &str,
@@ -112,7 +112,7 @@ pub(super) fn call(
     let _ = writeln!(text, "{indent})\n{indent}{method}");
 }
 
-/// `impl TRAIT for TYPE {`, in two lines where that is too long.
+/// Prints `impl TRAIT for TYPE {`, on two lines if it is too long.
 pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
     let line = format!("impl {of} for {ty} {{");
     if line.chars().count() <= WIDTH {
@@ -126,11 +126,11 @@ pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
 pub(super) struct FieldValue {
     pub(super) name: String,
     pub(super) value: String,
-    /// With its dot; empty if there is none.
+    /// Includes its dot; empty if there is none.
     pub(super) method: String,
 }
 
-/// `Self { fields }`.
+/// Prints `Self { fields }`.
 pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
     let lines: Vec<String> = fields
         .iter()
@@ -147,7 +147,7 @@ pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
     let _ = writeln!(text, "{indent}Self {{");
     let fits = |line: &str| line.chars().count() < WIDTH;
     for (line, FieldValue { name, value, method }) in lines.iter().zip(fields) {
-        // The places where rustfmt breaks, in the order in which it tries them.
+        // The breaks that rustfmt tries, in order.
         let choices = [
             format!("{indent}    {line}"),
             format!("{indent}    {name}: {value}\n{indent}        {method}"),
@@ -160,7 +160,7 @@ pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
     let _ = writeln!(text, "{indent}}}");
 }
 
-/// `head separator tail end`, the tail on a line of its own where that is too long.
+/// Prints `head separator tail`, the tail on its own line if it is too long.
 pub(super) fn assignment(text: &mut String, indent: &str, head: &str, separator: &str, tail: &str) {
     let line = format!("{indent}{head}{separator} {tail}");
     if line.chars().count() <= WIDTH {
@@ -170,15 +170,15 @@ pub(super) fn assignment(text: &mut String, indent: &str, head: &str, separator:
     }
 }
 
-/// How the elements of a slice that is too long for a line are broken into lines.
+/// The line breaks of a slice that is too long for one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Items {
     OneALine,
-    /// As rustfmt does for numbers.
+    /// As many per line as fit, as rustfmt does for numbers.
     Filled,
 }
 
-/// `&[items]`.
+/// The text of `&[items]`.
 pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
     let line = items.join(", ");
     if line.len() <= CALL {
@@ -200,7 +200,7 @@ pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
     text
 }
 
-/// Zeros for a [`Default`].
+/// Prints a [`Default`] of zeroes.
 pub(super) fn default(text: &mut String, name: &str) {
     implement(text, "Default", name);
     text.push_str(
@@ -209,7 +209,7 @@ pub(super) fn default(text: &mut String, name: &str) {
     );
 }
 
-/// Names of a function's parameters that count elements: `i`, `j`, `k`, or `i0` and so on.
+/// The names of index parameters: `i`, `j`, `k`, or `i0` and so on.
 pub(super) fn indices(count: usize) -> Vec<String> {
     match count {
         0..=3 => ["i", "j", "k"][..count].iter().map(|name| name.to_string()).collect(),

@@ -1,4 +1,4 @@
-//! Which blocks have no mirror, and what is said about them.
+//! The blocks that have no mirror, and their diagnostics.
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
@@ -6,10 +6,10 @@ use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen};
 use crate::source::Language;
 
-/// No Rust type is larger than `isize::MAX` bytes; mirrors are to compile for 32-bit targets too.
+/// The largest mirror in bytes: a Rust type has at most `isize::MAX`, also on 32-bit targets.
 const LARGEST_MIRROR: u64 = i32::MAX as u64;
 
-/// Why a block cannot be mirrored, if it cannot.
+/// The error of a block that cannot be mirrored; `None` if it can.
 pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnostic> {
     let name = &block.name;
     if block.space == AddressSpace::Default {
@@ -44,7 +44,7 @@ pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnost
     None
 }
 
-/// The first member whose size hangs on a constant without a value, and that constant's name.
+/// The first member whose size depends on a constant without a value, and that constant's name.
 fn sized_by_override(member: &MemberLayout) -> Option<(&MemberLayout, &str)> {
     let own = member.dims.iter().find_map(|len| match len {
         ArrayLen::Override(name) => Some((member, &**name)),

@@ -1,5 +1,5 @@
-//! Prints the small types that mirrors are made of: `Bool`, `F16`, matrices and
-//! vectors that glam does not fit. [`super::strided`] prints the padded ones.
+//! Prints the helper types of mirrors: `Bool`, `F16`, and the matrices and vectors for which no
+//! glam type fits. [`super::strided`] prints the padded ones.
 
 use std::fmt::Write as _;
 
@@ -82,7 +82,7 @@ impl {name} {{
     );
 }
 
-/// A leaf as the array of components that a program would have.
+/// A leaf as a plain array of components.
 struct Plain {
     /// One component.
     component: String,
@@ -120,7 +120,7 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
     }
 }
 
-/// The type inside.
+/// The type of its only field.
 fn stored(leaf: LeafType, cell: &str) -> String {
     match leaf.shape {
         Shape::Scalar => cell.to_string(),
@@ -197,7 +197,7 @@ fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType, row_majo
     );
 }
 
-/// From and to glam's type, or columns of glam's vectors.
+/// Prints conversions from and to glam's type, or columns of glam's vectors.
 fn glam(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     let ty = &plain.ty;
     match leaf.shape {
@@ -231,7 +231,7 @@ fn glam(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     }
 }
 
-/// From and to plain `bool`s.
+/// Prints conversions from and to `bool`s.
 fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
     let own = &plain.component;
     match shape {
@@ -249,7 +249,7 @@ fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
     }
 }
 
-/// `impl From<FROM> for TO` with a body of one expression.
+/// Prints `impl From<FROM> for TO` with a body of one expression.
 pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
     implement(text, &format!("From<{from}>"), to);
     signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");

@@ -117,7 +117,7 @@ pub(super) fn tight(out: &Printer<'_>, text: &mut String, name: &str, tight: &Ti
 "
     );
     conversion(text, name, &of, "array", "core::array::from_fn(|at| array[at])");
-    // An element with padding is reached through it, one without as itself.
+    // A padded element of `head` dereferences to the element.
     implement(text, "core::ops::Index<usize>", name);
     let _ = write!(
         text,

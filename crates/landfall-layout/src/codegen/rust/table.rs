@@ -1,5 +1,4 @@
-//! Prints the tables from names to offsets: a module a block, and what all of
-//! them share.
+//! Prints the tables from names to offsets: one module per block, and their shared items.
 
 use std::fmt::Write as _;
 
@@ -10,7 +9,7 @@ use super::names::{Scope, screaming, snake};
 use super::plan::PlannedBlock;
 use super::print::{Items, Printer, indices, signature, slice};
 
-/// What every table has beside its leaves.
+/// The items of every table beside its leaves.
 const OWN_ITEMS: &[&str] = &["SIZE", "DATA_SIZE", "GROUP", "BINDING", "COUNT", "LEAVES", "lookup"];
 
 pub(super) fn tables(out: &Printer<'_>, text: &mut String) {
@@ -87,7 +86,7 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
     text.push_str("}\n\n");
 }
 
-/// A name that is free; with `suffix` where it is that of an item every table has.
+/// Claims a name, with `suffix` if it collides with one of [`OWN_ITEMS`].
 fn free(scope: &mut Scope, wanted: String, suffix: &str) -> String {
     if OWN_ITEMS.contains(&wanted.as_str()) {
         scope.take(&format!("{wanted}{suffix}"))
@@ -96,7 +95,7 @@ fn free(scope: &mut Scope, wanted: String, suffix: &str) -> String {
     }
 }
 
-/// Blocks in an array of blocks.
+/// The number of blocks in an array of blocks; `None` if it is not fixed.
 fn count(dims: &[ArrayLen]) -> Option<u64> {
     let mut count = 1u64;
     for len in dims {
@@ -108,7 +107,7 @@ fn count(dims: &[ArrayLen]) -> Option<u64> {
     (!dims.is_empty()).then_some(count)
 }
 
-/// `data[i].color`.
+/// A path with index names: `data[i].color`.
 fn with_indices(path: &str, names: &[String]) -> String {
     let mut parts = path.split("[]");
     let mut shown = parts.next().unwrap_or("").to_string();
@@ -147,7 +146,7 @@ fn function(text: &mut String, public: &str, name: &str, leaf: &Leaf, indices: &
 fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
     let (public, ty) = (out.visibility(), &out.names.leaf);
     let mut leaves: Vec<&Leaf> = block.layout.leaves.iter().collect();
-    // In the order in which `look_up` halves them.
+    // The order of `look_up`'s binary search.
     leaves.sort_by(|a, b| a.path.cmp(&b.path));
     let count = leaves.len();
     text.push_str("\n    /// Every leaf, sorted by path.\n");
@@ -156,7 +155,7 @@ fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
         [] => {
             let _ = writeln!(text, "{head}];");
         }
-        // rustfmt has the brackets of a single element on its lines.
+        // rustfmt keeps the brackets on the lines of a single element.
         [one] => {
             text.push_str(&head);
             row(text, "    ", ty, one, block);
@@ -212,7 +211,7 @@ fn shared(out: &Printer<'_>, text: &mut String) {
     look_up(out, text);
 }
 
-/// The type of a leaf, and that of the error of looking one up.
+/// Prints the type of a leaf and the error type of lookups.
 fn leaf_types(out: &Printer<'_>, text: &mut String) {
     let public = out.visibility();
     let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
@@ -281,7 +280,7 @@ impl core::error::Error for {error} {{}}
     );
 }
 
-/// The function that finds the leaf of a path.
+/// Prints the function that finds the leaf of a path.
 fn look_up(out: &Printer<'_>, text: &mut String) {
     let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
     text.push_str(

@@ -1,5 +1,5 @@
-//! Prints what a block with a runtime-sized tail needs beside the mirror of
-//! the rest: its element's type, its size, and a writer.
+//! Prints the items of a block with a runtime-sized tail beside the mirror of the rest: the
+//! element type, the size function, and the writer.
 
 use std::fmt::Write as _;
 
@@ -67,7 +67,7 @@ impl {header} {{
     );
 }
 
-/// The error of the writers.
+/// Prints the error type of the writers.
 pub(super) fn too_short(out: &Printer<'_>, text: &mut String) {
     let (public, name) = (out.visibility(), &out.names.too_short);
     let _ = write!(

@@ -1,18 +1,18 @@
-//! The Rust types a mirror is made of.
+//! The Rust types of mirrors.
 //!
-//! [`super::plan`] makes them, the printers read them. A type that is written
-//! into the output is a [`Made`], referred to by its [`MadeId`].
+//! [`super::plan`] makes them, the printers read them. A generated type is a [`Made`], referred
+//! to by its [`MadeId`].
 
 use crate::shape::{Scalar, ScalarKind};
 
-/// A Rust type in a field.
+/// The Rust type of a field.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum RustType {
-    /// `f32`, `glam::Vec3`: comes from outside.
+    /// A type of Rust or glam: `f32`, `glam::Vec3`.
     Named(&'static str),
     /// `[T; N]`.
     Array(Box<RustType>, u64),
-    /// Written into the output.
+    /// A generated type.
     Made(MadeId),
 }
 
@@ -20,29 +20,29 @@ pub(super) enum RustType {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct MadeId(pub(super) usize);
 
-/// A type with the bytes it takes up.
+/// A type and its size in bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Sized {
     pub(super) ty: RustType,
     pub(super) size: u64,
 }
 
-/// A type that is written into the output.
+/// A generated type.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Made {
-    /// A scalar that Rust has no type for.
+    /// A scalar without a Rust type.
     Bits(Bits),
-    /// A scalar, vector or matrix that glam or plain arrays do not fit.
+    /// A scalar, vector or matrix that no glam type or plain array fits.
     Leaf(LeafType),
-    /// An element with the padding up to the next one.
+    /// An element with padding up to the next one.
     Padded(Padded),
-    /// An array whose last element has no padding after it.
+    /// An array without padding after its last element.
     Tight(Tight),
     /// A structure or block.
     Mirror(Mirror),
 }
 
-/// A scalar that Rust has no type for, or none for in a buffer.
+/// A scalar without a Rust type, or without one that is valid for any bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Bits {
     /// 4 bytes, 0 or 1.
@@ -58,11 +58,11 @@ pub(super) enum Bits {
 pub(super) struct LeafType {
     pub(super) scalar: Scalar,
     pub(super) shape: Shape,
-    /// Components are kept as bytes, so that the type is aligned to 1.
+    /// Whether components are stored as bytes, for an alignment of 1.
     pub(super) unaligned: bool,
 }
 
-/// How many components a leaf has and how they are stored.
+/// The number of a leaf's components and their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shape {
     Scalar,
@@ -74,17 +74,17 @@ pub(super) enum Shape {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Padded {
     pub(super) inner: RustType,
-    /// Bytes of the element alone.
+    /// Bytes of the element without padding.
     pub(super) size: u64,
     /// Bytes with the padding.
     pub(super) stride: u64,
 }
 
-/// `len` elements of which the last has no padding after it.
+/// `len` elements, without padding after the last.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Tight {
     pub(super) element: RustType,
-    /// The element with its padding; the element itself where there is none.
+    /// The element with its padding, if any.
     pub(super) head: RustType,
     pub(super) len: u64,
     /// Bytes of the whole.
@@ -94,31 +94,31 @@ pub(super) struct Tight {
 /// A structure or block, or the part of a block before its runtime-sized tail.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Mirror {
-    /// The name it asks for.
+    /// Its preferred name.
     pub(super) name: String,
     /// In ascending order of offset.
     pub(super) fields: Vec<Field>,
-    /// Bytes, padding at the end included.
+    /// Bytes, tail padding included.
     pub(super) size: u64,
-    /// The runtime-sized array that follows it.
+    /// The runtime-sized array after it.
     pub(super) tail: Option<RuntimeTail>,
 }
 
-/// A runtime-sized array at the end of a block; starts where the mirror of the rest ends.
+/// A runtime-sized array at the end of a block; starts at the end of the mirror of the rest.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct RuntimeTail {
     /// The array's name in the shader.
     pub(super) member: String,
-    /// The name its element's type asks for.
+    /// The preferred name of the element type.
     pub(super) name: String,
     /// One element, padding included.
     pub(super) element: RustType,
     pub(super) stride: u64,
-    /// Bytes a buffer must hold at least.
+    /// The least size of a buffer in bytes.
     pub(super) least: u64,
 }
 
-/// A member in a mirror.
+/// A field of a mirror.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Field {
     pub(super) name: String,
@@ -126,7 +126,7 @@ pub(super) struct Field {
     pub(super) offset: u64,
     /// Bytes of `ty`.
     pub(super) size: u64,
-    /// Its place among the members in the order of the text.
+    /// Its index among the members in source order.
     pub(super) order: usize,
 }
 
@@ -151,7 +151,7 @@ impl Mirror {
             .collect()
     }
 
-    /// Its fields in the order of the text.
+    /// Its fields in source order.
     pub(super) fn in_text_order(&self) -> Vec<&Field> {
         let mut fields: Vec<&Field> = self.fields.iter().collect();
         fields.sort_by_key(|field| field.order);
@@ -160,7 +160,7 @@ impl Mirror {
 }
 
 impl LeafType {
-    /// Bytes, padding between columns (rows) and after the last one included.
+    /// Bytes, including the padding after each column (row).
     pub(super) fn size(self) -> u64 {
         let (vectors, components) = self.shape.stored();
         match self.shape {
@@ -173,8 +173,8 @@ impl LeafType {
 }
 
 impl Shape {
-    /// Vectors and components in each, as stored: columns of a column-major matrix, rows of a
-    /// row-major one.
+    /// The number of stored vectors (columns of a column-major matrix, rows of a row-major one) and
+    /// of components in each.
     pub(super) fn stored(self) -> (u8, u8) {
         match self {
             Shape::Scalar => (1, 1),
@@ -185,7 +185,7 @@ impl Shape {
     }
 }
 
-/// What a component is in Rust.
+/// The Rust representation of a component.
 pub(super) enum Component {
     Plain(&'static str),
     Bits(Bits),
@@ -213,7 +213,7 @@ pub(super) fn component(scalar: Scalar) -> Component {
 }
 
 impl Bits {
-    /// The name it asks for.
+    /// Its preferred name.
     pub(super) fn name(self) -> &'static str {
         match self {
             Bits::Bool => "Bool",

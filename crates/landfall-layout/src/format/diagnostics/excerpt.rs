@@ -1,4 +1,4 @@
-//! The lines of text a finding shows: few, and short, whatever the file is like.
+//! The source lines shown with a finding, bounded in number and length.
 
 use std::ops::Range;
 
@@ -6,28 +6,28 @@ use crate::diagnostic::Label;
 use crate::format::place::Places;
 use crate::source::{Files, Location};
 
-/// Characters of a line that are shown around a label; shorter lines are shown whole.
+/// The most characters of a line shown around a label; shorter lines are shown whole.
 const WINDOW: usize = 160;
 
-/// Characters shown before the label in a line that is cut.
+/// The characters shown before the label in a truncated line.
 const BEFORE: usize = 60;
 
-/// Lines apart that two labels of one file may be to share an excerpt.
+/// The most lines between two labels of one file that share an excerpt.
 const APART: u32 = 10_000;
 
-/// A piece of one file with marks.
+/// A part of one file, with marks.
 #[derive(Debug)]
 pub(super) struct Excerpt {
     /// The file.
     pub path: String,
-    /// Number of the text's first line, from 1.
+    /// The line number of the text's first line, from 1.
     pub first_line: u32,
-    /// Its lines; those nothing is marked in are empty.
+    /// Its lines; lines without marks are empty.
     pub text: String,
     pub marks: Vec<Mark>,
-    /// Marks in lines that were cut.
+    /// The marks in truncated lines.
     pub cuts: Vec<Cut>,
-    /// What did not fit: to be written as notes.
+    /// Labels that did not fit, to be written as notes.
     pub elsewhere: Vec<String>,
 }
 
@@ -39,11 +39,11 @@ pub(super) struct Mark {
     pub primary: bool,
 }
 
-/// A mark in a line that was cut.
+/// A mark in a truncated line.
 #[derive(Debug)]
 pub(super) struct Cut {
     pub at: Location,
-    /// Its column in what is left of the line.
+    /// Its column in the truncated line.
     pub shown_column: usize,
 }
 
@@ -54,7 +54,7 @@ struct Placed<'a> {
     primary: bool,
 }
 
-/// The excerpts of a finding's labels, in their order; `main` is the index of the main one.
+/// The excerpts of a finding's labels, in order; `main` is the index of the main label.
 pub(super) fn excerpts(
     labels: &[Label],
     main: Option<usize>,
@@ -63,12 +63,12 @@ pub(super) fn excerpts(
 ) -> Vec<Excerpt> {
     let mut groups: Vec<Vec<Placed<'_>>> = Vec::new();
     for (i, label) in labels.iter().enumerate() {
-        if files.get(label.span.file).is_none() {
+        if files.get(label.at.file).is_none() {
             continue;
         }
-        let placed = Placed { label, at: places.locate(label.span), primary: main == Some(i) };
+        let placed = Placed { label, at: places.locate(label.at), primary: main == Some(i) };
         let near = groups.iter_mut().find(|group| {
-            group[0].label.span.file == label.span.file
+            group[0].label.at.file == label.at.file
                 && group[0].at.line.abs_diff(placed.at.line) <= APART / 2
         });
         match near {
@@ -93,7 +93,7 @@ fn excerpt(group: &[Placed<'_>], files: &Files) -> Excerpt {
     for line in first_line..=last_line {
         let here: Vec<&Placed<'_>> = group.iter().filter(|p| p.at.line == line).collect();
         if let Some(first) = here.first() {
-            let text = files.get(first.label.span.file).map_or("", |file| &file.text);
+            let text = files.get(first.label.at.file).map_or("", |file| &file.text);
             push_line(text, &here, &mut result);
         }
         result.text.push('\n');
@@ -101,9 +101,9 @@ fn excerpt(group: &[Placed<'_>], files: &Files) -> Excerpt {
     result
 }
 
-/// Adds the line the labels stand on, cut to a window when it is long.
+/// Adds the line of the labels, truncated to a window if it is long.
 fn push_line(text: &str, here: &[&Placed<'_>], result: &mut Excerpt) {
-    let at = |p: &Placed<'_>| boundary(text, p.label.span.start as usize);
+    let at = |p: &Placed<'_>| boundary(text, p.label.at.start as usize);
     let anchor = at(here[0]);
     let start = text[..anchor].rfind('\n').map_or(0, |i| i + 1);
     let end = text[anchor..].find('\n').map_or(text.len(), |i| anchor + i);
@@ -120,7 +120,7 @@ fn push_line(text: &str, here: &[&Placed<'_>], result: &mut Excerpt) {
     }
     for placed in here {
         let from = at(placed).min(end);
-        let to = boundary(text, placed.label.span.end as usize).clamp(from, end.max(from));
+        let to = boundary(text, placed.label.at.end as usize).clamp(from, end.max(from));
         if from < window.start || from > window.end {
             let Location { path, line, column } = &placed.at;
             let text = &placed.label.text;
@@ -137,7 +137,7 @@ fn push_line(text: &str, here: &[&Placed<'_>], result: &mut Excerpt) {
     }
 }
 
-/// The part of a line that is shown when the label starts at `anchor`.
+/// The part of a line that is shown for a label at `anchor`.
 fn window(text: &str, line: Range<usize>, anchor: usize) -> Range<usize> {
     if text[line.clone()].chars().nth(WINDOW).is_none() {
         return line;
@@ -151,7 +151,7 @@ fn window(text: &str, line: Range<usize>, anchor: usize) -> Range<usize> {
     start..end
 }
 
-/// The nearest place between characters at or before `at`.
+/// The last character boundary at or before `at`.
 fn boundary(text: &str, at: usize) -> usize {
     let at = at.min(text.len());
     (0..=at).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)

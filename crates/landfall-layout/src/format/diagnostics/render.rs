@@ -1,6 +1,6 @@
-//! A finding with its lines of text, drawn by annotate-snippets: the one place that names it.
+//! Renders a diagnostic with its source lines; the only module that uses annotate-snippets.
 //!
-//! Fed by [`diagnostics`](super) and by `landfall_lint::render`.
+//! Called by [`diagnostics`](super) and by `landfall_lint::render`.
 
 use annotate_snippets::{
     AnnotationKind, Element, Group, Level, Origin, Padding, Renderer, Snippet,
@@ -8,36 +8,16 @@ use annotate_snippets::{
 
 use super::excerpt;
 use super::excerpt::Excerpt;
-use crate::diagnostic::{Label, Severity};
+use crate::diagnostic::{Diagnostic, Severity};
 use crate::format::paint::Paint;
 use crate::format::place::Places;
-use crate::source::{Files, Location};
+use crate::source::{Files, Location, Span};
 use crate::text::escape::{name, visible};
 
-/// Columns an excerpt may take before annotate-snippets trims it: more than any line we hand over.
+/// The width at which annotate-snippets trims excerpts: more than any line passed to it.
 const WIDTH: usize = 240;
 
-/// A finding as it is drawn.
-pub struct Drawing<'a> {
-    /// How serious it is.
-    pub severity: Severity,
-    /// The kebab-case code.
-    pub code: &'a str,
-    /// One sentence.
-    pub message: &'a str,
-    /// The main place when its text cannot be shown; line 0 stands for the file as a whole.
-    pub origin: Option<Location>,
-    /// The main place first if it can be shown, then the others.
-    pub labels: &'a [Label],
-    /// Facts that explain the message.
-    pub notes: Vec<String>,
-    /// Lines whose columns are aligned.
-    pub listing: Option<&'a str>,
-    /// The smallest edit that fixes it.
-    pub help: Option<&'a str>,
-}
-
-/// What draws findings about some files.
+/// Renders diagnostics about a set of files.
 pub struct Pen<'a> {
     files: &'a Files,
     places: Places<'a>,
@@ -45,7 +25,7 @@ pub struct Pen<'a> {
 }
 
 impl<'a> Pen<'a> {
-    /// A pen for texts of these files.
+    /// Creates a renderer for findings about `files`.
     pub fn new(files: &'a Files, paint: Paint) -> Pen<'a> {
         let renderer = match paint {
             Paint::Plain => Renderer::plain(),
@@ -54,25 +34,33 @@ impl<'a> Pen<'a> {
         Pen { files, places: Places::new(files), renderer: renderer.term_width(WIDTH) }
     }
 
-    /// The text of a finding and an empty line.
-    pub fn draw(&mut self, drawing: Drawing<'_>) -> String {
-        let level = match drawing.severity {
+    /// The diagnostic as text, followed by an empty line.
+    ///
+    /// `origin` is the main place where the text of that place cannot be shown; line 0 stands for
+    /// the file as a whole. Without it the first label is the main place.
+    pub fn draw<C: AsRef<str>>(
+        &mut self,
+        diagnostic: &Diagnostic<Span, C>,
+        origin: Option<&Location>,
+    ) -> String {
+        let level = match diagnostic.severity {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
         let mut elements: Vec<Element<'_>> = Vec::new();
-        let mut notes: Vec<String> = drawing.notes.iter().map(|note| visible(note)).collect();
-        let main = if drawing.origin.is_some() { None } else { Some(0) };
-        let mut excerpts = excerpt::excerpts(drawing.labels, main, self.files, &mut self.places);
+        let mut notes: Vec<String> = diagnostic.notes.iter().map(|note| visible(note)).collect();
+        let main = if origin.is_some() { None } else { Some(0) };
+        let mut excerpts =
+            excerpt::excerpts(&diagnostic.labels, main, self.files, &mut self.places);
         for excerpt in &mut excerpts {
             excerpt.path = name(&excerpt.path).into_owned();
             notes.extend(excerpt.elsewhere.iter().map(|note| visible(note)));
         }
-        let listing =
-            drawing.listing.map(|text| format!("the layout\n{}", visible(text.trim_end())));
+        let listing = diagnostic.listing.as_deref();
+        let listing = listing.map(|text| format!("the layout\n{}", visible(text.trim_end())));
         notes.extend(listing);
-        let help = drawing.help.map(visible);
-        if let Some(at) = &drawing.origin {
+        let help = diagnostic.help.as_deref().map(visible);
+        if let Some(at) = origin {
             let origin = Origin::path(name(&at.path).into_owned());
             elements.push(match at.line {
                 0 => origin.into(),
@@ -85,11 +73,11 @@ impl<'a> Pen<'a> {
         elements.extend(excerpts.iter().map(|excerpt| snippet(excerpt).into()));
         elements.extend(notes.iter().map(|note| Level::NOTE.message(note.as_str()).into()));
         elements.extend(help.iter().map(|help| Level::HELP.message(help.as_str()).into()));
-        let message = visible(drawing.message);
-        let title = level.primary_title(message.as_str()).id(drawing.code);
+        let message = visible(&diagnostic.message);
+        let title = level.primary_title(message.as_str()).id(diagnostic.code.as_ref());
         let group: Group<'_> = title.elements(elements);
         let mut text = self.renderer.render(&[group]);
-        // The column of a place in a line that was cut is counted in what was left of it.
+        // annotate-snippets counts columns in the truncated line; restore the real ones.
         for cut in excerpts.iter().flat_map(|excerpt| &excerpt.cuts) {
             let Location { path, line, column } = &cut.at;
             let path = name(path);

@@ -1,21 +1,21 @@
-//! The old and the new block beside each other, or one above the other where that is too wide.
+//! The old and the new block side by side, or one above the other if that is too wide.
 
 use unicode_width::UnicodeWidthStr;
 
 use crate::format::paint::{ADDED, FAINT, REMOVED};
-use crate::format::{Paint, words};
+use crate::format::{Paint, phrases};
 use crate::layout::measure::element_size;
 use crate::layout::padding::{PaddingOwner, gaps, in_text_order};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{AddressSpace, Type};
 use crate::source::Language;
 
-/// How much room there is.
+/// The available width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
-    /// Columns of a terminal.
+    /// The columns of a terminal.
     Columns(usize),
-    /// One above the other, as `diff -u` does.
+    /// A unified diff, as of `diff -u`.
     Unified,
 }
 
@@ -28,23 +28,23 @@ impl Width {
     }
 }
 
-/// Rows around a change that are shown with it.
+/// The number of rows of context around a change.
 const AROUND: usize = 2;
 
-/// Blocks with more rows than this are not aligned row by row.
+/// The most rows of a block that is aligned row by row.
 const MOST_ROWS: usize = 2000;
 
 /// One row of a listing.
 #[derive(Clone, PartialEq, Eq)]
 struct Row {
-    /// What makes it the same row on both sides: the path of a member, or what padding is after.
+    /// The key that matches rows of both sides: a member's path, or the one before padding.
     key: String,
     offset: Option<u64>,
     size: Option<u64>,
     text: String,
 }
 
-/// Two blocks beside each other, rows that do not change left out but near a change.
+/// Renders two blocks side by side, with unchanged rows only near changes.
 pub fn beside(
     old: Option<(&BlockLayout, Language)>,
     new: Option<(&BlockLayout, Language)>,
@@ -106,7 +106,7 @@ pub fn beside(
                     text.push_str(&format!("  {}\n", a.unwrap_or("")));
                     continue;
                 }
-                // All old rows of a change stand before the new ones.
+                // All old rows of a change come before the new ones.
                 if let Some(a) = a {
                     text.push_str(&paint.text(REMOVED, &format!("- {a}")));
                     text.push('\n');
@@ -152,8 +152,8 @@ fn cell(row: &Row, (offset, size): (usize, usize)) -> String {
     format!("{} {}  {}", number(row.offset, offset), number(row.size, size), row.text)
 }
 
-/// Rows of both sides that stand beside each other: those of one key in the longest order both
-/// have; what is left between them row by row.
+/// Pairs the rows of both sides: a longest common subsequence by key, and the rows between in
+/// order.
 fn align(old: &[Row], new: &[Row]) -> Vec<(Option<usize>, Option<usize>)> {
     let mut pairs = Vec::new();
     let (mut a, mut b) = (0, 0);
@@ -202,15 +202,15 @@ fn common(old: &[Row], new: &[Row]) -> Vec<(usize, usize)> {
 }
 
 fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
-    let mut head = words::block_name(block);
+    let mut head = phrases::block_name(block);
     if block.space != AddressSpace::Default {
         head.push_str(&format!(" {}", block.rules.name()));
     }
-    let slot = words::slot(block, language);
+    let slot = phrases::slot(block, language);
     if !slot.is_empty() {
         head.push_str(&format!(" {slot}"));
     }
-    head.push_str(&words::dims(&block.count));
+    head.push_str(&phrases::dims(&block.count));
     let head = Row { key: "(block)".into(), offset: None, size: block.size, text: head };
     let mut rows = vec![head];
     let base = (block.space != AddressSpace::Default).then_some(0);
@@ -224,7 +224,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Members from a byte of the block on, and the padding among them.
+    /// Adds rows for members, which start at a byte of the block, and for their padding.
     fn members(
         &self,
         members: &[MemberLayout],
@@ -237,7 +237,7 @@ impl Rows<'_> {
         let mut gaps = in_text_order(gaps).into_iter().peekable();
         for i in 0..=members.len() {
             while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
-                let what = words::padding(gap.kind, PaddingOwner::Block, None);
+                let what = phrases::padding(gap.kind, PaddingOwner::Block, None);
                 let after = gap.after.map_or("", |after| &members[after].name);
                 rows.push(Row {
                     key: format!("{parent}{after} (padding)"),
@@ -265,8 +265,8 @@ impl Rows<'_> {
     fn declaration(&self, member: &MemberLayout) -> String {
         let mut text = match self.language {
             Language::Glsl => {
-                let ty = words::type_name(&member.ty, self.language);
-                format!("{ty} {}{}", member.name, words::dims(&member.dims))
+                let ty = phrases::type_name(&member.ty, self.language);
+                format!("{ty} {}{}", member.name, phrases::dims(&member.dims))
             }
             Language::Wgsl => format!("{}: {}", member.name, member.ty.spelled(self.language)),
         };

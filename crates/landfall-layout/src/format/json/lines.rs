@@ -1,33 +1,33 @@
-//! JSON with line breaks where they help a diff: before each object of an
-//! array, and before each entry of `offsets`.
+//! JSON with line breaks that suit diffs: before each object of an array, and before each entry
+//! of `offsets`.
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 use serde_json::ser::{CharEscape, CompactFormatter, Formatter, Serializer};
 
-/// A value as JSON whose arrays of objects take a line for each, indented from `depth`.
+/// Serialises a value as JSON with one line per object of an array, indented from `depth`.
 pub fn to_lines<T: Serialize>(value: &T, depth: usize) -> String {
     let mut text = Vec::with_capacity(1 << 13);
     write_lines(value, depth, &mut text).expect("memory takes every byte, and keys are strings");
     String::from_utf8(text).expect("JSON of strings is UTF-8")
 }
 
-/// Writes such JSON piece by piece.
+/// Writes the JSON of [`to_lines`] incrementally.
 pub fn write_lines<T: Serialize>(value: &T, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     let lines = Lines { depth, ..Lines::default() };
     Ok(value.serialize(&mut Serializer::with_formatter(out, lines))?)
 }
 
-/// The only object whose entries take a line each: it may have a million.
+/// The only object whose entries get a line each: it may have a million.
 const LONG_OBJECT: &str = "offsets";
 
 #[derive(Default)]
 struct Lines {
     depth: usize,
-    /// An array's element begins: a line breaks if it is an object.
+    /// Whether an array element starts, which is put on a new line if it is an object.
     element: bool,
-    /// For each array and object around: whether its parts stand on lines of their own.
+    /// For each enclosing array and object, whether its entries are on separate lines.
     broken: Vec<bool>,
     in_key: bool,
     long: bool,

@@ -11,16 +11,16 @@ use crate::layout::path::{PathError, PathErrorKind};
 use crate::layout::rules;
 use crate::layout::rules::Rule;
 use crate::layout::{BlockLayout, LARGEST_BLOCK, MemberLayout};
-use crate::shape::{ArrayLen, Majorness, Rules, Scalar, Type};
+use crate::shape::{ArrayLen, MatrixLayout, Rules, Scalar, Type};
 use crate::source::Language;
 use crate::text::edit_distance::nearest;
 
-/// Where a walk stands.
+/// The current position of a walk.
 #[derive(Clone, Copy)]
 enum Place<'a> {
     /// At the start of a block.
     Members(&'a [MemberLayout]),
-    /// At a member, that many of its dimensions indexed.
+    /// At a member with that many of its dimensions indexed.
     Member(&'a MemberLayout, usize),
     /// At a vector, or a column of a matrix.
     Vector(Components),
@@ -33,7 +33,7 @@ enum Place<'a> {
 struct Components {
     scalar: Scalar,
     count: u64,
-    /// From one to the next.
+    /// Distance between components in bytes.
     stride: u64,
 }
 
@@ -47,19 +47,19 @@ impl Components {
 pub(super) struct Walk<'a> {
     block: &'a BlockLayout,
     language: Language,
-    /// The steps taken.
+    /// The steps so far.
     pub steps: Vec<Step>,
-    /// The path they lead along.
+    /// The path so far.
     pub path: String,
-    /// Where that is, from the start of the block.
+    /// Offset of the current position from the start of the block.
     pub at: u64,
     place: Place<'a>,
-    /// Segments of the user's path that led somewhere.
+    /// Number of segments of the user's path resolved so far.
     pub resolved: usize,
 }
 
 impl<'a> Walk<'a> {
-    /// At the start of a block, that many segments of the path spent on its name.
+    /// Starts at the block, with `resolved` segments of the path spent on its name.
     pub fn new(block: &'a BlockLayout, language: Language, resolved: usize) -> Walk<'a> {
         let place = Place::Members(&block.members);
         Walk { block, language, steps: vec![], path: String::new(), at: 0, place, resolved }
@@ -84,7 +84,7 @@ impl<'a> Walk<'a> {
         self.steps.last().map(|step| step.ty.clone()).unwrap_or_default()
     }
 
-    /// On to a member, or to a component by its letter.
+    /// Steps to a member, or to a component by its letter.
     pub fn name(&mut self, name: &str) -> Result<(), PathError> {
         match self.place {
             Place::Members(members) => self.member(members, name),
@@ -123,7 +123,7 @@ impl<'a> Walk<'a> {
         let previous = i.checked_sub(1).map(|i| &members[i]);
         let previous_end = match previous.and_then(|m| Some((m.offset?, m.size?))) {
             Some((offset, size)) => offset + size,
-            // After a runtime-sized member, the furthest end so far.
+            // After a runtime-sized member: the furthest end so far.
             None => structure(&members[..i], rules).data_size,
         };
         let offset = member.offset.unwrap_or(0);
@@ -155,7 +155,7 @@ impl<'a> Walk<'a> {
         unknown_member(owner, name, &member.members)
     }
 
-    /// On to an element, column or component by its number.
+    /// Steps to an element, column or component by its index.
     pub fn index(&mut self, index: Option<u64>) -> Result<(), PathError> {
         let not_an_array = PathErrorKind::NotAnArray { path: self.path.clone(), ty: self.here() };
         match self.place {
@@ -271,7 +271,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Bytes from the first to the last of the place the walk ended at.
+    /// Returns the size in bytes of the current position; `None` if runtime-sized.
     pub fn size(&self) -> Option<u64> {
         match self.place {
             Place::Members(_) => self.block.size,
@@ -295,13 +295,13 @@ fn element_of(ty: &Type) -> &Type {
     }
 }
 
-/// The rule a type is laid out by, as it stands in `member`.
+/// Returns the rule that lays out a type as declared in `member`.
 fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
-    let majorness = if member.row_major { Majorness::Row } else { Majorness::Column };
-    rules::extent(ty, rules, majorness).map_or(Rule::Structure, |extent| extent.rule)
+    let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
+    rules::extent(ty, rules, matrix_layout).map_or(Rule::Structure, |extent| extent.rule)
 }
 
-/// The alignment a member's type has by the rules, without `align = N` or `@align(N)` of its own.
+/// Returns the alignment of a member's type, ignoring `align = N` or `@align(N)` on the member.
 fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
     let array = match rules {
         Rules::Std140 if !member.dims.is_empty() => 16,
@@ -316,14 +316,15 @@ fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
         | Type::Matrix { .. }
         | Type::Address(_)
         | Type::Array { .. } => {
-            let majorness = if member.row_major { Majorness::Row } else { Majorness::Column };
-            rules::extent(ty, rules, majorness).map_or(1, |extent| extent.align.bytes())
+            let matrix_layout =
+                if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
+            rules::extent(ty, rules, matrix_layout).map_or(1, |extent| extent.align.bytes())
         }
     };
     own.max(array)
 }
 
-/// Bytes of an element of a dimension before they are rounded up to the stride.
+/// Returns the bytes of an element of a dimension before rounding up to the stride.
 fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64 {
     match (member.dims.get(indexed + 1), member.strides.get(indexed + 1)) {
         (Some(ArrayLen::Fixed(_)), Some(_)) => {
@@ -342,7 +343,7 @@ fn unrounded_element(member: &MemberLayout, indexed: usize, rules: Rules) -> u64
     }
 }
 
-/// Why a block has no member of that name.
+/// Returns the error for a member name that the block does not have.
 pub(super) fn unknown(block: &BlockLayout, name: &str) -> PathErrorKind {
     if block.opaque.iter().any(|o| **o == *name) {
         return PathErrorKind::Opaque { name: name.to_string() };

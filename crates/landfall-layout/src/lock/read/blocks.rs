@@ -1,7 +1,7 @@
-//! The layout of one shader: its blocks, their members and leaves.
+//! Reads the layout of one shader: its blocks, their members and leaves.
 //!
-//! Goes by [`place`](crate::lock::place); [`spelling`](crate::lock::spelling) gives types, and
-//! [`check`](crate::lock::check) holds what was read against itself.
+//! Values come from [`place`](crate::lock::place) and types from
+//! [`spelling`](crate::lock::spelling); [`check`](crate::lock::check) checks consistency.
 
 use std::sync::Arc;
 
@@ -11,7 +11,9 @@ use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
 use crate::lock::check::Within;
 use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
-use crate::shape::{AddressSpace, ArrayLen, DEFAULT_BLOCK, Majorness, Member, Rules, Struct, Type};
+use crate::shape::{
+    AddressSpace, ArrayLen, DEFAULT_BLOCK, MatrixLayout, Member, Rules, Struct, Type,
+};
 use crate::source::{Files, Language, Span, Stage, Target};
 use crate::text::json::{Node, Value};
 
@@ -35,7 +37,7 @@ const BLOCK_KEYS: &[&str] = &[
     "offsets",
 ];
 
-/// Which of the two forms is read.
+/// The JSON format that is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     Lock,
@@ -105,7 +107,7 @@ impl Reader<'_> {
         })
     }
 
-    /// One of a few words.
+    /// A string that is one of `names`.
     fn word<T: Copy>(
         &self,
         object: Object<'_>,
@@ -128,7 +130,7 @@ impl Reader<'_> {
 
     /// A set or binding.
     fn slot(&self, object: Object<'_>, key: &str) -> Result<Option<u32>, Error> {
-        // No number that `optional` lets through is above 2^32.
+        // `optional` limits numbers to at most 2^32.
         Ok(self.optional(object, key)?.map(|n| u32::try_from(n).unwrap_or(u32::MAX)))
     }
 
@@ -137,14 +139,14 @@ impl Reader<'_> {
         self.place.list(node, key)?.iter().map(|item| self.place.number(item, key)).collect()
     }
 
-    /// How many buffers a block is: none of these for one alone.
+    /// The dimensions of an array of blocks; empty for a single block.
     fn count(&self, object: Object<'_>) -> Result<Vec<ArrayLen>, Error> {
         Ok(match (object.get("count"), self.shape) {
             (Some(node), shape) => match self.place.number(node, "count")? {
                 1 if shape == Shape::Layout => Vec::new(),
                 n => vec![ArrayLen::Fixed(u32::try_from(n).unwrap_or(u32::MAX))],
             },
-            // Null is a number that the text does not say; without the key there is one buffer.
+            // Null is a count that the shader does not specify; no key means one buffer.
             (None, _) if object.entries.iter().any(|(key, _, _)| key == "count") => {
                 vec![ArrayLen::Runtime]
             }
@@ -186,8 +188,7 @@ impl Reader<'_> {
         let opaque: Vec<&str> =
             opaque.iter().map(|node| place.text(node, "opaque")).collect::<Result<_, _>>()?;
         if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MOST_LEAVES {
-            let message =
-                format!("has more than {MOST_LEAVES} members at the ends of a block's tree");
+            let message = format!("has a block with more than {MOST_LEAVES} leaves");
             return Err(place.error(object.at, &message).with_help(WRITE_AGAIN));
         }
         let name = place.text(name_node, "name")?;
@@ -206,7 +207,7 @@ impl Reader<'_> {
                 self.word(object, "rules", &all, Rules::name)?
             },
             rules_declared,
-            // A lock has no other record of it.
+            // A lock does not record it.
             gathered: loose || (!rules_declared && name == DEFAULT_BLOCK),
             group: self.slot(object, "group")?,
             binding: self.slot(object, "binding")?,
@@ -294,11 +295,11 @@ impl Reader<'_> {
         let base = match (members.as_deref(), spelling::plain(&spelling.base, within.language)) {
             (Some(members), _) => structure(&spelling.base, members, span(name_node)),
             (None, Some(plain)) => plain,
-            // An output of `layout` has no word for a structure of samplers only but its leaves.
+            // The output of `layout` marks a structure of samplers only by its lack of leaves.
             (None, None) if within.leaves.is_some_and(|all| !all.contains(&path.as_str())) => {
                 structure(&spelling.base, &[], span(name_node))
             }
-            // A buffer reference goes by its own name, and is an address of 8 bytes.
+            // A buffer reference has the name of its block, and is an address of 8 bytes.
             (None, None) if !spelling.dims.is_empty() || within.loose || size == Some(8) => {
                 Type::Address(Arc::from(spelling.base.as_str()))
             }
@@ -322,7 +323,7 @@ impl Reader<'_> {
         Ok(member)
     }
 
-    /// Holds the leaves that an output of `layout` lists against those its members make.
+    /// Checks the leaves listed in an output of `layout` against those of its members.
     fn leaves(&self, nodes: &[Node], block: &BlockLayout, language: Language) -> Result<(), Error> {
         let place = &self.place;
         for (i, node) in nodes.iter().enumerate() {
@@ -347,7 +348,7 @@ impl Reader<'_> {
             let path = place.text(path_node, "path")?;
             let refuse =
                 |message: String| Err(place.contradiction(span(path_node).start, &message));
-            // Leaves stand in the order of the members, so only a mismatch is worth the search.
+            // Leaves are in member order, so search only on a mismatch.
             let Some(leaf) = block.leaves.get(i).filter(|leaf| leaf.path == path) else {
                 return refuse(match block.leaves.iter().any(|leaf| leaf.path == path) {
                     true if listed(&nodes[..i], path) => {
@@ -362,12 +363,12 @@ impl Reader<'_> {
                 ("size", self.optional(object, "size")?, leaf.size),
                 ("matrix_stride", self.optional(object, "matrix_stride")?, leaf.matrix_stride),
             ];
-            for (key, said, made) in numbers {
-                if said != made {
+            for (key, listed_value, made) in numbers {
+                if listed_value != made {
                     let shown = |n: Option<u64>| n.map_or("null".to_string(), |n| n.to_string());
                     return refuse(format!(
                         "the leaf `{path}` has `{key}` {}, but its member puts it at {}",
-                        shown(said),
+                        shown(listed_value),
                         shown(made)
                     ));
                 }
@@ -410,7 +411,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether one of those leaves has that path.
+/// Whether one of the leaves has this path.
 fn listed(nodes: &[Node], path: &str) -> bool {
     let says = |node: &Node| match &node.value {
         Value::Object(entries) => entries.iter().any(|(key, _, node)| {
@@ -426,12 +427,12 @@ fn span(node: &Node) -> Span {
     Span { file: 0, start: at(node.start), end: at(node.end) }
 }
 
-/// A structure whose members are those that were laid out.
+/// A structure type with the members of a layout.
 fn structure(name: &str, members: &[MemberLayout], span: Span) -> Type {
-    // GLSL's `struct { … }` is spelled without a name of its own.
+    // GLSL's nameless `struct { … }` is spelled `struct`.
     let name = if name == "struct" { "" } else { name };
     let declared = |member: &MemberLayout| Member {
-        majorness: member.row_major.then_some(Majorness::Row),
+        matrix_layout: member.row_major.then_some(MatrixLayout::Row),
         ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
     };
     let members = members.iter().map(declared).collect();

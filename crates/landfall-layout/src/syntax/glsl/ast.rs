@@ -1,7 +1,7 @@
-//! The syntax tree of a shader, names not yet resolved.
+//! The syntax tree of a shader, with names unresolved.
 //!
-//! Made by [`parser`](super::parser). Declarations keep the tokens of their expressions and
-//! bodies, which are parsed when [`Parser::complete`](super::parser::Parser::complete) is called.
+//! Built by [`parser`](super::parser). Declarations keep the tokens of their expressions and
+//! bodies, which [`Parser::complete`](super::parser::Parser::complete) parses.
 
 #![allow(missing_docs)] // fields and variants are named after the grammar's own productions
 
@@ -13,23 +13,23 @@ use crate::source::Span;
 /// A range of the parser's tokens.
 pub type Tokens = Range<usize>;
 
-/// A name and where it stands.
+/// A name and its token.
 #[derive(Clone, Copy, Debug)]
 pub struct Name<'a> {
     pub text: &'a str,
     pub span: Span,
-    /// Its token.
+    /// The index of its token.
     pub at: usize,
 }
 
-/// An expression and where it stands.
+/// An expression and its span.
 #[derive(Debug)]
 pub struct Expr<'a> {
     pub kind: ExprKind<'a>,
     pub span: Span,
-    /// The token that makes it what it is: the operator, the name called, the literal.
+    /// The span of the operator, called name or literal.
     pub mark: Span,
-    /// Levels below it, itself included: what recursion over it costs.
+    /// Levels of expressions in it, itself included: the cost of recursion over it.
     pub depth: u32,
 }
 
@@ -138,17 +138,18 @@ impl Binary {
 #[derive(Debug)]
 pub struct TypeSpec<'a> {
     pub base: TypeBase<'a>,
-    /// The token of its name, or `struct`.
+    /// The token of the name, or `struct`.
     pub at: usize,
     pub dims: Vec<Dim<'a>>,
     pub span: Span,
-    /// Whether `<…>` follows its name.
+    /// Whether `<…>` follows the name.
     pub parameters: bool,
-    /// Of floats and what is sampled, where the dialect has precisions: said, or the default.
+    /// The precision of float and sampler types, written or by default, in dialects that have
+    /// precisions.
     pub precision: Option<Precision>,
 }
 
-/// How precisely a dialect of OpenGL ES wants numbers, the least first.
+/// The precision qualifiers of OpenGL ES, the lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Precision {
     Low,
@@ -165,26 +166,26 @@ pub enum TypeBase<'a> {
 /// `[SIZE]` or `[]`.
 #[derive(Debug)]
 pub struct Dim<'a> {
-    /// What stands between the brackets.
+    /// The tokens between the brackets.
     pub tokens: Tokens,
-    /// Both brackets included.
+    /// The span, both brackets included.
     pub span: Span,
-    /// Parsed on demand.
+    /// The size, parsed on demand.
     pub size: Option<Box<Expr<'a>>>,
 }
 
 #[derive(Debug)]
 pub struct StructDecl<'a> {
-    /// Empty when there is none; then its place is that of `struct`.
+    /// The name; if there is none, empty with the place of `struct`.
     pub name: Name<'a>,
     pub members: Vec<Declaration<'a>>,
-    /// Whether its `}` is there.
+    /// Whether the closing `}` is present.
     pub closed: bool,
     /// From `struct` to `}`.
     pub tokens: Tokens,
 }
 
-/// Where a variable lives.
+/// The storage qualifier of a variable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Storage {
     #[default]
@@ -198,11 +199,11 @@ pub enum Storage {
     Shared,
     /// `varying`: an input of a fragment shader, an output of a vertex shader.
     Varying,
-    /// Anything landfall does not run: ray payloads and the like.
+    /// Storage that landfall does not execute, such as ray payloads.
     Foreign,
 }
 
-/// What stands before a type.
+/// The qualifiers before a type.
 #[derive(Debug, Default)]
 pub struct Qualifiers<'a> {
     pub storage: Storage,
@@ -218,7 +219,7 @@ pub struct Qualifiers<'a> {
     pub writeonly: bool,
     pub layout: Vec<LayoutId<'a>>,
     pub any: bool,
-    /// All of them.
+    /// The tokens of all qualifiers.
     pub tokens: Tokens,
 }
 
@@ -228,19 +229,20 @@ pub struct LayoutId<'a> {
     pub name: Name<'a>,
     /// The expression after `=`.
     pub tokens: Tokens,
-    /// Parsed on demand.
+    /// The value, parsed on demand.
     pub value: Option<Box<Expr<'a>>>,
 }
 
 impl LayoutId<'_> {
-    /// Whether it is of that name; names in `layout(…)` are not case sensitive (GLSL 4.60 §4.4).
+    /// Whether the entry has that name; names in `layout(…)` are not case sensitive (GLSL 4.60
+    /// §4.4).
     pub fn is(&self, name: &str) -> bool {
         self.name.text.eq_ignore_ascii_case(name)
     }
 }
 
 impl<'a> Qualifiers<'a> {
-    /// The last layout entry of that name: later ones override earlier ones.
+    /// Returns the last layout entry with that name; later ones override earlier ones.
     pub fn find(&self, name: &str) -> Option<&LayoutId<'a>> {
         self.layout.iter().rev().find(|id| id.is(name))
     }
@@ -249,7 +251,7 @@ impl<'a> Qualifiers<'a> {
 /// `QUALIFIERS TYPE a, b[2] = …;`
 #[derive(Debug)]
 pub struct Declaration<'a> {
-    /// From its first token to its `;`.
+    /// From the first token to `;`.
     pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub ty: TypeSpec<'a>,
@@ -262,26 +264,26 @@ pub struct Declaration<'a> {
 pub struct Declarator<'a> {
     pub name: Name<'a>,
     pub dims: Vec<Dim<'a>>,
-    /// The initialiser.
+    /// The tokens of the initialiser.
     pub tokens: Tokens,
-    /// Parsed on demand.
+    /// The initialiser, parsed on demand.
     pub init: Option<Box<Expr<'a>>>,
 }
 
 /// `QUALIFIERS NAME { … } INSTANCE[N];`
 #[derive(Debug)]
 pub struct BlockDecl<'a> {
-    /// From its first token to its `;`.
+    /// From the first token to `;`.
     pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub name: Name<'a>,
-    /// Of a block of inputs or outputs, parsed on demand.
+    /// The members of a block of inputs or outputs, parsed on demand.
     pub members: Vec<Declaration<'a>>,
     pub instance: Option<Name<'a>>,
     pub dims: Vec<Dim<'a>>,
-    /// Whether its `}` is there.
+    /// Whether the closing `}` is present.
     pub closed: bool,
-    /// How many diagnostics there were when its members began.
+    /// The number of diagnostics before the members.
     pub diagnostics: usize,
 }
 
@@ -290,33 +292,34 @@ pub struct Parameter<'a> {
     pub tokens: Tokens,
     pub qualifiers: Qualifiers<'a>,
     pub ty: TypeSpec<'a>,
-    /// Empty when there is none.
+    /// The name; empty if there is none.
     pub name: Name<'a>,
     pub dims: Vec<Dim<'a>>,
 }
 
 #[derive(Debug)]
 pub struct FunctionDecl<'a> {
-    /// From its first token to its `;` or `}`.
+    /// From the first token to `;` or `}`.
     pub tokens: Tokens,
     pub name: Name<'a>,
     pub returns: TypeSpec<'a>,
-    /// What stands between its parentheses.
+    /// The tokens between the parentheses.
     pub parameter_tokens: Tokens,
-    /// Parsed on demand.
+    /// The parameters, parsed on demand.
     pub parameters: Vec<Parameter<'a>>,
-    /// What stands between its braces; empty where bodies are skipped.
+    /// The tokens between the braces; empty where bodies are skipped.
     pub body_tokens: Option<Tokens>,
-    /// Parsed on demand; `None` for a prototype.
+    /// The body, parsed on demand; `None` for a prototype.
     pub body: Option<Vec<Statement<'a>>>,
 }
 
-/// The default precisions that `precision` statements have set.
+/// The default precisions set by `precision` statements.
 #[derive(Clone, Copy, Debug)]
 pub struct Precisions {
-    /// `None` before any statement sets it: the stage decides.
+    /// The precision of floats; `None` before any statement sets it: then the stage decides.
     pub float: Option<Precision>,
-    /// Of what a `sampler2D` or `samplerCube` gives; other samplers have none.
+    /// The precision of values sampled from a `sampler2D` or `samplerCube`; other samplers have no
+    /// default.
     pub sampled: Precision,
 }
 
@@ -342,7 +345,7 @@ pub enum Item<'a> {
     Requalified(Qualifiers<'a>, Name<'a>),
     /// `precision mediump float;`
     Precision(Tokens),
-    /// What declares nothing, or a syntax error that was reported.
+    /// A declaration without effect, or a reported syntax error.
     Other(Tokens),
 }
 
@@ -371,7 +374,7 @@ pub enum StatementKind<'a> {
     Return(Option<Expr<'a>>),
 }
 
-/// An expression, or `bool a = …` in its place.
+/// An expression, or a declaration `bool a = …` in its place.
 #[derive(Debug)]
 pub enum Condition<'a> {
     Expression(Expr<'a>),

@@ -1,16 +1,16 @@
-//! Blocks: `uniform NAME { … } instance[N];`, `buffer`, push constants and
-//! buffer references, with the rules and majorness in force.
+//! Blocks (`uniform NAME { … } instance[N];`, `buffer`, push constants and buffer references), with
+//! the rules and matrix storage in effect.
 
 use super::ast::{BlockDecl, Qualifiers, Storage};
 use super::declarations::{Defaults, Named, Reader};
-use super::members::{Place, majorness};
+use super::members::{Place, matrix_layout};
 use super::parser::diagnostic_at;
 use crate::diagnostic::Code;
-use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, OffsetOrder, Rules};
+use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rules};
 use crate::source::Target;
 
 impl<'a> Reader<'a> {
-    /// Reads a block from its declaration.
+    /// Adds a block from its declaration.
     pub(super) fn block(&mut self, block: &BlockDecl<'a>) {
         let qualifiers = &block.qualifiers;
         let name = self.parser.token_of(&block.name);
@@ -88,12 +88,13 @@ impl<'a> Reader<'a> {
             | AddressSpace::Storage
             | AddressSpace::BufferReference
             | AddressSpace::Default => own.rules.or(defaults.rules),
-            // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself says
-            // otherwise; the default of `uniform` or `buffer` is not theirs.
+            // GL_KHR_vulkan_glsl, GL_EXT_ray_tracing: std430 unless the block itself has another
+            // qualifier; the defaults set for `uniform` or `buffer` do not apply.
             AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
         };
         let (rules, rules_declared) = self.rules(written, space);
-        // Without explicit offsets their order is no question, and the text is not searched for it.
+        // Offset order only matters with explicit offsets; without them the text need not be
+        // searched.
         let explicit = read.members.iter().any(|member| member.offset.is_some());
         self.blocks.push(Block {
             name: name.text.into(),
@@ -105,13 +106,16 @@ impl<'a> Reader<'a> {
             group,
             binding,
             count,
-            majorness: own.majorness.or(defaults.majorness).unwrap_or(Majorness::Column),
+            matrix_layout: own
+                .matrix_layout
+                .or(defaults.matrix_layout)
+                .unwrap_or(MatrixLayout::Column),
             members: read.members,
             opaque: read.opaque,
             offset_order: match explicit.then(|| self.parser.preprocessor().target()).flatten() {
                 Some(Target::Vulkan) => OffsetOrder::Any,
                 Some(Target::OpenGl) => OffsetOrder::Ascending,
-                None => OffsetOrder::Untold,
+                None => OffsetOrder::Unknown,
             },
             span: name.span,
             comment,
@@ -123,7 +127,7 @@ impl<'a> Reader<'a> {
         new.iter().any(|d| d.severity == crate::Severity::Error)
     }
 
-    /// The comments on the lines before a declaration.
+    /// Returns the comments on the lines before a declaration.
     fn comments_before(&mut self, start: usize) -> Vec<crate::Span> {
         let first = self.parser.tokens()[start];
         let mut all = self.comments_of(&(start..start + 1));
@@ -131,7 +135,7 @@ impl<'a> Reader<'a> {
         all
     }
 
-    /// The rules in force, and whether the text or the language says so.
+    /// Returns the rules in effect, and whether the text or the language determines them.
     fn rules(&mut self, written: Option<Option<Rules>>, space: AddressSpace) -> (Rules, bool) {
         let fallback = match space {
             AddressSpace::Uniform | AddressSpace::Default => Rules::Std140,
@@ -142,7 +146,7 @@ impl<'a> Reader<'a> {
         };
         match written {
             Some(Some(rules)) => (rules, true),
-            // `shared` and `packed`: offsets are the driver's.
+            // `shared` and `packed`: the driver chooses the offsets.
             Some(None) => (fallback, false),
             None => {
                 // GL_KHR_vulkan_glsl: std140 for uniform blocks, std430 for the others, by default;
@@ -178,7 +182,7 @@ fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
     }
 }
 
-/// What `layout(…)` itself says of rules and majorness.
+/// Returns the rules and matrix storage set in `layout(…)` itself.
 pub(super) fn own_defaults(qualifiers: &Qualifiers<'_>) -> Defaults {
     let rules = qualifiers.layout.iter().rev().find_map(|id| {
         if id.is("shared") || id.is("packed") {
@@ -189,5 +193,5 @@ pub(super) fn own_defaults(qualifiers: &Qualifiers<'_>) -> Defaults {
             .find(|rules| id.is(rules.name()))
             .map(Some)
     });
-    Defaults { rules, majorness: majorness(qualifiers) }
+    Defaults { rules, matrix_layout: matrix_layout(qualifiers) }
 }

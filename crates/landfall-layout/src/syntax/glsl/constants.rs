@@ -1,5 +1,4 @@
-//! Constants that sizes are computed from: `const` variables and
-//! specialisation constants.
+//! Constants used in array sizes: `const` variables and specialisation constants.
 
 use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
@@ -14,14 +13,14 @@ use crate::shape::Override;
 use crate::source::Span;
 use crate::syntax::constant::{Kind as Scalar, Value};
 
-/// Constants may be defined by each other this many times over.
+/// The limit on chains of constants defined by other constants.
 const DEEPEST_CHAIN: u32 = 64;
 
-/// A `const` of the shader.
+/// A `const` variable of the shader.
 #[derive(Clone, Debug)]
 pub(super) struct Constant<'a> {
     definition: Definition<'a>,
-    /// Indices of the specialisation constants its value comes from.
+    /// Indices of the specialisation constants its value depends on.
     overrides: Vec<usize>,
 }
 
@@ -33,17 +32,17 @@ enum Definition<'a> {
     Later(Vec<Token<'a>>),
 }
 
-/// The constants of a shader, by name.
+/// The constants of a shader by name.
 #[derive(Debug, Default)]
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
-    /// Specialisation constants in the order of the text.
+    /// The specialisation constants in declaration order.
     pub overrides: Vec<Override>,
-    /// Which of them an array size depends on.
+    /// Whether an array size depends on each of them.
     pub used: Vec<bool>,
 }
 
-/// Looks names up while one expression is evaluated.
+/// Resolves names during the evaluation of one expression.
 struct Lookup<'c, 'a> {
     constants: &'c Constants<'a>,
     overrides: Vec<usize>,
@@ -54,9 +53,9 @@ impl Names for Lookup<'_, '_> {
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
         let Some(constant) = self.constants.by_name.get(name) else {
             let message = if name.starts_with("gl_Max") {
-                format!("depends on the driver's `{name}`; give its value with `-D {name}=N`")
+                format!("depends on the driver's `{name}`; define it with `-D {name}=N`")
             } else {
-                format!("is not constant: `{name}` is no constant of this shader")
+                format!("is not constant: `{name}` is not a constant of this shader")
             };
             return Err(Problem::new(span, message));
         };
@@ -87,7 +86,7 @@ impl<'a> Constants<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// The value of a whole-number constant expression that a size depends on.
+    /// Evaluates an integer constant expression that a size depends on.
     pub(super) fn constant_integer(
         &mut self,
         tokens: &Tokens,
@@ -99,10 +98,10 @@ impl<'a> Reader<'a> {
             self.constants.used[index] = true;
         }
         let first = tokens.first().map_or(span, |token| token.span);
-        value?.integer().ok_or_else(|| Problem::new(first, "is no whole number"))
+        value?.integer().ok_or_else(|| Problem::new(first, "is not an integer"))
     }
 
-    /// Notes a `const`; `scalar` is its type when it is a single number.
+    /// Records a `const`; `scalar` is its type if it is a scalar.
     pub(super) fn add_constant(
         &mut self,
         declarator: &Declarator<'a>,
@@ -119,7 +118,7 @@ impl<'a> Reader<'a> {
             Some(kind) => {
                 let (value, mut overrides) = self.constants.evaluate(initialiser, name.span);
                 let convert = |value: Value| {
-                    let wrong = |_| Problem::new(name.span, "is given a value of another type");
+                    let wrong = |_| Problem::new(name.span, "has an initialiser of another type");
                     value.convert(kind).map_err(wrong)
                 };
                 let mut value = value.and_then(convert);
@@ -133,11 +132,11 @@ impl<'a> Reader<'a> {
         self.constants.by_name.insert(name.text, constant);
     }
 
-    /// The value of a layout entry, a whole number from 0.
+    /// Returns the value of a layout entry, a non-negative integer.
     pub(super) fn layout_number(&mut self, id: &LayoutId<'a>) -> Result<u64, Diagnostic> {
         let name = self.parser.token_of(&id.name);
         if id.tokens.is_empty() {
-            let message = format!("`{}` wants a number: `{} = N`", name.text, name.text);
+            let message = format!("`{}` needs a value: `{} = N`", name.text, name.text);
             return Err(diagnostic_at(&name, Code::LayoutQualifier, message));
         }
         let value = self.constant_integer(&id.tokens, name.span);
@@ -151,7 +150,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Notes a specialisation constant: its value is what `-O` gives, or its default.
+    /// Records a specialisation constant with the value set by `-O`, or its default.
     fn specialise(
         &mut self,
         name: Name<'a>,
@@ -173,9 +172,11 @@ impl<'a> Reader<'a> {
             .find(|(key, _)| key == name.text || Some(key) == number.as_ref());
         let value = match given {
             None => default,
-            Some((_, text)) => parse_given(text)
-                .and_then(|value| value.convert(kind).ok())
-                .ok_or_else(|| Problem::new(name.span, format!("is given `{text}`, no number"))),
+            Some((_, text)) => {
+                parse_given(text).and_then(|value| value.convert(kind).ok()).ok_or_else(|| {
+                    Problem::new(name.span, format!("is set to `{text}`, which is not a number"))
+                })
+            }
         };
         let integer = value.as_ref().ok().and_then(Value::integer);
         self.constants.overrides.push(Override {
@@ -188,7 +189,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A number as the command line gives it.
+/// Parses a number from the command line.
 fn parse_given(text: &str) -> Option<Value> {
     match text {
         "true" => Some(Value::Bool(true)),

@@ -1,5 +1,5 @@
-//! The shape of a shader from its parsed declarations: structures, blocks, loose uniforms and
-//! constants; everything else is passed over.
+//! Extracts the shape of a shader from its parsed declarations: structures, blocks, loose uniforms
+//! and constants. Other declarations are skipped.
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use super::members::TypeName;
 use super::parser::Parser;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{Block, Majorness, Member, Rules, Struct, Type};
-use crate::source::ReadOptions;
+use crate::shape::{Block, MatrixLayout, Member, Rules, Struct, Type};
+use crate::source::{ReadOptions, Span};
 
 /// Collects the shape of a shader from its declarations.
 pub(super) struct Reader<'a> {
@@ -26,16 +26,20 @@ pub(super) struct Reader<'a> {
     pub blocks: Vec<Block>,
     /// Loose uniforms that hold data.
     pub loose: Vec<Member>,
-    /// Loose uniforms that are handles: their names.
+    /// Names of loose uniforms that are opaque handles.
     pub loose_opaque: Vec<Arc<str>>,
+    /// Members of blocks whose length is left to their use.
+    pub unsized_members: Vec<Unsized<'a>>,
+    /// Lengths of such members, once the bodies were read for them.
+    pub lengths: Lengths<'a>,
 }
 
-/// What `layout(…) uniform;` and `layout(…) buffer;` set for the blocks that follow.
+/// Defaults for later blocks, set by `layout(…) uniform;` and `layout(…) buffer;`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Defaults {
-    /// The rules, if set; `None` inside means the driver's own (`shared`, `packed`).
+    /// The rules, if set; `Some(None)` means the driver's own (`shared`, `packed`).
     pub rules: Option<Option<Rules>>,
-    pub majorness: Option<Majorness>,
+    pub matrix_layout: Option<MatrixLayout>,
 }
 
 /// A type the shader declares.
@@ -44,13 +48,36 @@ pub(super) enum Named<'a> {
     Struct(Arc<Struct>),
     /// `layout(buffer_reference) buffer NAME`.
     Reference,
-    /// A structure that cannot be laid out, and why; told when something is made of it.
+    /// A structure that cannot be laid out, and the reason; reported when it is used.
     Broken {
         name: Token<'a>,
         why: Vec<Diagnostic>,
-        told: bool,
+        reported: bool,
     },
 }
+
+/// A member whose length the text leaves open.
+#[derive(Clone, Debug)]
+pub(super) struct Unsized<'a> {
+    /// The member's name.
+    pub name: &'a str,
+    /// The place of the name in its declaration.
+    pub span: Span,
+}
+
+/// Why a length cannot be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unknown {
+    /// No constant index is used.
+    Unused,
+    /// The index here is not constant.
+    NotConstant(Span),
+    /// The name is also declared here, or used without an index.
+    Ambiguous(Span),
+}
+
+/// The length of each member by name, or why it is not known.
+pub(super) type Lengths<'a> = FxHashMap<&'a str, Result<u32, Unknown>>;
 
 impl<'a> Reader<'a> {
     pub fn new(parser: Parser<'a>) -> Reader<'a> {
@@ -63,16 +90,18 @@ impl<'a> Reader<'a> {
             blocks: Vec::new(),
             loose: Vec::new(),
             loose_opaque: Vec::new(),
+            unsized_members: Vec::new(),
+            lengths: Lengths::default(),
         }
     }
 
-    /// Reads the whole shader, and gives each declaration to `keep`.
+    /// Reads the whole shader and passes each declaration to `keep`.
     pub fn read(&mut self, mut keep: impl FnMut(&mut Parser<'a>, Item<'a>)) {
         while let Some(item) = self.parser.item() {
             self.item(&item);
             keep(&mut self.parser, item);
         }
-        self.tell_unused_broken_types();
+        self.report_unused_broken_types();
     }
 
     pub fn options(&mut self) -> &'a ReadOptions {
@@ -87,7 +116,7 @@ impl<'a> Reader<'a> {
         match item {
             Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
             Item::Block(block) => self.block(block),
-            // `layout(buffer_reference) buffer NAME;` ahead of its body.
+            // `layout(buffer_reference) buffer NAME;`, a forward declaration.
             Item::Requalified(qualifiers, name) => {
                 let buffer = qualifiers.storage == Storage::Buffer;
                 if buffer && qualifiers.find("buffer_reference").is_some() {
@@ -99,7 +128,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `layout(…) uniform;` sets defaults; so does `layout(…) buffer;`.
+    /// Applies `layout(…) uniform;` or `layout(…) buffer;`, which set defaults.
     fn set_defaults(&mut self, qualifiers: &Qualifiers<'a>) {
         let defaults = match qualifiers.storage {
             Storage::Uniform => &mut self.uniform_defaults,
@@ -108,14 +137,14 @@ impl<'a> Reader<'a> {
         };
         let own = super::blocks::own_defaults(qualifiers);
         defaults.rules = own.rules.or(defaults.rules);
-        defaults.majorness = own.majorness.or(defaults.majorness);
+        defaults.matrix_layout = own.matrix_layout.or(defaults.matrix_layout);
     }
 
-    /// `TYPE a, b;` or `struct NAME { … } a, b;`
+    /// Reads `TYPE a, b;` or `struct NAME { … } a, b;`.
     fn variables(&mut self, declaration: &Declaration<'a>) {
         let Declaration { qualifiers, ty, names, broken, .. } = declaration;
         if *broken {
-            return; // a syntax error: said already
+            return; // a syntax error, reported before
         }
         let type_name = match &ty.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
@@ -125,7 +154,7 @@ impl<'a> Reader<'a> {
             TypeBase::Name(_) => TypeName::Name(self.parser.tokens()[ty.at]),
         };
         if qualifiers.subroutine {
-            // A subroutine uniform is set by its own call and has no bytes.
+            // A subroutine uniform is set by separate calls and has no bytes.
         } else if qualifiers.storage == Storage::Uniform {
             self.loose_uniforms(&type_name, declaration);
         } else if let (true, TypeBase::Name(name)) = (qualifiers.constant, &ty.base) {
@@ -143,18 +172,18 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn tell_unused_broken_types(&mut self) {
+    fn report_unused_broken_types(&mut self) {
         let types = std::mem::take(&mut self.types);
-        let mut untold: Vec<_> = types
+        let mut unreported: Vec<_> = types
             .into_values()
             .filter_map(|named| match named {
-                Named::Broken { why, told: false, .. } => Some(why),
+                Named::Broken { why, reported: false, .. } => Some(why),
                 Named::Broken { .. } | Named::Struct(_) | Named::Reference => None,
             })
             .flatten()
             .collect();
-        untold.sort_by_key(|d| d.labels.first().map(|label| (label.span.file, label.span.start)));
-        for diagnostic in untold {
+        unreported.sort_by_key(|d| d.labels.first().map(|label| (label.at.file, label.at.start)));
+        for diagnostic in unreported {
             self.report(diagnostic);
         }
     }

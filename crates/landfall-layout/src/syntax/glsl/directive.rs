@@ -1,4 +1,4 @@
-//! Directives: what a line that begins with `#` does to the stream of tokens.
+//! Preprocessor directives: lines that begin with `#`.
 
 use crate::diagnostic::Code;
 use std::rc::Rc;
@@ -11,21 +11,21 @@ use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Target};
 use crate::syntax::constant::Value;
 
-/// An `#if` that is not yet closed.
+/// An `#if` that is still open.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Condition {
-    /// The directive that opened it.
+    /// The span of the opening directive.
     span: Span,
     /// Whether one of its branches was taken.
     taken: bool,
-    /// Whether `#else` was seen.
+    /// Whether it is past its `#else`.
     in_else: bool,
 }
 
-/// What a version that is not known is read as.
+/// The version assumed for an unknown one.
 const NEWEST: u32 = 460;
 
-/// Versions there are (GLSL 4.60 §3.3, GLSL ES 3.20 §3.4), whether they are ES, and their text.
+/// Known versions (GLSL 4.60 §3.3, GLSL ES 3.20 §3.4), whether they are ES, and their text.
 const VERSIONS: &[(u32, bool, &str)] = &[
     (100, true, "100"),
     (110, false, "110"),
@@ -47,7 +47,7 @@ const VERSIONS: &[(u32, bool, &str)] = &[
 ];
 
 impl<'a> Preprocessor<'a> {
-    /// Defines what the command line gives and what the language predefines.
+    /// Defines the macros of the command line and of the language.
     pub(super) fn define_given(&mut self) {
         for (name, text) in &self.options.defines {
             let text = self.keep(&format!("{name} {text}"));
@@ -57,7 +57,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// What a macro of the language's own stands for, unless the shader took it away.
+    /// Returns the text of a predefined macro, unless the shader undefined it.
     pub(super) fn predefined(&self, name: &str) -> Option<&'static str> {
         let Version { number, es, profile } = self.version;
         let there = match name {
@@ -68,7 +68,7 @@ impl<'a> Preprocessor<'a> {
             "GL_compatibility_profile" => !es && profile == Profile::Compatibility,
             // GL_KHR_vulkan_glsl: `#define VULKAN 100`.
             "VULKAN" => {
-                self.asked_for_vulkan.set(true);
+                self.tests_vulkan.set(true);
                 return (self.target() == Some(Target::Vulkan)).then_some("100");
             }
             _ => false,
@@ -76,7 +76,7 @@ impl<'a> Preprocessor<'a> {
         there.then_some("1")
     }
 
-    /// Obeys a directive whose `#` was just read.
+    /// Executes a directive whose `#` was just read.
     pub(super) fn directive(&mut self, hash: Token<'a>) {
         self.obeyed.push(hash.span);
         let Some(name) = self.on_line() else { return };
@@ -91,7 +91,7 @@ impl<'a> Preprocessor<'a> {
             "if" => self.open(hash, Self::condition),
             "ifdef" => self.open(hash, |this, at| this.is_defined(at)),
             "ifndef" => self.open(hash, |this, at| this.is_defined(at).map(|found| !found)),
-            // The branch before was taken, so this one and the rest are not.
+            // The previous branch was taken, so this one and the rest are skipped.
             "elif" | "else" if self.in_condition() => self.leave_out(),
             "endif" if self.in_condition() => {
                 self.conditions.pop();
@@ -107,15 +107,14 @@ impl<'a> Preprocessor<'a> {
                 let text = self.rest_of_line().trim();
                 let message = format!("`#error {text}`");
                 self.report(
-                    Diagnostic::error(Code::ErrorDirective, name.span, message).with_help(
-                        "define what the shader asks for, as `-D NAME` or `-D NAME=VALUE`",
-                    ),
+                    Diagnostic::error(Code::ErrorDirective, name.span, message)
+                        .with_help("define the required macro with `-D NAME` or `-D NAME=VALUE`"),
                 );
             }
-            // Macros are expanded in `#line` and nothing here counts lines by it.
+            // Macros are expanded in `#line`, but line numbers here do not depend on it.
             "pragma" | "line" => {}
             _ => {
-                let message = format!("there is no directive `#{}`", name.text);
+                let message = format!("unknown directive `#{}`", name.text);
                 self.report(Diagnostic::error(Code::UnknownDirective, name.span, message));
             }
         }
@@ -152,7 +151,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// Reads `NAME BODY` or `NAME(PARAMETERS) BODY` up to the end of the line.
+    /// Reads `NAME BODY` or `NAME(PARAMETERS) BODY` to the end of the line.
     fn define_from(&mut self, mut lexer: Lexer<'a>) -> Lexer<'a> {
         let comments = &mut self.comments;
         let Some(name) = lexer.next_on_line(comments).filter(|t| t.kind == Kind::Name) else {
@@ -172,8 +171,8 @@ impl<'a> Preprocessor<'a> {
         if let Some(before) = self.macros.get(name.text) {
             let given = self.files.get(before.span.file).is_some_and(|f| f.path.starts_with("-D "));
             if given && !before.same_as(&definition) {
-                // What the command line defines stands: that is what it is given for.
-                let message = format!("macro `{}` keeps the text given with `-D`", name.text);
+                // A definition on the command line takes precedence.
+                let message = format!("macro `{}` keeps its definition from `-D`", name.text);
                 self.diagnostics.push(Diagnostic::warning(
                     Code::MacroRedefined,
                     name.span,
@@ -184,9 +183,9 @@ impl<'a> Preprocessor<'a> {
                 return lexer;
             }
             if !before.same_as(&definition) {
-                let message = format!("macro `{}` is defined again with another text", name.text);
+                let message = format!("macro `{}` is redefined differently", name.text);
                 let warning = Diagnostic::warning(Code::MacroRedefined, name.span, message)
-                    .with_label(before.span, "defined before here");
+                    .with_label(before.span, "previously defined here");
                 self.diagnostics.push(warning);
             }
         }
@@ -194,7 +193,7 @@ impl<'a> Preprocessor<'a> {
         lexer
     }
 
-    /// Opens a condition; its branch is read on or left out.
+    /// Opens a condition and enters or skips its branch.
     fn open(
         &mut self,
         hash: Token<'a>,
@@ -226,7 +225,7 @@ impl<'a> Preprocessor<'a> {
     fn is_defined(&mut self, at: Span) -> Result<bool, Problem> {
         match self.on_line() {
             Some(name) if name.kind == Kind::Name => Ok(self.knows(name.text)),
-            Some(other) => Err(Problem::new(other.span, "wants the name of a macro")),
+            Some(other) => Err(Problem::new(other.span, "needs the name of a macro")),
             None => Err(Problem::new(at, "lacks the name of a macro")),
         }
     }
@@ -242,7 +241,7 @@ impl<'a> Preprocessor<'a> {
         let line = self.line();
         let mut tokens = Vec::with_capacity(line.len());
         let mut rest = line.iter().peekable();
-        // `defined` takes its name before macros are expanded.
+        // `defined` takes its operand before macros are expanded.
         while let Some(token) = rest.next() {
             if !token.is("defined") {
                 tokens.push(*token);
@@ -263,25 +262,25 @@ impl<'a> Preprocessor<'a> {
         }
         let mut names = Undefined { es: self.version.es, met: Vec::new(), unevaluated: 0 };
         let value = evaluate_tokens(&tokens, at, &mut names)?;
-        self.tell_undefined(&names.met);
-        value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is no whole number"))
+        self.report_undefined(&names.met);
+        value.integer().map(|v| v != 0).ok_or_else(|| Problem::new(at, "is not an integer"))
     }
 
-    /// GLSL ES 3.20 §3.4: a name that is no macro is an error in an `#if`; desktop compilers
-    /// take it for 0.
-    fn tell_undefined(&mut self, names: &[(String, Span)]) {
+    /// Reports undefined names in an `#if` of GLSL ES, where they are an error (GLSL ES 3.20 §3.4);
+    /// desktop compilers evaluate them as 0.
+    fn report_undefined(&mut self, names: &[(String, Span)]) {
         for (name, span) in names {
-            // Extensions and the macro of Vulkan are asked for by those that do not have them.
-            if name.starts_with("GL_") || self.undefined_told.contains(name) {
+            // Extension macros and `VULKAN` are often tested where undefined.
+            if name.starts_with("GL_") || self.undefined_reported.contains(name) {
                 continue;
             }
-            self.undefined_told.push(name.clone());
-            let message = format!("`{name}` is no macro: the condition takes it for 0");
+            self.undefined_reported.push(name.clone());
+            let message = format!("`{name}` is not defined and evaluates to 0");
             let help =
                 format!("write `defined({name}) && {name}`, or define it with `-D {name}=N`");
             let found = Diagnostic::warning(Code::UndefinedMacro, *span, message).with_help(help);
             if self.version.es {
-                let message = format!("`{name}` is no macro, which GLSL ES has no value for");
+                let message = format!("`{name}` is not defined, which is an error in GLSL ES");
                 self.report(Diagnostic { severity: crate::Severity::Error, message, ..found });
             } else {
                 self.diagnostics.push(found);
@@ -297,7 +296,7 @@ impl<'a> Preprocessor<'a> {
         self.conditions.len() > outside
     }
 
-    /// Passes the branches that are left out, up to the one that holds or the `#endif`.
+    /// Skips branches up to the one that holds, or past the `#endif`.
     fn leave_out(&mut self) {
         let mut depth = 0u32;
         loop {
@@ -325,7 +324,7 @@ impl<'a> Preprocessor<'a> {
                         let message = format!("`#{}` after `#else`", name.text);
                         self.report(
                             Diagnostic::error(Code::UnmatchedDirective, name.span, message)
-                                .with_label(open.span, "of this condition"),
+                                .with_label(open.span, "in this condition"),
                         );
                     }
                     let holds = !open.taken
@@ -343,7 +342,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// At the end of a file: conditions it opened and did not close.
+    /// Reports conditions left open at the end of a file.
     pub(super) fn check_open_conditions(&mut self) {
         while self.in_condition() {
             if let Some(open) = self.conditions.pop() {
@@ -356,7 +355,7 @@ impl<'a> Preprocessor<'a> {
     fn set_version(&mut self, name: Token<'a>) {
         let line = self.line();
         if self.frames.len() > 1 {
-            return; // an include's own version is not this shader's
+            return; // an include's version does not apply to the shader
         }
         let number = line.first().and_then(|t| t.text.parse::<u32>().ok());
         let Some(number) = number else {
@@ -366,9 +365,9 @@ impl<'a> Preprocessor<'a> {
         };
         let known = VERSIONS.iter().find(|row| row.0 == number);
         if known.is_none() {
-            let message = format!("there is no GLSL version {number}");
+            let message = format!("unknown GLSL version {number}");
             let warning = Diagnostic::warning(Code::Version, line[0].span, message);
-            self.diagnostics.push(warning.with_note("read as the newest version, 460"));
+            self.diagnostics.push(warning.with_note("read as version 460, the newest"));
         }
         let es = known.is_some_and(|row| row.1) || line.get(1).is_some_and(|t| t.is("es"));
         let number = known.map_or(NEWEST, |row| row.0);
@@ -378,7 +377,7 @@ impl<'a> Preprocessor<'a> {
         self.version_declared = true;
     }
 
-    /// An extension that is asked for is taken to be there, with its macro.
+    /// Executes `#extension`: the extension counts as supported, and its macro is defined.
     fn extension(&mut self) {
         let line = self.line();
         let [name, colon, behaviour, ..] = line.as_slice() else { return };
@@ -394,8 +393,9 @@ impl<'a> Preprocessor<'a> {
     }
 }
 
-/// Whether a name is that of an extension that is taken to be there when a shader asks with
-/// `#ifdef`: the ones several vendors share. Those of one vendor are not, unless enabled.
+/// Whether a name is that of an extension assumed to be supported when a shader tests it with
+/// `#ifdef`: those that several vendors share. Extensions of a single vendor are not, unless
+/// enabled.
 fn is_common_extension(name: &str, es: bool) -> bool {
     let Some((vendor, rest)) = name.strip_prefix("GL_").and_then(|n| n.split_once('_')) else {
         return false;
@@ -409,12 +409,12 @@ fn is_common_extension(name: &str, es: bool) -> bool {
     common && rest.starts_with(|c: char| c.is_ascii_lowercase())
 }
 
-/// In an `#if`, a name that is no macro is 0.
+/// Evaluates undefined names in an `#if` as 0.
 struct Undefined {
     es: bool,
-    /// The names that were met.
+    /// The undefined names found.
     met: Vec<(String, Span)>,
-    /// Operands around the reader that are not evaluated.
+    /// Depth of operands that are not evaluated.
     unevaluated: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The values of constant expressions: array sizes, layout qualifiers, `const` initialisers and
+//! Evaluation of constant expressions: array sizes, layout qualifiers, `const` initialisers and
 //! `#if` conditions (GLSL 4.60 §4.3.3).
 
 use super::ast::{Binary, Expr, ExprKind, TypeBase, Unary};
@@ -10,46 +10,46 @@ use crate::source::Span;
 use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
-/// The meaning of names in an expression.
+/// Resolves names in an expression.
 pub trait Names {
-    /// Whether this is an `#if` condition, where truth values are the integers 0 and 1.
+    /// Whether this is an `#if` condition, where booleans are the integers 0 and 1.
     const DIRECTIVE: bool = false;
 
-    /// The value of a name, or why it has none.
+    /// Returns the value of a name, or the reason it has none.
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem>;
 
-    /// An operand begins that `&&` or `||` does not evaluate.
+    /// Called before an operand that `&&` or `||` does not evaluate.
     fn begin_unevaluated(&mut self) {}
 
-    /// That operand ends.
+    /// Called after such an operand.
     fn end_unevaluated(&mut self) {}
 }
 
-/// Why an expression has no value, and where.
+/// The reason an expression has no value, with its place.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Where.
+    /// The place.
     pub span: Span,
-    /// Why, to be read after `the size`: `is not constant: …`.
+    /// The reason, read after `the size`: `is not constant: …`.
     pub message: String,
     /// Whether the expression is constant, but an operation in it has no result.
     pub fault: bool,
 }
 
 impl Problem {
-    /// A problem at a token.
+    /// Creates a problem at a token.
     pub fn new(span: Span, message: impl Into<String>) -> Problem {
         Problem { span, message: message.into(), fault: false }
     }
 }
 
-/// The value of an expression that takes up all of `tokens`.
-pub fn evaluate_tokens(
+/// Evaluates an expression that spans all of `tokens`.
+pub(crate) fn evaluate_tokens(
     tokens: &[Token<'_>],
     whole: Span,
     names: &mut impl Names,
 ) -> Result<Value, Problem> {
-    // Most sizes are one number or one name.
+    // Most sizes are a single number or name.
     if let [token] = tokens {
         match token.kind {
             super::lexer::Kind::Number => return number(token.text, token.span),
@@ -63,7 +63,7 @@ pub fn evaluate_tokens(
     evaluate(&parsed, names)
 }
 
-/// The value of an expression.
+/// Evaluates an expression.
 pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     let fault = |fault, text: &str| problem(fault, text, e.mark);
     match &e.kind {
@@ -109,11 +109,11 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
             let truth = condition
                 .truth()
                 .or_else(|| condition.integer().map(|v| v != 0))
-                .ok_or_else(|| Problem::new(e.mark, "has a condition that is no truth value"))?;
+                .ok_or_else(|| Problem::new(e.mark, "has a condition that is not a boolean"))?;
             let (chosen, other) = if truth { (accept, reject) } else { (reject, accept) };
             let (chosen, other) = (evaluate(chosen, names), evaluate(other, names));
             match other {
-                // `N == 0 ? 1 : 8 / N` has a value.
+                // `N == 0 ? 1 : 8 / N` has a value even if N is 0.
                 Err(problem) if !problem.fault => Err(problem),
                 Err(_) | Ok(_) => chosen,
             }
@@ -131,7 +131,7 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
             Value::List(items) if i32::try_from(items.len()).is_ok() => {
                 Ok(Value::Int(items.len() as i32))
             }
-            _ => Err(Problem::new(e.mark, "asks for the length of what is no array")),
+            _ => Err(Problem::new(e.mark, "takes the length of a value that is not an array")),
         },
         ExprKind::List(items) => list(items, names).map(Value::List),
         ExprKind::Construct(ty, arguments) => {
@@ -164,15 +164,15 @@ fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Probl
     items.iter().map(|item| evaluate(item, names)).collect()
 }
 
-/// An operator of an `#if` condition, where truth values are integers.
+/// Evaluates an operator in an `#if` condition, where booleans are integers.
 fn in_directive(op: Binary, a: &Value, b: &Value) -> Result<Value, Fault> {
     let logic = matches!(op, Binary::And | Binary::Or | Binary::Xor);
     let operand = |v: &Value| if logic { v.convert(Kind::Bool) } else { Ok(v.clone()) };
     constant::binary(op.text(), &operand(a)?, &operand(b)?)?.convert(Kind::Long)
 }
 
-/// The kind of constant that holds a scalar's values.
-pub fn kind_of(scalar: Scalar) -> Kind {
+/// Returns the kind of constant for a scalar type.
+pub(crate) fn kind_of(scalar: Scalar) -> Kind {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Kind::Bool,
         (ScalarKind::Sint, 8) => Kind::Long,
@@ -186,7 +186,7 @@ pub fn kind_of(scalar: Scalar) -> Kind {
     }
 }
 
-/// A scalar or vector constructor; `None` when the name is of no such type.
+/// Evaluates a scalar or vector constructor; `None` if the name is not such a type.
 fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
     let (kind, size) = match builtin(name)? {
         Builtin::Data(Type::Scalar(scalar)) => (kind_of(scalar), None),
@@ -215,7 +215,7 @@ fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
 }
 
 fn swizzle(value: &Value, name: &str, span: Span) -> Result<Value, Problem> {
-    let wrong = || Problem::new(span, format!("selects `{name}`, which is no component"));
+    let wrong = || Problem::new(span, format!("selects `{name}`, which is not a component"));
     let Value::List(items) = value else { return Err(wrong()) };
     let mut picked = Vec::new();
     for letter in name.chars() {
@@ -240,7 +240,7 @@ fn number(text: &str, span: Span) -> Result<Value, Problem> {
     match literal(text) {
         Ok((value, _)) => Ok(value),
         Err(NotANumber::Malformed) => {
-            Err(Problem::new(span, format!("has `{text}`, which is no number")))
+            Err(Problem::new(span, format!("has `{text}`, which is not a number")))
         }
         Err(NotANumber::TooLarge) => {
             Err(Problem::new(span, format!("has `{text}`, which does not fit 32 bits")))
@@ -248,19 +248,19 @@ fn number(text: &str, span: Span) -> Result<Value, Problem> {
     }
 }
 
-/// Why a literal has no value.
+/// The reason a literal has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotANumber {
-    /// It is not spelt as a number.
+    /// The spelling is not that of a number.
     Malformed,
-    /// It is an integer past 32 bits without a suffix for 64.
+    /// An integer that does not fit 32 bits, without a suffix for 64.
     TooLarge,
 }
 
-/// The value and type of a literal (GLSL 4.60 §4.1.3 and §4.1.4).
+/// Parses a literal to its value and type (GLSL 4.60 §4.1.3 and §4.1.4).
 ///
 /// # Errors
-/// Why it has none.
+/// The literal is malformed or too large.
 pub fn literal(text: &str) -> Result<(Value, Scalar), NotANumber> {
     let lower = text.to_ascii_lowercase();
     let hex = lower.starts_with("0x");

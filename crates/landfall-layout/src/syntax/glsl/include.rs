@@ -9,18 +9,18 @@ use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, decode_shader, normalized, read_bytes};
 
-/// Includes may nest this deep; beyond, a file includes itself without end.
+/// The limit on nested includes; deeper ones are assumed to be cyclic.
 const DEEPEST_INCLUDE: usize = 64;
 
-/// Bytes that includes may add to one shader.
+/// The limit on bytes that includes may add to one shader.
 const MOST_INCLUDED: usize = 64 << 20;
 
 impl<'a> Preprocessor<'a> {
-    /// Obeys `#include`; the line is read to its end.
+    /// Executes `#include`; the line has been read to its end.
     pub(super) fn include(&mut self, directive: Token<'a>) {
         let rest = self.rest_of_line();
         let Some((name, angled)) = self.header_name(rest) else {
-            let message = "`#include` wants `\"FILE\"` or `<FILE>`";
+            let message = "`#include` expects `\"FILE\"` or `<FILE>`";
             return self.report(Diagnostic::error(Code::Include, directive.span, message));
         };
         let span =
@@ -37,11 +37,11 @@ impl<'a> Preprocessor<'a> {
         let (places, found) = self.find(name, angled, span.file);
         let Some(path) = found else {
             let mut diagnostic =
-                Diagnostic::error(Code::MissingInclude, span, format!("`{name}` is not found"));
+                Diagnostic::error(Code::MissingInclude, span, format!("`{name}` not found"));
             for place in places {
                 diagnostic = diagnostic.with_note(format!("looked for `{}`", place.display()));
             }
-            return self.report(diagnostic.with_help("say where it is with `-I DIR`"));
+            return self.report(diagnostic.with_help("pass its directory with `-I DIR`"));
         };
         match self.open_include(&path) {
             Ok((file, text)) => {
@@ -65,7 +65,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// The name between quotes or angles, which a macro may stand for.
+    /// Returns the name between quotes or angle brackets, which may come from a macro.
     fn header_name(&mut self, rest: &'a str) -> Option<(&'a str, bool)> {
         let rest = rest.trim();
         if let Some(name) = rest.strip_prefix('"') {
@@ -80,8 +80,8 @@ impl<'a> Preprocessor<'a> {
         Some((name.trim_matches('"'), false))
     }
 
-    /// Where a file may be, and where it is. Quoted names are looked for beside the file that
-    /// includes them first, angled ones in the `-I` directories first.
+    /// Returns the candidate paths of a file and the one that exists. Quoted names are first
+    /// searched beside the including file, angled ones in the `-I` directories.
     fn find(&self, name: &str, angled: bool, from: u32) -> (Vec<PathBuf>, Option<PathBuf>) {
         // GL_ARB_shading_language_include names begin with a slash: the root of the `-I` tree.
         let relative = name.trim_start_matches('/');
@@ -111,7 +111,7 @@ impl<'a> Preprocessor<'a> {
         Ok((file, self.texts.alloc(text)))
     }
 
-    /// Past [`DEEPEST_INCLUDE`]: the way from a file back to itself.
+    /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_INCLUDE`].
     fn cycle_past_bound(&self) -> Option<String> {
         if self.frames.len() <= DEEPEST_INCLUDE {
             return None;

@@ -1,21 +1,21 @@
-//! The entries that `layout(…)` may have: GLSL 4.60 §4.4, GLSL ES 3.20 §4.4, GL_KHR_vulkan_glsl
+//! The identifiers allowed in `layout(…)`: GLSL 4.60 §4.4, GLSL ES 3.20 §4.4, GL_KHR_vulkan_glsl
 //! and the extensions of the Khronos registry.
 
 use crate::text::edit_distance;
 
-/// Whether some version or extension has an entry of that name, in lower case.
+/// Whether some version or extension has an identifier with that name, in lower case.
 pub(super) fn is_known(name: &str) -> bool {
     KNOWN.contains(&name) || PREFIXES.iter().any(|prefix| name.starts_with(prefix))
 }
 
-/// The entry that a misspelt one was meant to be.
+/// Returns the identifier nearest to a misspelt one.
 pub(super) fn nearest(name: &str) -> Option<&'static str> {
-    // Of short names everything is a neighbour.
+    // Every short name is close to others.
     let long = KNOWN.iter().copied().filter(|known| known.len() > 3);
     (name.len() > 3).then(|| edit_distance::nearest(name, long)).flatten()
 }
 
-/// Families: image formats, blend equations, interlocks and the like.
+/// Prefixes of families: image formats, blend equations, interlocks and the like.
 const PREFIXES: &[&str] = &[
     "blend_support_",
     "derivative_group_",

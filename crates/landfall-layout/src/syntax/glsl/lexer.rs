@@ -1,13 +1,13 @@
-//! GLSL tokens of one file, with their places. Comments are noted, not returned.
+//! The GLSL lexer: tokens of one file, with their spans. Comments are recorded, not returned.
 //!
-//! Feeds `preprocess`; knows no macro and no directive. A line ends with
-//! CR, LF or both (GLSL 4.60 §3.1); line continuations are taken out first, by `splice`.
+//! Feeds `preprocess`; knows neither macros nor directives. A line ends with CR, LF or both (GLSL
+//! 4.60 §3.1); `splice` removes line continuations first.
 
 use super::preprocess::Texts;
 use super::splice::{self, Cuts};
 use crate::source::Span;
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A name or keyword.
@@ -18,30 +18,31 @@ pub enum Kind {
     Punctuation,
     /// A double-quoted string, quotes included; only directives use them.
     Text,
-    /// A character GLSL has no use for.
+    /// A character that GLSL does not use.
     Stray,
     /// The end of the text.
     End,
 }
 
-/// A token and where it came from.
+/// A token and its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Token<'a> {
-    /// What it is.
+    /// The kind.
     pub kind: Kind,
     /// Its spelling.
     pub text: &'a str,
-    /// Its place in the user's text; for a token out of a macro, the outermost use of the macro.
+    /// The span in the user's text; for a token from a macro, that of the outermost use of the
+    /// macro.
     pub span: Span,
-    /// Its place in the macro's definition, for a token out of a macro.
+    /// The span in the macro's definition, for a token from a macro.
     pub definition: Option<Span>,
-    /// Comments seen before it in the whole shader.
+    /// The number of comments before it in the whole shader.
     pub comments: u32,
     /// Whether it is the first on its line.
     pub first: bool,
-    /// Whether whitespace or a comment stands before it.
+    /// Whether whitespace or a comment precedes it.
     pub spaced: bool,
-    /// Whether it is never to be taken for a macro again.
+    /// Whether it is exempt from macro expansion.
     pub frozen: bool,
 }
 
@@ -59,16 +60,16 @@ pub struct Lexer<'a> {
     at: usize,
     file: u32,
     line_start: bool,
-    /// Where line continuations were, if there were any.
+    /// The positions of line continuations, if there are any.
     cuts: Option<Cuts>,
-    /// Where a comment begins that is never closed.
+    /// The start of a comment that is never closed.
     open_comment: Option<usize>,
 }
 
-/// What stands at the start of the next line that matters to a skipper.
+/// The stop of a skip: the next brace, directive or the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// `#` at the start of a line; the lexer stands before it.
+    /// `#` at the start of a line, not yet passed.
     Directive,
     /// `{`, passed.
     Open,
@@ -79,12 +80,12 @@ pub enum Stop {
 }
 
 impl<'a> Lexer<'a> {
-    /// At the start of a text that has no line continuations.
+    /// Starts at a text without line continuations.
     pub fn new(text: &'a str, file: u32) -> Lexer<'a> {
         Lexer { text, at: 0, file, line_start: true, cuts: None, open_comment: None }
     }
 
-    /// At the start of a file; `texts` keeps it as it is without its line continuations.
+    /// Starts at a file; `texts` owns the text without line continuations.
     pub fn of_file(text: &'a str, file: u32, texts: &'a Texts) -> Lexer<'a> {
         match splice::splice(text) {
             None => Lexer::new(text, file),
@@ -94,7 +95,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The byte of the file it stands at.
+    /// The byte offset in the file.
     pub fn offset(&self) -> u32 {
         match &self.cuts {
             None => self.at as u32,
@@ -102,18 +103,18 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Whether lines were joined by line continuations.
-    pub fn is_spliced(&self) -> bool {
+    /// Whether line continuations were removed.
+    pub(crate) fn is_spliced(&self) -> bool {
         self.cuts.is_some()
     }
 
-    /// Where the comment begins that the file never closes.
-    pub fn open_comment(&self) -> Option<Span> {
+    /// The span of a comment that is never closed.
+    pub(crate) fn open_comment(&self) -> Option<Span> {
         let start = self.open_comment?;
         Some(self.span(start, start + 2))
     }
 
-    /// The file it reads.
+    /// The index of the file.
     pub fn file(&self) -> u32 {
         self.file
     }
@@ -131,18 +132,18 @@ impl<'a> Lexer<'a> {
             None => (start as u32, end as u32),
             Some(cuts) => (splice::start(cuts, start), splice::end(cuts, end)),
         };
-        // The empty range behind a continuation that ends the text.
+        // The empty range after a continuation at the end of the text.
         Span { file: self.file, start, end: end.max(start) }
     }
 
-    /// The next token. Comments on the way are added to `comments`.
+    /// Returns the next token. Comments before it are added to `comments`.
     pub fn next(&mut self, comments: &mut Vec<Span>) -> Token<'a> {
         let spaced = self.skip_blank(comments, false);
         self.token(comments.len() as u32, spaced)
     }
 
-    /// The next token of this line, or `None` at its end.
-    pub fn next_on_line(&mut self, comments: &mut Vec<Span>) -> Option<Token<'a>> {
+    /// Returns the next token of this line, or `None` at its end.
+    pub(crate) fn next_on_line(&mut self, comments: &mut Vec<Span>) -> Option<Token<'a>> {
         let spaced = self.skip_blank(comments, true);
         if self.at == self.text.len() || self.byte(0) == b'\n' || self.byte(0) == b'\r' {
             return None;
@@ -150,8 +151,8 @@ impl<'a> Lexer<'a> {
         Some(self.token(comments.len() as u32, spaced))
     }
 
-    /// The rest of this line as it stands, without comments being looked for.
-    pub fn rest_of_line(&mut self) -> &'a str {
+    /// Returns the rest of this line as it is, without looking for comments.
+    pub(crate) fn rest_of_line(&mut self) -> &'a str {
         let start = self.at;
         let rest = &self.text.as_bytes()[start..];
         self.at += memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
@@ -238,7 +239,7 @@ impl<'a> Lexer<'a> {
         self.at += rest.iter().position(|&b| !want(b)).unwrap_or(rest.len());
     }
 
-    /// Passes whitespace and comments; says whether there were any.
+    /// Skips whitespace and comments; returns whether there were any.
     fn skip_blank(&mut self, comments: &mut Vec<Span>, stay_on_line: bool) -> bool {
         let start = self.at;
         loop {
@@ -270,7 +271,8 @@ impl<'a> Lexer<'a> {
         self.at += memchr::memchr2(b'\n', b'\r', rest).unwrap_or(rest.len());
     }
 
-    /// Passes a comment; one that is never closed runs to the end, and the reader reports it.
+    /// Skips a comment; one that is never closed extends to the end and is reported by the
+    /// preprocessor.
     fn block_comment(&mut self) {
         let rest = &self.text.as_bytes()[self.at + 2..];
         match memchr::memmem::find(rest, b"*/") {
@@ -282,8 +284,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes text nobody reads up to the next brace or directive.
-    pub fn skip_to_brace(&mut self) -> Stop {
+    /// Skips text up to the next brace or directive.
+    pub(crate) fn skip_to_brace(&mut self) -> Stop {
         let mut seen = Seen { to: self.at, blank: self.line_start };
         self.line_start = false;
         loop {
@@ -321,8 +323,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes text that a condition leaves out, up to the next directive.
-    pub fn skip_to_directive(&mut self) -> Stop {
+    /// Skips text of an inactive branch up to the next directive.
+    pub(crate) fn skip_to_directive(&mut self) -> Stop {
         loop {
             match self.skip_to_brace() {
                 Stop::Open | Stop::Close => {}
@@ -332,14 +334,15 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// How far a skipped text was looked at, and whether its line was blank but for comments there.
+/// The extent of skipped text examined so far, and whether its current line is blank except for
+/// comments.
 struct Seen {
     to: usize,
     blank: bool,
 }
 
 impl Seen {
-    /// Whether only blanks and comments stand between the start of the line and `at`.
+    /// Whether only blanks and comments are between the start of the line and `at`.
     fn line_is_blank(&self, text: &str, at: usize) -> bool {
         let before = &text.as_bytes()[self.to..at];
         let last = before.iter().rposition(|b| !matches!(b, b' ' | b'\t' | 0x0b | 0x0c));

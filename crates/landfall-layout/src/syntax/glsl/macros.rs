@@ -1,40 +1,40 @@
-//! Macros as defined, and the pasting of tokens.
+//! Macro definitions, and token pasting.
 
 use super::lexer::{Lexer, Token};
 use super::preprocess::Texts;
 use crate::source::Span;
 use std::sync::Arc;
 
-/// A macro as `#define` made it.
+/// A macro defined by `#define`.
 #[derive(Debug)]
 pub struct Macro<'a> {
-    /// Its name.
+    /// The name.
     pub name: &'a str,
-    /// Parameters of a function-like macro.
+    /// The parameters of a function-like macro.
     pub parameters: Option<Vec<&'a str>>,
-    /// What it stands for.
+    /// The replacement tokens.
     pub body: Vec<Token<'a>>,
-    /// Its name in the text.
+    /// The span of the name.
     pub span: Span,
 }
 
 impl Macro<'_> {
-    /// Whether both stand for the same tokens: then defining it again changes nothing.
-    pub fn same_as(&self, other: &Macro<'_>) -> bool {
+    /// Whether both macros have the same replacement, so that redefinition is allowed.
+    pub(crate) fn same_as(&self, other: &Macro<'_>) -> bool {
         self.parameters == other.parameters
             && self.body.len() == other.body.len()
             && self.body.iter().zip(&other.body).all(|(a, b)| a.text == b.text)
     }
 
-    /// Whether its braces do not pair up.
-    pub fn has_unpaired_brace(&self) -> bool {
+    /// Whether the braces of the replacement are unbalanced.
+    pub(crate) fn has_unpaired_brace(&self) -> bool {
         let count = |brace| self.body.iter().filter(|t| t.is(brace)).count();
         count("{") != count("}")
     }
 }
 
 /// Joins the operands of every `##`.
-pub fn paste<'a>(tokens: Vec<Token<'a>>, texts: &'a Texts) -> Vec<Token<'a>> {
+pub(crate) fn paste<'a>(tokens: Vec<Token<'a>>, texts: &'a Texts) -> Vec<Token<'a>> {
     if !tokens.iter().any(|token| token.is("##")) {
         return tokens;
     }

@@ -1,5 +1,5 @@
-//! Members of structures and blocks, and loose uniforms: names, types, array
-//! dimensions, layout qualifiers, comments.
+//! Members of structures and blocks, and loose uniforms: names, types, array dimensions, layout
+//! qualifiers, comments.
 
 mod resolve;
 
@@ -11,11 +11,11 @@ use rustc_hash::FxHashSet;
 use super::ast::{
     Declaration, Declarator, Dim, LayoutId, Qualifiers, StructDecl, Tokens, TypeBase,
 };
-use super::declarations::{Named, Reader};
+use super::declarations::{Named, Reader, Unknown, Unsized};
 use super::lexer::{Kind, Token};
 use super::parser::diagnostic_at;
 use crate::diagnostic::Diagnostic;
-use crate::shape::{ArrayLen, DEEPEST_NESTING, Majorness, Member, Struct, Type, Written};
+use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
 pub(super) use resolve::{Resolved, TypeName};
 
@@ -24,13 +24,13 @@ pub(super) use resolve::{Resolved, TypeName};
 pub(super) struct Members {
     pub members: Vec<Member>,
     pub opaque: Vec<Arc<str>>,
-    /// What is wrong with them.
+    /// The errors in them.
     pub problems: Vec<Diagnostic>,
-    /// Their names.
+    /// The names so far.
     taken: FxHashSet<Arc<str>>,
 }
 
-/// What members may be here.
+/// The context of a member, which determines the members allowed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     Struct,
@@ -41,8 +41,25 @@ pub(super) enum Place {
     },
 }
 
+const ONLY_TAILS: &str = "only the last member of a `buffer` block may be runtime-sized";
+
+/// How an array without a written length gets one.
+#[derive(Clone, Copy)]
+enum OpenLength {
+    Refused,
+    /// From its uses: as long as its constant indices need.
+    FromUse,
+    Runtime,
+}
+
+fn unsized_array(name: &Token<'_>, span: Span) -> Diagnostic {
+    let message = format!("array `{}` has no size", name.text);
+    Diagnostic::error(Code::ArraySize, span, message)
+        .with_help("write the number of elements between the brackets")
+}
+
 impl<'a> Reader<'a> {
-    /// The type a structure declares; `None` when it could not be parsed to its end.
+    /// Returns the type a structure declares; `None` if it was not parsed to its end.
     pub(super) fn structure(&mut self, structure: &StructDecl<'a>) -> Option<Named<'a>> {
         let name = self.parser.token_of(&structure.name);
         let mut read = self.members(Place::Struct, &name, &structure.members);
@@ -50,14 +67,14 @@ impl<'a> Reader<'a> {
             return None;
         }
         if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
-            let message = "a structure has at least one member";
+            let message = "a structure needs at least one member";
             read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }
         let named = if read.problems.is_empty() {
             let text = structure.name.text;
             Named::Struct(Arc::new(Struct::new(text.into(), read.members, read.opaque, name.span)))
         } else {
-            Named::Broken { name, why: read.problems, told: false }
+            Named::Broken { name, why: read.problems, reported: false }
         };
         if !structure.name.text.is_empty() {
             self.declare_type(name, named.clone());
@@ -74,12 +91,12 @@ impl<'a> Reader<'a> {
         if let Some(before) = before {
             let message = format!("structure `{}` is declared twice", name.text);
             let diagnostic = diagnostic_at(&name, Code::DuplicateName, message);
-            self.report(diagnostic.with_label(before, "declared before here"));
+            self.report(diagnostic.with_label(before, "previously declared here"));
         }
         self.types.insert(name.text, named);
     }
 
-    /// The members of a structure or block. `owner` names it in messages.
+    /// Reads the members of a structure or block. `owner` is its name in messages.
     pub(super) fn members(
         &mut self,
         place: Place,
@@ -110,14 +127,14 @@ impl<'a> Reader<'a> {
         };
         if let (Place::Struct, Some(id)) = (place, qualifiers.layout.first()) {
             // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
-            let message = format!("`{}` does not go on a member of a structure", id.name.text);
+            let message = format!("`{}` is not allowed on a member of a structure", id.name.text);
             let token = self.parser.token_of(&id.name);
             let diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
             let help = format!("write it on the member of the block that is a `{}`", owner.text);
             result.problems.push(diagnostic.with_help(help));
         }
         if *broken {
-            return; // a syntax error: said already
+            return; // a syntax error, reported before
         }
         let comment = self.comments_of(tokens);
         let last_declaration = self.parser.tokens().get(tokens.end).is_some_and(|t| t.is("}"));
@@ -146,8 +163,12 @@ impl<'a> Reader<'a> {
                 }
             };
             let tail = index == last && last_declaration;
-            let runtime = matches!(place, Place::Block { runtime_tail: true, .. }) && tail;
-            match self.build_member(name, data, dims, &spec.dims, qualifiers, runtime) {
+            let open = match place {
+                Place::Struct => OpenLength::Refused,
+                Place::Block { runtime_tail: true, .. } if tail => OpenLength::Runtime,
+                Place::Block { .. } => OpenLength::FromUse,
+            };
+            match self.build_member(name, data, dims, &spec.dims, qualifiers, open) {
                 Ok(mut member) => {
                     member.comment = comment.clone();
                     result.taken.insert(Arc::clone(&member.name));
@@ -165,15 +186,15 @@ impl<'a> Reader<'a> {
         dims: &[Dim<'a>],
         type_dims: &[Dim<'a>],
         qualifiers: &Qualifiers<'a>,
-        runtime: bool,
+        open: OpenLength,
     ) -> Result<Member, Diagnostic> {
-        let ty = self.array(name, data, dims, type_dims, runtime)?;
+        let ty = self.array(name, data, dims, type_dims, open)?;
         let offset = qualifiers.find("offset").map(|id| self.written(id)).transpose()?;
         let align = qualifiers.find("align").map(|id| self.alignment(id)).transpose()?;
         Ok(Member {
             name: name.text.into(),
             ty,
-            majorness: majorness(qualifiers),
+            matrix_layout: matrix_layout(qualifiers),
             offset,
             align,
             size: None,
@@ -186,11 +207,11 @@ impl<'a> Reader<'a> {
         Ok(Written { value: self.layout_number(id)?, span: id.name.span })
     }
 
-    /// `align = N`: a power of two (GLSL 4.60 §4.4.5).
+    /// Reads `align = N`, a power of two (GLSL 4.60 §4.4.5).
     pub(super) fn alignment(&mut self, id: &LayoutId<'a>) -> Result<Written, Diagnostic> {
         let written = self.written(id)?;
         if !written.value.is_power_of_two() {
-            let message = format!("`align = {}` is no power of two", written.value);
+            let message = format!("`align = {}` is not a power of two", written.value);
             let next = written.value.max(1).next_power_of_two();
             let name = self.parser.token_of(&id.name);
             return Err(diagnostic_at(&name, Code::LayoutQualifier, message)
@@ -199,14 +220,15 @@ impl<'a> Reader<'a> {
         Ok(written)
     }
 
-    /// `T[3] a[2]` is an array of 2 arrays of 3 (GLSL 4.60 §4.1.9): a name's dimensions come first.
+    /// `T[3] a[2]` is an array of 2 arrays of 3 (GLSL 4.60 §4.1.9): the name's dimensions come
+    /// first.
     fn array(
         &mut self,
         name: &Token<'a>,
         element: Type,
         dims: &[Dim<'a>],
         type_dims: &[Dim<'a>],
-        runtime: bool,
+        open: OpenLength,
     ) -> Result<Type, Diagnostic> {
         let all: Vec<&Dim<'a>> = dims.iter().chain(type_dims).collect();
         let depth = element.depth() as usize + all.len();
@@ -220,10 +242,13 @@ impl<'a> Reader<'a> {
         let mut ty = element;
         for (index, dim) in all.iter().enumerate().rev() {
             let len = if dim.tokens.is_empty() {
-                if !(runtime && index == 0) {
-                    return Err(self.unsized_array(name, dim.span));
+                match open {
+                    OpenLength::Runtime if index == 0 => ArrayLen::Runtime,
+                    OpenLength::FromUse if all.len() == 1 => {
+                        ArrayLen::Fixed(self.implicit_length(name, dim.span)?)
+                    }
+                    _ => return Err(unsized_array(name, dim.span).with_note(ONLY_TAILS)),
                 }
-                ArrayLen::Runtime
             } else {
                 ArrayLen::Fixed(self.array_size(name, dim)?)
             };
@@ -232,14 +257,32 @@ impl<'a> Reader<'a> {
         Ok(ty)
     }
 
-    fn unsized_array(&self, name: &Token<'a>, span: Span) -> Diagnostic {
-        let message = format!("the size of array `{}` is not written", name.text);
-        Diagnostic::error(Code::ArraySize, span, message)
-            .with_note("only the last member of a `buffer` block may be runtime-sized")
-            .with_help("write the number of elements between the brackets")
+    /// The length of a member of a block that is declared without one, from its use.
+    fn implicit_length(&mut self, name: &Token<'a>, span: Span) -> Result<u32, Diagnostic> {
+        let error = unsized_array(name, span);
+        if self.parser.is_es() {
+            return Err(error.with_note(ONLY_TAILS));
+        }
+        match self.lengths.get(name.text).copied() {
+            Some(Ok(length)) => Ok(length),
+            Some(Err(Unknown::Unused)) => {
+                Err(error.with_note("no constant index says how long it is (GLSL 4.60 §4.1.9)"))
+            }
+            Some(Err(Unknown::NotConstant(at))) => Err(error.with_label(
+                at,
+                "an array without a size takes constant indices only (GLSL 4.60 §4.1.9)",
+            )),
+            Some(Err(Unknown::Ambiguous(at))) => {
+                Err(error.with_label(at, "so its length is not taken from its uses"))
+            }
+            None => {
+                self.unsized_members.push(Unsized { name: name.text, span: name.span });
+                Err(error.with_note(ONLY_TAILS))
+            }
+        }
     }
 
-    /// The number of elements a dimension says: a constant from 1 (GLSL 4.60 §4.1.9).
+    /// Returns the number of elements of a dimension, a constant of at least 1 (GLSL 4.60 §4.1.9).
     pub(super) fn array_size(
         &mut self,
         name: &Token<'a>,
@@ -284,7 +327,7 @@ impl<'a> Reader<'a> {
         owner: &Token<'a>,
     ) -> Diagnostic {
         let message = format!(
-            "`{}` is a `{}`, which has no bytes, and cannot stand in block `{}`",
+            "`{}` has the opaque type `{}`, which is not allowed in block `{}`",
             name.text,
             ty.text(),
             owner.text
@@ -296,7 +339,7 @@ impl<'a> Reader<'a> {
         ))
     }
 
-    /// `uniform TYPE a, b;` outside a block.
+    /// Reads `uniform TYPE a, b;` outside a block.
     pub(super) fn loose_uniforms(&mut self, ty: &TypeName<'a>, declaration: &Declaration<'a>) {
         let first = self.parser.tokens()[declaration.tokens.start];
         let mut problems = Vec::new();
@@ -313,8 +356,9 @@ impl<'a> Reader<'a> {
                 }
                 Resolved::Broken => continue,
             };
-            // `uniform float a[];` takes its size from its use; it has no offset to be wrong.
-            match self.array(name, data, dims, &declaration.ty.dims, true) {
+            // `uniform float a[];` gets its size from its use; it has no offset that could be
+            // wrong.
+            match self.array(name, data, dims, &declaration.ty.dims, OpenLength::Runtime) {
                 Ok(ty) => self.loose.push(Member {
                     comment: comment.clone(),
                     ..Member::plain(name.text.into(), ty, name.span)
@@ -327,7 +371,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The comments of a declaration: those on the lines before it, inside it, and after it on
+    /// Returns the comments of a declaration: on the lines before it, inside it, and after it on
     /// its last line.
     pub(super) fn comments_of(&mut self, tokens: &Tokens) -> Vec<Span> {
         let before = self.parser.before(tokens.start);
@@ -353,13 +397,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// `row_major` or `column_major`; the last one counts.
-pub(super) fn majorness(qualifiers: &Qualifiers<'_>) -> Option<Majorness> {
+/// Returns the last of `row_major` and `column_major`.
+pub(super) fn matrix_layout(qualifiers: &Qualifiers<'_>) -> Option<MatrixLayout> {
     qualifiers.layout.iter().rev().find_map(|id| {
         if id.is("row_major") {
-            Some(Majorness::Row)
+            Some(MatrixLayout::Row)
         } else if id.is("column_major") {
-            Some(Majorness::Column)
+            Some(MatrixLayout::Column)
         } else {
             None
         }

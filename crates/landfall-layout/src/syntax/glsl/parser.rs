@@ -1,8 +1,8 @@
-//! From tokens to the syntax tree of [`ast`](super::ast): the parser of GLSL.
+//! The GLSL parser: from tokens to the syntax tree of [`ast`](super::ast).
 //!
-//! `declaration` (with `qualifiers`) reads what stands outside functions and recovers from syntax errors
-//! (`recover`); it keeps expressions and bodies as ranges of tokens. `complete` parses those,
-//! with `expression` and `statement`.
+//! `declaration` (with `qualifiers`) parses what is outside functions and recovers from syntax
+//! errors (`recover`); it keeps expressions and bodies as ranges of tokens. `complete` parses
+//! those, with `expression` and `statement`.
 
 mod complete;
 mod declaration;
@@ -22,18 +22,18 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
 
-/// Longer shaders are not run: a text of so many tokens was made to exhaust memory.
+/// The limit on tokens; guards against shaders made to exhaust memory.
 const MOST_TOKENS: usize = 1 << 20;
 
-/// So many tokens are kept before those of declarations that are done are forgotten.
+/// The number of tokens kept before those of finished declarations are dropped.
 const ENOUGH: usize = 1 << 10;
 
-/// What becomes of the tokens of function bodies.
+/// The treatment of function bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bodies {
-    /// They are passed over as text.
+    /// Bodies are skipped as text.
     Skip,
-    /// They are kept, to be parsed on demand.
+    /// Bodies are kept, to be parsed on demand.
     Keep,
 }
 
@@ -43,35 +43,36 @@ pub struct Parser<'a> {
     bodies: Bodies,
     tokens: Vec<Token<'a>>,
     at: usize,
-    /// Where reading ends, when a part is parsed.
+    /// The end of the tokens to parse, when only a part is parsed.
     limit: usize,
     end: Token<'a>,
-    /// Diagnostics of a list of tokens; those of a preprocessor's tokens are with it.
+    /// Diagnostics for a list of tokens; a preprocessor keeps those of its own tokens.
     diagnostics: Vec<Diagnostic>,
-    /// Where the declaration before this one began, for progress: token and macro definition.
+    /// The start of the previous declaration, to detect lack of progress: token and macro
+    /// definition.
     passed: Option<(Span, Option<Span>)>,
-    /// Names of structures declared so far.
+    /// The names of structures declared so far.
     structures: FxHashSet<&'a str>,
-    /// Structures being read, one inside the other.
+    /// The number of structures open, one inside the other.
     open_structures: u32,
-    /// Whether expressions are parsed where they stand: in function bodies.
+    /// Whether expressions are parsed in place, as in function bodies.
     direct: bool,
     precisions: Precisions,
     /// Whether the dialect has precisions.
     has_precisions: bool,
-    /// The precision written before the type that follows.
+    /// The precision written before the next type.
     written: Option<Precision>,
-    /// What `varying` is in this stage.
+    /// The storage qualifier that `varying` means in this stage.
     varying: Storage,
     depth: u32,
-    /// Statements being read, one inside the other.
+    /// The number of statements open, one inside the other.
     statements: u32,
     /// Names that stand for qualifiers, where macros are not expanded.
     qualifier_macros: FxHashSet<&'a str>,
 }
 
 impl<'a> Parser<'a> {
-    /// A parser of a shader at its first token.
+    /// Creates a parser at the first token of a shader.
     pub(super) fn new(mut preprocessor: Preprocessor<'a>, bodies: Bodies) -> Parser<'a> {
         let first = preprocessor.next();
         let mut tokens = Vec::with_capacity(ENOUGH / 2);
@@ -82,7 +83,7 @@ impl<'a> Parser<'a> {
         parser
     }
 
-    /// A parser of a list of tokens.
+    /// Creates a parser of a list of tokens.
     pub fn over(tokens: Vec<Token<'a>>) -> Parser<'a> {
         let last = tokens.last().map_or(Span::default(), |last| last.span);
         let end = Token {
@@ -117,12 +118,12 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A parser that takes those names for qualifiers: macros that are not expanded.
+    /// Returns the parser with names that count as qualifiers: macros that are not expanded.
     pub(crate) fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
         Parser { qualifier_macros, ..self }
     }
 
-    /// The index of the token to be read next.
+    /// The index of the next token.
     pub fn position(&self) -> usize {
         self.at
     }
@@ -132,7 +133,7 @@ impl<'a> Parser<'a> {
         self.diagnostics.clear();
     }
 
-    /// The preprocessor behind the tokens.
+    /// The preprocessor that provides the tokens.
     pub(super) fn preprocessor(&mut self) -> &mut Preprocessor<'a> {
         self.preprocessor.as_mut().expect("a shader's parser has a preprocessor")
     }
@@ -142,17 +143,17 @@ impl<'a> Parser<'a> {
         self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
     }
 
-    /// All tokens read so far; bodies are not among them where they are skipped.
+    /// All tokens read so far; those of bodies are missing where they are skipped.
     pub fn tokens(&self) -> &[Token<'a>] {
         &self.tokens
     }
 
-    /// The token of a name.
-    pub fn token_of(&self, name: &Name<'a>) -> Token<'a> {
+    /// Returns the token of a name.
+    pub(crate) fn token_of(&self, name: &Name<'a>) -> Token<'a> {
         self.tokens[name.at]
     }
 
-    /// The token before one; at the start of the shader one of kind `End`.
+    /// Returns the token before `at`; at the start of the shader one of kind `End`.
     pub(super) fn before(&self, at: usize) -> Token<'a> {
         match at.checked_sub(1) {
             Some(before) => self.tokens[before],
@@ -160,7 +161,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Forgets the tokens of the declarations read so far.
+    /// Drops the tokens of finished declarations.
     pub(super) fn forget(&mut self) {
         if self.at > ENOUGH {
             self.tokens.drain(..self.at - 1);
@@ -184,7 +185,7 @@ impl<'a> Parser<'a> {
         self.tokens.get(at).unwrap_or(&self.end)
     }
 
-    /// Reads tokens from the preprocessor up to that one. After the end come no more.
+    /// Reads tokens from the preprocessor up to index `at`. No tokens follow the end.
     fn load(&mut self, at: usize) {
         if at < self.tokens.len() {
             return;
@@ -206,7 +207,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Goes on to the next token; returns the one passed.
+    /// Advances to the next token; returns the one passed.
     fn bump(&mut self) -> Token<'a> {
         let token = *self.token();
         if token.kind != Kind::End {
@@ -235,7 +236,7 @@ impl<'a> Parser<'a> {
         self.bump();
     }
 
-    /// Whether these two stand here with nothing between: `+=`, `++`.
+    /// Whether the two operators are adjacent here: `+=`, `++`.
     fn is_pair(&mut self, first: &str, second: &str) -> bool {
         if !self.is(first) {
             return false;
@@ -244,7 +245,7 @@ impl<'a> Parser<'a> {
         b.is(second) && !b.spaced && (b.definition.is_some() || !b.first)
     }
 
-    /// Passes that operator or bracket.
+    /// Consumes that operator or bracket.
     fn expect(&mut self, text: &'static str) -> Parsed<Span> {
         if self.is(text) {
             return Ok(self.bump().span);
@@ -269,14 +270,14 @@ impl<'a> Parser<'a> {
         Ok(self.name_here())
     }
 
-    /// The current token as a name, passed.
+    /// Consumes the current token as a name.
     fn name_here(&mut self) -> Name<'a> {
         let at = self.at;
         let token = self.bump();
         Name { text: token.text, span: token.span, at }
     }
 
-    /// From there to the end of what was read last.
+    /// Returns the span from `start` to the end of the last token read.
     fn since(&self, start: Span) -> Span {
         start.to(self.before(self.at).span)
     }
@@ -296,7 +297,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The first error since there were so many diagnostics; the others came of it.
+    /// Returns the first error after the first `count` diagnostics; later ones follow from it.
     fn failed_since(&mut self, count: usize) -> Parsed<()> {
         let diagnostics = match &mut self.preprocessor {
             Some(preprocessor) => &mut preprocessor.diagnostics,
@@ -318,7 +319,7 @@ impl<'a> Parser<'a> {
         self.diagnostics().iter().filter(|d| d.severity == Severity::Error).count()
     }
 
-    /// Parses a part of the tokens that must take them all.
+    /// Parses a part of the tokens, all of which must be consumed.
     fn part<T>(
         &mut self,
         tokens: &Tokens,
@@ -352,7 +353,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// A finding at a token, with the macro it came out of.
+/// Creates a diagnostic at a token, labelled with the macro it comes from.
 pub(super) fn diagnostic_at(
     token: &Token<'_>,
     code: Code,

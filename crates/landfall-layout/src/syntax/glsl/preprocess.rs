@@ -1,7 +1,7 @@
-//! The GLSL preprocessor: directives obeyed, macros expanded, includes opened.
+//! The GLSL preprocessor: executes directives, expands macros, opens includes.
 //!
-//! Hands [`declarations`](super::declarations) one stream of tokens, each with
-//! its place in the user's text. Bodies of functions are passed over as text.
+//! Feeds [`declarations`](super::declarations) one token stream, each token with its span in the
+//! user's text. Function bodies are skipped as text.
 
 mod expand;
 
@@ -20,25 +20,25 @@ use super::target::{self, Decision};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Files, Foreign, ReadOptions, Span, Target};
 
-/// Errors reported for one shader; more say nothing new.
+/// The limit on errors reported for one shader.
 const MOST_ERRORS: usize = 100;
 
-/// Where texts live while their tokens are looked at: files, pasted tokens, command-line macros.
+/// Owns the texts that tokens refer to: files, pasted tokens, command-line macros.
 pub type Texts = Arena<Arc<str>>;
 
-/// The stream of tokens of a shader.
+/// The token stream of a shader.
 pub struct Preprocessor<'a> {
     pub(super) texts: &'a Texts,
     pub(super) options: &'a ReadOptions,
     pub(super) files: Files,
     pub(super) macros: FxHashMap<&'a str, Rc<Macro<'a>>>,
-    /// Names that `#undef` took away: the language's own macros are among them.
+    /// Names removed by `#undef`, the language's own macros among them.
     pub(super) undefined: Vec<&'a str>,
-    /// Names in conditions that are no macros, and were reported.
-    pub(super) undefined_told: Vec<String>,
+    /// Undefined names in conditions that were reported.
+    pub(super) undefined_reported: Vec<String>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
-    /// Texts included so far, by path, so that a file is read once.
+    /// Texts included so far by path, so that a file is read once.
     pub(super) included: FxHashMap<String, u32>,
     pub(super) included_bytes: usize,
     pub(super) comments: Vec<Span>,
@@ -46,23 +46,23 @@ pub struct Preprocessor<'a> {
     pub(super) version: Version,
     /// Whether a `#version` was read.
     pub(super) version_declared: bool,
-    /// The shader's own text, which shows the API it is for.
+    /// The shader's own text, from which the API is inferred.
     text: Arc<str>,
     decision: OnceCell<Decision>,
-    /// Whether the text asks for the macro `VULKAN`.
-    pub(super) asked_for_vulkan: Cell<bool>,
+    /// Whether the text tests for the macro `VULKAN`.
+    pub(super) tests_vulkan: Cell<bool>,
     pub(super) extensions: Vec<&'a str>,
-    /// The directives obeyed so far: the `#` of each.
+    /// The directives executed so far, by the span of their `#`.
     pub(super) obeyed: Vec<Span>,
     /// Function bodies of the shader's own file: from after `{` to before `}`.
     pub(super) bodies: Vec<Span>,
-    /// Whether some macro holds an unpaired brace: then bodies are read token by token.
+    /// Whether some macro has unbalanced braces: then bodies are read token by token.
     pub(super) brace_macros: bool,
-    /// Set by an error after which nothing more can be said: the stream ends.
+    /// Set by an error after which the stream ends.
     pub(super) stopped: bool,
     expanded: usize,
     argument_depth: u32,
-    /// Frames below this index are not read: they belong to whoever asked for an expansion.
+    /// Frames below this index are not read: they belong to the caller of an expansion.
     floor: usize,
     directive_errors: usize,
 }
@@ -74,31 +74,31 @@ pub struct Version {
     pub number: u32,
     /// Whether it is GLSL ES.
     pub es: bool,
-    /// Which profile of desktop GLSL it is.
+    /// The profile of desktop GLSL.
     pub profile: Profile,
 }
 
 /// A profile of desktop GLSL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// `core`, also where none is written.
+    /// `core`, also the default.
     Core,
     /// `compatibility`.
     Compatibility,
 }
 
-/// Something tokens are read from.
+/// A source of tokens.
 pub(super) enum Frame<'a> {
-    /// A file; `conditions` is how many were open when it began.
+    /// A file; `conditions` is the number open when it began.
     File { lexer: Lexer<'a>, conditions: usize },
-    /// What a macro expands to; the name is not expanded again inside.
+    /// The expansion of a macro, in which its name is not expanded again.
     Macro { name: &'a str, tokens: Vec<Token<'a>>, at: usize },
-    /// Tokens put back or being expanded on their own.
+    /// Tokens put back, or expanded on their own.
     Tokens { tokens: Vec<Token<'a>>, at: usize },
 }
 
 impl<'a> Preprocessor<'a> {
-    /// At the start of a shader whose text is file 0.
+    /// Starts at a shader whose text is file 0.
     pub fn new(
         path: &str,
         text: &Arc<str>,
@@ -115,7 +115,7 @@ impl<'a> Preprocessor<'a> {
             files,
             macros: FxHashMap::default(),
             undefined: Vec::new(),
-            undefined_told: Vec::new(),
+            undefined_reported: Vec::new(),
             conditions: Vec::new(),
             frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
             included: FxHashMap::default(),
@@ -126,7 +126,7 @@ impl<'a> Preprocessor<'a> {
             version_declared: false,
             text: whole,
             decision: OnceCell::new(),
-            asked_for_vulkan: Cell::new(false),
+            tests_vulkan: Cell::new(false),
             extensions: Vec::new(),
             obeyed: Vec::new(),
             bodies: Vec::new(),
@@ -141,7 +141,7 @@ impl<'a> Preprocessor<'a> {
         preprocessor
     }
 
-    /// The API the text is read for; `None` when it is OpenGL's for want of a reason.
+    /// The API the text is read for; `None` if it defaults to OpenGL.
     pub fn target(&self) -> Option<Target> {
         match self.decision() {
             Decision::Known(target) => Some(target),
@@ -150,8 +150,8 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// How the API was found.
-    pub fn decision(&self) -> Decision {
+    /// Returns how the API was determined.
+    pub(crate) fn decision(&self) -> Decision {
         *self.decision.get_or_init(|| match self.options.target {
             Some(target) => Decision::Known(target),
             None => {
@@ -162,15 +162,15 @@ impl<'a> Preprocessor<'a> {
         })
     }
 
-    /// A text that lives as long as the tokens.
+    /// Copies a text to the arena, so that it lives as long as the tokens.
     pub(super) fn keep(&self, text: &str) -> &'a str {
         self.texts.alloc(Arc::from(text))
     }
 
-    /// Notes a finding; past [`MOST_ERRORS`] the stream ends.
+    /// Records a diagnostic; past [`MOST_ERRORS`] the stream ends.
     pub fn report(&mut self, diagnostic: Diagnostic) {
         if self.stopped {
-            return; // what follows comes of having stopped
+            return; // later errors follow from the early end
         }
         self.diagnostics.push(diagnostic);
         self.directive_errors += 1;
@@ -179,19 +179,19 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// Notes once a file that bytes of it are not UTF-8.
-    pub fn note_foreign(&mut self, file: u32, foreign: Option<Foreign>) {
+    /// Records once per file that some of its bytes are not UTF-8.
+    pub(crate) fn note_foreign(&mut self, file: u32, foreign: Option<Foreign>) {
         let Some(Foreign { first, count }) = foreign else { return };
         let span = Span { file, start: first, end: first };
         let bytes = if count == 1 { "1 byte is".to_string() } else { format!("{count} bytes are") };
         let message = format!("{bytes} not UTF-8 and read as Latin-1");
         self.diagnostics.push(
             Diagnostic::warning(Code::NotUtf8, span, message)
-                .with_note("GLSL takes any byte in a comment, but not outside"),
+                .with_note("GLSL allows any byte in a comment, but not outside"),
         );
     }
 
-    /// The next token with macros expanded.
+    /// Returns the next token with macros expanded.
     pub fn next(&mut self) -> Token<'a> {
         loop {
             let token = self.next_raw();
@@ -204,7 +204,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// The next token as it stands, directives obeyed on the way.
+    /// Returns the next token as it is; directives before it are executed.
     fn next_raw(&mut self) -> Token<'a> {
         loop {
             if self.stopped || self.frames.len() == self.floor {
@@ -237,7 +237,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// What a file leaves open: a comment, conditions.
+    /// Reports a comment or conditions left open at the end of a file.
     fn end_of_file(&mut self) {
         let open = match self.frames.last() {
             Some(Frame::File { lexer, .. }) => lexer.open_comment(),
@@ -250,13 +250,13 @@ impl<'a> Preprocessor<'a> {
         if let Some(Frame::File { lexer, .. }) = self.frames.last() {
             if lexer.is_spliced() && !self.has_continuations() {
                 let file = lexer.file();
-                self.tell_continued_comments(file);
+                self.report_continued_comments(file);
             }
         }
         self.check_open_conditions();
     }
 
-    /// Whether the version has line continuations: GLSL 4.20, ES 3.00, and
+    /// Whether the version has line continuations: GLSL 4.20, ES 3.00, or
     /// GL_ARB_shading_language_420pack.
     fn has_continuations(&self) -> bool {
         !self.version_declared
@@ -264,9 +264,9 @@ impl<'a> Preprocessor<'a> {
             || self.extensions.contains(&"GL_ARB_shading_language_420pack")
     }
 
-    /// In a version without line continuations compilers differ on where a `//` ends that has a
-    /// backslash as its last character: Mesa goes on to the next line, glslang does not.
-    fn tell_continued_comments(&mut self, file: u32) {
+    /// Reports `//` comments that end with a backslash in a version without line continuations,
+    /// where compilers differ: Mesa continues the comment on the next line, glslang does not.
+    fn report_continued_comments(&mut self, file: u32) {
         let continued = |comment: &&Span| {
             let text = self.files.text(**comment);
             let mut lines = text.split(['\n', '\r']).skip(1).map(str::trim);
@@ -283,7 +283,7 @@ impl<'a> Preprocessor<'a> {
                     "version {number} has no line continuation: Mesa's compiler reads it so, \
                      glslang's reads the next line as code"
                 ))
-                .with_help("end the comment with another character than the backslash"),
+                .with_help("remove the backslash at the end of the comment"),
         );
     }
 
@@ -306,8 +306,8 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// Passes a function body, its `{` just returned as `open`; says whether it was closed.
-    pub fn skip_body(&mut self, open: &Token<'a>) -> bool {
+    /// Skips a function body, whose `{` is `open`; returns whether it was closed.
+    pub(crate) fn skip_body(&mut self, open: &Token<'a>) -> bool {
         let mut depth = 1u32;
         loop {
             let in_file = matches!(self.frames.last(), Some(Frame::File { .. }));
@@ -351,7 +351,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    /// The `#` that the lexer of the innermost file stands before.
+    /// Returns the `#` at which the lexer of the innermost file stands.
     fn next_raw_directive(&mut self) -> Token<'a> {
         match self.frames.last_mut() {
             Some(Frame::File { lexer, .. }) => lexer.next(&mut self.comments),

@@ -1,7 +1,7 @@
 //! The qualifiers in front of a declaration (GLSL 4.60 §4.3 to §4.10).
 
-/// Words that qualify a declaration and say nothing of its bytes.
-pub const SILENT: &[&str] = &[
+/// Qualifiers without an effect on the layout.
+pub(crate) const SILENT: &[&str] = &[
     "flat",
     "smooth",
     "noperspective",
@@ -35,8 +35,8 @@ pub const SILENT: &[&str] = &[
     "__explicitInterpAMD",
 ];
 
-/// Words for storage that has no layout in bytes.
-pub const OTHER_STORAGE: &[&str] = &[
+/// Storage qualifiers of variables without a byte layout.
+pub(crate) const OTHER_STORAGE: &[&str] = &[
     "in",
     "out",
     "inout",
@@ -60,7 +60,7 @@ pub const OTHER_STORAGE: &[&str] = &[
     "tileImageEXT",
 ];
 
-/// Whether a word may stand among the qualifiers in front of a type.
+/// Whether a word may be among the qualifiers before a type.
 pub(crate) fn is_qualifier(word: &str) -> bool {
     ["const", "uniform", "buffer"].contains(&word)
         || OTHER_STORAGE.contains(&word)

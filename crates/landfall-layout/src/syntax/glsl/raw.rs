@@ -1,5 +1,4 @@
-//! The tokens of a shader's own file as they stand in its text, macros not
-//! expanded: what an edit of the text needs to know.
+//! The tokens of a shader's own file as written, macros not expanded, for edits of the text.
 
 use std::borrow::Cow;
 
@@ -21,45 +20,45 @@ pub struct RawToken {
     pub start: usize,
     /// One past the last byte.
     pub end: usize,
-    /// Whether the compiler reads it: no condition leaves it out.
+    /// Whether the compiler reads it, since no condition excludes it.
     pub active: bool,
     /// The number of the directive it is part of, from 0.
     pub directive: Option<usize>,
 }
 
-/// The tokens of a file and what else its text is made of.
+/// The tokens and other properties of a file.
 #[derive(Debug)]
 pub struct RawText {
     /// All tokens of the text.
     pub tokens: Vec<RawToken>,
-    /// The shader itself, then its includes.
+    /// The shader's file, then its includes.
     pub files: Files,
     /// The number in `#version`, or its default.
     pub version: u32,
     /// Whether it is OpenGL ES.
     pub es: bool,
-    /// The API it is written for, as far as its text says.
+    /// The API it is written for, as far as the text shows.
     pub target: Option<Target>,
 }
 
-/// A global declaration of the text as it stands, macros not expanded.
+/// A global declaration as written, macros not expanded.
 #[derive(Debug)]
 pub struct RawDeclaration<'a> {
-    /// Its tokens, by their places in [`RawText::tokens`]; directives and text that a condition
-    /// leaves out may stand between them.
+    /// Indices of its tokens in [`RawText::tokens`]; directives and excluded text may lie between
+    /// them.
     pub tokens: Vec<usize>,
-    /// What it declares; ranges in it are of the tokens that the compiler reads.
+    /// The declaration; ranges in it count only tokens that the compiler reads.
     pub item: Item<'a>,
 }
 
 impl RawText {
-    /// The places of the tokens the compiler reads, directives left out.
+    /// Returns the indices of the tokens the compiler reads, without directives.
     pub fn code(&self) -> Vec<usize> {
         let all = self.tokens.iter().enumerate();
         all.filter(|(_, t)| t.active && t.directive.is_none()).map(|(at, _)| at).collect()
     }
 
-    /// The global declarations in order.
+    /// Returns the global declarations in order.
     pub fn declarations<'a>(&self, text: &'a str) -> Vec<RawDeclaration<'a>> {
         let code = self.code();
         let places = code.iter().map(|&at| &self.tokens[at]);
@@ -74,7 +73,7 @@ impl RawText {
     }
 }
 
-/// Tokens for the parser, by their kinds and places in a text.
+/// Returns tokens for the parser, from their kinds and ranges in a text.
 pub(crate) fn lexed<'a>(
     text: &'a str,
     places: impl Iterator<Item = (Kind, usize, usize)>,
@@ -123,7 +122,7 @@ pub fn read(source: &Source, options: &ReadOptions) -> RawText {
     }
 }
 
-/// A shader's text with its includes in it and its macros expanded, for compilers that open no
+/// Returns a shader's text with includes inlined and macros expanded, for compilers that open no
 /// files; comments and line numbers are lost.
 pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     let texts = Texts::new();
@@ -135,7 +134,7 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
         if token.kind == Kind::End {
             break;
         }
-        // The two halves of `+=` are tokens of their own.
+        // The two halves of `+=` are separate tokens.
         let joined = token.definition.is_none()
             && (before.file, before.end) == (token.span.file, token.span.start);
         if !joined {
@@ -161,7 +160,7 @@ pub fn flattened(source: &Source, options: &ReadOptions) -> String {
     text
 }
 
-/// The first line of a text, joined with those that continue it.
+/// Returns the first line of a text, joined with its continuations.
 fn logical_line(text: &str) -> Cow<'_, str> {
     let mut end = 0;
     loop {
@@ -200,8 +199,8 @@ fn lex<'a>(text: &'a str, texts: &'a Texts) -> Vec<RawToken> {
     }
 }
 
-/// Text between two directives is read as a whole or not at all: one token that was seen speaks
-/// for all, among them the arguments of macros that drop them.
+/// Text between two directives is read as a whole or not at all, so one token that was seen stands
+/// for all, including macro arguments that were dropped.
 fn mark_active(tokens: &mut [RawToken], seen: &FxHashSet<u32>) {
     let mut start = 0;
     while start < tokens.len() {

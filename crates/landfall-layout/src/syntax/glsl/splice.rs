@@ -1,21 +1,21 @@
-//! Line continuations taken out of a text before it is read (GLSL 4.60 §3.2): a backslash before
-//! the end of a line joins it with the next, inside tokens and at the end of comments, too.
+//! Removal of line continuations (GLSL 4.60 §3.2): a backslash before the end of a line joins it
+//! with the next, also inside tokens and at the end of comments.
 
 use std::rc::Rc;
 
-/// A place in a spliced text before which bytes of the original were left out.
+/// A position in a spliced text before which bytes of the original were removed.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
-    /// The byte of the spliced text that follows the cut.
+    /// Offset in the spliced text of the byte after the cut.
     at: u32,
-    /// Bytes left out so far, this cut's among them.
+    /// Bytes removed so far, including this cut's.
     removed: u32,
 }
 
 /// The cuts of a text in order.
 pub type Cuts = Rc<[Cut]>;
 
-/// The text without its line continuations, and where they were; `None` if it has none.
+/// Returns the text without its line continuations, and the cuts; `None` if it has none.
 pub fn splice(text: &str) -> Option<(String, Cuts)> {
     let bytes = text.as_bytes();
     let mut continued = memchr::memchr_iter(b'\\', bytes).filter_map(|at| {
@@ -44,12 +44,12 @@ pub fn splice(text: &str) -> Option<(String, Cuts)> {
     Some((clean, cuts.into()))
 }
 
-/// The byte of the original that a byte of the spliced text is: cuts before it are passed.
+/// Maps an offset in the spliced text to the original: cuts before it are passed.
 pub fn start(cuts: &Cuts, at: usize) -> u32 {
     original(cuts, at as u32, cuts.partition_point(|cut| cut.at <= at as u32))
 }
 
-/// One past the last byte of the original, for a range that ends at `at` in the spliced text.
+/// Maps the end of a range in the spliced text to the original, one past its last byte.
 pub fn end(cuts: &Cuts, at: usize) -> u32 {
     original(cuts, at as u32, cuts.partition_point(|cut| cut.at < at as u32))
 }

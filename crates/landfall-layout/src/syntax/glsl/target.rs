@@ -1,15 +1,15 @@
-//! Which API a GLSL text is written for, as far as it shows.
+//! Inference of the API a GLSL text is written for.
 //!
-//! A text is Vulkan's when its reading as OpenGL's, conditions evaluated, still has what only
-//! Vulkan's GLSL has. A text that asks whether `VULKAN` is defined and has no such thing is
-//! written for both APIs.
+//! A text is Vulkan's if, read as OpenGL's with conditions evaluated, it contains anything that
+//! only Vulkan GLSL has. A text without such signs that tests for `VULKAN` is written for both
+//! APIs.
 
 use super::lexer::{Kind, Token};
 use super::preprocess::{Preprocessor, Texts, Version};
 use crate::source::{ReadOptions, Target};
 use std::sync::Arc;
 
-/// Names that only Vulkan's GLSL has.
+/// Names that only Vulkan GLSL has.
 const VULKAN_NAMES: &[&str] = &[
     "push_constant",
     "constant_id",
@@ -21,47 +21,48 @@ const VULKAN_NAMES: &[&str] = &[
     "shaderRecordNV",
 ];
 
-/// What names of types and qualifiers of Vulkan's GLSL begin with.
+/// Prefixes of types and qualifiers that only Vulkan GLSL has.
 const VULKAN_PREFIXES: &[&str] = &["subpassInput", "isubpassInput", "usubpassInput", "rayPayload"];
 
-/// Types of Vulkan's GLSL that are functions of old OpenGL's: a name follows the type.
+/// Types of Vulkan GLSL that are functions of old OpenGL GLSL: as types they are followed by a
+/// name.
 const SEPARATE_TYPES: &[&str] = &["texture2D", "textureCube"];
 
-/// Extensions that only Vulkan's GLSL has.
+/// Extensions that only Vulkan GLSL has.
 const VULKAN_EXTENSIONS: &[&str] = &["GL_EXT_ray_tracing", "GL_EXT_mesh_shader"];
 
-/// The API a text is read for, and how that was found.
+/// The API a text is read for, and how it was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// The caller or the text says so.
+    /// Named by the caller or the text.
     Known(Target),
-    /// The text asks for `VULKAN` and would do for either.
+    /// Assumed: the text tests for `VULKAN` and is valid for both.
     Assumed(Target),
     /// The text is the same for both.
     Either,
 }
 
-/// What the OpenGL reading of a text shows.
+/// Signs in the OpenGL reading of a text.
 #[derive(Clone, Copy, Debug, Default)]
 struct Signs {
-    /// It has what only Vulkan's GLSL has.
+    /// Whether it has anything that only Vulkan GLSL has.
     vulkan: bool,
-    /// It asks whether `VULKAN` is defined.
+    /// Whether it tests for `VULKAN`.
     asks: bool,
 }
 
-/// Whether Vulkan's compilers take that version: GLSL 1.40, GLSL ES 3.10 and later
+/// Whether Vulkan's compilers accept that version: GLSL 1.40, GLSL ES 3.10 and later
 /// (GL_KHR_vulkan_glsl; glslang's own bound for desktop).
 fn is_vulkans(version: Version) -> bool {
     version.number >= if version.es { 310 } else { 140 }
 }
 
-/// Whether a text of that version that asks for `VULKAN` is read as Vulkan's.
+/// Whether a text of that version that tests for `VULKAN` is read for Vulkan.
 fn prefers_vulkan(version: Version) -> bool {
     version.number >= if version.es { 310 } else { 440 }
 }
 
-/// Decides for a text that nobody has said a target for; `version` is what it declares, if it does.
+/// Infers the API of a text without an explicit target; `version` is the declared one, if any.
 pub fn decide(
     path: &str,
     text: &Arc<str>,
@@ -83,8 +84,8 @@ pub fn decide(
     }
 }
 
-/// Whether it is worth reading the text: it has some of the bytes that a sign is made of, or
-/// opens other files.
+/// Whether the text may contain a sign and so must be read: it has some of the bytes of one, or
+/// includes other files.
 fn may_show(text: &str) -> bool {
     let has = |word: &str| memchr::memmem::find(text.as_bytes(), word.as_bytes()).is_some();
     let all = [VULKAN_NAMES, VULKAN_EXTENSIONS, SEPARATE_TYPES].concat();
@@ -114,11 +115,11 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let extension = |name: &&str| VULKAN_EXTENSIONS.contains(name);
     Signs {
         vulkan: preprocessor.extensions.iter().any(extension),
-        asks: preprocessor.asked_for_vulkan.get(),
+        asks: preprocessor.tests_vulkan.get(),
     }
 }
 
-/// Whether the walk stands inside `layout(…)`, and how many brackets deep.
+/// Whether the scan is inside `layout(…)`, and how many brackets deep.
 #[derive(Clone, Copy)]
 enum Layout {
     None,

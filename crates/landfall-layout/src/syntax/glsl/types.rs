@@ -1,19 +1,19 @@
-//! GLSL's own type names (GLSL 4.60 §4.1 and the extensions that add types).
+//! GLSL's built-in type names (GLSL 4.60 §4.1 and the extensions that add types).
 
 use crate::shape::{Scalar, ScalarKind, Type};
 
-/// What a type name of the language means.
+/// The meaning of a built-in type name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Builtin {
     /// A type with a layout.
     Data(Type),
-    /// A sampler, image or other handle: it has no bytes.
+    /// A sampler, image or other handle, which has no bytes.
     Opaque,
     /// `void`.
     Void,
 }
 
-/// What a name means, when the language itself gives it a meaning as a type.
+/// Returns the meaning of a built-in type name; `None` for other names.
 pub fn builtin(name: &str) -> Option<Builtin> {
     if let Some(scalar) = scalar(name) {
         return Some(Builtin::Data(Type::Scalar(scalar)));
@@ -57,7 +57,7 @@ fn scalar(name: &str) -> Option<Scalar> {
     Some(Scalar { kind, width })
 }
 
-/// The component type a vector's prefix stands for.
+/// Returns the component type of a vector prefix.
 fn component(prefix: &str) -> Option<Scalar> {
     scalar(match prefix {
         "" | "f32" => "float",
@@ -88,7 +88,7 @@ fn size_of(text: &str) -> Option<u8> {
     }
 }
 
-/// `matC` or `matCxR`: C columns of R rows.
+/// Parses `matC` or `matCxR`: C columns of R rows.
 fn matrix(prefix: &str, size: &str) -> Option<Type> {
     let scalar = component(prefix).filter(|scalar| scalar.kind == ScalarKind::Float)?;
     let (columns, rows) = size.split_once('x').unwrap_or((size, size));

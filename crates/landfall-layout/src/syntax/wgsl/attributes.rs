@@ -1,4 +1,4 @@
-//! Attributes (§11): those that layouts and bindings depend on; the others are passed over.
+//! Attributes (§11) that layouts and bindings depend on; others are skipped.
 
 use super::constants;
 use super::constants::Trouble;
@@ -16,7 +16,7 @@ use crate::shape::Written;
 use crate::source::Span;
 use crate::syntax::constant::Fault;
 
-/// The attributes of a member or declaration.
+/// The attributes of a member or declaration that affect layouts and bindings.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Attributes {
     pub(super) align: Option<Written>,
@@ -26,12 +26,12 @@ pub(super) struct Attributes {
     pub(super) id: Option<Written>,
 }
 
-/// The attributes of a declaration.
+/// Returns the attributes of a declaration.
 pub(super) fn of_item<'a>(reader: &mut Reader<'a>, item: &Item<'a>) -> Result<Attributes, Refused> {
     read(reader, &mut Lexer::new(reader.text, item.start))
 }
 
-/// Reads the attributes that come next, if any do.
+/// Parses attributes, if there are any.
 pub(super) fn read<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -61,7 +61,7 @@ pub(super) fn read<'a>(
     Ok(attributes)
 }
 
-/// `(N)`
+/// Parses `(N)`.
 fn argument<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -85,12 +85,12 @@ fn argument<'a>(
             return Err(refuse(reader, trouble, span, name));
         }
     };
-    // §11: all of them are i32 or u32 and not negative.
+    // §11: all of these are i32 or u32 and not negative.
     match value.and_then(|value| u32::try_from(value).ok()) {
         Some(value) => Ok(Written { value: value.into(), span }),
         None => {
             let text = reader.slice(span);
-            let message = format!("`@{name}` must be a whole number from 0, `{text}` is none");
+            let message = format!("`@{name}` must be a non-negative integer, found `{text}`");
             Err(reader.reports.refuse(Diagnostic::error(Code::InvalidAttribute, span, message)))
         }
     }
@@ -100,7 +100,7 @@ fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span, name: &str) -> Re
     constants::refuse(reader, trouble, at, Code::InvalidAttribute, &format!("`@{name}`"))
 }
 
-/// `(…)` of an attribute that says nothing about layouts.
+/// Skips the `(…)` of an attribute that does not affect layouts.
 fn skip_arguments<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
     let mut depth = 0u32;
     loop {

@@ -1,41 +1,40 @@
-//! Which comments belong to which declaration.
+//! Assignment of comments to declarations.
 
 use super::lexer::{Kind, Token};
 use crate::source::Span;
 
-/// Comments as byte ranges.
+/// Byte ranges of comments.
 type Ranges = [(u32, u32)];
 
-/// Splits the comments between the end of one declaration and the first token
-/// of the next: those behind the first on its own line, and those on the lines
-/// right before the second.
+/// Splits the comments between the end of one declaration and the first token of the next: those
+/// after the first on its own line, and those on the lines directly before the second.
 pub(super) fn split<'c>(
     text: &str,
     comments: &'c Ranges,
     end: u32,
     next: Token,
 ) -> (&'c Ranges, &'c Ranges) {
-    let mut behind = 0;
+    let mut trailing = 0;
     let mut at = end;
-    while behind < comments.len() && breaks(text, at, comments[behind].0) == 0 {
-        at = comments[behind].1;
-        behind += 1;
+    while trailing < comments.len() && breaks(text, at, comments[trailing].0) == 0 {
+        at = comments[trailing].1;
+        trailing += 1;
     }
     let on_one_line = breaks(text, at, next.start) == 0;
     if end == 0 || (on_one_line && !matches!(next.kind, Kind::End | Kind::Sign(b'}'))) {
-        behind = 0;
+        trailing = 0;
     }
     let mut first = comments.len();
     let mut below = next.start;
-    while first > behind && breaks(text, comments[first - 1].1, below) <= 1 {
+    while first > trailing && breaks(text, comments[first - 1].1, below) <= 1 {
         first -= 1;
         below = comments[first].0;
     }
     let before = if next.kind == Kind::End { &[] } else { &comments[first..] };
-    (&comments[..behind], before)
+    (&comments[..trailing], before)
 }
 
-/// The spans of byte ranges of the shader's own text.
+/// Returns the spans of byte ranges in the shader's own file.
 pub(super) fn spans(ranges: &Ranges) -> impl Iterator<Item = Span> + '_ {
     ranges.iter().map(|&(start, end)| Span { file: 0, start, end })
 }

@@ -1,4 +1,4 @@
-//! Module-scope constants and overrides: read when a size asks for them.
+//! Module-scope constants and overrides, evaluated when a size depends on them.
 
 use super::expressions;
 use super::expressions::Within;
@@ -17,30 +17,30 @@ use crate::source::Span;
 use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
-/// The value of an expression, or why it has none.
+/// The value of an expression, or the reason it has none.
 pub(super) type Outcome = Result<Value, Trouble>;
 
-/// Why an expression that was read has no value.
+/// The reason a parsed expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
-    /// It cannot be computed; the place says what of it.
+    /// Evaluation failed; the span is the part at fault.
     Fault(Fault, Span),
-    /// It depends on an override without a value: its index in the outline.
+    /// It depends on an override without a value: the override's index in the outline.
     Valueless(usize),
-    /// It names something undeclared.
+    /// It contains an undeclared name.
     Unknown(Span),
-    /// It names a declaration that is no constant.
+    /// It contains a declaration that is not a constant: its index in the outline.
     NotConstant(Span, usize),
-    /// Something in it could not be read, and a finding says so already.
+    /// A part of it failed to parse; the error is reported.
     Refused,
 }
 
-/// From this depth on constants that hang on one another are read in the order of the text.
+/// The depth from which constants that depend on one another are evaluated in text order.
 const DEEP_CHAIN: u32 = 64;
 
-/// The value of a declared constant or override.
+/// Returns the value of a declared constant or override.
 pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outcome {
-    reader.asked_override |= reader.outline.items[index].class == Class::Override;
+    reader.used_override |= reader.outline.items[index].class == Class::Override;
     match reader.constants.get(&index) {
         Some(Known::Done(outcome)) => return outcome.clone(),
         Some(Known::Broken) => return Err(Trouble::Refused),
@@ -73,7 +73,7 @@ pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outco
     outcome
 }
 
-/// Reads the constants before a deep one, so that it finds what it needs without nesting.
+/// Evaluates the constants before a deep one, so that it needs no nesting.
 fn sweep(reader: &mut Reader<'_>, index: usize, at: Span) {
     for before in 0..index {
         let constant = reader.outline.items[before].class == Class::Const;
@@ -83,7 +83,7 @@ fn sweep(reader: &mut Reader<'_>, index: usize, at: Span) {
     }
 }
 
-/// `const NAME: TYPE = VALUE;`
+/// Parses `const NAME: TYPE = VALUE;`.
 fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
     let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
@@ -93,7 +93,7 @@ fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
     Ok(typed(outcome, kind, at))
 }
 
-/// `@id(N) override NAME: TYPE = VALUE;`, or what `-O` says.
+/// Parses `@id(N) override NAME: TYPE = VALUE;`, or takes the value set by `-O`.
 fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
@@ -113,9 +113,9 @@ fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refu
         match parse_setting(text) {
             Some(value) => typed(Ok(value), kind, item.name_span),
             None => {
-                let message = format!("`{}` is set to `{text}`, which is no number", item.name);
+                let message = format!("`{}` is set to `{text}`, which is not a number", item.name);
                 let diagnostic = Diagnostic::error(Code::OverrideValue, item.name_span, message)
-                    .with_help(format!("pass `-O {}=4`, or another number", item.name));
+                    .with_help(format!("pass a number, such as `-O {}=4`", item.name));
                 return Err(reader.reports.refuse(diagnostic));
             }
         }
@@ -143,7 +143,7 @@ fn parse_setting(text: &str) -> Option<Value> {
     }
 }
 
-/// The component of the type in `: TYPE`, if one is written.
+/// Returns the component of the type in `: TYPE`, if present.
 fn declared_kind<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -158,7 +158,8 @@ fn declared_kind<'a>(
     })
 }
 
-/// The component of a scalar, vector, or array of such; others are not converted.
+/// Returns the component of a scalar, vector, or array of these; `None` for types that need no
+/// conversion.
 pub(super) fn component(ty: &Type) -> Option<Scalar> {
     match ty.innermost() {
         Type::Scalar(scalar) | Type::Atomic(scalar) | Type::Vector { scalar, .. } => Some(*scalar),
@@ -175,7 +176,7 @@ fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     }
 }
 
-/// The value as a component of that type.
+/// Converts the value to a component type.
 pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
     let kind = match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Kind::Bool,
@@ -188,7 +189,7 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
             _,
         ) => Kind::Float,
     };
-    // WGSL §6.1.2: an AbstractInt that its target cannot hold is an error, not wrapped.
+    // WGSL §6.1.2: an AbstractInt out of its target's range is an error and does not wrap.
     if let Value::Abstract(v) = *value {
         let held = match kind {
             Kind::Int => i32::try_from(v).is_ok(),
@@ -203,7 +204,7 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
     value.convert(kind)
 }
 
-/// Says why an expression that must be constant has no value.
+/// Reports why an expression that must be constant has no value.
 pub(super) fn refuse(
     reader: &mut Reader<'_>,
     trouble: Trouble,
@@ -216,8 +217,12 @@ pub(super) fn refuse(
         Trouble::Refused => return Refused,
         Trouble::Valueless(index) => {
             let name = reader.outline.items[index].name;
-            Diagnostic::error(code, at, format!("{what} `{text}` waits for an override"))
-                .with_help(format!("`{name}` has no default: pass `-O {name}=VALUE`"))
+            Diagnostic::error(
+                code,
+                at,
+                format!("{what} `{text}` depends on an override without a value"),
+            )
+            .with_help(format!("`{name}` has no default: pass `-O {name}=VALUE`"))
         }
         Trouble::Unknown(place) => {
             let name = reader.slice(place);
@@ -231,8 +236,11 @@ pub(super) fn refuse(
         }
         Trouble::NotConstant(place, index) => {
             let item = &reader.outline.items[index];
-            let message =
-                format!("{what} must be constant, `{}` is {}", item.name, item.class.described());
+            let message = format!(
+                "{what} must be constant, but `{}` is {}",
+                item.name,
+                item.class.described()
+            );
             Diagnostic::error(code, place, message)
                 .with_label(item.name_span, "defined here")
                 .with_help("use a `const` or an `override`")
@@ -240,17 +248,17 @@ pub(super) fn refuse(
         Trouble::Fault(fault, place) => {
             let message = match fault {
                 Fault::DivisionByZero => format!("{what} divides by zero"),
-                Fault::Overflow => format!("{what} is computed past the range of its type"),
-                Fault::Mismatch => format!("{what} combines types that do not go together"),
+                Fault::Overflow => format!("{what} overflows its type"),
+                Fault::Mismatch => format!("{what} combines incompatible types"),
                 Fault::Unsupported => format!("landfall cannot evaluate this for {what}"),
             };
             let diagnostic = Diagnostic::error(code, place, message);
             match fault {
                 Fault::Unsupported if cfg!(feature = "naga") => {
-                    diagnostic.with_help("write the number")
+                    diagnostic.with_help("replace the expression by its value")
                 }
                 Fault::Unsupported => diagnostic.with_help(
-                    "write the number, or enable landfall's feature `naga`, which evaluates more",
+                    "replace the expression by its value, or enable landfall's feature `naga`, which evaluates more",
                 ),
                 Fault::DivisionByZero | Fault::Overflow | Fault::Mismatch => diagnostic,
             }

@@ -1,4 +1,4 @@
-//! Const-expressions and override-expressions (§8), evaluated while they are read.
+//! Const-expressions and override-expressions (§8), evaluated while parsing.
 
 use super::constants;
 use super::constants::{Outcome, Trouble};
@@ -13,14 +13,14 @@ use crate::source::Span;
 use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Value};
 
-/// Where an expression stands: in a template list `>` ends it.
+/// The context of an expression: in a template list `>` ends it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Within {
     Template,
     Statement,
 }
 
-/// Reads an expression: its value, and where it stands.
+/// Parses and evaluates an expression; returns its value and span.
 pub(super) fn read<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -31,7 +31,7 @@ pub(super) fn read<'a>(
     Ok((outcome, Span { file: 0, start, end }))
 }
 
-/// An outcome and where its text ends.
+/// An outcome and the end of its text.
 type Part = (Outcome, u32);
 
 fn binary<'a>(
@@ -54,7 +54,7 @@ fn binary<'a>(
         end = right_end;
         let at = Span { file: 0, start, end };
         left = match (op, left) {
-            // §8.8: the right side of these counts only when the left does not decide.
+            // §8.8: the right side matters only if the left does not decide the result.
             ("&&", Ok(Value::Bool(false))) => Ok(Value::Bool(false)),
             ("||", Ok(Value::Bool(true))) => Ok(Value::Bool(true)),
             (_, Ok(a)) => right.and_then(|b| {
@@ -66,7 +66,7 @@ fn binary<'a>(
     Ok((left, end))
 }
 
-/// The binary operator that comes next, and how strongly it binds.
+/// Returns the next binary operator and its precedence.
 fn operator(lexer: &mut Lexer<'_>, within: Within) -> Option<(&'static str, u8)> {
     let token = lexer.peek();
     let Kind::Sign(first) = token.kind else { return None };
@@ -114,7 +114,7 @@ fn unary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Ref
     Ok((outcome, end))
 }
 
-/// A primary expression with the `.x` and `[i]` behind it.
+/// Parses a primary expression with any `.x` and `[i]` after it.
 fn postfix<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
     let start = lexer.peek().start;
     let (mut outcome, mut end) = primary(reader, lexer)?;
@@ -188,7 +188,7 @@ fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
     }
 }
 
-/// A constant, a constructor, or a call of a builtin function.
+/// Parses a constant, a constructor, or a call of a builtin function.
 fn word<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -214,7 +214,7 @@ fn word<'a>(
     if predeclared::lookup(name).is_some() {
         return constructor(reader, lexer, token);
     }
-    // `bitcast<T>(…)`: read over; naga is asked for its value.
+    // `bitcast<T>(…)` is skipped here and evaluated by naga.
     let template = lexer.peek().is(b'<') && name == "bitcast";
     if template {
         lexer.next();
@@ -233,7 +233,7 @@ fn word<'a>(
     Ok((outcome, end))
 }
 
-/// From after a `(` past its `)`: the values between them.
+/// Parses the values after a `(` up to and including its `)`.
 fn arguments<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -262,7 +262,7 @@ fn arguments<'a>(
     }
 }
 
-/// `u32(x)`, `vec2<f32>(x, y)`, `vec3(x)`, `array(a, b)`.
+/// Parses `u32(x)`, `vec2<f32>(x, y)`, `vec3(x)`, `array(a, b)`.
 fn constructor<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -316,7 +316,7 @@ fn construct(ty: &Type, values: Vec<Value>) -> Result<Value, Fault> {
     }
 }
 
-/// A vector of that many components from scalars and vectors; one scalar fills it.
+/// Builds a vector from scalars and vectors; a single scalar fills it.
 fn vector(rows: usize, values: Vec<Value>) -> Result<Value, Fault> {
     let mut components = Vec::with_capacity(rows);
     for value in values {

@@ -1,5 +1,5 @@
-//! Expressions that are not evaluated here: naga is handed the constants and
-//! types they depend on, and asked.
+//! Evaluation by naga of expressions not implemented here, together with the constants and types
+//! they depend on.
 
 use rustc_hash::FxHashSet;
 
@@ -10,11 +10,11 @@ use crate::source::Span;
 
 const ANSWER: &str = "landfall_answer";
 
-/// The value of an expression, if it is constant and above zero.
+/// Returns the value of an expression, if it is constant and positive.
 pub(super) fn positive(outline: &Outline<'_>, text: &str, at: Span) -> Option<u32> {
-    let mut asked = String::new();
+    let mut module = String::new();
     if outline.f16 {
-        asked.push_str("enable f16;\n");
+        module.push_str("enable f16;\n");
     }
     let mut taken = FxHashSet::default();
     let mut open = vec![(at.start, at.end)];
@@ -32,17 +32,17 @@ pub(super) fn positive(outline: &Outline<'_>, text: &str, at: Span) -> Option<u3
             let item = &outline.items[index];
             match item.class {
                 Class::Const | Class::Alias | Class::Struct => {}
-                // A member may be named like a function; where it is meant, naga will miss it.
+                // A member may share a function's name; if the function is needed, naga fails.
                 Class::Override | Class::Var | Class::Fn => continue,
             }
             if taken.insert(index) {
-                asked.push_str(&text[item.start as usize..item.end as usize]);
-                asked.push('\n');
+                module.push_str(&text[item.start as usize..item.end as usize]);
+                module.push('\n');
                 open.push((item.rest, item.end));
             }
         }
     }
     let expression = &text[at.start as usize..at.end as usize];
-    asked.push_str(&format!("alias {ANSWER} = array<u32, ({expression})>;\n"));
-    naga_front::array_length(&asked, ANSWER)
+    module.push_str(&format!("alias {ANSWER} = array<u32, ({expression})>;\n"));
+    naga_front::array_length(&module, ANSWER)
 }

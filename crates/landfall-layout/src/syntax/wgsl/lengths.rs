@@ -1,4 +1,4 @@
-//! Array lengths: `N` of `array<E, N>`.
+//! Array lengths: the `N` of `array<E, N>`.
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -18,17 +18,17 @@ use crate::syntax::constant::Fault;
 /// The length of an array.
 pub(super) struct Length {
     pub(super) len: ArrayLen,
-    /// The override it waits for, by its index in the outline.
+    /// The override it depends on, by its index in the outline.
     pub(super) waits_for: Option<usize>,
-    /// The expression, if an override is in it.
+    /// The span of the expression, if it contains an override.
     pub(super) overridden: Option<Span>,
 }
 
-/// Reads a length inside a template list.
+/// Parses a length inside a template list.
 pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Length, Refused> {
-    reader.asked_override = false;
+    reader.used_override = false;
     let (outcome, at) = expressions::read(reader, lexer, Within::Template)?;
-    let overridden = reader.asked_override.then_some(at);
+    let overridden = reader.used_override.then_some(at);
     let text = reader.slice(at);
     let count = match outcome {
         Ok(value) => value.integer(),
@@ -45,7 +45,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
         Err(trouble) => return Err(refuse(reader, trouble, at)),
     };
     let Some(count) = count else {
-        let message = format!("an array length must be a whole number, `{text}` is none");
+        let message = format!("an array length must be an integer, found `{text}`");
         return Err(reader.reports.refuse(Diagnostic::error(Code::ArraySize, at, message)));
     };
     let shown = || match text == count.to_string() {
@@ -55,9 +55,9 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
     match u32::try_from(count) {
         Ok(0) | Err(_) if count < 1 => {
             let message =
-                format!("an array must have at least 1 element, this one has {}", shown());
+                format!("an array must have at least 1 element, but this has {}", shown());
             let diagnostic = Diagnostic::error(Code::ArraySize, at, message);
-            let help = "write `array<T>` for as many as the buffer holds, or a length of 1 or more";
+            let help = "write `array<T>` for a runtime-sized array, or a length of at least 1";
             Err(reader.reports.refuse(diagnostic.with_help(help)))
         }
         Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None, overridden }),

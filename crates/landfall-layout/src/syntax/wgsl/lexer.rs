@@ -1,22 +1,22 @@
-//! WGSL's bytes to tokens, one at a time and on demand.
+//! The WGSL lexer: tokens on demand.
 //!
-//! `>` is always a token of its own: whether two of them are a shift or the
-//! ends of two template lists is for the grammar to say.
+//! `>` is always a separate token: the parser decides whether two of them are a shift or the ends
+//! of two template lists.
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// An identifier or keyword.
     Word,
     /// A numeric literal with its suffix.
     Number,
-    /// Any other character that is ASCII.
+    /// Any other ASCII character.
     Sign(u8),
     /// The end of the text.
     End,
 }
 
-/// A token and where it stands.
+/// A token and its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Token {
     pub(super) kind: Kind,
@@ -30,15 +30,15 @@ impl Token {
     }
 }
 
-/// A place in a text from which tokens are read.
+/// A position in a text from which tokens are read.
 #[derive(Clone, Debug)]
 pub(super) struct Lexer<'a> {
     text: &'a str,
     at: usize,
     peeked: Option<Token>,
-    /// Comments passed over so far, as byte ranges.
+    /// Byte ranges of the comments skipped so far.
     pub(super) comments: Vec<(u32, u32)>,
-    /// Where a block comment starts that nothing closes.
+    /// The start of a block comment that is never closed.
     pub(super) unclosed_comment: Option<u32>,
 }
 
@@ -52,12 +52,12 @@ impl<'a> Lexer<'a> {
         self.text
     }
 
-    /// The characters of a token.
+    /// Returns the text of a token.
     pub(super) fn text_of(&self, token: Token) -> &'a str {
         &self.text[token.start as usize..token.end as usize]
     }
 
-    /// The next token, left in place.
+    /// Returns the next token without consuming it.
     pub(super) fn peek(&mut self) -> Token {
         match self.peeked {
             Some(token) => token,
@@ -69,7 +69,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The next token, passed.
+    /// Consumes the next token.
     pub(super) fn next(&mut self) -> Token {
         match self.peeked.take() {
             Some(token) => token,
@@ -77,7 +77,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes the next token if it is that sign.
+    /// Consumes the next token if it is that sign.
     pub(super) fn take(&mut self, sign: u8) -> bool {
         let found = self.peek().is(sign);
         if found {
@@ -86,14 +86,14 @@ impl<'a> Lexer<'a> {
         found
     }
 
-    /// Goes on at that byte.
+    /// Continues at that byte.
     pub(super) fn jump(&mut self, at: u32) {
         self.at = at as usize;
         self.peeked = None;
     }
 
-    /// From just after a `{` to its `}`, without looking at anything but braces
-    /// and comments: the offset of the `}`, which is passed.
+    /// Skips from after a `{` past its `}`, examining only braces and comments; returns the offset
+    /// of the `}`.
     pub(super) fn skip_body(&mut self) -> Option<u32> {
         debug_assert!(self.peeked.is_none(), "a body starts right after its brace");
         let bytes = self.text.as_bytes();
@@ -121,7 +121,7 @@ impl<'a> Lexer<'a> {
         None
     }
 
-    /// Goes on at the next of those signs outside comments, and passes it.
+    /// Skips to the next of those signs outside comments, and consumes it.
     pub(super) fn scan_to(&mut self, signs: [u8; 4]) -> Token {
         debug_assert!(self.peeked.is_none(), "a scan starts right after a token");
         let bytes = self.text.as_bytes();
@@ -140,7 +140,7 @@ impl<'a> Lexer<'a> {
         self.token(Kind::End, self.at)
     }
 
-    /// The end of the comment that starts there, if one does.
+    /// Returns the end of the comment that starts there, if any.
     fn comment_end(&mut self, start: usize) -> Option<usize> {
         let bytes = self.text.as_bytes();
         match bytes.get(start + 1) {
@@ -201,7 +201,7 @@ impl<'a> Lexer<'a> {
         let first = bytes[start];
         if is_word(first) && !first.is_ascii_digit() {
             let length = bytes[start..].iter().take_while(|&&b| is_word(b)).count();
-            // A blank beyond ASCII ends a word; it starts with a byte a word may hold.
+            // A non-ASCII blank ends a word; it starts with a byte that words may contain.
             let length = match bytes[start..start + length].iter().position(|&b| b >= 0x80) {
                 Some(from) => (from..length)
                     .find(|&i| wide_blank(&bytes[start + i..]).is_some())
@@ -225,12 +225,12 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// WGSL §3.7 wants XID characters; every character beyond ASCII is let through here.
+/// WGSL §3.7 requires XID characters; every non-ASCII character is accepted here.
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
 }
 
-/// WGSL §3.2: the blank characters beyond ASCII; their length.
+/// Returns the length of a non-ASCII blank character (WGSL §3.2).
 fn wide_blank(bytes: &[u8]) -> Option<usize> {
     match bytes {
         [0xc2, 0x85, ..] => Some(2),
@@ -240,7 +240,7 @@ fn wide_blank(bytes: &[u8]) -> Option<usize> {
     }
 }
 
-/// WGSL §3.2: line breaks; all of them end a line comment.
+/// Whether a line break is at that byte (WGSL §3.2); each of them ends a line comment.
 fn ends_line(bytes: &[u8], at: usize) -> bool {
     match bytes[at] {
         b'\n' | 0x0b | 0x0c | b'\r' => true,

@@ -1,15 +1,15 @@
-//! WGSL's numeric literals (§3.5.2) to values.
+//! Parsing of WGSL's numeric literals (§3.5.2).
 
 use crate::syntax::constant::Value;
 
-/// The value of a literal with its suffix; `None` if it is not one, or its type cannot hold it.
+/// Returns the value of a literal with its suffix; `None` if it is malformed or out of range.
 pub(super) fn literal(text: &str) -> Option<Value> {
     if let Some(hex) = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         return if hex.contains(['.', 'p', 'P']) { hex_float(hex) } else { integer(hex, 16) };
     }
     let float = text.contains(['.', 'e', 'E']) || text.ends_with(['f', 'h']);
     if !float {
-        // §3.5.2: no leading zeros, except for zero itself.
+        // §3.5.2: no leading zeros, except in zero itself.
         let digits = text.bytes().take_while(u8::is_ascii_digit).count();
         return if digits > 1 && text.starts_with('0') { None } else { integer(text, 10) };
     }
@@ -26,7 +26,7 @@ fn integer(text: &str, radix: u32) -> Option<Value> {
         "u" => Value::Uint(wide.try_into().ok()?),
         "li" => Value::Long(wide.try_into().ok()?),
         "lu" => Value::Ulong(wide.try_into().ok()?),
-        // A hexadecimal float without a point and exponent is none: `f` is a digit there.
+        // A hexadecimal float needs a point or exponent: otherwise `f` is a digit.
         _ => return None,
     })
 }

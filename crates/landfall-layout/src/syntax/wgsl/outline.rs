@@ -1,7 +1,6 @@
-//! One pass over the module scope of a WGSL text: which names are declared, and where.
+//! The outline of a WGSL text: the names declared at module scope, found in one pass.
 //!
-//! What a declaration says is read later, when a block asks for it: what no
-//! block depends on cannot be wrong.
+//! Declarations are parsed later, when a block depends on them; errors in others are not reported.
 
 use rustc_hash::FxHashMap;
 
@@ -11,7 +10,7 @@ use super::report;
 use super::report::Reports;
 use crate::source::Span;
 
-/// What a module-scope name stands for.
+/// The kind of a module-scope declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Class {
     Struct,
@@ -23,7 +22,7 @@ pub(super) enum Class {
 }
 
 impl Class {
-    /// With its article, for messages.
+    /// Returns the kind with its article, for messages.
     pub(super) fn described(self) -> &'static str {
         match self {
             Class::Struct => "a struct",
@@ -42,33 +41,34 @@ pub(super) struct Item<'a> {
     pub(super) class: Class,
     pub(super) name: &'a str,
     pub(super) name_span: Span,
-    /// Its first byte, attributes included.
+    /// The first byte, attributes included.
     pub(super) start: u32,
-    /// Right after its name.
+    /// The byte after the name.
     pub(super) rest: u32,
-    /// One past its last byte.
+    /// One past the last byte.
     #[cfg_attr(not(feature = "naga"), expect(dead_code, reason = "naga is given whole items"))]
     pub(super) end: u32,
-    /// Of a `var<space>`.
+    /// The address space of a `var<space>`, with its span.
     pub(super) space: Option<(&'a str, Span)>,
     /// The comments that belong to a `var`.
     pub(super) comment: Vec<Span>,
 }
 
-/// The declarations of a text.
+/// The module-scope declarations of a text.
 #[derive(Debug, Default)]
 pub(super) struct Outline<'a> {
-    /// In the order of the text.
+    /// The declarations in text order.
     pub(super) items: Vec<Item<'a>>,
     /// Indices into `items`.
     pub(super) names: FxHashMap<&'a str, usize>,
-    /// Insides of functions, without their braces.
+    /// Function bodies, without their braces.
     pub(super) bodies: Vec<Span>,
-    /// Whether `enable f16;` was seen.
+    /// Whether the text has `enable f16;`.
     pub(super) f16: bool,
-    /// Whether `requires uniform_buffer_standard_layout;` was seen.
+    /// Whether the text has `requires uniform_buffer_standard_layout;`.
     pub(super) standard_uniforms: bool,
-    /// The text is a template that another tool must complete: nothing in it can be trusted.
+    /// Whether the text is a template that another tool must complete, so that results are
+    /// unreliable.
     pub(super) incomplete: bool,
 }
 
@@ -83,9 +83,9 @@ pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
     loop {
         lexer.comments.clear();
         let first = lexer.peek();
-        let (behind, before) = comments::split(text, &lexer.comments, last_end, first);
+        let (trailing, before) = comments::split(text, &lexer.comments, last_end, first);
         if let Some(item) = outline.items.last_mut().filter(|item| item.class == Class::Var) {
-            item.comment.extend(comments::spans(behind));
+            item.comment.extend(comments::spans(trailing));
         }
         let before = before.to_vec();
         if first.kind == Kind::End {
@@ -110,7 +110,7 @@ pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
     outline
 }
 
-/// One declaration; returns its end.
+/// Reads one declaration; returns its end.
 fn declaration<'a>(
     lexer: &mut Lexer<'a>,
     outline: &mut Outline<'a>,
@@ -210,7 +210,7 @@ fn declaration<'a>(
     Ok(end)
 }
 
-/// From a struct's name past its `}`.
+/// Skips from a struct's name past its `}`.
 fn skip_struct(
     lexer: &mut Lexer<'_>,
     reports: &mut Reports,
@@ -225,7 +225,7 @@ fn skip_struct(
         Kind::Sign(b'}') => Ok(close.end),
         Kind::Sign(b'#') => Err(reports.refuse(report::preprocessor(lexer, close))),
         Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {
-            // Go on at the first word that begins a declaration.
+            // Continue at the first word that begins a declaration.
             lexer.jump(open.end);
             let inside = lexer.text_of(name);
             Err(reports.refuse(report::unclosed_brace(inside, report::span(open))))
@@ -233,7 +233,7 @@ fn skip_struct(
     }
 }
 
-/// From a function's name past its body.
+/// Skips from a function's name past its body.
 fn skip_function(
     lexer: &mut Lexer<'_>,
     outline: &mut Outline<'_>,
@@ -249,7 +249,7 @@ fn skip_function(
             outline.bodies.push(Span { file: 0, start: open.end, end: close });
             Ok(close + 1)
         }
-        // The comment is what is reported then.
+        // The unclosed comment is reported instead.
         None if lexer.unclosed_comment.is_some() => Err(report::Refused),
         None => {
             Err(reports.refuse(report::unclosed_brace(lexer.text_of(name), report::span(open))))
@@ -271,7 +271,7 @@ fn skip_to_semicolon(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<u32
     }
 }
 
-/// From after a `(` past its `)`.
+/// Skips from after a `(` past its `)`.
 fn skip_round(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<(), report::Refused> {
     let mut depth = 1u32;
     while depth > 0 {
@@ -288,7 +288,8 @@ fn skip_round(lexer: &mut Lexer<'_>, reports: &mut Reports) -> Result<(), report
     Ok(())
 }
 
-/// After an error: goes on after the next `;`, or at the next word or `@` that begins a declaration.
+/// Recovers from an error: skips past the next `;`, or to the next word or `@` that begins a
+/// declaration.
 fn recover(lexer: &mut Lexer<'_>) {
     loop {
         let token = lexer.peek();
@@ -307,7 +308,8 @@ fn recover(lexer: &mut Lexer<'_>) {
     }
 }
 
-/// Attributes of members stand on indented lines, those of declarations do not.
+/// Whether a token starts its line: attributes of members are indented, those of declarations are
+/// not.
 fn starts_line(text: &str, token: Token) -> bool {
     let start = token.start as usize;
     start == 0 || matches!(text.as_bytes()[start - 1], b'\n' | b'\r')

@@ -1,12 +1,12 @@
-//! The type names WGSL declares itself (§6.9), as far as naga 30 knows them.
+//! WGSL's predeclared type names (§6.9), as far as naga 30 supports them.
 
 use crate::shape::{Scalar, ScalarKind};
 
-/// What a predeclared type name stands for.
+/// The meaning of a predeclared type name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Predeclared {
     Scalar(Scalar),
-    /// `vec3`, `vec3f`: the component is missing until a template says it.
+    /// `vec3`, `vec3f`: the component is `None` until a template provides it.
     Vector {
         rows: u8,
         scalar: Option<Scalar>,
@@ -19,9 +19,9 @@ pub(super) enum Predeclared {
     Array,
     Atomic,
     BindingArray,
-    /// naga's `RayDesc`: a structure that can stand in a buffer.
+    /// naga's `RayDesc`, a structure allowed in a buffer.
     RayDesc,
-    /// Textures, samplers, pointers and whatever else has no bytes.
+    /// Textures, samplers, pointers and other types without a byte layout.
     Opaque,
 }
 
@@ -29,7 +29,7 @@ const I16: Scalar = Scalar { kind: ScalarKind::Sint, width: 2 };
 const U16: Scalar = Scalar { kind: ScalarKind::Uint, width: 2 };
 const I64: Scalar = Scalar { kind: ScalarKind::Sint, width: 8 };
 
-/// Names worth suggesting for a misspelt one.
+/// Suggestions for misspelt names.
 pub(super) const NAMES: [&str; 32] = [
     "bool",
     "i32",
@@ -65,7 +65,7 @@ pub(super) const NAMES: [&str; 32] = [
     "texture_2d",
 ];
 
-/// The predeclared type of that name.
+/// Returns the predeclared type with that name.
 pub(super) fn lookup(name: &str) -> Option<Predeclared> {
     let bytes = name.as_bytes();
     Some(match name {
@@ -113,7 +113,7 @@ fn extent(digit: u8) -> Option<u8> {
     matches!(digit, b'2'..=b'4').then(|| digit - b'0')
 }
 
-/// The component a suffix says: none without one, no type at all for an unknown one.
+/// Returns the component for a suffix: `Some(None)` without one, `None` for an unknown one.
 fn component(suffix: &[u8]) -> Option<Option<Scalar>> {
     match suffix {
         [] => Some(None),

@@ -1,4 +1,4 @@
-//! What is known while the declarations that blocks depend on are read.
+//! The state of parsing the declarations that blocks depend on.
 
 use std::sync::Arc;
 
@@ -12,45 +12,45 @@ use super::types::Typed;
 use crate::shape::Override;
 use crate::source::{ReadOptions, Span};
 
-/// What nesting may cost, so as to fit the stack of a thread: 100 arrays in one another.
+/// The limit on the cost of nesting, so as to fit the stack of a thread: 100 nested arrays.
 const DEEPEST_GRAMMAR: u32 = 200;
 
-/// A type expression; the name it resolves costs another level.
+/// The cost of a type expression; the name it resolves costs another level.
 const TYPE_LEVEL: u32 = 2;
 
-/// An expression in brackets, or behind an operator.
+/// The cost of an expression in brackets, or after an operator.
 const EXPRESSION_LEVEL: u32 = 4;
 
-/// A declaration that is read when first asked for.
+/// A declaration that is parsed on first use.
 #[derive(Clone, Debug)]
 pub(super) enum Known<T> {
-    /// It is being read: asking again means that it depends on itself.
+    /// Being parsed: another use means that it depends on itself.
     Open,
-    /// What it says.
+    /// Parsed.
     Done(T),
-    /// It cannot be read, and a finding says why.
+    /// Failed to parse; the error is reported.
     Broken,
 }
 
-/// The text, its outline, and what was read of it so far.
+/// The text, its outline, and the declarations parsed so far.
 pub(super) struct Reader<'a> {
     pub(super) text: &'a str,
     pub(super) outline: &'a Outline<'a>,
     pub(super) options: &'a ReadOptions,
     pub(super) reports: Reports,
-    /// Structures and aliases by their index in the outline.
+    /// Structures and aliases by index in the outline.
     pub(super) types: FxHashMap<usize, Known<Typed>>,
-    /// Constants and overrides by their index in the outline.
+    /// Constants and overrides by index in the outline.
     pub(super) constants: FxHashMap<usize, Known<Outcome>>,
-    /// Overrides that a size was computed from.
+    /// The overrides that sizes depend on.
     pub(super) overrides: Vec<Override>,
-    /// Whether an override was asked for since this was last cleared.
-    pub(super) asked_override: bool,
-    /// How deep the grammar, and names that stand for other text, are nested right now.
+    /// Whether an override was used since this was last cleared.
+    pub(super) used_override: bool,
+    /// The current nesting of the grammar and of names that stand for other text.
     depth: u32,
-    /// Whether all constants up to some deep one were already read in order.
+    /// Whether all constants up to some deep one were evaluated in order.
     pub(super) swept: bool,
-    /// Whether the missing `enable f16;` was spoken of.
+    /// Whether the missing `enable f16;` was reported.
     pub(super) warned_f16: bool,
 }
 
@@ -69,14 +69,14 @@ impl<'a> Reader<'a> {
             types: FxHashMap::default(),
             constants: FxHashMap::default(),
             overrides: Vec::new(),
-            asked_override: false,
+            used_override: false,
             depth: 0,
             swept: false,
             warned_f16: false,
         }
     }
 
-    /// Reads what a name stands for, if that is not too deep.
+    /// Parses the declaration of a name, unless nested too deep.
     pub(super) fn deeper_name<T>(
         &mut self,
         at: Span,
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
         self.descend(at, 1, read)
     }
 
-    /// The same for part of a type.
+    /// Parses a part of a type, unless nested too deep.
     pub(super) fn deeper_type<T>(
         &mut self,
         at: Span,
@@ -94,7 +94,7 @@ impl<'a> Reader<'a> {
         self.descend(at, TYPE_LEVEL, read)
     }
 
-    /// The same for part of an expression.
+    /// Parses a part of an expression, unless nested too deep.
     pub(super) fn deeper_expression<T>(
         &mut self,
         at: Span,
@@ -122,12 +122,12 @@ impl<'a> Reader<'a> {
         self.depth
     }
 
-    /// The text of a span.
+    /// Returns the text of a span.
     pub(super) fn slice(&self, span: Span) -> &'a str {
         &self.text[span.start as usize..span.end as usize]
     }
 
-    /// Notes that a size depends on an override.
+    /// Records that a size depends on an override.
     pub(super) fn note_override(&mut self, name: &str, id: Option<u32>, value: Option<i64>) {
         if !self.overrides.iter().any(|known| &*known.name == name) {
             self.overrides.push(Override { name: Arc::from(name), id, value });

@@ -1,24 +1,24 @@
-//! The findings about WGSL text, and the words they are put in.
+//! Diagnostics about WGSL text, and their wording.
 
 use super::lexer::{Kind, Lexer, Token};
 use crate::diagnostic::Code;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 
-/// A file is told this many findings; the rest would only follow from them.
+/// The limit on diagnostics per file; later ones tend to follow from earlier ones.
 const MOST_REPORTS: usize = 100;
 
-/// Something could not be read, and a finding says so already.
+/// An error that has been reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refused;
 
-/// The findings so far.
+/// The diagnostics so far.
 #[derive(Debug, Default)]
 pub(super) struct Reports {
     list: Vec<Diagnostic>,
-    /// How many were left out.
+    /// The number of diagnostics left out.
     more: usize,
-    /// Whether the text turned out to be another tool's template.
+    /// Whether the text is a template of another tool.
     pub(super) saw_preprocessor: bool,
 }
 
@@ -32,13 +32,13 @@ impl Reports {
         }
     }
 
-    /// Records why, to return `Err` with.
+    /// Records a diagnostic and returns the value to use as `Err`.
     pub(super) fn refuse(&mut self, diagnostic: Diagnostic) -> Refused {
         self.push(diagnostic);
         Refused
     }
 
-    /// The findings, those left out counted in the last.
+    /// Returns the diagnostics; the last one notes how many were left out.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         if let (Some(last), true) = (self.list.last_mut(), self.more > 0) {
             last.notes.push(format!("{} more errors in this file are not shown", self.more));
@@ -47,12 +47,12 @@ impl Reports {
     }
 }
 
-/// Where a token stands.
+/// Returns the span of a token.
 pub(super) fn span(token: Token) -> Span {
     Span { file: 0, start: token.start, end: token.end }
 }
 
-/// What was found where something else should be.
+/// Returns the diagnostic for an unexpected token.
 pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Diagnostic {
     let found = match token.kind {
         Kind::End => "the end of the text".to_string(),
@@ -69,19 +69,19 @@ pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Dia
 }
 
 pub(super) fn bad_number(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
-    let message = format!("`{}` is no number WGSL can hold", lexer.text_of(token));
+    let message = format!("`{}` is not a valid number in WGSL", lexer.text_of(token));
     Diagnostic::error(Code::Syntax, span(token), message)
 }
 
 pub(super) fn unclosed_comment(start: u32) -> Diagnostic {
     let span = Span { file: 0, start, end: start + 2 };
-    Diagnostic::error(Code::UnclosedComment, span, "this comment has no end")
-        .with_note("block comments nest in WGSL: every `/*` in it wants its own `*/`")
+    Diagnostic::error(Code::UnclosedComment, span, "this comment is never closed")
+        .with_note("block comments nest in WGSL: every `/*` in it needs its own `*/`")
         .with_help("write `*/` where it ends")
 }
 
 pub(super) fn unclosed_brace(name: &str, open: Span) -> Diagnostic {
-    Diagnostic::error(Code::UnclosedBrace, open, format!("`{name}` has a `{{` without its `}}`"))
+    Diagnostic::error(Code::UnclosedBrace, open, format!("a `{{` of `{name}` is never closed"))
         .with_help(format!("write `}}` at the end of `{name}`"))
 }
 
@@ -91,11 +91,12 @@ pub(super) fn bracket_attribute(token: Token) -> Diagnostic {
 }
 
 pub(super) fn module_let(token: Token) -> Diagnostic {
-    Diagnostic::error(Code::Syntax, span(token), "`let` stands inside functions only")
+    Diagnostic::error(Code::Syntax, span(token), "`let` is only allowed inside functions")
         .with_help("write `const`")
 }
 
-/// naga_oil's and WESL's lines: the declarations that count are known only after them.
+/// Returns the diagnostic for preprocessor lines of naga_oil and WESL: the declarations are known
+/// only after composition.
 pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     let rest = &lexer.text()[token.start as usize..];
     let word_end = rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_');
@@ -108,8 +109,8 @@ pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     };
     let span = Span { file: 0, start: token.start, end };
     Diagnostic::error(Code::Preprocessor, span, format!("`{shown}` is not WGSL but {tool}"))
-        .with_note("which declarations count is known only after this text is composed")
-        .with_help(format!("compose the shader with {tool} first, and lay out what comes out"))
+        .with_note("the declarations are known only after the text is composed")
+        .with_help(format!("compose the shader with {tool} first, and lay out the result"))
 }
 
 pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {
@@ -119,11 +120,11 @@ pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {
 }
 
 pub(super) fn too_deep(at: Span) -> Diagnostic {
-    Diagnostic::error(Code::NestedTooDeep, at, "types and expressions nest too deep here")
-        .with_note("landfall follows some hundred levels, so as not to run out of stack")
+    Diagnostic::error(Code::NestedTooDeep, at, "types and expressions are nested too deeply here")
+        .with_note("landfall supports about a hundred levels, so as not to overflow the stack")
 }
 
-/// `message` with the name nearest to a misspelt one as help.
+/// Returns a diagnostic that suggests the name nearest to a misspelt one.
 pub(super) fn misspelt<'n>(
     diagnostic: Diagnostic,
     name: &str,

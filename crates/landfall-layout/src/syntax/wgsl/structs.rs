@@ -1,4 +1,4 @@
-//! Structure declarations (§6.2.10) to [`Struct`].
+//! Parsing of structure declarations (§6.2.10) to [`Struct`].
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
 use crate::source::Span;
 
-/// Reads a structure of the outline.
+/// Parses a structure of the outline.
 pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
@@ -23,10 +23,10 @@ pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refus
     let mut body = Body { end: open.end, ..Body::default() };
     loop {
         let next = lexer.peek();
-        let (behind, before) =
+        let (trailing, before) =
             comments::split(reader.text, &lexer.comments[body.seen..], body.end, next);
         if let Some(last) = body.members.last_mut() {
-            last.comment.extend(comments::spans(behind));
+            last.comment.extend(comments::spans(trailing));
         }
         let before = comments::spans(before).collect();
         body.seen = lexer.comments.len();
@@ -50,7 +50,7 @@ pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refus
         return Err(Refused);
     }
     if body.members.is_empty() && body.opaque.is_empty() {
-        let message = format!("`{}` has no members, WGSL wants at least one", item.name);
+        let message = format!("`{}` has no members, but WGSL requires at least one", item.name);
         let diagnostic = Diagnostic::error(Code::EmptyStruct, item.name_span, message);
         return Err(reader.reports.refuse(diagnostic.with_help("add a member")));
     }
@@ -62,20 +62,20 @@ pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refus
     Ok(Typed { meaning: Meaning::Data(ty), facts: body.facts })
 }
 
-/// What was read of a structure so far.
+/// The members parsed so far.
 #[derive(Default)]
 struct Body {
     members: Vec<Member>,
     opaque: Vec<Arc<str>>,
     facts: Facts,
-    /// Where the last member ends.
+    /// The end of the last member.
     end: u32,
-    /// Comments that were given to a member.
+    /// The number of comments assigned to members.
     seen: usize,
     broken: bool,
 }
 
-/// `@align(16) name: type,`; returns its end.
+/// Parses `@align(16) name: type,`; returns its end.
 fn member<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -89,7 +89,7 @@ fn member<'a>(
     }
     types::expect(reader, lexer, b':', "`:`")?;
     let type_at = report::span(lexer.peek());
-    // The text may go on behind a type that cannot be read; then the structure is none.
+    // The text may continue after an invalid type; the structure is then invalid.
     let typed = types::read(reader, lexer)?;
     let (span, text) = (report::span(name), lexer.text_of(name));
     if let Some(first) = body.members.iter().find(|member| &*member.name == text) {
@@ -97,7 +97,7 @@ fn member<'a>(
         body.broken = true;
     }
     if let Some(runtime) = body.facts.runtime {
-        let help = "make it the last member, or give it a number of elements";
+        let help = "make it the last member, or specify its number of elements";
         let help = runtime.help(reader, help);
         reader.reports.push(not_last(&body.members, runtime.at).with_help(help));
         body.facts.runtime = None;
@@ -108,7 +108,7 @@ fn member<'a>(
     match typed.meaning {
         Meaning::Data(ty) => {
             if let (Type::Struct(inner), Some(runtime)) = (&ty, typed.facts.runtime) {
-                let help = "give the array a number of elements, or move it to the outer struct";
+                let help = "specify the array's number of elements, or move it to the outer struct";
                 let help = runtime.help(reader, help);
                 let diagnostic = nested_runtime(&inner.name, type_at, runtime.at);
                 reader.reports.push(diagnostic.with_help(help));
@@ -129,7 +129,7 @@ fn member<'a>(
     Ok(end)
 }
 
-/// The `,` behind a member, or the end of the structure, which is left in place.
+/// Parses the `,` after a member, or the end of the structure, which is not consumed.
 fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32, Refused> {
     let next = lexer.peek();
     match next.kind {
@@ -144,13 +144,13 @@ fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32,
                 Diagnostic::error(
                     Code::Syntax,
                     report::span(next),
-                    "members end in `,`, not in `;`",
+                    "expected `,` after a member, found `;`",
                 )
                 .with_help("write `,`"),
             );
             Ok(next.end)
         }
-        // A comma that was forgotten: the next member is read all the same.
+        // A missing comma: continue with the next member.
         Kind::Word | Kind::Sign(b'@') => {
             reader.reports.push(report::unexpected(lexer, next, "`,` or `}`"));
             Ok(next.start)
@@ -161,7 +161,8 @@ fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32,
     }
 }
 
-/// From the start of a member with an error: goes on after the next `,` that ends a member; `true` at the structure's end.
+/// Recovers from an error in a member: skips past the next `,` that ends a member; returns `true`
+/// at the structure's end.
 fn recover(lexer: &mut Lexer<'_>) -> bool {
     let mut depth = 0i32;
     loop {
@@ -170,7 +171,7 @@ fn recover(lexer: &mut Lexer<'_>) -> bool {
             Kind::Sign(b'(' | b'[' | b'<') => depth += 1,
             Kind::Sign(b')' | b']' | b'>') => depth -= 1,
             Kind::Sign(b',') if depth <= 0 => return false,
-            // A line break behind the comma ends the member whatever is open.
+            // A line break after the comma ends the member even inside open brackets.
             Kind::Sign(b',') if breaks_after(lexer, token) => return false,
             Kind::Sign(b'}') | Kind::End => return true,
             Kind::Word | Kind::Number | Kind::Sign(_) => {}
@@ -194,7 +195,7 @@ fn nested_runtime(inner: &str, at: Span, runtime: Span) -> Diagnostic {
     Diagnostic::error(Code::RuntimeSizedArray, at, message).with_label(runtime, "runtime-sized")
 }
 
-/// naga's predeclared `RayDesc`.
+/// Returns naga's predeclared `RayDesc`.
 pub(super) fn ray_desc() -> Type {
     let member = |name: &str, ty: Type| Member::plain(Arc::from(name), ty, Span::default());
     let vector = Type::Vector { scalar: Scalar::F32, rows: 3 };

@@ -1,4 +1,4 @@
-//! Type expressions of WGSL (§6) to [`Type`].
+//! Parsing of WGSL type expressions (§6) to [`Type`].
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -17,33 +17,33 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use crate::source::Span;
 
-/// What a block may object to in a type, each with the place that says it.
+/// Properties of a type that may make it invalid in a block, each with its span.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Facts {
-    /// A `bool`: it has no bytes in a buffer.
+    /// A `bool`, which is not host-shareable.
     pub(super) boolean: Option<Span>,
-    /// An atomic: it can only be in storage.
+    /// An atomic, which is only allowed in storage.
     pub(super) atomic: Option<Span>,
     /// A texture, sampler or pointer inside a structure or array.
     pub(super) opaque: Option<Span>,
     /// An `f16`.
     pub(super) half: Option<Span>,
-    /// It ends in a runtime-sized array, or in one whose override has no value.
+    /// A runtime-sized array at its end, or one whose override has no value.
     pub(super) runtime: Option<Unsized>,
-    /// The length of an array that an override says.
+    /// An array length that depends on an override.
     pub(super) overridden: Option<Span>,
 }
 
-/// An array whose length the text alone does not say.
+/// An array whose length the text alone does not determine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unsized {
     pub(super) at: Span,
-    /// The override its length waits for, by its index in the outline.
+    /// The override its length depends on, by its index in the outline.
     pub(super) waits_for: Option<usize>,
 }
 
 impl Unsized {
-    /// What to do where a type must have a size.
+    /// Returns the help for a place where the type must have a size.
     pub(super) fn help(self, reader: &Reader<'_>, otherwise: &str) -> String {
         match self.waits_for {
             Some(index) => {
@@ -68,18 +68,18 @@ impl Facts {
     }
 }
 
-/// What a type expression stands for.
+/// The meaning of a type expression.
 #[derive(Clone, Debug)]
 pub(super) enum Meaning {
-    /// Something with bytes.
+    /// A type with a byte layout.
     Data(Type),
-    /// A texture, sampler, pointer or the like.
+    /// A texture, sampler, pointer or other opaque type.
     Opaque,
-    /// `binding_array<T, N>`: as many buffers.
+    /// `binding_array<T, N>`: N separate buffers.
     Bindings(Box<Meaning>, ArrayLen),
 }
 
-/// A type expression that was read.
+/// A parsed type expression.
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub(super) meaning: Meaning,
@@ -101,7 +101,7 @@ impl Typed {
     }
 }
 
-/// Reads a type expression.
+/// Parses a type expression.
 pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Typed, Refused> {
     let word = lexer.next();
     if word.kind != Kind::Word {
@@ -110,7 +110,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
     reader.deeper_type(report::span(word), |reader| named(reader, lexer, word))
 }
 
-/// The type a word begins, its template list read with it.
+/// Parses the type that a word begins, with its template list.
 pub(super) fn named<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -133,7 +133,7 @@ pub(super) fn named<'a>(
         Predeclared::Matrix { columns, rows, scalar } => {
             let scalar = component(reader, lexer, word, scalar)?;
             if scalar.kind != ScalarKind::Float {
-                let message = format!("`{name}` has floating-point components only");
+                let message = format!("`{name}` only has floating-point components");
                 let diagnostic = Diagnostic::error(Code::UnknownType, at, message);
                 return Err(reader.reports.refuse(diagnostic.with_help("write `f32`")));
             }
@@ -161,7 +161,7 @@ pub(super) fn named<'a>(
     }
 }
 
-/// A type the text declares.
+/// Resolves a type declared in the text.
 fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
     match reader.types.get(&index) {
         Some(Known::Done(typed)) => return Ok(typed.clone()),
@@ -190,7 +190,7 @@ fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Re
     result
 }
 
-/// `alias NAME = TYPE;`
+/// Parses `alias NAME = TYPE;`.
 fn alias(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
     let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
     expect(reader, &mut lexer, b'=', "`=`")?;
@@ -199,7 +199,7 @@ fn alias(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
     Ok(typed)
 }
 
-/// The component of a vector, matrix or atomic: in its name, or in its template list.
+/// Returns the component of a vector, matrix or atomic, from its name or template list.
 fn component<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -211,7 +211,7 @@ fn component<'a>(
     }
     let name = lexer.text_of(word);
     if !lexer.take(b'<') {
-        let message = format!("`{name}` does not say its component type");
+        let message = format!("`{name}` lacks its component type");
         let diagnostic = Diagnostic::error(Code::UnknownType, report::span(word), message)
             .with_help(format!("write `{name}<f32>`"));
         return Err(reader.reports.refuse(diagnostic));
@@ -228,7 +228,7 @@ fn component<'a>(
     }
 }
 
-/// `array<E, N>` and `array<E>`.
+/// Parses `array<E, N>` and `array<E>`.
 fn array<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -239,7 +239,7 @@ fn array<'a>(
     let mut facts = element.facts;
     if let Some(runtime) = facts.runtime {
         let message = "the elements of an array must have a size, and this type has none";
-        let help = runtime.help(reader, "give the inner array a number of elements");
+        let help = runtime.help(reader, "specify the inner array's number of elements");
         let diagnostic = Diagnostic::error(Code::RuntimeSizedArray, element_at, message)
             .with_label(runtime.at, "runtime-sized")
             .with_help(help);
@@ -247,7 +247,7 @@ fn array<'a>(
     }
     let ty = match element.meaning {
         Meaning::Data(ty) => ty,
-        // Kept so that the rest can be read; the block that holds it is refused.
+        // Kept so that parsing can continue; a block with such a type is rejected.
         Meaning::Opaque | Meaning::Bindings(..) => {
             facts.opaque = facts.opaque.or(Some(element_at));
             return Ok(Typed { meaning: Meaning::Opaque, facts });
@@ -274,7 +274,7 @@ fn element_and_length<'a>(
 ) -> Result<(Typed, Length, Span), Refused> {
     if !lexer.take(b'<') {
         let name = lexer.text_of(word);
-        let message = format!("`{name}` does not say its element type");
+        let message = format!("`{name}` lacks its element type");
         let diagnostic = Diagnostic::error(Code::UnknownType, report::span(word), message)
             .with_help(format!("write `{name}<f32, 4>`"));
         return Err(reader.reports.refuse(diagnostic));
@@ -295,7 +295,7 @@ fn close_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<
     expect(reader, lexer, b'>', "`>`")
 }
 
-/// Passes that sign, or says that it is missing.
+/// Consumes that sign, or reports that it is missing.
 pub(super) fn expect<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
@@ -309,7 +309,7 @@ pub(super) fn expect<'a>(
     Err(reader.reports.refuse(report::unexpected(lexer, found, shown)))
 }
 
-/// From after a `<` past its `>`.
+/// Skips from after a `<` past its `>`.
 fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
     let mut depth = 1u32;
     while depth > 0 {
@@ -327,7 +327,7 @@ fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(
 }
 
 fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
-    let diagnostic = Diagnostic::error(Code::UnknownType, at, format!("there is no type `{name}`"));
+    let diagnostic = Diagnostic::error(Code::UnknownType, at, format!("unknown type `{name}`"));
     let declared = reader.outline.items.iter().filter(|item| match item.class {
         Class::Struct | Class::Alias => true,
         Class::Const | Class::Override | Class::Var | Class::Fn => false,
@@ -340,7 +340,7 @@ fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
     reader.reports.refuse(diagnostic)
 }
 
-/// What GLSL and HLSL writers type out of habit.
+/// Returns WGSL's spelling of a type name from GLSL or HLSL.
 fn glsl_habit(name: &str) -> Option<&'static str> {
     Some(match name {
         "float" | "double" => "f32",
@@ -363,11 +363,11 @@ fn recursive(reader: &mut Reader<'_>, index: usize, at: Span) -> Refused {
     reader.reports.refuse(
         Diagnostic::error(Code::RecursiveStruct, at, message)
             .with_label(item.name_span, "defined here")
-            .with_help("hold an index into an array of them instead"),
+            .with_help("store an index into an array of them instead"),
     )
 }
 
-/// The type a constructor names; `None` when no constructor of it is evaluated here.
+/// Returns the type a constructor names; `None` if its constructor is not evaluated here.
 pub(super) fn constructed<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,

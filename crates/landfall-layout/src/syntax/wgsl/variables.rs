@@ -1,4 +1,4 @@
-//! Module-scope variables (§7.3) to [`Block`].
+//! Parsing of module-scope variables (§7.3) to [`Block`].
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use super::report::Refused;
 use super::types;
 use super::types::{Facts, Meaning};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{AddressSpace, ArrayLen, Block, Majorness, Member, Rules, Type, Written};
+use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, Member, Rules, Type, Written};
 use crate::source::Span;
 
-/// Address spaces without a buffer that a program fills.
+/// Address spaces whose variables are not buffers.
 const NO_BUFFER: [&str; 8] = [
     "private",
     "workgroup",
@@ -28,7 +28,7 @@ const NO_BUFFER: [&str; 8] = [
     "pixel_local",
 ];
 
-/// The block of a variable, if it is a buffer.
+/// Returns the block of a variable, if it is a buffer.
 pub(super) fn block<'a>(
     reader: &mut Reader<'a>,
     item: &Item<'a>,
@@ -39,7 +39,7 @@ pub(super) fn block<'a>(
     let type_at = report::span(lexer.peek());
     let typed = types::read(reader, &mut lexer)?;
     types::expect(reader, &mut lexer, b';', "`;`")?;
-    // A number that cannot be read is reported; the layout does not depend on it.
+    // An invalid number is reported; the layout does not depend on it.
     let attributes = attributes::of_item(reader, item).unwrap_or_default();
     check(reader, item, space, typed.facts, type_at)?;
     let (meaning, count) = match typed.meaning {
@@ -78,7 +78,7 @@ fn made(
         group: number(attributes.group),
         binding: number(attributes.binding),
         count,
-        majorness: Majorness::Column,
+        matrix_layout: MatrixLayout::Column,
         members,
         opaque: Vec::new(),
         offset_order: crate::shape::OffsetOrder::Ascending,
@@ -87,7 +87,7 @@ fn made(
     }
 }
 
-/// Where the variable lives, if that is a buffer.
+/// Returns the address space of a variable, if it is that of a buffer.
 fn address_space(
     reader: &mut Reader<'_>,
     item: &Item<'_>,
@@ -96,11 +96,11 @@ fn address_space(
     match name {
         "uniform" => Ok(Some(AddressSpace::Uniform)),
         "storage" => Ok(Some(AddressSpace::Storage)),
-        // `push_constant` is what naga called it before version 28.
+        // naga's name before version 28 was `push_constant`.
         "immediate" | "push_constant" => Ok(Some(AddressSpace::PushConstant)),
         _ if NO_BUFFER.contains(&name) => Ok(None),
         _ => {
-            let message = format!("there is no address space named `{name}`");
+            let message = format!("unknown address space `{name}`");
             let known = ["uniform", "storage", "immediate"].into_iter().chain(NO_BUFFER);
             let diagnostic = Diagnostic::error(Code::UnknownAddressSpace, at, message);
             Err(reader.reports.refuse(report::misspelt(diagnostic, name, known)))
@@ -108,7 +108,7 @@ fn address_space(
     }
 }
 
-/// What a type must not hold to be in that address space.
+/// Checks that a type is allowed in an address space.
 fn check(
     reader: &mut Reader<'_>,
     item: &Item<'_>,
@@ -148,13 +148,16 @@ fn check(
     }
     if let (Some(runtime), true) = (facts.runtime, space != AddressSpace::Storage) {
         refused = true;
-        let help = "write `var<storage>`, or give the array a number of elements";
+        let help = "write `var<storage>`, or specify the array's number of elements";
         let help = runtime.help(reader, help);
         reader.reports.push(
             Diagnostic::error(
                 Code::RuntimeSizedArray,
                 runtime.at,
-                format!("`{name}` is runtime-sized, which {} memory cannot be", space.name()),
+                format!(
+                    "`{name}` is runtime-sized, which is not allowed in {} memory",
+                    space.name()
+                ),
             )
             .with_label(item.name_span, "in this buffer")
             .with_help(help),
@@ -176,20 +179,21 @@ fn check(
     Ok(())
 }
 
-/// WGSL §6.2.9: only a workgroup variable may be sized so; naga 30 and Tint refuse buffers.
+/// WGSL §6.2.9: only workgroup variables may have such a size; naga 30 and Tint reject buffers.
 fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
     let message = format!(
-        "`{}` is sized by an override, which WGSL allows in workgroup memory only",
+        "`{}` is sized by an override, which WGSL only allows in workgroup memory",
         item.name
     );
     Diagnostic::warning(Code::OverrideSizedArray, at, message)
         .with_label(item.name_span, "in this buffer")
-        .with_note("the layout is the one that the override's present value gives")
-        .with_help("size it by a `const`, or leave the length out")
+        .with_note("laid out with the override's current value")
+        .with_help("use a `const` for its length, or omit the length")
 }
 
 fn opaque(item: &Item<'_>, at: Span, type_at: Span) -> Diagnostic {
-    let message = format!("`{}` holds a texture, sampler or pointer: it has no bytes", item.name);
+    let message =
+        format!("`{}` holds a texture, sampler or pointer, which is not host-shareable", item.name);
     let diagnostic = Diagnostic::error(Code::NotHostShareable, at, message);
     if at == type_at {
         diagnostic.with_help("declare it as a variable without an address space")

@@ -1,39 +1,43 @@
-//! A function over the calls of a bench by the evaluator, as a workload.
+//! A function over the calls of a bench on the evaluator, as a workload.
 //!
-//! Takes [`Calls`]; what is subtracted is a kernel of the same words that
-//! computes nothing.
+//! Takes [`Calls`]; the time subtracted is that of an empty function with the same parameters and
+//! results.
 
 use std::borrow::Cow;
 use std::hint::black_box;
 use std::time::Duration;
 
-use super::clock::Took;
+use super::clock::Elapsed;
 use super::errors::{Errors, Results};
 use super::function::{Calls, Kinds};
 use super::kernel::kernel;
 use super::report::{Permitted, Work};
 use super::rounds::{Part, Workload};
 use crate::accuracy::permitted::farthest;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Floats, Precision, Settings};
 
-/// A function and the words it is called with, whoever calls it.
+/// A function and its arguments, for any backend.
 #[derive(Debug)]
 pub struct Variant<'a> {
     calls: &'a Calls,
-    pure: &'a Pure,
+    pure: &'a PureFunction,
     kinds: Kinds,
     columns: Cow<'a, [Vec<u64>]>,
-    /// What is subtracted.
-    trivial: Option<Pure>,
+    /// The empty function whose time is subtracted.
+    trivial: Option<PureFunction>,
 }
 
 impl<'a> Variant<'a> {
-    /// A function to be called as the first of a bench is.
+    /// A function called with the arguments of a bench's first function.
     ///
     /// # Errors
-    /// It takes or gives something else.
-    pub fn new(calls: &'a Calls, first: &Pure, pure: &'a Pure) -> Result<Variant<'a>, String> {
+    /// Parameters or results that differ from those of the first function.
+    pub fn new(
+        calls: &'a Calls,
+        first: &PureFunction,
+        pure: &'a PureFunction,
+    ) -> Result<Variant<'a>, String> {
         let columns = calls.given(first, pure)?;
         let kinds = Kinds::of(pure);
         if let Some(truth) = calls.truth().iter().flatten().next() {
@@ -42,7 +46,7 @@ impl<'a> Variant<'a> {
             if given != wanted {
                 let numbers = |[floats, wholes]: [usize; 2]| match wholes {
                     0 => format!("{floats} floats"),
-                    wholes => format!("{floats} floats and {wholes} whole numbers or truths"),
+                    wholes => format!("{floats} floats and {wholes} integers or booleans"),
                 };
                 let message = format!(
                     "`{}` gives {}, and the truth is {}",
@@ -56,11 +60,11 @@ impl<'a> Variant<'a> {
         Ok(Variant { calls, pure, kinds, columns, trivial: kernel(pure) })
     }
 
-    pub(super) fn pure(&self) -> &'a Pure {
+    pub(super) fn pure(&self) -> &'a PureFunction {
         self.pure
     }
 
-    pub(super) fn trivial(&self) -> Option<&Pure> {
+    pub(super) fn trivial(&self) -> Option<&PureFunction> {
         self.trivial.as_ref()
     }
 
@@ -68,20 +72,20 @@ impl<'a> Variant<'a> {
         &self.kinds
     }
 
-    /// What each call should give; none where that is undefined.
+    /// Returns the expected result of each call; `None` where it is undefined.
     pub(super) fn truth(&self) -> &'a [Option<Results>] {
         self.calls.truth()
     }
 
-    /// The words of each scalar, the calls of a run, and how long a job may take.
+    /// Returns the words of each scalar, the calls of a run and the time limit of a job.
     pub(super) fn given(&self) -> (&[Vec<u64>], usize, Duration) {
         (&self.columns, self.calls.count(), self.calls.limit())
     }
 
-    /// What the evaluator gives, how far that is from the truth, and its work.
+    /// Returns the errors of the evaluator's results against the truth, and its work.
     ///
     /// # Errors
-    /// It does not end, or does what the evaluator does not know.
+    /// A call that does not terminate, or code that the evaluator does not support.
     pub fn judged(&self) -> Result<(Errors, Work), String> {
         let Variant { calls, pure, kinds, columns, .. } = self;
         let settings = calls.settings(Precision::Single);
@@ -100,23 +104,23 @@ impl<'a> Variant<'a> {
         Ok((Errors::of_calls(each), work))
     }
 
-    /// Bytes of what all calls of a run are given.
+    /// Returns the bytes of the arguments of all calls of a run.
     fn bytes(&self) -> u64 {
         let scalars = self.pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars());
-        // A truth is a word where it is uploaded, and so is half of one.
+        // Uploads hold booleans and half floats in a word each.
         let each: u64 = scalars.map(|scalar| u64::from(scalar.width.max(4))).sum();
         each * self.calls.count() as u64
     }
 
-    /// How far from the truth any conformant device may be; none where that is not known, as of
-    /// a function whose floats are rounded to less.
+    /// Returns the largest error of any conformant device; `None` where that is unknown, as for
+    /// floats rounded to less than `f32`.
     pub fn permitted(&self, floats: Floats) -> Option<Permitted> {
         match floats {
             Floats::AsWritten => {}
             Floats::Half | Floats::Mediump => return None,
         }
         let Variant { calls, pure, kinds, columns, .. } = self;
-        // Each call is on its own, and no time is counted.
+        // Calls are independent and time is not measured: use all threads.
         let settings = Settings { threads: 0, ..calls.settings(Precision::Permitted) };
         let called = pure.call(columns, calls.count(), &settings).ok()?;
         let (mut steps, mut unsure) = (Vec::with_capacity(calls.count()), 0);
@@ -130,7 +134,7 @@ impl<'a> Variant<'a> {
     }
 }
 
-/// A variant by the evaluator.
+/// A variant on the evaluator.
 #[derive(Debug)]
 pub struct Called<'a> {
     variant: &'a Variant<'a>,
@@ -152,13 +156,13 @@ impl Workload for Called<'_> {
         }
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String> {
         let Variant { calls, pure, columns, trivial, .. } = self.variant;
         let pure = match (part, trivial) {
             (Part::Whole, _) => *pure,
             (Part::Trivial, Some(trivial)) => trivial,
             (Part::Trivial, None) | (Part::Unlit, _) => {
-                return Err("it has no such part".to_string());
+                return Err("the workload has no such part".to_string());
             }
         };
         let settings = calls.settings(Precision::Single);

@@ -1,31 +1,30 @@
-//! What time is: of the processor where it computes, of the device where that does.
+//! Clocks: processor time for work on a processor, device time for work on a device.
 //!
-//! For [`measure`](super::measure) and the workloads that readers run.
+//! Used by [`measure`](super::measure) and by the workloads on backends.
 
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use landfall_exec::backend::{Answer, Device, Failure, Job, Reader};
+use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::processor;
 
-/// What was measured.
+/// A clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
-    /// Time on a processor of all threads of the process that works, those that ended too
-    /// (`CLOCK_PROCESS_CPUTIME_ID`): another program's work does not count. Of a driver in a
-    /// process of its own, that process's time at its jobs.
+    /// Processor time of all threads of the working process, ended ones included
+    /// (`CLOCK_PROCESS_CPUTIME_ID`), so that other programs do not count. For a driver in a process
+    /// of its own, the time of that process during its jobs.
     Processor,
-    /// Time that passed, where the system has no such clock, or the work is a device's that has
-    /// no timestamps.
+    /// Wall-clock time, for systems without a processor clock and devices without timestamps.
     Elapsed,
-    /// Between two timestamps of the device.
+    /// The difference of two timestamps of the device.
     Device,
 }
 
 impl Clock {
-    /// As it is written in tables.
+    /// The name in tables and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Clock::Processor => "processor",
@@ -35,67 +34,67 @@ impl Clock {
     }
 }
 
-/// How long something took, and by which clock.
+/// A duration and the clock that measured it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Took {
-    /// How long.
+pub struct Elapsed {
+    /// The duration.
     pub time: Duration,
-    /// What measured it.
+    /// The clock.
     pub clock: Clock,
 }
 
-/// A reader that adds up how long its jobs take.
+/// A backend that adds up the time of its jobs.
 pub struct Stopwatch<'r> {
-    reader: &'r mut dyn Reader,
-    took: Vec<Option<Took>>,
+    backend: &'r mut dyn Backend,
+    took: Vec<Option<Elapsed>>,
 }
 
 impl<'r> Stopwatch<'r> {
-    /// A reader that has run nothing yet.
-    pub fn new(reader: &'r mut dyn Reader) -> Stopwatch<'r> {
-        Stopwatch { reader, took: Vec::new() }
+    /// A backend with no time on its clock.
+    pub fn new(backend: &'r mut dyn Backend) -> Stopwatch<'r> {
+        Stopwatch { backend, took: Vec::new() }
     }
 
-    /// How long it worked; none where it did so in this process, whose own clock says it.
-    pub fn took(&self) -> Option<Took> {
+    /// Returns the time of all jobs so far; `None` for a backend in this process, whose own clock
+    /// counts it.
+    pub fn took(&self) -> Option<Elapsed> {
         sum(self.took.iter().copied())
     }
 }
 
-impl Reader for Stopwatch<'_> {
+impl Backend for Stopwatch<'_> {
     fn device(&self) -> &Device {
-        self.reader.device()
+        self.backend.device()
     }
 
-    /// A device that computes on a processor is not asked for timestamps: the processor's time
-    /// says more.
-    fn run(&mut self, job: &Job) -> Result<Answer, Failure> {
+    /// A software device is not asked for timestamps: processor time is more precise.
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
         let began = Instant::now();
-        let answer = self.reader.run(job)?;
-        let own = match (self.reader.device().software, self.reader.device_time()) {
+        let answer = self.backend.run(job)?;
+        let own = match (self.backend.device().software, self.backend.device_time()) {
             (true, _) => {
-                let time = self.reader.processor_time();
-                time.map(|time| Took { time, clock: Clock::Processor })
+                let time = self.backend.processor_time();
+                time.map(|time| Elapsed { time, clock: Clock::Processor })
             }
-            (false, Some(time)) => Some(Took { time, clock: Clock::Device }),
-            (false, None) => Some(Took { time: began.elapsed(), clock: Clock::Elapsed }),
+            (false, Some(time)) => Some(Elapsed { time, clock: Clock::Device }),
+            (false, None) => Some(Elapsed { time: began.elapsed(), clock: Clock::Elapsed }),
         };
         self.took.push(own);
         Ok(answer)
     }
 }
 
-/// Times of one after the other; none as soon as one is none, or of another clock.
-pub fn sum(all: impl IntoIterator<Item = Option<Took>>) -> Option<Took> {
+/// Returns the sum of times; `None` if one is missing or from another clock.
+pub fn sum(all: impl IntoIterator<Item = Option<Elapsed>>) -> Option<Elapsed> {
     let mut all = all.into_iter();
     let first = all.next()??;
     all.try_fold(first, |sum, one| {
         let one = one.filter(|one| one.clock == sum.clock)?;
-        Some(Took { time: sum.time + one.time, ..sum })
+        Some(Elapsed { time: sum.time + one.time, ..sum })
     })
 }
 
-/// A time to count from, by the best clock of this system.
+/// A point in time on the best clock of this system.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     processor: Option<Duration>,
@@ -103,18 +102,18 @@ pub struct Start {
 }
 
 impl Start {
-    /// Now.
+    /// Returns the current time.
     pub fn now() -> Start {
         Start { elapsed: Instant::now(), processor: processor::time() }
     }
 
-    /// What has been used since, and by which clock.
-    pub fn passed(&self) -> Took {
+    /// Returns the time used since.
+    pub fn passed(&self) -> Elapsed {
         match (self.processor, processor::time()) {
             (Some(before), Some(now)) => {
-                Took { time: now.saturating_sub(before), clock: Clock::Processor }
+                Elapsed { time: now.saturating_sub(before), clock: Clock::Processor }
             }
-            _ => Took { time: self.elapsed.elapsed(), clock: Clock::Elapsed },
+            _ => Elapsed { time: self.elapsed.elapsed(), clock: Clock::Elapsed },
         }
     }
 }
@@ -125,7 +124,7 @@ mod tests {
 
     #[test]
     fn times_of_one_clock_add_up_and_others_do_not() {
-        let took = |millis, clock| Some(Took { time: Duration::from_millis(millis), clock });
+        let took = |millis, clock| Some(Elapsed { time: Duration::from_millis(millis), clock });
         let both = [took(2, Clock::Device), took(3, Clock::Device)];
         assert_eq!(sum(both), took(5, Clock::Device));
         assert_eq!(sum([took(2, Clock::Device), took(3, Clock::Elapsed)]), None);

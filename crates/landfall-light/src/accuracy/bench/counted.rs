@@ -1,4 +1,4 @@
-//! What a shader does for a fragment, counted by the evaluator whoever is measured; and what its
+//! The work of a shader per fragment, counted by the evaluator for every backend, and the error its
 //! arithmetic permits.
 //!
 //! Reads [`Uploaded`]; feeds the rows of [`shader`](super::shader).
@@ -11,17 +11,17 @@ use crate::render::planned::Lot;
 use crate::render::tally::Tally;
 use landfall_exec::interp::{Cpu, Floats, Settings};
 
-/// Fragments whose operations are counted, of those of a run.
+/// The fragments of a run whose operations are counted.
 const COUNTED: usize = 4096;
 
-/// Lights at fragments that are looked at for what is permitted: about a second of it.
+/// The pairs of fragment and light examined for permitted errors, which takes about a second.
 const LOOKED_AT: usize = 1 << 16;
 
-/// Slots that are marked one after the other, and about how often a light is computed for that.
+/// The slots marked one after the other; each costs about one evaluation of a light.
 const MARKED: usize = 128;
 const LIGHTS: usize = 1 << 21;
 
-/// Work of a shader for a fragment, its floats rounded like that.
+/// Returns the work of a shader per fragment, with floats of that precision.
 pub fn work(uploaded: &Uploaded<'_>, floats: Floats) -> Work {
     let blocks = uploaded.whole.iter().flat_map(|lot| &lot.prepared.blocks);
     let walked = uploaded.whole.iter().map(|lot| lot.walked * lot.fragments.len() as u64);
@@ -48,9 +48,9 @@ fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
     (fragments > 0).then(|| tally.counts.operations() as f64 / fragments as f64)
 }
 
-/// Lights that are really evaluated at a fragment, on average over some: whether one is shows
-/// where its colours are no numbers; and the standard error of that. None where the shader is
-/// given no colours, or does not run.
+/// Returns the mean number of lights evaluated per fragment and its standard error, from a sample
+/// of fragments: an evaluated light shows if its colour is NaN. `None` for a shader without light
+/// colours, or one that does not run.
 fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
     let slots = |lot: &Lot| lot.slots.iter().map(|(_, slots)| *slots as usize).sum::<usize>();
@@ -61,7 +61,7 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
         Some(shaded.colors.iter().map(|color| color.map(f32::to_bits)).collect())
     };
     let mut each: Vec<f64> = Vec::new();
-    // What not every slot having been marked leaves open, of all fragments together.
+    // The variance from slots that were not marked, over all fragments.
     let mut open = 0.0;
     for lot in uploaded.some((LIGHTS / most / most.min(MARKED)).clamp(16, 1024)) {
         let plain = run(&lot.prepared)?;
@@ -91,15 +91,15 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     (!each.is_empty()).then(|| (mean, spread.max(0.0).sqrt()))
 }
 
-/// Of a sample.
+/// Returns the variance of a sample.
 fn variance(all: &[f64]) -> f64 {
     let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
     let squares: f64 = all.iter().map(|x| (x - mean).powi(2)).sum();
     squares / all.len().saturating_sub(1).max(1) as f64
 }
 
-/// How far from the reference any conformant device may be, as the shader is written; none where
-/// that is not known, as of floats that are rounded to less.
+/// Returns the largest error of any conformant device, for the shader as written; `None` where that
+/// is unknown, as for floats rounded to less than `f32`.
 pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
     match floats {
         Floats::AsWritten => {}

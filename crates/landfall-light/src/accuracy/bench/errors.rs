@@ -1,4 +1,4 @@
-//! How far colours are from the reference, in the numbers a variant is ranked by.
+//! Errors of colours and results against the reference, as variants are ranked by.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,35 +6,35 @@ use crate::accuracy::measure::off;
 use crate::picture::Transfer;
 use crate::picture::code::code;
 
-/// How far the colours of fragments, or the results of calls, are from the truth. A step is 1/255
-/// of full scale.
+/// The errors of fragments' colours or of calls' results against the truth. A step is 1/255 of full
+/// scale.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// The largest difference of linear values in steps, not clamped; none where nothing was
-    /// compared. Of results larger than 1, the largest of one call is the full scale.
+    /// The largest difference of linear values in steps, not clamped; `None` where nothing was
+    /// compared. For results larger than 1, the full scale is the largest of one call.
     pub max_steps: Option<f64>,
-    /// What 99.9 % of the channels do not exceed.
+    /// The 99.9 % quantile of the channels' differences, in steps.
     pub p999_steps: Option<f64>,
-    /// Of results: the largest difference in units of the last place of an `f32`.
+    /// The largest difference of results, in units of the last place of an `f32`.
     pub max_ulp: Option<f64>,
-    /// What 99.9 % of the results do not exceed.
+    /// The 99.9 % quantile of the results' differences, in units of the last place.
     pub p999_ulp: Option<f64>,
-    /// Channels, or floats of results, compared.
+    /// The channels, or floats of results, compared.
     pub channels: u64,
-    /// Of colours: channels whose 8-bit sRGB code is another.
+    /// The channels of colours whose 8-bit sRGB code differs.
     pub flips: Option<u64>,
-    /// Of colours: the largest difference of codes.
+    /// The largest difference of 8-bit codes of colours.
     pub max_code: Option<u8>,
-    /// Of results that have whole numbers or truths: calls of which one is another.
+    /// The calls of which an integer or boolean result differs.
     pub differing: Option<u64>,
-    /// Fragments, or calls, with a channel that is NaN or infinite where the reference is not.
+    /// The fragments or calls with a NaN or infinite channel where the reference is finite.
     pub non_finite: u64,
-    /// Fragments, or calls, left out because the reference is undefined there.
+    /// The fragments or calls left out because the reference is undefined there.
     pub undefined: u64,
 }
 
 impl Errors {
-    /// Of colours against the reference's, which are `None` where undefined.
+    /// Compares colours with the reference's, which are `None` where undefined.
     pub fn of(colors: &[[f32; 3]], truth: &[Option<[f64; 3]>]) -> Errors {
         let mut errors = Errors::default();
         let mut steps = Vec::new();
@@ -64,7 +64,7 @@ impl Errors {
         errors
     }
 
-    /// Of results of calls against the truth's.
+    /// Compares results of calls with the truth's.
     pub fn of_calls(all: impl Iterator<Item = (Results, Option<Results>)>) -> Errors {
         let mut errors = Errors::default();
         let (mut steps, mut ulps) = (Vec::new(), Vec::new());
@@ -100,32 +100,32 @@ impl Errors {
         errors
     }
 
-    /// Whether nothing that was given is a number, though something should be.
+    /// Whether every result is NaN or infinite although some should be finite.
     pub fn is_no_number(&self) -> bool {
         self.non_finite > 0 && self.channels == 0 && self.differing.is_none()
     }
 
-    /// Part of the channels whose code is another.
+    /// Returns the share of channels whose 8-bit code differs.
     pub fn flip_share(&self) -> Option<f64> {
         self.flips.map(|flips| flips as f64 / self.channels.max(1) as f64)
     }
 }
 
-/// What a call gave.
+/// The results of a call.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Results {
-    /// Its floats.
+    /// The float results.
     pub floats: Vec<f64>,
-    /// Its whole numbers and truths.
+    /// The integer and boolean results.
     pub wholes: Vec<u64>,
-    /// Whether it gave nothing: it met a `discard`.
+    /// Whether there are none because the call executed `discard`.
     pub missing: bool,
 }
 
-/// The largest, and what 99.9 % do not exceed; none of none.
+/// Returns the maximum and the 99.9 % quantile; `None` if empty.
 pub(super) fn largest(all: &mut [f64]) -> Option<(f64, f64)> {
     let max = all.iter().copied().reduce(f64::max)?;
-    // Nearest rank, in whole numbers: at least 999 of 1000 are not above it.
+    // Nearest rank in integers: at least 999 of 1000 are not above it.
     let rank = (all.len() * 999).div_ceil(1000);
     let (_, p999, _) = all.select_nth_unstable_by(rank - 1, f64::total_cmp);
     Some((max, *p999))

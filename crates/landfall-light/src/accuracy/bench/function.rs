@@ -1,9 +1,7 @@
-//! A function of a shader as the subject of a bench: what it is called with, and what the truth
-//! of that is.
+//! A function of a shader as the subject of a bench: its arguments and the expected results.
 //!
-//! Made of a [`Pure`]: arguments, inputs of the stage and members of blocks are what it is called
-//! with, values like those of published scenes within the domain. Feeds the workloads of
-//! [`called`](super::called).
+//! Samples the parameters, stage inputs and block members of a [`PureFunction`] with values like
+//! those of published scenes within the domain. Used by the workloads of [`called`](super::called).
 
 use landfall_layout::diagnostic::Code;
 use std::borrow::Cow;
@@ -15,21 +13,21 @@ use super::errors::Results;
 use crate::accuracy::inputs::{Inputs, columns, domain, matched, published};
 use crate::accuracy::measure::floats;
 use landfall_exec::harness::call::Refusal;
-use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
 use landfall_exec::interp::{Precision, Settings};
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
-/// What a function is called with.
+/// How the arguments of a function are sampled.
 #[derive(Clone, Debug)]
 pub struct Sampling {
-    /// What its inputs may be, in JSON; comments of the shader say it too.
+    /// The domain of the inputs as JSON; comments of the shader add to it.
     pub domain: Option<Value>,
-    /// What random numbers start from.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// Calls of one run.
+    /// The calls of one run.
     pub calls: usize,
-    /// Who is not done with a run by then has failed.
+    /// The time limit of a run.
     pub limit: Duration,
 }
 
@@ -39,34 +37,34 @@ impl Default for Sampling {
     }
 }
 
-/// Iterations of loops that one call may take.
+/// The most loop iterations in one call.
 const BUDGET: u32 = 1 << 16;
 
-/// What functions are called with, and what the truth of that is.
+/// The arguments of calls and their expected results.
 #[derive(Clone, Debug)]
 pub struct Calls {
-    /// The words of each scalar, in the order of the function they were made for.
+    /// The words of each scalar, in the parameter order of the first function.
     columns: Vec<Vec<u64>>,
     lanes: usize,
     limit: Duration,
-    /// What each call gives; none where that is not finite, or nothing.
+    /// The expected results; `None` where not finite or missing.
     truth: Vec<Option<Results>>,
-    /// What is sampled of that function.
+    /// The sampled inputs of the first function.
     inputs: Inputs,
 }
 
 impl Calls {
-    /// Samples of what a function and its variants read, and the `f64` of that function or another
-    /// as the truth.
+    /// Samples the inputs that a function and its variants read; the `f64` results of that
+    /// function, or of another one, are the truth.
     ///
     /// # Errors
-    /// A domain that is about something else, or leaves nothing; another function that takes
-    /// something else; one that does not end.
+    /// A domain that names other inputs or excludes every sample; a truth function with other
+    /// parameters, or one that does not terminate.
     pub fn new(
         source: &Source,
-        pure: &Pure,
-        variants: &[&Pure],
-        truth: &Pure,
+        pure: &PureFunction,
+        variants: &[&PureFunction],
+        truth: &PureFunction,
         sampling: &Sampling,
     ) -> Result<Calls, Box<Refusal>> {
         let refused =
@@ -102,14 +100,18 @@ impl Calls {
         Ok(calls)
     }
 
-    /// How many calls a run makes.
+    /// Returns the number of calls of a run.
     pub fn count(&self) -> usize {
         self.lanes
     }
 
-    /// The columns in another function's order, zeros for what it does not read: the same memory
-    /// where that is the same, so that it makes no difference to anybody's time.
-    pub(super) fn given(&self, first: &Pure, other: &Pure) -> Result<Cow<'_, [Vec<u64>]>, String> {
+    /// Returns the columns in the parameter order of another function, zeros for others. Where the
+    /// order is the same it is the same memory, so that it does not affect times.
+    pub(super) fn given(
+        &self,
+        first: &PureFunction,
+        other: &PureFunction,
+    ) -> Result<Cow<'_, [Vec<u64>]>, String> {
         let order = matched::matched(first, &self.inputs, other)?;
         let column = |at: Option<usize>| match at {
             Some(at) => self.columns[at].clone(),
@@ -121,7 +123,7 @@ impl Calls {
         })
     }
 
-    /// What each call should give; none where that is undefined.
+    /// Returns the expected result of each call; `None` where it is undefined.
     pub(super) fn truth(&self) -> &[Option<Results>] {
         &self.truth
     }
@@ -130,7 +132,7 @@ impl Calls {
         self.limit
     }
 
-    /// How the evaluator runs: on one thread, since time is counted.
+    /// Returns the evaluator's settings: one thread, since time is measured.
     pub(super) fn settings(&self, precision: Precision) -> Settings {
         Settings {
             precision,
@@ -142,16 +144,16 @@ impl Calls {
     }
 }
 
-/// Which scalars of a function's results are floats, and which whole numbers or truths.
+/// The scalars of a function's results by kind: floats, or integers and booleans.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Kinds {
-    /// The number of the result, and of the scalar in it.
+    /// The index of the result and of the scalar in it.
     pub floats: Vec<(usize, usize)>,
     pub wholes: Vec<(usize, usize)>,
 }
 
 impl Kinds {
-    pub(super) fn of(pure: &Pure) -> Kinds {
+    pub(super) fn of(pure: &PureFunction) -> Kinds {
         let floats = floats(pure);
         let results = pure.results.iter().enumerate();
         let all = results.flat_map(|(nth, r)| (0..r.ty.scalars().len()).map(move |at| (nth, at)));
@@ -159,7 +161,7 @@ impl Kinds {
         Kinds { floats, wholes }
     }
 
-    /// What one lane gave.
+    /// Returns the results of one lane.
     pub(super) fn results(
         &self,
         called: &PureCalled,

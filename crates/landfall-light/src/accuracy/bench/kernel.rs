@@ -1,22 +1,21 @@
-//! A function that is given the words of another, gives back as many as that does, and computes
-//! nothing: what calling costs.
+//! An empty function with the parameters and results of another one, to measure the cost of a call.
 //!
-//! Feeds [`called`](super::called), which subtracts its time.
+//! Used by [`called`](super::called), which subtracts its time.
 
 use std::fmt::Write as _;
 
-use landfall_exec::harness::call::pure::{Pure, PureRequest};
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_layout::Options;
 use landfall_layout::shape::{Scalar, ScalarKind};
 use landfall_layout::source::Source;
 
-/// The function that computes nothing; none beside words that GLSL has no type for.
-pub(super) fn kernel(pure: &Pure) -> Option<Pure> {
+/// Returns the empty function; `None` if GLSL has no type for a parameter or result.
+pub(super) fn kernel(pure: &PureFunction) -> Option<PureFunction> {
     let given = spelled(pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars()))?;
     let gives = spelled(pure.results.iter().flat_map(|result| result.ty.scalars()))?;
     let source = Source::new("trivial.frag", text(&given, &gives));
     let request = PureRequest { function: "trivial".to_string(), ..PureRequest::default() };
-    Pure::new(&source, &Options::default(), &request).ok()
+    PureFunction::new(&source, &Options::default(), &request).ok()
 }
 
 fn text(given: &[&str], gives: &[&str]) -> String {
@@ -31,7 +30,7 @@ fn text(given: &[&str], gives: &[&str]) -> String {
     let taken = if given.is_empty() { "" } else { "Given given" };
     let _ = writeln!(text, "}};\nGives trivial({taken}) {{\n    Gives gives;");
     for (i, ty) in gives.iter().enumerate() {
-        // Nothing is converted: a word of its own type, or none.
+        // Nothing is converted: the result is a parameter of its type, or zero.
         let same = given.iter().enumerate().filter(|(_, known)| known == &ty).map(|(i, _)| i);
         let same: Vec<usize> = same.collect();
         let value = match same.get(i % same.len().max(1)) {
@@ -43,7 +42,7 @@ fn text(given: &[&str], gives: &[&str]) -> String {
     text + "    return gives;\n}\nvoid main() {}\n"
 }
 
-/// The types of scalars as GLSL has them; a half is a float, as its words are.
+/// Returns the GLSL types of scalars; a half is a float, as in uploads.
 fn spelled(scalars: impl Iterator<Item = Scalar>) -> Option<Vec<&'static str>> {
     let spelled = |scalar: Scalar| match (scalar.kind, scalar.width) {
         (ScalarKind::Bool, _) => Some("bool"),
@@ -79,13 +78,13 @@ void main() {}
 ";
         let source = Source::new("f.frag", text);
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
-        let pure = Pure::new(&source, &Options::default(), &request).expect("it is pure");
+        let pure = PureFunction::new(&source, &Options::default(), &request).expect("it is pure");
         let kernel = kernel(&pure).expect("GLSL has all of its types");
-        let scalars = |pure: &Pure| -> Vec<Scalar> {
+        let scalars = |pure: &PureFunction| -> Vec<Scalar> {
             pure.parameters.iter().flat_map(|parameter| parameter.ty.scalars()).collect()
         };
         assert_eq!(scalars(&kernel), scalars(&pure));
-        let gives = |pure: &Pure| -> Vec<Scalar> {
+        let gives = |pure: &PureFunction| -> Vec<Scalar> {
             pure.results.iter().flat_map(|result| result.ty.scalars()).collect()
         };
         assert_eq!(gives(&kernel), gives(&pure));

@@ -1,24 +1,24 @@
-//! Where it was measured: a number without that is no measurement.
+//! The machine of a measurement and its load.
 
 use serde::{Deserialize, Serialize};
 
-/// The machine and how busy it was.
+/// A machine and its load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// What its processor calls itself, where the system says.
+    /// The processor's name, where the system reports it.
     pub processor: Option<String>,
-    /// Threads it runs at once.
+    /// The number of hardware threads.
     pub threads: u32,
-    /// Operating system and architecture.
+    /// The operating system and architecture.
     pub system: String,
-    /// The load average of the last minute, before and after, where the system says.
+    /// The load average of the last minute before and after, where the system reports it.
     pub load: Option<[f64; 2]>,
-    /// Whether the program that measured was compiled with optimisation.
+    /// Whether this program was compiled with optimisation.
     pub optimised: bool,
 }
 
 impl Machine {
-    /// This one, its load as it is now.
+    /// Returns this machine with its current load.
     pub fn here() -> Machine {
         let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let named = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
@@ -31,14 +31,14 @@ impl Machine {
         }
     }
 
-    /// The same, with the load as it is now for the end.
+    /// Sets the load after the measurement to the current one.
     pub fn after(self) -> Machine {
         let load = self.load.and_then(|[before, _]| Some([before, load()?]));
         Machine { load, ..self }
     }
 }
 
-/// Programs that ran or waited to, on average over the last minute.
+/// Returns the load average of the last minute.
 fn load() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;
     text.split_whitespace().next()?.parse().ok()

@@ -1,44 +1,57 @@
-//! Who is better: not worse in any column beyond the spread, and better in one.
+//! Ranks variants: one is better if it is not worse in any column beyond the spread, and better in
+//! one.
 //!
-//! Only variants of one runner are compared, and only those that give any number at all: who gives
-//! none is worse than who does, however fast. Columns are time for a light and for a fragment or
-//! call; the largest error and that of 99.9 %, in steps and in units of the last place; what a
-//! conformant device may do, the same two; flips, whole numbers that are others, fragments that
-//! are no number; light evaluations, slots and bytes uploaded. Operations and powers are none, as
-//! they are why the time is what it is.
+//! Only variants of one runner are compared; a variant without any finite result is worse than one
+//! with some, however fast. The columns are time per light and per fragment or call; the maximum
+//! and 99.9 % quantile of the error, in steps and in units of the last place; the same two of the
+//! error permitted on a conformant device, and its unsure samples; flips, differing integers,
+//! non-finite fragments; light evaluations, slots and bytes uploaded. Operations and powers are
+//! left out, since they show in the time.
 //!
-//! Times are compared round by round, as what two took beside each other. They are apart if three
-//! things hold: so many rounds agree on who is faster that chance would do so less than once in a
-//! hundred comparisons (a sign test of two sides, which takes eight rounds at least); the median
-//! difference is more than the quartiles of the differences are apart, and so more than their
-//! noise; and it is more than [`PLACED`] of the time before anything was subtracted, which where
-//! code and data happen to lie in memory makes of the same work.
+//! Times are compared round by round, since load affects both times of a round alike. They differ
+//! if three conditions hold: enough rounds agree on which is faster that chance would do so in less
+//! than one of a hundred comparisons (a two-sided sign test, which takes at least eight rounds);
+//! the median difference exceeds the interquartile range of the differences, and so their noise;
+//! and it exceeds [`PLACED`] of the time before subtraction, the effect of the placement of code
+//! and data in memory.
 
 use super::clock::Clock;
-use super::report::{BenchRow, Permitted, Work};
+use super::report::{Bench, BenchRow, Permitted, Work};
 use super::spread::Spread;
 
-/// Part of a time by which the same work may differ in all rounds alike, by where its code and
-/// data lie in memory: of a function against itself, medians of 15 rounds were apart by up to half
-/// of that.
+/// The share of a time by which the placement of code and data in memory may change it in all
+/// rounds alike: for a function against itself, medians of 15 rounds differed by up to half of
+/// that.
 pub const PLACED: f64 = 0.05;
 
-/// How seldom chance alone makes so many rounds agree, of those that tell two times apart.
+/// The probability of agreement by chance below which two times differ.
 const CHANCE: f64 = 0.01;
 
-/// What one column says of two variants.
+/// The comparison of one column of two variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Beyond the spread.
+    /// Better beyond the spread.
     Better,
-    /// Not told apart, or one of them has no such number.
+    /// Not distinguishable, or one variant has no such number.
     Same,
-    /// Beyond the spread.
+    /// Worse beyond the spread.
     Worse,
 }
 
-/// Whether `a` is better than `b`: of one runner, not worse in any column, better in one. Who
-/// gives no number is worse than all who do.
+impl Bench {
+    /// Fills in which rows are better than each row.
+    pub fn ranked(mut self) -> Bench {
+        let better = dominated(&self.rows);
+        let names: Vec<String> = self.rows.iter().map(|row| row.variant.clone()).collect();
+        for (row, better) in self.rows.iter_mut().zip(better) {
+            row.dominated_by = better.into_iter().map(|i| names[i].clone()).collect();
+        }
+        self
+    }
+}
+
+/// Whether `a` is better than `b`: on the same runner, not worse in any column and better in one. A
+/// variant without any finite result is worse than all others.
 pub fn better(a: &BenchRow, b: &BenchRow) -> bool {
     let verdicts = columns(a, b);
     let no_worse = verdicts.iter().all(|verdict| *verdict != Verdict::Worse);
@@ -50,19 +63,19 @@ pub fn better(a: &BenchRow, b: &BenchRow) -> bool {
         }
 }
 
-/// For each row the numbers of those that are better.
+/// Returns for each row the indices of the rows that are better.
 pub fn dominated(rows: &[BenchRow]) -> Vec<Vec<usize>> {
     rows.iter()
         .map(|row| (0..rows.len()).filter(|&other| better(&rows[other], row)).collect())
         .collect()
 }
 
-/// Each column of `a` against `b`.
+/// Compares each column of `a` with `b`.
 pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
     let (ea, eb) = (&a.errors, &b.errors);
     let whole = |n: Option<u64>| n.map(|n| n as f64);
     let permitted = |of: fn(&Permitted) -> Option<f64>| {
-        // More than any number is what may be anything.
+        // An unbounded error is larger than any number.
         let steps = |row: &BenchRow| row.permitted.map(|p| of(&p).unwrap_or(f64::INFINITY));
         numbers(steps(a), steps(b))
     };
@@ -85,11 +98,11 @@ pub fn columns(a: &BenchRow, b: &BenchRow) -> [Verdict; 15] {
     ]
 }
 
-/// Times of one row.
+/// The times of one row.
 #[derive(Clone, Copy)]
 struct Timed<'a> {
     rounds: &'a [f64],
-    /// What memory may make longer or shorter, beside the work alone.
+    /// The time before subtraction, on which placement in memory acts.
     gross: f64,
 }
 
@@ -104,7 +117,7 @@ impl<'a> Timed<'a> {
         Timed { rounds, gross: row.fragment_gross }.on(row.runner.clock)
     }
 
-    /// A device's timestamps hold the way there and back besides, which is the same memory for all.
+    /// Device timestamps also include transfers, which placement does not affect.
     fn on(self, clock: Clock) -> Timed<'a> {
         match clock {
             Clock::Processor | Clock::Elapsed => self,
@@ -117,13 +130,13 @@ impl<'a> Timed<'a> {
     }
 }
 
-/// Times of the same rounds.
+/// Compares times of the same rounds.
 fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
     let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
-    // Of nothing, nothing is a part.
+    // A net time of zero does not limit the ratio.
     let placed = PLACED * ((a.gross + b.gross) / (a.net() + b.net())).max(1.0);
-    // Of their mean: what else a machine does slows both of a round alike. What is left after a
-    // subtraction may be nothing or less.
+    // Relative to the mean of both, since load slows both times of a round alike. A net time may be
+    // zero or negative.
     let apart = |(a, b): (&f64, &f64)| match a.abs() + b.abs() {
         0.0 => 0.0,
         both => 2.0 * (a - b) / both,
@@ -141,9 +154,9 @@ fn times(a: Option<Timed<'_>>, b: Option<Timed<'_>>) -> Verdict {
     }
 }
 
-/// How often so many of `all` coins, or more, lie on the same side.
+/// Returns the probability that at least `agree` of `all` fair coins show the same side.
 fn by_chance(agree: usize, all: usize) -> f64 {
-    // In logarithms: half to the power of ten thousand rounds is no `f64`.
+    // In logarithms: half to the power of ten thousand rounds underflows an `f64`.
     let half = all as f64 * 0.5f64.ln();
     let mut ways = 0.0;
     let mut tail = 0.0;
@@ -156,7 +169,7 @@ fn by_chance(agree: usize, all: usize) -> f64 {
     (2.0 * tail).min(1.0)
 }
 
-/// Numbers that are the same each time.
+/// Compares numbers without noise.
 fn numbers(a: Option<f64>, b: Option<f64>) -> Verdict {
     match (a, b) {
         (Some(a), Some(b)) if a < b => Verdict::Better,
@@ -165,7 +178,7 @@ fn numbers(a: Option<f64>, b: Option<f64>) -> Verdict {
     }
 }
 
-/// Those of a shader are a sample: apart are what their standard errors do not explain, twice.
+/// Compares light evaluations: sampled ones differ if by more than two standard errors.
 fn evaluations(a: &Work, b: &Work) -> Verdict {
     let error = |work: &Work| work.evaluations_error.unwrap_or(0.0);
     let spread = 2.0 * error(a).hypot(error(b));
@@ -177,8 +190,8 @@ fn evaluations(a: &Work, b: &Work) -> Verdict {
     }
 }
 
-/// How many of a sample: so many of other fragments would differ by the root of their number, and
-/// apart are what twice that does not explain.
+/// Compares counts of sampled events: they differ if by more than two standard errors, by the
+/// square root of the count.
 fn counts(a: Option<u64>, b: Option<u64>) -> Verdict {
     let (Some(a), Some(b)) = (a, b) else { return Verdict::Same };
     let spread = 2.0 * ((a + b) as f64).sqrt();

@@ -1,13 +1,12 @@
-//! What a bench found: plain data, as `landfall schema bench` describes it.
+//! The results of a bench, in the form of `landfall schema bench`.
 //!
-//! Made of [`Samples`] and [`Errors`]; printed by the report of `landfall bench`.
+//! Built from [`Samples`] and [`Errors`]; printed by the report of `landfall bench`.
 
 use serde::{Deserialize, Serialize};
 
 use super::clock::Clock;
 use super::errors::{Errors, largest};
 use super::machine::Machine;
-use super::rank;
 use super::rounds::Samples;
 use super::spread::Spread;
 use crate::accuracy::plot::{Mark, Scatter};
@@ -16,25 +15,25 @@ use landfall_exec::backend::Device;
 /// A bench: variants of one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bench {
-    /// What was lit or called.
+    /// The scene or function.
     pub subject: String,
-    /// What errors are measured against.
+    /// The truth that errors are measured against.
     pub truth: String,
-    /// What is lit or called how often.
+    /// The unit that times and work are per.
     pub unit: Unit,
-    /// Fragments, or calls, of one run.
+    /// The fragments or calls of one run.
     pub fragments: u64,
-    /// Lights that a fragment is lit by; 0 where the subject has none.
+    /// The lights per fragment; 0 for a subject without lights.
     pub lights: u32,
-    /// Where, and how busy it was.
+    /// The machine and its load.
     pub machine: Machine,
-    /// The variants, in the order they were given.
+    /// The variants, in the order requested.
     pub rows: Vec<BenchRow>,
-    /// Variants that did not run, and why.
+    /// The variants that did not run, with the reason.
     pub failed: Vec<Failed>,
 }
 
-/// What time and work are given for.
+/// The unit of times and work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
@@ -46,7 +45,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// As it is written in tables.
+    /// The name in tables and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Unit::Fragment => "fragment",
@@ -58,69 +57,71 @@ impl Unit {
 /// A variant that did not run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failed {
-    /// Its name.
+    /// The name of the variant.
     pub variant: String,
     /// `rust`, `cpu`, `gl` or `gpu`.
-    pub reader: String,
-    /// Why.
+    #[serde(rename = "reader")]
+    pub backend: String,
+    /// The reason.
     pub reason: String,
 }
 
-/// Who ran a variant.
+/// The backend, device and clock of a variant.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Runner {
     /// `rust`, `cpu`, `gl` or `gpu`.
-    pub reader: String,
+    #[serde(rename = "reader")]
+    pub backend: String,
     /// The adapter, its driver and its version.
     pub device: String,
-    /// What measured its time.
+    /// The clock of its times.
     pub clock: Clock,
 }
 
 impl Runner {
-    /// A reader's device.
+    /// Returns the runner for a backend's device.
     pub fn of(device: &Device, clock: Clock) -> Runner {
-        let Device { reader, adapter, driver, version, .. } = device;
+        let Device { backend, adapter, driver, version, .. } = device;
         let device = format!("{adapter}, {driver} {version}");
-        Runner { reader: (*reader).to_string(), device, clock }
+        Runner { backend: (*backend).to_string(), device, clock }
     }
 }
 
-/// Work of one run, the same on every machine.
+/// The work of one run, the same on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Work {
-    /// Lights evaluated for a fragment: a slot that is skipped is none.
+    /// The lights evaluated per fragment; skipped slots do not count.
     pub evaluations: Option<f64>,
-    /// The standard error of that, where only some fragments and slots were looked at; 0 where
-    /// all were.
+    /// The standard error of the evaluations, where fragments and slots were sampled; 0 where all
+    /// were counted.
     pub evaluations_error: Option<f64>,
-    /// Slots for lights that its loops are given for a fragment, skipped or not.
+    /// The slots that its loops visit per fragment, skipped or not.
     pub slots: Option<f64>,
-    /// Powers taken for a fragment.
+    /// The `pow` operations per fragment.
     pub powers: Option<f64>,
-    /// Scalar operations of the evaluator for a fragment, or a call.
+    /// The evaluator's scalar operations per fragment or call.
     pub operations: Option<f64>,
-    /// Bytes uploaded for a frame: of blocks, or of what is called with.
+    /// The bytes uploaded per frame: blocks, or arguments of calls.
     pub bytes: Option<u64>,
 }
 
-/// How far from the truth any conformant device may be, by the bounds WGSL and Vulkan set to each
-/// operation of the code as it is written.
+/// The largest error of any conformant device, by the bounds that WGSL and Vulkan set for each
+/// operation of the code as written.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Permitted {
-    /// In steps, at the worst sample; none where a device may give anything.
+    /// The largest error of all samples in steps; `None` where results are unbounded.
     pub max_steps: Option<f64>,
-    /// What 99.9 % of the samples do not exceed.
+    /// The 99.9 % quantile of the samples' errors, in steps.
     pub p999_steps: Option<f64>,
-    /// Samples at which a branch may go the other way on another device, and so lead anywhere;
-    /// distances are those of the way it goes.
+    /// The samples in which a branch may go the other way on another device, with unbounded effect;
+    /// the errors above assume that it does not.
     pub unsure: u64,
-    /// Samples that were looked at.
+    /// The samples examined.
     pub samples: u64,
 }
 
 impl Permitted {
-    /// Of the steps of each sample, infinite where a device may give anything.
+    /// Summarises the steps of each sample, infinite where results are unbounded.
     pub(super) fn of(steps: &mut [f64], unsure: u64) -> Permitted {
         let samples = steps.len() as u64;
         let some = |x: f64| x.is_finite().then_some(x);
@@ -133,52 +134,52 @@ impl Permitted {
 /// A variant on a runner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BenchRow {
-    /// The variant's name.
+    /// The name of the variant.
     pub variant: String,
-    /// Who ran it.
+    /// The runner.
     pub runner: Runner,
-    /// Nanoseconds a fragment and light: the slope from no light to all; none where the subject
+    /// Nanoseconds per fragment and light: the slope from no light to all; `None` where the subject
     /// has no lights to leave out.
     #[serde(rename = "ns_per_light")]
     pub light: Option<Spread>,
-    /// Nanoseconds a fragment, less a kernel that does nothing where there is one.
+    /// Nanoseconds per fragment, less those of an empty kernel where there is one.
     #[serde(rename = "ns_per_fragment")]
     pub fragment: Spread,
-    /// The same, round by round.
+    /// The values of `light`, round by round.
     #[serde(rename = "ns_per_light_rounds")]
     pub light_rounds: Option<Vec<f64>>,
-    /// The same, round by round.
+    /// The values of `fragment`, round by round.
     #[serde(rename = "ns_per_fragment_rounds")]
     pub fragment_rounds: Vec<f64>,
-    /// Nanoseconds a fragment and light with all that is subtracted: the median.
+    /// The median nanoseconds per fragment and light before subtraction.
     #[serde(rename = "ns_per_light_gross")]
     pub light_gross: Option<f64>,
-    /// Nanoseconds a fragment with what is subtracted: the median.
+    /// The median nanoseconds per fragment before subtraction.
     #[serde(rename = "ns_per_fragment_gross")]
     pub fragment_gross: f64,
-    /// Whether a kernel that does nothing was subtracted.
+    /// Whether the time of an empty kernel was subtracted.
     pub subtracted: bool,
-    /// How far it is from the truth.
+    /// The errors against the truth.
     pub errors: Errors,
-    /// How far any conformant device may be from it, where that is known.
+    /// The largest error of any conformant device, where known.
     pub permitted: Option<Permitted>,
-    /// What it did.
+    /// The work of one run.
     pub work: Work,
-    /// Names of the variants of its runner that are better.
+    /// The names of the better variants on the same runner.
     pub dominated_by: Vec<String>,
 }
 
-/// How many fragments and lights a sample's time is divided by.
+/// The numbers of fragments and lights that a time is divided by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Fragments of one run.
+    /// The fragments of one run.
     pub fragments: u64,
-    /// Lights of one run.
+    /// The lights of one run.
     pub lights: u32,
 }
 
 impl BenchRow {
-    /// A row of samples; none of no rounds.
+    /// Builds a row from samples; `None` if there are no rounds.
     pub fn new(
         variant: impl Into<String>,
         runner: Runner,
@@ -215,19 +216,7 @@ impl BenchRow {
     }
 }
 
-impl Bench {
-    /// The same with each row told which rows are better.
-    pub fn ranked(mut self) -> Bench {
-        let better = rank::dominated(&self.rows);
-        let names: Vec<String> = self.rows.iter().map(|row| row.variant.clone()).collect();
-        for (row, better) in self.rows.iter_mut().zip(better) {
-            row.dominated_by = better.into_iter().map(|i| names[i].clone()).collect();
-        }
-        self
-    }
-}
-
-/// A bench as a drawing: by the time of a light where every row has one, else of a fragment.
+/// Returns a scatter plot of the bench: by time per light if every row has one, else per fragment.
 pub fn drawing(bench: &Bench) -> Scatter {
     let by_light = !bench.rows.is_empty() && bench.rows.iter().all(|row| row.light.is_some());
     let marks = bench.rows.iter().map(|row| {
@@ -238,7 +227,7 @@ pub fn drawing(bench: &Bench) -> Scatter {
         };
         Mark {
             label: row.variant.clone(),
-            series: row.runner.reader.clone(),
+            series: row.runner.backend.clone(),
             time: [time.lower, time.median, time.upper],
             error,
             dominated: !row.dominated_by.is_empty(),
@@ -247,8 +236,8 @@ pub fn drawing(bench: &Bench) -> Scatter {
     Scatter {
         title: bench.subject.clone(),
         time: match by_light {
-            true => "time for a fragment and light, ns".to_string(),
-            false => format!("time for a {}, ns", bench.unit.name()),
+            true => "time per fragment and light, ns".to_string(),
+            false => format!("time per {}, ns", bench.unit.name()),
         },
         error: "largest error, steps of 1/255".to_string(),
         marks: marks.collect(),

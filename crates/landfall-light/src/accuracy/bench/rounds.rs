@@ -1,47 +1,47 @@
-//! Measuring in turns: every round runs every workload, one round forwards, the next backwards,
-//! and each two rounds another begins.
+//! Measures workloads in interleaved rounds: each round runs every workload, in alternating
+//! direction, and the start shifts every two rounds.
 //!
-//! Whatever else the machine does hits all of them alike, and numbers of one round belong
-//! together: [`rank`](super::rank) compares round by round. What is repeated runs some times
-//! before it is timed, or it would pay for what the one before it left in the caches.
+//! Other load on the machine then affects all of them alike, and numbers of one round belong
+//! together: [`rank`](super::rank) compares round by round. A repeated workload runs a few times
+//! before it is timed, so that it does not pay for the caches of the previous one.
 
 use std::time::{Duration, Instant};
 
 use super::clock;
-use super::clock::{Clock, Start, Took};
+use super::clock::{Clock, Elapsed, Start};
 
-/// Of so many repetitions there is one more, before time counts.
+/// One warm-up run precedes this many repetitions.
 const WARMED: u32 = 8;
 
-/// A part of a workload, so that what is not meant can be subtracted.
+/// A part of a workload, measured separately for subtraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// All of it: every fragment by every light.
+    /// Every fragment with every light.
     Whole,
-    /// The same with no light: the difference is what lights cost.
+    /// Every fragment without lights: the difference is the cost of the lights.
     Unlit,
-    /// A kernel that does nothing for as many fragments: start, upload and read-back.
+    /// An empty kernel for as many fragments: start, upload and read-back.
     Trivial,
 }
 
-/// Something to be measured.
+/// A variant to measure.
 pub trait Workload {
     /// Whether there is this part; there is always a whole.
     fn has(&self, part: Part) -> bool;
 
-    /// Runs a part once. Where whoever ran it timed it itself, how long it took.
+    /// Runs a part once; returns its time if the backend measured it.
     ///
     /// # Errors
-    /// Why it did not run: it is measured no further.
-    fn run(&mut self, part: Part) -> Result<Option<Took>, String>;
+    /// The reason it did not run; it is then not measured further.
+    fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String>;
 }
 
 /// How to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounds {
-    /// Rounds that count; one more goes before and is dropped.
+    /// The rounds that count; one more precedes them and is dropped.
     pub count: u32,
-    /// What takes less is repeated until it has taken this long.
+    /// The least time of a sample: shorter runs are repeated.
     pub least: Duration,
 }
 
@@ -51,33 +51,33 @@ impl Default for Rounds {
     }
 }
 
-/// No part of a round takes longer than that, or than four times the least time, where most of it
-/// is not counted.
+/// The longest part of a round, or four times the least time if more, where most of that time is
+/// not counted.
 const LONGEST: Duration = Duration::from_millis(100);
 
-/// Seconds of each round, of each part.
+/// The seconds of each part, round by round.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// What measured them.
+    /// The clock of the times.
     pub clock: Clock,
-    /// One number a round.
+    /// The times of the whole.
     pub whole: Vec<f64>,
-    /// One a round, if there is such a part.
+    /// The times without lights, if there is such a part.
     pub unlit: Option<Vec<f64>>,
-    /// One a round, if there is such a part.
+    /// The times of the empty kernel, if there is such a part.
     pub trivial: Option<Vec<f64>>,
 }
 
-/// Runs everything in turns. `progress` is told the rounds done.
+/// Runs all workloads in interleaved rounds; `progress` receives the rounds done.
 ///
-/// A workload that fails has its reason instead of samples; the others go on.
+/// A workload that fails gets its reason instead of samples; the others continue.
 pub fn measure(
     workloads: &mut [&mut dyn Workload],
     rounds: &Rounds,
     progress: &mut dyn FnMut(u32),
 ) -> Vec<Result<Samples, String>> {
-    // The round that is dropped: caches fill, drivers compile, and the repetitions are chosen;
-    // again when all are warm, or who came first would be repeated less.
+    // The dropped round fills caches, compiles shaders and chooses repetitions; a second pass
+    // chooses them again with warm caches, or the first workloads would be repeated less.
     let mut all: Vec<Result<Running, String>> =
         workloads.iter_mut().map(|workload| Running::warm(&mut **workload, rounds)).collect();
     for (workload, running) in workloads.iter_mut().zip(&mut all) {
@@ -111,7 +111,7 @@ pub fn measure(
     all.into_iter().map(|running| running.map(Running::samples)).collect()
 }
 
-/// One part while it is measured.
+/// One part during the measurement.
 struct Timing {
     part: Part,
     repeat: u32,
@@ -139,7 +139,7 @@ impl Running {
         Ok(running)
     }
 
-    /// Chooses the repetitions by as many as were chosen.
+    /// Chooses the repetitions from a run with the current number.
     fn settle(&mut self, workload: &mut dyn Workload, rounds: &Rounds) -> Result<(), String> {
         for timing in self.parts.iter_mut().filter(|timing| timing.repeat > 1) {
             timing.repeat = repetitions(workload, timing.part, timing.repeat, rounds)?.0;
@@ -159,7 +159,7 @@ impl Running {
             let (seconds, clock) = timed(workload, timing.part, timing.repeat)?;
             if clock != self.clock {
                 return Err(format!(
-                    "its time was of the {} clock, now it is of the {}",
+                    "its clock changed from {} to {}",
                     self.clock.name(),
                     clock.name()
                 ));
@@ -183,7 +183,7 @@ impl Running {
     }
 }
 
-/// How often a part is to be repeated, as it took in some runs, and the clock of those.
+/// Returns the repetitions of a part and its clock, from the time of some runs.
 fn repetitions(
     workload: &mut dyn Workload,
     part: Part,
@@ -194,20 +194,20 @@ fn repetitions(
     let (once, clock) = timed(workload, part, runs)?;
     let least = rounds.least.as_secs_f64();
     let repeat = (least / once.max(1e-9)).ceil();
-    // What is not counted, as the way to a driver and back, takes its time too.
+    // Time that is not counted, as for transfers, passes too.
     let most = LONGEST.as_secs_f64().max(4.0 * least);
     let each = began.elapsed().as_secs_f64() / f64::from(runs);
     let repeat = repeat.min((most / each.max(1e-9)).ceil()).clamp(1.0, 1e6);
     Ok((repeat as u32, clock))
 }
 
-/// Seconds of one run, over `repeat` of them.
+/// Returns the mean seconds of `repeat` runs and the clock.
 fn timed(workload: &mut dyn Workload, part: Part, repeat: u32) -> Result<(f64, Clock), String> {
     let start = Start::now();
     let mut own = Vec::with_capacity(repeat as usize);
     for _ in 0..repeat {
         own.push(workload.run(part)?);
     }
-    let Took { time, clock } = clock::sum(own).unwrap_or_else(|| start.passed());
+    let Elapsed { time, clock } = clock::sum(own).unwrap_or_else(|| start.passed());
     Ok((time.as_secs_f64() / f64::from(repeat), clock))
 }

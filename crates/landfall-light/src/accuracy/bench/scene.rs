@@ -1,6 +1,6 @@
-//! A scene as the subject of a bench: its fragments, and what the reference says of them.
+//! A scene as the subject of a bench: its fragments and their reference colours.
 //!
-//! Feeds the workloads of [`compiled`](super::compiled) and [`shader`](super::shader).
+//! Feeds the workloads of [`native`](super::native) and [`shader`](super::shader).
 
 use std::thread;
 
@@ -9,48 +9,47 @@ use crate::reference::{Model, shade};
 use crate::{Fragment, Frame, Upload, sample};
 use landfall_ir::analysis::hazard::threshold::EDGE;
 
-/// A scene made ready to be lit by many.
+/// A scene with its fragments and reference.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// The lights and materials.
     pub upload: Upload,
-    /// The fragments, those of one material together.
+    /// The fragments, sorted by material.
     pub frame: Frame,
-    /// What lighting is.
+    /// The lighting model.
     pub model: Model,
-    /// The colour of each fragment; none where it is undefined, or a matter of rounding.
+    /// The reference colour of each fragment; `None` where it is undefined or depends on rounding.
     truth: Vec<Option<[f64; 3]>>,
 }
 
 impl Stage {
-    /// Lights a scene by the reference.
+    /// Lights a scene with the reference.
     ///
-    /// Of a frame whose fragments times lights are more than `most`, every so many fragments are
-    /// taken.
+    /// If fragments times lights exceed `most`, an evenly spaced subset of the fragments is taken.
     pub fn new(model: Model, upload: Upload, mut frame: Frame, most: u64) -> Stage {
         let lights = &upload.lights;
         let lights = (lights.directional.len() + lights.point.len() + lights.spot.len()) as u64;
         let all = frame.fragments.len() as u64 * lights.max(1);
         let stride = all.div_ceil(most.max(1)).max(1) as usize;
         frame.fragments = frame.fragments.into_iter().step_by(stride).collect();
-        // Stable: what a draw of one material holds is as it was.
+        // A stable sort keeps the order within each draw.
         frame.fragments.sort_by_key(|fragment| fragment.material);
         let truth = truth(&model, &upload, &frame);
         Stage { upload, frame, model, truth }
     }
 
-    /// Lights of all kinds.
+    /// Returns the number of lights of all kinds.
     pub fn lights(&self) -> u32 {
         let lights = &self.upload.lights;
         (lights.directional.len() + lights.point.len() + lights.spot.len()) as u32
     }
 
-    /// How far colours of the fragments, in their order, are from the reference.
+    /// Returns the errors of colours of the fragments, in their order.
     pub fn errors(&self, colors: &[[f32; 3]]) -> Errors {
         Errors::of(colors, &self.truth)
     }
 
-    /// What the reference says of a fragment; none where that is undefined.
+    /// Returns the reference colour of a fragment; `None` where it is undefined.
     pub(super) fn truth(&self, fragment: usize) -> Option<[f64; 3]> {
         self.truth.get(fragment).copied().flatten()
     }

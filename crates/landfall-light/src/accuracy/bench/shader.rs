@@ -1,54 +1,55 @@
-//! A shader over a stage's fragments on a reader, as a workload.
+//! A shader over a stage's fragments on a backend, as a workload.
 //!
-//! What is uploaded is made once before ([`Uploaded`]); a run is the jobs of [`fragments`](landfall_exec::harness::fragments)
-//! with their upload and read-back, of which a shader that only adds its inputs up has as much.
+//! The uploads are prepared once ([`Uploaded`]); a run is the jobs of
+//! [`fragments`](landfall_exec::harness::fragments), including upload and read-back, which a shader
+//! that only sums up its inputs measures alone.
 
 use landfall_exec::backend::BackendKind;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::clock::{Stopwatch, Took};
+use super::clock::{Elapsed, Stopwatch};
 use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
 use crate::render::Prepared;
 use crate::render::planned::Lot;
-use landfall_exec::backend::Reader;
+use landfall_exec::backend::Backend;
 use landfall_exec::harness::fragments::{FragmentShader, Input, InputKind};
 use landfall_layout::Options;
 use landfall_layout::source::Source;
 
-/// A reader that several workloads take turns with.
-pub type Shared = Rc<RefCell<Box<dyn Reader>>>;
+/// A backend shared by several workloads.
+pub type Shared = Rc<RefCell<Box<dyn Backend>>>;
 
-/// A shader over a stage's fragments, on a reader.
+/// A shader over a stage's fragments on a backend.
 pub struct Shader<'a> {
     uploaded: &'a Uploaded<'a>,
-    reader: Shared,
+    backend: Shared,
     trivial: Option<(FragmentShader, Prepared)>,
 }
 
 impl<'a> Shader<'a> {
-    /// A shader by a reader.
-    pub fn new(uploaded: &'a Uploaded<'a>, reader: Shared) -> Shader<'a> {
-        let is_gl = reader.borrow().device().reader == BackendKind::Gl;
+    /// Makes the workload of a shader on a backend.
+    pub fn new(uploaded: &'a Uploaded<'a>, backend: Shared) -> Shader<'a> {
+        let is_gl = backend.borrow().device().backend == BackendKind::Gl;
         let fragments = uploaded.stage.frame.fragments.len();
         let trivial = trivial(&uploaded.renderer.shader, is_gl, fragments);
-        Shader { uploaded, reader, trivial }
+        Shader { uploaded, backend, trivial }
     }
 
-    /// How far what it gives is from the reference.
+    /// Returns the errors of its colours against the reference.
     ///
     /// # Errors
-    /// What the reader says.
+    /// A failure of the backend.
     pub fn judged(&mut self) -> Result<Errors, String> {
         let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
         let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
         for Lot { fragments, prepared, .. } in whole {
-            let mut reader = self.reader.borrow_mut();
+            let mut backend = self.backend.borrow_mut();
             let shaded = renderer
                 .shader
-                .run(reader.as_mut(), &prepared.batch(*limit), |_, _| {})
+                .run(backend.as_mut(), &prepared.batch(*limit), |_, _| {})
                 .map_err(|failure| failure.brief())?;
             for (at, [r, g, b, _]) in fragments.iter().zip(&shaded.colors) {
                 colors[*at as usize] = [*r, *g, *b];
@@ -67,7 +68,7 @@ impl Workload for Shader<'_> {
         }
     }
 
-    fn run(&mut self, part: Part) -> Result<Option<Took>, String> {
+    fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String> {
         let Uploaded { renderer, limit, whole, unlit, .. } = self.uploaded;
         let shader = &renderer.shader;
         let (shader, prepared): (_, Vec<&Prepared>) = match (part, unlit, &self.trivial) {
@@ -75,11 +76,11 @@ impl Workload for Shader<'_> {
             (Part::Unlit, Some(unlit), _) => (shader, unlit.iter().collect()),
             (Part::Trivial, _, Some((shader, prepared))) => (shader, vec![prepared]),
             (Part::Unlit, None, _) | (Part::Trivial, _, None) => {
-                return Err("it has no such part".to_string());
+                return Err("the workload has no such part".to_string());
             }
         };
-        let mut reader = self.reader.borrow_mut();
-        let mut watched = Stopwatch::new(reader.as_mut());
+        let mut backend = self.backend.borrow_mut();
+        let mut watched = Stopwatch::new(backend.as_mut());
         for prepared in prepared {
             shader
                 .run(&mut watched, &prepared.batch(*limit), |_, _| {})
@@ -89,7 +90,7 @@ impl Workload for Shader<'_> {
     }
 }
 
-/// A shader of the same inputs that only adds them up.
+/// Returns a shader with the same inputs that only sums them up.
 fn trivial(
     shader: &FragmentShader,
     is_gl: bool,
@@ -116,7 +117,7 @@ fn trivial(
     }
     let place = if is_gl { "" } else { "layout(location = 0) " };
     text += &format!("{place}out vec4 color;\nvoid main() {{ color = {sum}; }}\n");
-    // The extension says the stage.
+    // The file extension determines the stage.
     let source = Source::new("trivial.frag", text);
     let shader = FragmentShader::new(&source, &Options::default(), None).ok()?;
     let inputs = vec![vec![[0.5; 4]; count]; shader.inputs().len()];

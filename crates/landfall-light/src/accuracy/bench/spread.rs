@@ -1,26 +1,26 @@
-//! Numbers of many rounds, as the few that say how they spread.
+//! Summaries of the numbers of many rounds.
 
 use serde::{Deserialize, Serialize};
 
-/// The middle of many numbers and how far they spread.
+/// The quartiles, minimum and count of a set of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Half are not above it.
+    /// The median.
     pub median: f64,
-    /// A quarter is not above it.
+    /// The lower quartile.
     pub lower: f64,
-    /// Three quarters are not above it.
+    /// The upper quartile.
     pub upper: f64,
-    /// The least.
+    /// The minimum.
     pub min: f64,
-    /// How many there are.
+    /// The number of rounds.
     pub rounds: u32,
 }
 
 impl Spread {
-    /// Of numbers; none of none.
+    /// Summarises numbers; `None` if empty.
     ///
-    /// Quartiles lie between numbers in proportion (Hyndman and Fan's type 7).
+    /// Quartiles are interpolated (Hyndman and Fan's type 7).
     pub fn of(numbers: &[f64]) -> Option<Spread> {
         let mut sorted = numbers.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -1,43 +1,43 @@
-//! A stage made ready for a shader: what is bound for its fragments, with all lights, with none,
-//! or as a plan says.
+//! A stage prepared for a shader: the bindings of its fragments with all lights, without lights, or
+//! by a plan.
 //!
-//! Made once a variant; read by the workloads of [`shader`](super::shader) on every reader, and by
-//! [`counted`](super::counted).
+//! Prepared once for each variant; used by the workloads of [`shader`](super::shader) on every
+//! backend, and by [`counted`](super::counted).
 
 use std::time::Duration;
 
 use super::scene::Stage;
-use crate::bind::{Excess, Lit};
-use crate::compiled::Model;
+use crate::bind::{Lit, OverflowPolicy};
+use crate::culling::Options;
 use crate::render;
 use crate::render::planned::Lot;
 use crate::render::{Draw, Prepared, Renderer};
-use crate::skip::Options;
+use crate::shading_f32::Model;
 
-/// What a shader is given for a stage.
+/// The bindings of a shader for a stage.
 pub struct Uploaded<'a> {
     pub(super) stage: &'a Stage,
     pub(super) renderer: &'a Renderer,
     pub(super) limit: Duration,
-    /// Fragments that are lit together; each is in one lot.
+    /// Fragments lit together; each is in one lot.
     pub(super) whole: Vec<Lot>,
-    /// The same without lights; none of a shader without counts, which evaluates lights of zeros,
-    /// and none of a plan, since a plan without lights is another plan.
+    /// The same without lights; `None` for a shader without light counts, which evaluates lights of
+    /// zeros, and for a plan, which would differ without lights.
     pub(super) unlit: Option<Vec<Prepared>>,
 }
 
 impl<'a> Uploaded<'a> {
-    /// A stage for a shader, of which a reader has `limit` for a job.
+    /// Prepares a stage for a shader; `limit` is a backend's time for a job.
     ///
     /// # Errors
-    /// Why the scene does not go into the shader.
+    /// A scene that does not fit the shader.
     pub fn new(
         stage: &'a Stage,
         renderer: &'a Renderer,
         limit: Duration,
     ) -> Result<Uploaded<'a>, String> {
         let wrong = |error: render::RenderError| error.to_string();
-        let lights = renderer.lights(&stage.upload, Excess::Refuse);
+        let lights = renderer.lights(&stage.upload, OverflowPolicy::Refuse);
         let [directional, point, spot] = lights.map_err(|error| error.to_string())?;
         let all = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
         let none = Lit { ambient: true, directional: &[], point: &[], spot: &[] };
@@ -55,10 +55,10 @@ impl<'a> Uploaded<'a> {
         Ok(Uploaded { stage, renderer, limit, whole, unlit })
     }
 
-    /// The same with the lights that a plan leaves at each fragment.
+    /// Prepares a stage with the lights that a plan leaves at each fragment.
     ///
     /// # Errors
-    /// The same, and why the stage's model has no plan, or a plan that is more than draws.
+    /// The same, and a stage whose model has no plan, or a plan that needs more than draws.
     pub fn by_plan(
         stage: &'a Stage,
         renderer: &'a Renderer,
@@ -69,13 +69,15 @@ impl<'a> Uploaded<'a> {
         let work = work(stage, limit);
         let plan = renderer.plan(&work, &model, options);
         if !plan.grids.is_empty() {
-            return Err("`interpolate` adds light that no shader of a bench computes".to_string());
+            return Err(
+                "`interpolate` adds light that the shader of a bench does not compute".to_string()
+            );
         }
         let whole = renderer.lots_of_plan(&work, &plan).map_err(|error| error.to_string())?;
         Ok(Uploaded { stage, renderer, limit, whole, unlit: None })
     }
 
-    /// Every so many fragments, about as many as that.
+    /// Returns about that many fragments, evenly spaced.
     pub(super) fn some(&self, about: usize) -> Vec<Lot> {
         let stride = self.stage.frame.fragments.len().div_ceil(about.max(1)).max(1);
         let mut before = 0;

@@ -1,17 +1,17 @@
-//! Domains written as comments beside what they are about: `float x; // in 0..1`,
-//! `vec3 n; // unit`, and `// normal: unit, d in 0..100` above a function.
+//! Domains in comments beside declarations: `float x; // in 0..1`, `vec3 n; // unit`, and `//
+//! normal: unit, d in 0..100` above a function.
 //!
-//! Reads the text line by line; feeds [`domain`](super::domain).
+//! Reads the text line by line; used by [`domain`](mod@super::domain).
 
 use rustc_hash::FxHashMap;
 
-use super::domain::{Domain, Refused, Within, range};
+use super::domain::{Domain, Refused, ValueRange, range};
 use super::input::Input;
 
-/// What comments say: by the structure or function they are in (empty outside), and by name.
-type Said = FxHashMap<(String, String), Within>;
+/// The ranges in comments, by the enclosing structure or function (empty outside) and by name.
+type Said = FxHashMap<(String, String), ValueRange>;
 
-/// Adds what the comments of a shader say of the inputs of a function.
+/// Adds the ranges in a shader's comments for the inputs of a function.
 ///
 /// # Errors
 /// A range that is empty or inverted.
@@ -31,7 +31,7 @@ pub(in crate::accuracy) fn add(
             .or_else(|| plain.then(|| said.get(&(function.to_string(), name.clone())))?)
             .or_else(|| plain.then(|| said.get(&(String::new(), name)))?);
         match within {
-            Some(Within::Unit) if !input.is_vector() => {}
+            Some(ValueRange::Unit) if !input.is_vector() => {}
             Some(within) => domain.put(at, *within, input)?,
             None => {}
         }
@@ -41,11 +41,11 @@ pub(in crate::accuracy) fn add(
 
 fn read(text: &str) -> Result<Said, Refused> {
     let mut said = Said::default();
-    // Where we are: the name of a structure, or of a function whose parameters are listed.
+    // The name of the enclosing structure, or of the function whose parameters are listed.
     let mut owner = String::new();
     let mut depth = 0usize;
-    // What comments above the next function say.
-    let mut above: Vec<(String, Within)> = Vec::new();
+    // The ranges in comments above the next function.
+    let mut above: Vec<(String, ValueRange)> = Vec::new();
     for line in text.lines() {
         let (code, comment) = split(line);
         let trimmed = code.trim();
@@ -94,7 +94,7 @@ fn read(text: &str) -> Result<Said, Refused> {
     Ok(said)
 }
 
-/// A line without its comment, and the comment.
+/// Splits a line into code and comment.
 fn split(line: &str) -> (&str, &str) {
     if let Some((code, comment)) = line.split_once("//") {
         return (code, comment.trim_start_matches(['/', '!']).trim());
@@ -109,7 +109,8 @@ fn identifiers(code: &str) -> impl Iterator<Item = &str> {
     code.split(|c: char| !(c == '_' || c.is_alphanumeric())).filter(|word| !word.is_empty())
 }
 
-/// The name a line declares: before the colon of WGSL, else the last word before `;`, `,`, `)`.
+/// Returns the name a line declares: before the colon in WGSL, else the last word before `;`, `,`,
+/// `)`.
 fn declared(code: &str) -> &str {
     let code = code.split(['=', ';']).next().unwrap_or(code);
     let code = code.trim_end_matches([',', ')', '{', ' ', ']', '[']);
@@ -120,15 +121,15 @@ fn declared(code: &str) -> &str {
     identifiers(code).last().unwrap_or_default()
 }
 
-/// A comment that is a domain and nothing else: `in 0..1`, `unit`, `cos`.
-fn plain(comment: &str) -> Result<Option<Within>, Refused> {
+/// Parses a comment that is only a range: `in 0..1`, `unit`, `cos`.
+fn plain(comment: &str) -> Result<Option<ValueRange>, Refused> {
     let first = comment.split([',', ';']).next().unwrap_or_default().trim();
     let word = first.trim_end_matches('.');
     match word {
-        "unit" | "unit vector" => return Ok(Some(Within::Unit)),
-        "position" => return Ok(Some(Within::Position)),
-        "color" | "colour" => return Ok(Some(Within::Color)),
-        "cos" | "cosine" => return Ok(Some(Within::Cosine)),
+        "unit" | "unit vector" => return Ok(Some(ValueRange::Unit)),
+        "position" => return Ok(Some(ValueRange::Position)),
+        "color" | "colour" => return Ok(Some(ValueRange::Color)),
+        "cos" | "cosine" => return Ok(Some(ValueRange::Cosine)),
         _ => {}
     }
     match first.strip_prefix("in ") {
@@ -137,8 +138,8 @@ fn plain(comment: &str) -> Result<Option<Within>, Refused> {
     }
 }
 
-/// `name: unit`, `name in 0..1`.
-fn named(part: &str) -> Result<Option<(String, Within)>, Refused> {
+/// Parses `name: unit` or `name in 0..1`.
+fn named(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
     let part = part.trim();
     if let Some((name, rest)) = part.split_once(" in ") {
         let is_name =
@@ -156,8 +157,8 @@ fn named(part: &str) -> Result<Option<(String, Within)>, Refused> {
     Ok(None)
 }
 
-/// `0..1`.
-fn bounds(about: &str, text: &str) -> Result<Option<Within>, Refused> {
+/// Parses `0..1`.
+fn bounds(about: &str, text: &str) -> Result<Option<ValueRange>, Refused> {
     let Some((low, rest)) = text.split_once("..") else { return Ok(None) };
     let rest = rest.trim_start_matches(['=', ' ']);
     let end = rest
@@ -197,12 +198,12 @@ vec3 lit(Light light, vec3 normal, float d) {
         let said = read(text).expect("no range is wrong");
         let of =
             |owner: &str, name: &str| said.get(&(owner.to_string(), name.to_string())).copied();
-        assert_eq!(of("Light", "cutOff"), Some(Within::Cosine));
-        assert_eq!(of("Light", "linear"), Some(Within::Range(0.0, 1.0)));
+        assert_eq!(of("Light", "cutOff"), Some(ValueRange::Cosine));
+        assert_eq!(of("Light", "linear"), Some(ValueRange::Range(0.0, 1.0)));
         assert_eq!(of("Light", "position"), None);
-        assert_eq!(of("", "shininess"), Some(Within::Range(1.0, 256.0)));
-        assert_eq!(of("lit", "normal"), Some(Within::Unit));
-        assert_eq!(of("lit", "d"), Some(Within::Range(0.0, 100.0)));
+        assert_eq!(of("", "shininess"), Some(ValueRange::Range(1.0, 256.0)));
+        assert_eq!(of("lit", "normal"), Some(ValueRange::Unit));
+        assert_eq!(of("lit", "d"), Some(ValueRange::Range(0.0, 100.0)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Which inputs a function is meant for: from JSON by path, and from comments in the shader.
+//! The domain of a function's inputs, from JSON by path and from comments in the shader.
 //!
-//! Made of what [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench) are
-//! asked for; every sample is fitted into it.
+//! Requested by [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench);
+//! every sample is fitted into it.
 
 use serde_json::Value;
 
@@ -9,89 +9,89 @@ use super::input::{Input, float};
 use super::random::Random;
 use landfall_layout::shape::ScalarKind;
 
-/// What an input may be.
+/// The range of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Within {
-    /// Anything finite.
+pub enum ValueRange {
+    /// Any finite value.
     Any,
-    /// From one number to another, each scalar.
+    /// From a lower to an upper bound, for each scalar.
     Range(f64, f64),
-    /// A vector of length one, as rounding leaves it.
+    /// A vector of length one, up to rounding.
     Unit,
-    /// A point of a scene: each coordinate up to 10 000.
+    /// A position in a scene: each coordinate up to 10 000.
     Position,
-    /// From 0 to 1, each scalar.
+    /// From 0 to 1, for each scalar.
     Color,
-    /// A cosine of an angle.
+    /// The cosine of an angle.
     Cosine,
 }
 
-/// Coordinates of a position are at most so large.
+/// The largest coordinate of a position.
 const FAR: f64 = 1.0e4;
 
-/// How far two inputs that must not coincide are apart, where nothing else is said.
+/// The default distance of two inputs that must not coincide.
 const APART: f64 = 1.0e-3;
 
-impl Within {
-    fn of(word: &str) -> Option<Within> {
+impl ValueRange {
+    fn of(word: &str) -> Option<ValueRange> {
         Some(match word {
-            "any" => Within::Any,
-            "unit" => Within::Unit,
-            "position" => Within::Position,
-            "color" | "colour" => Within::Color,
-            "cos" | "cosine" => Within::Cosine,
+            "any" => ValueRange::Any,
+            "unit" => ValueRange::Unit,
+            "position" => ValueRange::Position,
+            "color" | "colour" => ValueRange::Color,
+            "cos" | "cosine" => ValueRange::Cosine,
             _ => return None,
         })
     }
 
-    /// As people write it.
+    /// The notation in comments and messages.
     pub fn text(self) -> String {
         match self {
-            Within::Any => "any".to_string(),
-            Within::Range(low, high) => format!("{}..{}", short(low), short(high)),
-            Within::Unit => "unit".to_string(),
-            Within::Position => "position".to_string(),
-            Within::Color => "color".to_string(),
-            Within::Cosine => "cos".to_string(),
+            ValueRange::Any => "any".to_string(),
+            ValueRange::Range(low, high) => format!("{}..{}", short(low), short(high)),
+            ValueRange::Unit => "unit".to_string(),
+            ValueRange::Position => "position".to_string(),
+            ValueRange::Color => "color".to_string(),
+            ValueRange::Cosine => "cos".to_string(),
         }
     }
 
-    /// The least and the greatest of its scalars.
+    /// Returns the least and the greatest value of its scalars.
     pub fn bounds(self) -> (f64, f64) {
         match self {
-            Within::Any => (f64::from(f32::MIN), f64::from(f32::MAX)),
-            Within::Range(low, high) => (low, high),
-            Within::Unit | Within::Cosine => (-1.0, 1.0),
-            Within::Position => (-FAR, FAR),
-            Within::Color => (0.0, 1.0),
+            ValueRange::Any => (f64::from(f32::MIN), f64::from(f32::MAX)),
+            ValueRange::Range(low, high) => (low, high),
+            ValueRange::Unit | ValueRange::Cosine => (-1.0, 1.0),
+            ValueRange::Position => (-FAR, FAR),
+            ValueRange::Color => (0.0, 1.0),
         }
     }
 }
 
-/// Two inputs that are kept apart.
+/// Two inputs with a minimum distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Apart {
-    /// Numbers of the inputs.
+    /// The indices of the inputs.
     pub inputs: (usize, usize),
-    /// By how much at least.
+    /// The minimum distance.
     pub least: f64,
 }
 
-/// The inputs a function is meant for.
+/// The domain of a function's inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Domain {
-    /// By input.
-    pub within: Vec<Within>,
-    /// Inputs that do not coincide; scalars are in this order too, the greater first.
+    /// The range of each input.
+    pub within: Vec<ValueRange>,
+    /// The pairs that do not coincide; of two scalars the first is the greater.
     pub apart: Vec<Apart>,
 }
 
-/// What is wrong with a domain, about which path.
+/// An error in a domain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
-    /// What is wrong.
+    /// The error.
     pub message: String,
-    /// What would be right.
+    /// The correct notation or value.
     pub help: Option<String>,
 }
 
@@ -100,20 +100,20 @@ fn refused(message: String, help: impl Into<String>) -> Refused {
 }
 
 impl Domain {
-    /// All that is finite.
+    /// The domain of all finite values.
     pub fn any(inputs: &[Input]) -> Domain {
-        Domain { within: vec![Within::Any; inputs.len()], apart: Vec::new() }
+        Domain { within: vec![ValueRange::Any; inputs.len()], apart: Vec::new() }
     }
 
-    /// Adds what JSON says: `{"light.linear": [0, 1], "normal": "unit",
-    /// "no_coincidence": [["light.position", "fragPos"]]}`.
+    /// Adds ranges from JSON: `{"light.linear": [0, 1], "normal": "unit", "no_coincidence":
+    /// [["light.position", "fragPos"]]}`.
     ///
     /// # Errors
-    /// A path the function has not; a range that is empty or inverted.
+    /// A path that the function does not have; an empty or inverted range.
     pub fn add_json(&mut self, json: &Value, inputs: &[Input]) -> Result<(), Refused> {
         let Value::Object(map) = json else {
             let help = "write `{\"normal\": \"unit\", \"shininess\": [1, 256]}`";
-            return Err(refused("the domain is no object of inputs by path".to_string(), help));
+            return Err(refused("the domain is not an object of inputs by path".to_string(), help));
         };
         for (path, value) in map {
             if path == "no_coincidence" {
@@ -136,14 +136,14 @@ impl Domain {
     /// Restricts one input.
     ///
     /// # Errors
-    /// It is no vector, and is to have a length of one.
-    pub fn put(&mut self, at: usize, within: Within, input: &Input) -> Result<(), Refused> {
-        if within == Within::Unit && !input.is_vector() {
-            let message = format!("`{}` is no vector: it cannot be `unit`", input.path);
+    /// `unit` for an input that is not a vector.
+    pub fn put(&mut self, at: usize, within: ValueRange, input: &Input) -> Result<(), Refused> {
+        if within == ValueRange::Unit && !input.is_vector() {
+            let message = format!("`{}` is not a vector and cannot be `unit`", input.path);
             return Err(refused(message, "write a range: `[-1, 1]`"));
         }
         self.within[at] = match (input.scalar.kind, within) {
-            (_, Within::Any) => within,
+            (_, ValueRange::Any) => within,
             (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => whole(within, input)?,
             (
                 ScalarKind::Float
@@ -158,9 +158,10 @@ impl Domain {
 
     fn add_apart(&mut self, value: &Value, inputs: &[Input]) -> Result<(), Refused> {
         let help = "write `[[\"light.position\", \"fragPos\"], …]`";
-        let wrong = || refused("`no_coincidence` is no list of pairs of paths".to_string(), help);
+        let wrong =
+            || refused("`no_coincidence` is not a list of pairs of paths".to_string(), help);
         let Value::Array(items) = value else { return Err(wrong()) };
-        // One pair may stand without brackets of its own.
+        // A single pair needs no outer brackets.
         let flat = items.first().is_some_and(Value::is_string);
         let pairs: Vec<&[Value]> = match flat {
             true => vec![items.as_slice()],
@@ -177,7 +178,7 @@ impl Domain {
                 Some(number) => {
                     let least = number.as_f64().filter(|x| *x > 0.0 && x.is_finite());
                     least.ok_or_else(|| {
-                        let message = format!("`{a}` and `{b}`: {number} is no distance");
+                        let message = format!("`{a}` and `{b}`: {number} is not a distance");
                         refused(message, "write a number above 0")
                     })?
                 }
@@ -200,7 +201,7 @@ impl Domain {
         Ok(())
     }
 
-    /// Moves a sample into the domain; false where that cannot be done.
+    /// Moves a sample into the domain; returns false if that is impossible.
     pub(in crate::accuracy) fn fit(
         &self,
         sample: &mut [u64],
@@ -208,14 +209,14 @@ impl Domain {
         random: &mut Random,
     ) -> bool {
         for (within, input) in self.within.iter().zip(inputs) {
-            if *within == Within::Any {
+            if *within == ValueRange::Any {
                 continue;
             }
             if !input.is_float() {
                 fit_others(*within, sample, input, random);
                 continue;
             }
-            if *within == Within::Unit {
+            if *within == ValueRange::Unit {
                 fit_unit(sample, input, random);
                 continue;
             }
@@ -233,14 +234,14 @@ impl Domain {
         self.apart.iter().all(|apart| is_apart(apart, sample, inputs))
     }
 
-    /// Whether a sample is in the domain as it is.
+    /// Whether a sample is in the domain.
     pub fn holds(&self, sample: &[u64], inputs: &[Input]) -> bool {
         let each = self.within.iter().zip(inputs).all(|(within, input)| {
-            if *within == Within::Any || !input.is_float() {
+            if *within == ValueRange::Any || !input.is_float() {
                 return true;
             }
             let (low, high) = within.bounds();
-            if *within == Within::Unit {
+            if *within == ValueRange::Unit {
                 let d2: f64 = input.range().map(|at| f64::from(float(sample, at)).powi(2)).sum();
                 return (d2.sqrt() - 1.0).abs() < 2.5e-7;
             }
@@ -251,12 +252,12 @@ impl Domain {
     }
 }
 
-/// Moves what is no `f32` into a range; of whole numbers its ends are whole.
-fn fit_others(within: Within, sample: &mut [u64], input: &Input, random: &mut Random) {
+/// Moves a scalar that is not an `f32` into a range; the bounds of integers are integers.
+fn fit_others(within: ValueRange, sample: &mut [u64], input: &Input, random: &mut Random) {
     let (low, high) = within.bounds();
     for at in input.range() {
         let word = sample[at];
-        // A cast of what is beyond the type gives its last number.
+        // A cast saturates at the bounds of the type.
         sample[at] = match (input.scalar.kind, input.scalar.width) {
             (ScalarKind::Sint, 8) => (word as i64).clamp(low as i64, high as i64) as u64,
             (ScalarKind::Sint, _) => {
@@ -293,7 +294,7 @@ fn is_apart(apart: &Apart, sample: &[u64], inputs: &[Input]) -> bool {
     d2.sqrt() >= apart.least
 }
 
-/// The `f32` next to a number that is inside the bounds.
+/// Returns the nearest `f32` within the bounds.
 fn bits(x: f64, low: f64, high: f64) -> u64 {
     let mut single = x.clamp(low, high) as f32;
     if f64::from(single) < low {
@@ -309,7 +310,7 @@ fn fit_unit(sample: &mut [u64], input: &Input, random: &mut Random) {
     let v: Vec<f64> = input.range().map(|at| f64::from(float(sample, at))).collect();
     let largest = v.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let d2: f64 = v.iter().map(|x| x * x).sum();
-    // As rounding may leave it: its length is off by a few units of the last place.
+    // Rounding leaves the length off by a few units of the last place.
     if (d2.sqrt() - 1.0).abs() < 2.0e-7 {
         return;
     }
@@ -330,7 +331,7 @@ fn fit_unit(sample: &mut [u64], input: &Input, random: &mut Random) {
     }
 }
 
-/// The inputs a path names: one, or all that are in it.
+/// Returns the inputs that a path names: one, or all below it.
 fn meant(path: &str, inputs: &[Input]) -> Vec<usize> {
     let is = |input: &Input| {
         input.path == path
@@ -341,7 +342,7 @@ fn meant(path: &str, inputs: &[Input]) -> Vec<usize> {
     (0..inputs.len()).filter(|&at| is(&inputs[at])).collect()
 }
 
-/// `data[3].color` is `data[].color`.
+/// Replaces indices: `data[3].color` becomes `data[].color`.
 fn pattern(path: &str) -> String {
     let mut text = String::new();
     let mut inside = false;
@@ -355,12 +356,12 @@ fn pattern(path: &str) -> String {
     text
 }
 
-/// What JSON says of a path.
-fn read(path: &str, value: &Value) -> Result<Within, Refused> {
+/// Parses the range of a path.
+fn read(path: &str, value: &Value) -> Result<ValueRange, Refused> {
     let help = "write `[lo, hi]`, \"unit\", \"position\", \"color\" or \"cos\"";
     match value {
-        Value::String(word) => Within::of(word)
-            .ok_or_else(|| refused(format!("`{path}`: there is no domain \"{word}\""), help)),
+        Value::String(word) => ValueRange::of(word)
+            .ok_or_else(|| refused(format!("`{path}`: unknown domain \"{word}\""), help)),
         Value::Array(bounds) => {
             let numbers: Vec<f64> = bounds.iter().filter_map(Value::as_f64).collect();
             match numbers[..] {
@@ -368,44 +369,44 @@ fn read(path: &str, value: &Value) -> Result<Within, Refused> {
                 _ => Err(refused(format!("`{path}`: a range is two numbers, not {value}"), help)),
             }
         }
-        other => Err(refused(format!("`{path}`: {other} is no domain"), help)),
+        other => Err(refused(format!("`{path}`: {other} is not a domain"), help)),
     }
 }
 
-/// A range that has something in it.
-pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Within, Refused> {
+/// Returns a non-empty range.
+pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<ValueRange, Refused> {
     let (least, most) = (short(low), short(high));
     if low > high {
         let message = format!("`{path}`: the range from {least} to {most} is inverted");
         return Err(refused(message, format!("write `[{most}, {least}]`")));
     }
     if !low.is_finite() || !high.is_finite() {
-        let message = format!("`{path}`: the range from {least} to {most} has no end");
+        let message = format!("`{path}`: the range from {least} to {most} is infinite");
         return Err(refused(message, "write two finite numbers"));
     }
-    Ok(Within::Range(low, high))
+    Ok(ValueRange::Range(low, high))
 }
 
-/// A range that some `f32` lies in; of wider floats any does.
-fn held(within: Within, input: &Input) -> Result<Within, Refused> {
+/// Returns the range of an input that some `f32` lies in; wider floats need no check.
+fn held(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
     let (low, high) = within.bounds();
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if input.is_float() && f64::from(up) > high {
         let (path, low, high) = (&input.path, short(low), short(high));
-        let message = format!("`{path}`: no `f32` is from {low} to {high}: the range is empty");
+        let message = format!("`{path}`: the range is empty: no `f32` is from {low} to {high}");
         return Err(refused(message, "widen it"));
     }
     Ok(within)
 }
 
-/// A number in its fewest digits: `1`, `0.5`, `1e-320`.
+/// Formats a number in its fewest digits: `1`, `0.5`, `1e-320`.
 fn short(x: f64) -> String {
     let text = format!("{x:?}");
     text.strip_suffix(".0").unwrap_or(&text).to_string()
 }
 
-/// The whole numbers of an input's type that are within.
-fn whole(within: Within, input: &Input) -> Result<Within, Refused> {
+/// Returns the range of integers of an input's type within the bounds.
+fn whole(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
     let (least, most, name) = match (input.scalar.kind, input.scalar.width) {
         (ScalarKind::Bool, _) => (0.0, 1.0, "bool"),
         (ScalarKind::Sint, 8) => (i64::MIN as f64, i64::MAX as f64, "i64"),
@@ -420,7 +421,7 @@ fn whole(within: Within, input: &Input) -> Result<Within, Refused> {
             format!("`{}`: no `{name}` is from {} to {}", input.path, short(low), short(high));
         return Err(refused(message, "widen it"));
     }
-    Ok(Within::Range(first, last))
+    Ok(ValueRange::Range(first, last))
 }
 
 fn unknown(path: &str, inputs: &[Input]) -> Refused {
@@ -429,8 +430,8 @@ fn unknown(path: &str, inputs: &[Input]) -> Refused {
         Some(near) => format!("did you mean `{near}`?"),
         None => {
             let all: Vec<String> = names().take(12).map(|name| format!("`{name}`")).collect();
-            format!("it reads {}", all.join(", "))
+            format!("its inputs are {}", all.join(", "))
         }
     };
-    Refused { message: format!("the function reads no `{path}`"), help: Some(help) }
+    Refused { message: format!("the function has no input `{path}`"), help: Some(help) }
 }

@@ -1,30 +1,30 @@
-//! The inputs of a function, flat: vectors and scalars with their paths and roles.
+//! The inputs of a function, flattened: vectors and scalars with their paths and roles.
 //!
-//! Made of a [`Pure`]; samples are filled by them, findings name them.
+//! Derived from a [`PureFunction`]; the unit of samples and findings.
 
 use super::role::{Role, role};
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::ValueType;
 use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// A scalar, vector or matrix that a function reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// The way to it: `light.position`.
+    /// The path: `light.position`.
     pub path: String,
-    /// What the structure it is a member of is named, and the member; empty of a plain parameter.
+    /// The names of the structure and the member; `None` for a plain parameter.
     pub member: Option<(String, String)>,
-    /// The number of its first scalar.
+    /// The index of its first scalar.
     pub first: usize,
-    /// How many scalars it has.
+    /// The number of its scalars.
     pub len: usize,
-    /// Rows of a vector, 1 of a scalar; of a matrix, those of a column.
+    /// The rows of a vector or of a matrix column; 1 for a scalar.
     pub rows: usize,
-    /// What its scalars are.
+    /// The type of its scalars.
     pub scalar: Scalar,
-    /// What it is for.
+    /// The role in lighting.
     pub role: Role,
-    /// The way to the structure it is in; what one light has in common.
+    /// The path of the enclosing structure, which the inputs of one light share.
     pub owner: String,
 }
 
@@ -39,12 +39,12 @@ impl Input {
         self.is_float() && self.len > 1 && self.len == self.rows
     }
 
-    /// Whether it is one float.
+    /// Whether it is a single float.
     pub fn is_number(&self) -> bool {
         self.is_float() && self.len == 1
     }
 
-    /// One of its scalars as a number.
+    /// Converts the word of one of its scalars to a number.
     pub fn number(&self, word: u64) -> f64 {
         match (self.scalar.kind, self.scalar.width) {
             (ScalarKind::Float, 8) => f64::from_bits(word),
@@ -62,25 +62,25 @@ impl Input {
         }
     }
 
-    /// Its scalars.
+    /// Returns the indices of its scalars.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len
     }
 }
 
-/// The words of one sample, a scalar each.
+/// The words of one sample, one for each scalar.
 pub type Sample = Vec<u64>;
 
-/// A scalar of a sample as a float.
+/// Returns a scalar of a sample as a float.
 pub fn float(sample: &[u64], at: usize) -> f32 {
     f32::from_bits(sample[at] as u32)
 }
 
-/// What a function is given; what is bound beside it stays zero.
+/// The inputs of a function; bindings beside them stay zero.
 #[derive(Clone, Debug)]
 pub struct Inputs {
     read: Vec<Input>,
-    /// Scalars of a sample, those that are not read too.
+    /// The number of scalars of a sample, including unread ones.
     pub scalars: usize,
 }
 
@@ -92,8 +92,8 @@ impl std::ops::Deref for Inputs {
     }
 }
 
-/// The inputs among the parameters that are sampled, in the order of their scalars.
-pub(super) fn inputs_of(pure: &Pure, sampled: &[bool]) -> Inputs {
+/// Returns the inputs among the sampled parameters, in the order of their scalars.
+pub(super) fn inputs_of(pure: &PureFunction, sampled: &[bool]) -> Inputs {
     let mut all = Vec::new();
     let mut first = 0;
     for (parameter, sampled) in pure.parameters.iter().zip(sampled) {
@@ -103,7 +103,7 @@ pub(super) fn inputs_of(pure: &Pure, sampled: &[bool]) -> Inputs {
             all.truncate(before);
         }
     }
-    // An inner cut-off is one only beside an outer one.
+    // A cut-off is an inner one only beside an outer one.
     let outer: Vec<String> = all
         .iter()
         .filter(|input: &&Input| input.role == Role::OuterCosine)

@@ -1,16 +1,16 @@
-//! What one function is given as another that computes the same: the inputs of both are sampled,
-//! and go by their paths, or by their order where the names are others.
+//! Matches the inputs of two functions that compute the same: by their paths, or by their order
+//! where the names differ.
 //!
-//! Feeds [`bench`](mod@crate::accuracy::bench), whose variants are called with the same values,
-//! and [`stress`](mod@crate::accuracy::stress), which holds findings against a robust form.
+//! Used by [`bench`](mod@crate::accuracy::bench), whose variants are called with the same values,
+//! and by [`stress`](mod@crate::accuracy::stress), which compares findings with a robust form.
 
 use super::input::{Inputs, inputs_of};
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::shape::Scalar;
 
-/// The inputs of a function and, of the members of its blocks that it leaves alone, those that one
-/// of the others reads.
-pub(in crate::accuracy) fn shared(pure: &Pure, others: &[&Pure]) -> Inputs {
+/// Returns the inputs of a function, including members of its blocks that only one of the others
+/// reads.
+pub(in crate::accuracy) fn shared(pure: &PureFunction, others: &[&PureFunction]) -> Inputs {
     let theirs: Vec<One<'_>> =
         others.iter().flat_map(|other| scalars(other)).filter(|one| one.read).collect();
     let mut all = scalars(pure).into_iter();
@@ -22,14 +22,14 @@ pub(in crate::accuracy) fn shared(pure: &Pure, others: &[&Pure]) -> Inputs {
     inputs_of(pure, &sampled)
 }
 
-/// For each scalar of `other`, which of `pure`'s it is given; none of what it does not read.
+/// Returns for each scalar of `other` the matching one of `pure`; `None` for unread scalars.
 ///
 /// # Errors
-/// What `other` reads that is not among the inputs of `pure`.
+/// An input that `other` reads and `pure` does not have.
 pub(in crate::accuracy) fn matched(
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &Inputs,
-    other: &Pure,
+    other: &PureFunction,
 ) -> Result<Vec<Option<usize>>, String> {
     let (own, others) = (scalars(pure), scalars(other));
     let mut sampled = vec![false; own.len()];
@@ -45,7 +45,7 @@ pub(in crate::accuracy) fn matched(
     let same = |a: Vec<Scalar>, b: Vec<Scalar>| a == b;
     let all = |each: &[One<'_>]| each.iter().map(|one| one.kind).collect();
     let read = |each: &[One<'_>]| each.iter().filter(|one| one.read).map(|one| one.kind).collect();
-    // A variant may need less: what it does not read does not matter to it.
+    // A variant may read fewer inputs.
     let fits = |order: &Vec<Option<usize>>| {
         order.iter().zip(&others).all(|(at, one)| at.is_some() || !one.read)
     };
@@ -77,13 +77,13 @@ struct One<'a> {
 }
 
 impl One<'_> {
-    /// Whether it goes by the same name and is of the same type.
+    /// Whether it has the same name and type.
     fn is(&self, other: &One<'_>) -> bool {
         self.path == other.path && self.kind == other.kind
     }
 }
 
-fn scalars(pure: &Pure) -> Vec<One<'_>> {
+fn scalars(pure: &PureFunction) -> Vec<One<'_>> {
     let each = pure.parameters.iter().flat_map(|parameter| {
         let kinds = parameter.scalars.iter().zip(parameter.ty.scalars());
         kinds.map(|(path, kind)| One { path, kind, read: parameter.read })

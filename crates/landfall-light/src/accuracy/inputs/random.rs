@@ -1,6 +1,7 @@
-//! Random numbers that are the same on every machine: splitmix64.
+//! Random numbers that are the same on every machine (splitmix64).
 //!
-//! Feeds the samples of [`stress`](crate::accuracy::stress) and [`bench`](mod@crate::accuracy::bench).
+//! Used by the samples of [`stress`](crate::accuracy::stress) and
+//! [`bench`](mod@crate::accuracy::bench).
 
 use crate::splitmix64::{STEP, SplitMix64};
 
@@ -11,7 +12,7 @@ pub(in crate::accuracy) struct Random {
 }
 
 impl Random {
-    /// The stream of that number under a seed.
+    /// Returns the stream with that number for a seed.
     pub fn new(seed: u64, stream: u64) -> Random {
         let state = seed ^ stream.wrapping_mul(STEP);
         let mut random = Random { numbers: SplitMix64(state) };
@@ -23,12 +24,12 @@ impl Random {
         self.numbers.next()
     }
 
-    /// From 0 up to, not including, `end`.
+    /// Returns an integer from 0 to `end`, exclusive.
     pub fn below(&mut self, end: usize) -> usize {
         ((u128::from(self.word()) * end.max(1) as u128) >> 64) as usize
     }
 
-    /// From 0 to 1.
+    /// Returns a number from 0 to 1.
     pub fn unit(&mut self) -> f64 {
         self.numbers.unit()
     }
@@ -37,7 +38,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Between two positive numbers, each power of two as likely.
+    /// Returns a number between two positive ones, each power of two equally likely.
     pub fn scale(&mut self, low: f64, high: f64) -> f64 {
         (self.between(low.ln(), high.ln())).exp()
     }
@@ -50,7 +51,7 @@ impl Random {
         &all[self.below(all.len())]
     }
 
-    /// A direction, evenly over the sphere.
+    /// Returns a direction, uniform over the sphere.
     pub fn direction(&mut self) -> [f64; 3] {
         loop {
             let v = [0; 3].map(|_| self.between(-1.0, 1.0));
@@ -61,7 +62,7 @@ impl Random {
         }
     }
 
-    /// A finite `f32`, each exponent as likely.
+    /// Returns a finite `f32`, each exponent equally likely.
     pub fn bits(&mut self) -> f32 {
         loop {
             let x = f32::from_bits(self.word() as u32);

@@ -1,19 +1,19 @@
-//! What an input is for, guessed from its name, its type and where it stands.
+//! The role of an input in lighting, guessed from its name, type and path.
 //!
-//! Feeds the scenes of `scene` and the words of `classify`.
+//! Used by the scenes of `scene` and the findings of `classify`.
 
-/// The part an input plays in lighting.
+/// The role of an input in lighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum Role {
     LightPosition,
     FragmentPosition,
     ViewPosition,
-    /// Where a light's beam goes.
+    /// The direction of a light's beam.
     Axis,
-    /// From the fragment to the light.
+    /// The direction from the fragment to the light.
     ToLight,
-    /// From the fragment to the eye.
+    /// The direction from the fragment to the eye.
     ToView,
     Normal,
     Halfway,
@@ -22,11 +22,11 @@ pub enum Role {
     Constant,
     Linear,
     Quadratic,
-    /// The three of them.
+    /// Constant, linear and quadratic coefficient in one vector.
     Attenuation,
     InnerCosine,
     OuterCosine,
-    /// The one cosine of a cone.
+    /// The cosine of a cone with a single angle.
     ConeCosine,
     /// The cosine of an angle between two directions.
     Cosine,
@@ -43,12 +43,12 @@ impl Role {
         matches!(self, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine)
     }
 
-    /// Whether it is a coefficient of an attenuation.
+    /// Whether it is an attenuation coefficient.
     pub fn is_attenuation(self) -> bool {
         matches!(self, Role::Constant | Role::Linear | Role::Quadratic | Role::Attenuation)
     }
 
-    /// Whether it is a point in space.
+    /// Whether it is a position.
     pub fn is_position(self) -> bool {
         matches!(self, Role::LightPosition | Role::FragmentPosition | Role::ViewPosition)
     }
@@ -60,8 +60,8 @@ impl Role {
     }
 }
 
-/// The role of an input: its path, the rows of its vector (1 of a scalar), whether it is an
-/// integer.
+/// Returns the role of an input from its path, the rows of its vector (1 for a scalar) and whether
+/// it is an integer.
 pub fn role(path: &str, rows: usize, integer: bool) -> Role {
     let parts: Vec<Vec<String>> = path.split('.').map(words).collect();
     let Some((last, parents)) = parts.split_last() else { return Role::Other };
@@ -159,7 +159,7 @@ fn scalar(has: &dyn Fn(&[&str]) -> bool, under: &dyn Fn(&[&str]) -> bool, last: 
     Role::Other
 }
 
-/// `u_lightPos[2]` is `u`, `light`, `pos`; letter and digit stay together.
+/// Splits a name: `u_lightPos[2]` becomes `u`, `light`, `pos`; letters and digits stay together.
 fn words(name: &str) -> Vec<String> {
     let name = name.split('[').next().unwrap_or(name);
     let mut all: Vec<String> = Vec::new();
@@ -175,7 +175,7 @@ fn words(name: &str) -> Vec<String> {
         lower = c.is_lowercase() || c.is_ascii_digit();
     }
     all.extend((!word.is_empty()).then_some(word));
-    // `cutOff` is one word; prefixes say where a variable comes from, not what it is.
+    // `cutOff` is one word; prefixes give the storage of a variable, not its role.
     let mut joined: Vec<String> = Vec::new();
     for word in all {
         match joined.last_mut() {

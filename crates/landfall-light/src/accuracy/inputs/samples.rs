@@ -1,14 +1,14 @@
-//! Ordinary samples: scenes like published ones, without the cones, highlights and distances that
-//! only break things.
+//! Ordinary samples: values of published scenes, without the cones, highlights and distances that
+//! only occur in stress tests.
 //!
-//! Feeds [`bench`](mod@crate::accuracy::bench), whose errors and times are those of real use.
+//! Used by [`bench`](mod@crate::accuracy::bench), whose errors and times are those of real use.
 
 use super::domain::Domain;
 use super::input::{Inputs, Sample};
 use super::random::Random;
 use super::scene::{Geometry, Setting, sample};
 
-/// How light, fragment and eye stand in a picture; the first is the likeliest.
+/// The arrangements of light, fragment and eye in a picture, the most likely first.
 const GEOMETRIES: [Geometry; 8] = [
     Geometry::Ordinary,
     Geometry::Ordinary,
@@ -20,11 +20,11 @@ const GEOMETRIES: [Geometry; 8] = [
     Geometry::Grazing,
 ];
 
-/// Of the cones of scenes, the widest; of the exponents, those up to 256.
+/// The widest of the scenes' cones; exponents go up to 256.
 const CONES: usize = 3;
 const SHINES: usize = 5;
 
-/// Samples that are in the domain; fewer, or none, where the domain leaves hardly any.
+/// Returns samples in the domain; fewer or none if it excludes nearly all of them.
 pub(in crate::accuracy) fn published(
     inputs: &Inputs,
     domain: &Domain,
@@ -54,14 +54,14 @@ pub(in crate::accuracy) fn published(
 mod tests {
     use super::super::{domain, input, matched};
     use super::*;
-    use landfall_exec::harness::call::pure::{Pure, PureRequest};
+    use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
     use landfall_layout::Options;
     use landfall_layout::source::Source;
 
     fn samples(text: &str, json: &str, seed: u64) -> (Inputs, Domain, Vec<Sample>) {
         let source = Source::new("f.frag", text);
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
-        let pure = Pure::new(&source, &Options::default(), &request).expect("it is pure");
+        let pure = PureFunction::new(&source, &Options::default(), &request).expect("it is pure");
         let inputs = matched::shared(&pure, &[]);
         let json = serde_json::from_str(json).expect("it is JSON");
         let domain = domain(&source, &pure, &inputs, Some(&json)).expect("it has something in it");

@@ -1,30 +1,30 @@
-//! Values like those of published scenes, by the role of each input: a light, a fragment before
-//! it, an eye, a cone, placed so that the interesting cases happen.
+//! Values like those of published scenes, by the role of each input: a light, a fragment, an eye
+//! and a cone, placed so that special cases occur.
 //!
-//! Feeds [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
+//! Used by [`samples`](super::samples) and the generator of [`stress`](crate::accuracy::stress).
 
 use super::input::{Input, Inputs, Sample};
 use super::random::Random;
 use super::role::Role;
 use landfall_layout::shape::ScalarKind;
 
-/// How light, fragment and eye stand.
+/// The arrangement of light, fragment and eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::accuracy) enum Geometry {
     Ordinary,
-    /// The fragment on the axis of the cone.
+    /// The fragment is on the axis of the cone.
     OnAxis,
-    /// Between the inner and the outer cone.
+    /// The fragment is between the inner and the outer cone.
     InRamp,
-    /// On the outer cone.
+    /// The fragment is on the outer cone.
     AtEdge,
-    /// The eye in the mirror direction.
+    /// The eye is in the mirror direction.
     Mirror,
-    /// The light below the horizon, the eye in its mirror direction.
+    /// The light is below the horizon, the eye in its mirror direction.
     Behind,
     Near,
     Far,
-    /// The light on the horizon.
+    /// The light is on the horizon.
     Grazing,
 }
 
@@ -40,15 +40,15 @@ pub(in crate::accuracy) const GEOMETRIES: [Geometry; 9] = [
     Geometry::Grazing,
 ];
 
-/// Half angles of inner and outer cone, in degrees.
+/// The half angles of the inner and outer cones, in degrees.
 pub(in crate::accuracy) const CONES: [(f64, f64); 6] =
     [(12.5, 17.5), (12.5, 15.0), (30.0, 60.0), (0.5, 1.0), (0.1, 0.2), (0.05, 0.06)];
 
-/// Exponents of highlights.
+/// The exponents of highlights.
 pub(in crate::accuracy) const SHINES: [f32; 10] =
     [32.0, 1.0, 10.0, 64.0, 256.0, 1024.0, 4096.0, 65536.0, 1.0e6, 1.0e7];
 
-/// Constant, linear and quadratic of Ogre's table; the last is a light without a constant.
+/// Constant, linear and quadratic coefficients of Ogre's table; the last has no constant.
 const ATTENUATIONS: [[f32; 3]; 8] = [
     [1.0, 0.7, 1.8],
     [1.0, 0.35, 0.44],
@@ -75,12 +75,12 @@ fn unit(a: V) -> V {
     a.map(|x| x / length)
 }
 
-/// A vector as `f32` has it.
+/// Rounds a vector to `f32`.
 fn single(a: V) -> V {
     a.map(|x| f64::from(x as f32))
 }
 
-/// A direction at an angle from another.
+/// Returns a direction at an angle from another.
 fn turned(a: V, angle: f64, random: &mut Random) -> V {
     let side = loop {
         let side = random.direction();
@@ -92,7 +92,7 @@ fn turned(a: V, angle: f64, random: &mut Random) -> V {
     add(a.map(|x| x * angle.cos()), side, angle.sin())
 }
 
-/// What is chosen of a scene before its values are.
+/// The choices made for a scene before its values.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::accuracy) struct Setting {
     pub geometry: Geometry,
@@ -109,14 +109,14 @@ impl Setting {
         }
     }
 
-    /// A number of its own.
+    /// Returns a number that identifies the setting.
     pub fn tag(self) -> usize {
         let geometry = GEOMETRIES.iter().position(|g| *g == self.geometry).unwrap_or(0);
         (geometry * CONES.len() + self.cone) * SHINES.len() + self.shine
     }
 }
 
-/// One light as the fragment sees it.
+/// A light relative to the fragment.
 struct Light {
     position: V,
     to_light: V,
@@ -161,7 +161,7 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
     Light { position, to_light, distance, axis, cone: (inner.cos(), outer.cos()), attenuation }
 }
 
-/// A sample of those inputs as a scene has them; the light of one owner is as the setting says.
+/// Returns a sample of a scene; the setting determines the light of one owner.
 pub(in crate::accuracy) fn sample(
     inputs: &Inputs,
     setting: Setting,
@@ -258,7 +258,7 @@ pub(in crate::accuracy) fn sample(
     to
 }
 
-/// The direction from the fragment to the eye, by that of the mirrored light.
+/// Returns the direction from the fragment to the eye, relative to the mirrored light.
 fn to_view(
     geometry: Geometry,
     mirror: [f64; 3],
@@ -292,7 +292,7 @@ fn integers(input: &Input, to: &mut Sample, random: &mut Random) {
 
 fn other(input: &Input, put: &mut dyn FnMut(&[f64], f64), random: &mut Random) {
     if input.len > input.rows {
-        // A matrix: the identity, with something of a rotation and a translation.
+        // A matrix: the identity with a slight rotation and translation.
         let mild = random.chance(0.5);
         let rows = input.rows;
         let values: Vec<f64> = (0..input.len)

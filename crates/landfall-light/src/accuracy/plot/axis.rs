@@ -1,19 +1,19 @@
-//! Scales: where a number lies on an axis, and the numbers written along it.
+//! Scales: the place of a number on an axis, and the numbers written along it.
 
 /// An axis of numbers from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it measures, with its unit.
+    /// The quantity and its unit.
     pub label: String,
-    /// The number at its beginning.
+    /// The number at the start.
     pub low: f64,
-    /// The number at its end.
+    /// The number at the end.
     pub high: f64,
-    /// How numbers are spaced.
+    /// The spacing of numbers.
     pub scale: Scale,
 }
 
-/// How numbers are spaced.
+/// The spacing of numbers on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences are equal lengths.
@@ -22,27 +22,27 @@ pub enum Scale {
     Log,
 }
 
-/// A number written beside an axis.
+/// A tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where it is, from 0 to 1.
+    /// The place, from 0 to 1.
     pub at: f64,
-    /// How it is written; empty where only a line is drawn.
+    /// The text; empty for a line alone.
     pub text: String,
 }
 
 impl Axis {
-    /// Equal differences are equal lengths.
+    /// A linear axis.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Axis {
         let (low, high) = ordered(low, high);
         let high = if high > low { high } else { low + 1.0 };
         Axis { label: label.into(), low, high, scale: Scale::Linear }
     }
 
-    /// Equal ratios are equal lengths.
+    /// A logarithmic axis.
     ///
-    /// What is not positive and finite is put where the axis ends; numbers closer than a third
-    /// of a decade are given room.
+    /// Bounds that are not positive and finite are clamped; bounds closer than a third of a decade
+    /// are widened.
     pub fn log(label: impl Into<String>, low: f64, high: f64) -> Axis {
         let usable = |x: f64| if x > 0.0 && x.is_finite() { x.clamp(1e-300, 1e300) } else { 1.0 };
         let (mut low, mut high) = ordered(usable(low), usable(high));
@@ -53,7 +53,7 @@ impl Axis {
         Axis { label: label.into(), low, high, scale: Scale::Log }
     }
 
-    /// A logarithmic axis with room around numbers; of none it is that of 1.
+    /// A logarithmic axis with a margin around numbers; around 1 if there are none.
     pub fn around(label: impl Into<String>, numbers: impl Iterator<Item = f64>) -> Axis {
         let mut range: Option<(f64, f64)> = None;
         for x in numbers.filter(|x| *x > 0.0 && x.is_finite()) {
@@ -66,17 +66,17 @@ impl Axis {
         Axis { low: tight.low / room, high: tight.high * room, ..tight }
     }
 
-    /// Where a number is, from 0 to 1; what is outside is at the end.
+    /// Returns the place of a number, from 0 to 1; clamped to the ends.
     pub fn at(&self, number: f64) -> f64 {
         let at = match self.scale {
             Scale::Linear => (number - self.low) / (self.high - self.low),
             Scale::Log => (number / self.low).ln() / (self.high / self.low).ln(),
         };
-        // Logarithms of zero and less.
+        // The logarithm of zero or less.
         if at.is_nan() { 0.0 } else { at.clamp(0.0, 1.0) }
     }
 
-    /// The number at a place from 0 to 1.
+    /// Returns the number at a place from 0 to 1.
     pub fn number(&self, at: f64) -> f64 {
         match self.scale {
             Scale::Linear => self.low + at * (self.high - self.low),
@@ -84,7 +84,7 @@ impl Axis {
         }
     }
 
-    /// At most about `most` written numbers, round ones, and for decades the lines between.
+    /// Returns about `most` round numbers at most, and the lines between decades.
     pub fn ticks(&self, most: usize) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => self.linear_ticks(most.max(2)),
@@ -120,7 +120,7 @@ impl Axis {
         for exponent in first..=last {
             for &digit in lines {
                 let number = f64::from(digit) * 10f64.powi(exponent);
-                // A hair's breadth outside is the end itself.
+                // Rounding may put an end slightly outside.
                 let inside = self.low * (1.0 - 1e-9)..=self.high * (1.0 + 1e-9);
                 if !inside.contains(&number) {
                     continue;
@@ -140,7 +140,7 @@ fn ordered(a: f64, b: f64) -> (f64, f64) {
     if a <= b { (a, b) } else { (b, a) }
 }
 
-/// A number with the digits that its distance to the next needs.
+/// Formats a number with the digits that its step needs.
 fn plain(number: f64, step: f64) -> String {
     if number == 0.0 {
         return "0".to_string();
@@ -152,7 +152,7 @@ fn plain(number: f64, step: f64) -> String {
     format!("{number:.digits$}")
 }
 
-/// `digit` times a power of ten, short.
+/// Formats `digit` times a power of ten.
 fn power(digit: i32, exponent: i32) -> String {
     match exponent {
         0..=3 => format!("{}", i64::from(digit) * 10i64.pow(exponent as u32)),

@@ -1,7 +1,7 @@
-//! An error over two inputs: a cell a pair of inputs, light where the error is large.
+//! Heat maps of an error over two inputs; light cells are large errors.
 //!
-//! Draws what a stress run found; colours are those of
-//! [`color_map`](crate::picture::color_map), and what is no number has a pattern.
+//! Draws the results of a stress run in the colours of [`color_map`];
+//! undefined and non-finite results have a pattern.
 
 use super::axis::{Axis, Tick};
 use super::svg::{Anchor, Svg, number};
@@ -10,30 +10,30 @@ use crate::picture::color_map;
 /// A map of an error over two inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatMap {
-    /// What is shown.
+    /// The title.
     pub title: String,
-    /// The input from left to right.
+    /// The horizontal input.
     pub x: Axis,
-    /// The input from below to above.
+    /// The vertical input.
     pub y: Axis,
-    /// The error; what is outside of its ends has the colour of the end.
+    /// The error; values outside have the colour of the nearest end.
     pub error: Axis,
-    /// Cells in a row; each is as wide as the others on the drawing.
+    /// The cells in a row, all of the same width.
     pub columns: usize,
-    /// The cells, row after row, the bottom row first.
+    /// The cells row by row, the bottom row first.
     pub cells: Vec<Cell>,
 }
 
-/// What was found for a pair of inputs.
+/// The result for a pair of inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
     /// An error.
     Error(f64),
-    /// A result that is NaN or infinite.
+    /// A NaN or infinite result.
     NonFinite,
     /// An operation without a defined value.
     Undefined,
-    /// Nothing was asked there.
+    /// No sample.
     Empty,
 }
 
@@ -43,11 +43,11 @@ const LEFT: f64 = 76.0;
 const TOP: f64 = 44.0;
 const RIGHT: f64 = 516.0;
 const BOTTOM: f64 = 416.0;
-/// Where the scale of errors is.
+/// The left edge of the colour scale.
 const SCALE: f64 = 544.0;
 const SCALE_WIDTH: f64 = 16.0;
 
-/// Colours that are told apart: cells of one colour beside each other are one rectangle.
+/// The number of distinct colours: adjacent cells of one colour share a rectangle.
 const SHADES: usize = 48;
 
 const LIGHT: &str = "\
@@ -59,7 +59,7 @@ const DARK: &str = "\
 .ground { fill: #0d1117; }
 ";
 
-/// How a cell is filled.
+/// The fill of a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fill {
     Shade(usize),
@@ -68,7 +68,7 @@ enum Fill {
     Empty,
 }
 
-/// The drawing as SVG.
+/// Returns the drawing as SVG.
 pub fn heat_map(map: &HeatMap) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT, &map.title, LIGHT, DARK);
     svg.raw(
@@ -123,7 +123,7 @@ fn cell(svg: &mut Svg, fill: Fill, [x, y]: [f64; 2], [w, h]: [f64; 2]) {
         Fill::Undefined => "url(#undefined)".to_string(),
         Fill::Empty => return,
     };
-    // Ends are rounded, not widths: no seam shows between neighbours.
+    // Edges are rounded, not widths, so that no seam shows between neighbours.
     let [left, top, right, bottom] = [x, y, x + w, y + h].map(|edge| (edge * 10.0).round() / 10.0);
     svg.raw(&format!(
         "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{paint}\" \
@@ -156,7 +156,7 @@ fn axes(svg: &mut Svg, map: &HeatMap) {
 fn scale(svg: &mut Svg, map: &HeatMap) {
     let has = |wanted: Fill| map.cells.iter().any(|cell| fill(map, *cell) == wanted);
     let kinds = [
-        (has(Fill::NonFinite), Fill::NonFinite, "no number"),
+        (has(Fill::NonFinite), Fill::NonFinite, "non-finite"),
         (has(Fill::Undefined), Fill::Undefined, "undefined"),
     ];
     let below = kinds.iter().filter(|(there, ..)| *there).count() as f64 * 22.0;

@@ -1,11 +1,11 @@
-//! Texts beside points, where nothing else is.
+//! Places labels beside points without overlap.
 //!
-//! For [`scatter`](super::scatter): each label tries places around its point, nearest first, and
-//! takes the first that is free; where none is, the least covered.
+//! Used by [`scatter`](mod@super::scatter): each label tries places around its point, nearest first,
+//! and takes the first free one, or else the least covered.
 
 use super::svg::TEXT;
 
-/// A rectangle by its corners.
+/// A rectangle by its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Area {
     pub left: f64,
@@ -15,12 +15,12 @@ pub struct Area {
 }
 
 impl Area {
-    /// Around a point.
+    /// A square around a point.
     pub fn around([x, y]: [f64; 2], reach: f64) -> Area {
         Area { left: x - reach, top: y - reach, right: x + reach, bottom: y + reach }
     }
 
-    /// What two have in common.
+    /// Returns the area that two rectangles share.
     pub fn shared(&self, other: &Area) -> f64 {
         let width = self.right.min(other.right) - self.left.max(other.left);
         let height = self.bottom.min(other.bottom) - self.top.max(other.top);
@@ -35,16 +35,16 @@ impl Area {
     }
 }
 
-/// Where a label is.
+/// The place of a label.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// What its text covers.
+    /// The area of its text.
     pub area: Area,
-    /// Whether it is so far from its point that a line should lead there.
+    /// Whether it is far enough from its point to need a leader line.
     pub leads: bool,
 }
 
-/// Directions from a point, best first.
+/// The directions from a point, best first.
 const DIRECTIONS: [[f64; 2]; 8] = [
     [1.0, 0.0],
     [-1.0, 0.0],
@@ -56,18 +56,18 @@ const DIRECTIONS: [[f64; 2]; 8] = [
     [0.0, 1.0],
 ];
 
-/// A label to be placed.
+/// A label to place.
 #[derive(Clone, Copy, Debug)]
 pub struct Label {
-    /// What it is the label of.
+    /// The point it belongs to.
     pub point: [f64; 2],
-    /// How wide its text is.
+    /// The width of its text.
     pub width: f64,
-    /// What it is to be inside of.
+    /// The area it must stay in.
     pub frame: Area,
 }
 
-/// Places labels by their points and off what is `taken`; the first have the choice.
+/// Places labels near their points and off the `taken` areas, the first ones first.
 pub fn place(labels: &[Label], taken: &[Area]) -> Vec<Placed> {
     let mut taken = taken.to_vec();
     labels

@@ -1,7 +1,7 @@
-//! Run time against error: a mark a variant, and the front of those that no other beats.
+//! Scatter plots of run time against error, with the Pareto front of each series.
 //!
-//! Draws what [`bench`](crate::accuracy::bench) ranked. Both axes are logarithmic; an error of
-//! zero and one that is not finite have a strip of their own.
+//! Draws the ranking of [`bench`](crate::accuracy::bench). Both axes are logarithmic; errors of
+//! zero and non-finite ones have a strip of their own.
 
 use super::axis::{Axis, Tick};
 use super::labels::{Area, Label, place};
@@ -10,41 +10,41 @@ use super::svg::{Anchor, Svg, number, width};
 /// A drawing of run time against error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// What is compared.
+    /// The title.
     pub title: String,
-    /// What time is given for, and its unit: `ns a fragment and light`.
+    /// The label of the time axis with its unit.
     pub time: String,
-    /// What error is drawn, and its unit.
+    /// The label of the error axis with its unit.
     pub error: String,
     /// The variants.
     pub marks: Vec<Mark>,
 }
 
-/// One variant.
+/// A variant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Its name.
+    /// The name.
     pub label: String,
-    /// Who ran it: only marks of one series are compared, and have a front.
+    /// The runner: only marks of one series are compared and have a front.
     pub series: String,
-    /// Its time: lower quartile, median, upper quartile.
+    /// The time: lower quartile, median, upper quartile.
     pub time: [f64; 3],
-    /// Its error: 0 is exact; infinity and NaN say that it gave something that is no number.
+    /// The error: 0 is exact; infinity and NaN are non-finite results.
     pub error: f64,
-    /// Whether another of its series is better.
+    /// Whether another variant of its series is better.
     pub dominated: bool,
 }
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 460.0;
-/// Where the axes are.
+/// The area of the axes.
 const FRAME: Area = Area { left: 70.0, top: 44.0, right: 570.0, bottom: 402.0 };
-/// Height of the strips of what has no logarithm.
+/// The height of the strips for values without a logarithm.
 const STRIP: f64 = 30.0;
-/// From the middle of a mark to its edge.
+/// The distance from the centre of a mark to its edge.
 const REACH: f64 = 5.0;
 
-/// A series: colour on light, colour on dark; its shape is told by its number, too.
+/// The colours of a series on light and dark; its shape differs as well.
 const SERIES: [[&str; 2]; 6] = [
     ["#0550ae", "#79c0ff"],
     ["#bc4c00", "#ffa657"],
@@ -54,7 +54,7 @@ const SERIES: [[&str; 2]; 6] = [
     ["#57606a", "#b1bac4"],
 ];
 
-/// The drawing as SVG.
+/// Returns the drawing as SVG.
 pub fn scatter(scatter: &Scatter) -> String {
     let styles = |screen: usize| -> String {
         SERIES
@@ -85,7 +85,7 @@ pub fn scatter(scatter: &Scatter) -> String {
         steps(&mut svg, i, corners);
     }
     let places: Vec<[f64; 2]> = scatter.marks.iter().map(|mark| plan.place(mark)).collect();
-    // What is better lies above.
+    // Better marks are drawn last, on top.
     let mut order: Vec<(&Mark, &[f64; 2])> = scatter.marks.iter().zip(&places).collect();
     order.sort_by_key(|(mark, _)| !mark.dominated);
     for (mark, at) in order {
@@ -106,13 +106,13 @@ pub fn scatter(scatter: &Scatter) -> String {
     svg.finish()
 }
 
-/// Where things go.
+/// The layout of the drawing.
 struct Plan {
-    /// Names in the order of their first mark.
+    /// The series in the order of their first mark.
     series: Vec<String>,
     time: Axis,
     error: Axis,
-    /// Top and bottom of the logarithmic part.
+    /// The top and bottom of the logarithmic part.
     inner: [f64; 2],
     exact: bool,
     broken: bool,
@@ -184,7 +184,7 @@ impl Plan {
             svg.text("faint", Anchor::End, [FRAME.left - 6.0, y + 4.0], &text);
         }
         let strips =
-            [(self.exact, bottom, "exact", 0.0), (self.broken, top, "no number", f64::NAN)];
+            [(self.exact, bottom, "exact", 0.0), (self.broken, top, "non-finite", f64::NAN)];
         for (there, edge, name, error) in strips {
             if there {
                 svg.line("frame", [FRAME.left, edge], [FRAME.right, edge]);
@@ -198,8 +198,8 @@ impl Plan {
         svg.upward("", [18.0, (FRAME.top + FRAME.bottom) / 2.0], &scatter.error);
     }
 
-    /// The marks of a series that none is below and left of, by their time; without those that
-    /// another is better than, whose median may be lower by chance.
+    /// Returns the Pareto front of a series by time, without dominated marks, whose median may be
+    /// lower by chance.
     fn front(&self, scatter: &Scatter, series: &str) -> Vec<[f64; 2]> {
         let mut marks: Vec<&Mark> = scatter
             .marks
@@ -218,7 +218,7 @@ impl Plan {
         corners
     }
 
-    /// The best have the choice of places.
+    /// Places the labels, those of the best marks first.
     fn labels(
         &self,
         svg: &mut Svg,
@@ -228,7 +228,7 @@ impl Plan {
     ) {
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by_key(|&i| scatter.marks[i].dominated);
-        // In its own strip or the middle, as another would say another error.
+        // Within its strip or the middle: elsewhere it would suggest another error.
         let [top, bottom] = self.inner;
         let frame = |y: f64| match y {
             y if y < top => Area { bottom: top, ..FRAME },
@@ -278,8 +278,8 @@ impl Plan {
             row(svg, &|svg, at| shape(svg, i, false, at), name);
         }
         row(svg, &|_, _| {}, "");
-        row(svg, &|svg, at| shape(svg, 0, false, at), "none is better");
-        row(svg, &|svg, at| shape(svg, 0, true, at), "another is better");
+        row(svg, &|svg, at| shape(svg, 0, false, at), "not dominated");
+        row(svg, &|svg, at| shape(svg, 0, true, at), "dominated");
         row(
             svg,
             &|svg, [x, y]| {
@@ -289,7 +289,7 @@ impl Plan {
                     number(y - 5.0)
                 ))
             },
-            "front of the best",
+            "Pareto front",
         );
         row(
             svg,
@@ -303,14 +303,14 @@ impl Plan {
                     number(y)
                 ))
             },
-            "middle half of rounds",
+            "interquartile range",
         );
         row(svg, &|_, _| {}, "");
-        row(svg, &|_, _| {}, "left and below is better");
+        row(svg, &|_, _| {}, "lower left is better");
     }
 }
 
-/// From each mark of a front to the next: right, then down.
+/// Draws a front: from each mark to the next, right and then down.
 fn steps(svg: &mut Svg, series: usize, corners: &[[f64; 2]]) {
     let [[x, y], rest @ ..] = corners else { return };
     if rest.is_empty() {
@@ -325,7 +325,7 @@ fn steps(svg: &mut Svg, series: usize, corners: &[[f64; 2]]) {
     svg.raw(&format!("<path class=\"s{series} front\"{dashes} d=\"{path}\"/>"));
 }
 
-/// Fronts of several series in one drawing are told apart by their strokes.
+/// The strokes of the fronts of several series.
 const DASHES: [&str; 6] = [
     "",
     " stroke-dasharray=\"6 3\"",
@@ -335,7 +335,7 @@ const DASHES: [&str; 6] = [
     " stroke-dasharray=\"10 4\"",
 ];
 
-/// A mark: its shape is its series', filled or hollow.
+/// Draws a mark in the shape of its series, filled or hollow.
 fn shape(svg: &mut Svg, series: usize, hollow: bool, [x, y]: [f64; 2]) {
     let class = match hollow {
         true => format!("s{} hollow", series % SERIES.len()),

@@ -1,15 +1,15 @@
-//! SVG elements as text: numbers with one digit, text escaped, two sets of colours.
+//! Writes SVG elements: numbers with one decimal, escaped text, light and dark colours.
 //!
-//! For the drawings beside it.
+//! Used by the drawings of [`plot`](super).
 
 use std::fmt::Write as _;
 
 use landfall_layout::text::escape::xml;
 
-/// Height of a line of text.
+/// The height of a line of text.
 pub const TEXT: f64 = 11.0;
 
-/// Colours on a light screen, then on a dark one, and what the drawings have in common.
+/// The colours on a light and a dark background, and the shared style.
 const STYLE: &str = "\
 text { font: 11px system-ui, 'DejaVu Sans', Verdana, sans-serif; fill: #24292f; }
 .title { font-size: 14px; font-weight: 600; }
@@ -33,12 +33,12 @@ text { fill: #e6edf3; }
 }
 ";
 
-/// A drawing while it is written.
+/// A drawing under construction.
 pub struct Svg {
     text: String,
 }
 
-/// Where a text is written from.
+/// The anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -47,7 +47,7 @@ pub enum Anchor {
 }
 
 impl Svg {
-    /// A drawing of that size, with more style than all have: light, and dark.
+    /// A drawing of that size with additional light and dark styles.
     pub fn new(width: f64, height: f64, title: &str, light: &str, dark: &str) -> Svg {
         let dark = DARK.replacen('\n', &format!("\n{dark}"), 1);
         let mut text = format!(
@@ -63,13 +63,13 @@ impl Svg {
         Svg { text }
     }
 
-    /// Any element.
+    /// Adds any element.
     pub fn raw(&mut self, element: &str) {
         self.text.push_str(element);
         self.text.push('\n');
     }
 
-    /// A straight line.
+    /// Adds a straight line.
     pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let [x1, y1, x2, y2] = [from[0], from[1], to[0], to[1]].map(number);
         let _ = writeln!(
@@ -78,7 +78,7 @@ impl Svg {
         );
     }
 
-    /// A rectangle.
+    /// Adds a rectangle.
     pub fn rect(&mut self, class: &str, at: [f64; 2], size: [f64; 2]) {
         let [x, y, w, h] = [at[0], at[1], size[0], size[1]].map(number);
         let _ = writeln!(
@@ -87,12 +87,12 @@ impl Svg {
         );
     }
 
-    /// A line of text on its base line.
+    /// Adds a line of text at its baseline.
     pub fn text(&mut self, class: &str, anchor: Anchor, at: [f64; 2], text: &str) {
         self.turned(class, anchor, at, None, text);
     }
 
-    /// A line of text read from below to above, centred.
+    /// Adds a centred line of text, rotated to read upwards.
     pub fn upward(&mut self, class: &str, at: [f64; 2], text: &str) {
         self.turned(class, Anchor::Middle, at, Some(-90), text);
     }
@@ -111,21 +111,21 @@ impl Svg {
         let _ = writeln!(self.text, "<text{class}{anchor} x=\"{x}\" y=\"{y}\"{turn}>{text}</text>");
     }
 
-    /// The whole text.
+    /// Returns the whole text.
     pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }
 }
 
-/// A coordinate: a tenth of a pixel is as exact as is seen.
+/// Formats a coordinate to a tenth of a pixel.
 pub fn number(value: f64) -> String {
     let text = format!("{value:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
     if text == "-0" { "0".to_string() } else { text.to_string() }
 }
 
-/// How wide a text is, at least: of 11 pixels, by the widest of the usual fonts.
+/// Returns an upper estimate of a text's width at 11 pixels, by the widest of the usual fonts.
 pub fn width(text: &str) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 't' | 'f' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | ' ' => 0.38,

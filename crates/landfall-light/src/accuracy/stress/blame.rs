@@ -1,26 +1,26 @@
-//! Who is to blame: from a wrong result back through what it was computed of, to the operation
-//! whose operands were still right.
+//! Finds the cause of a wrong result: goes back through its operands to the first operation with
+//! accurate operands.
 //!
-//! Reads a [`Trace`]; feeds [`classify`](super::classify).
+//! Reads a [`Trace`]; used by [`classify`](super::classify).
 
 use rustc_hash::FxHashSet;
 
 use super::input::Input;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Number, Operand, Operation, Source, Step, Trace};
 
-/// Relative error up to which an operand counts as right: 32 units of the last place.
+/// The relative error up to which an operand is accurate: 32 units of the last place.
 const RIGHT: f64 = 1.0 / 262_144.0;
 
-/// A trace with names for its inputs.
+/// A trace with named inputs.
 pub(super) struct Graph<'a> {
-    pub pure: &'a Pure,
+    pub pure: &'a PureFunction,
     pub trace: &'a Trace,
     pub inputs: &'a [Input],
 }
 
 impl<'a> Graph<'a> {
-    /// The step a number came from.
+    /// Returns the step that produced a number.
     pub fn step(&self, source: Source) -> Option<(&'a Step, usize)> {
         match source {
             Source::Step { step, part } => {
@@ -30,7 +30,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The input a number is, or is the negative of.
+    /// Returns the input that a number equals, possibly negated.
     pub fn input(&self, source: Source) -> Option<usize> {
         match source {
             Source::Input { parameter, scalar } => {
@@ -45,7 +45,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// Every input that some numbers were computed of.
+    /// Returns all inputs that some numbers depend on.
     pub fn inputs_of(&self, sources: impl IntoIterator<Item = Source>) -> Vec<usize> {
         let mut open: Vec<Source> = sources.into_iter().collect();
         let mut seen = FxHashSet::default();
@@ -64,11 +64,11 @@ impl<'a> Graph<'a> {
         found
     }
 
-    /// The number of the step that spoilt a result; none where an input was it.
+    /// Returns the step that introduced a result's error; `None` if an input did.
     pub fn guilty(&self, result: Source) -> Option<usize> {
         let mut at = result;
         let mut guilty = None;
-        // A loop over a graph without cycles; the bound is for a broken one.
+        // The graph has no cycles; the bound guards against a broken one.
         for _ in 0..=self.trace.steps.len() {
             let Source::Step { step: number, part } = at else { break };
             let Some(step) = self.trace.steps.get(number as usize) else { break };
@@ -81,11 +81,11 @@ impl<'a> Graph<'a> {
         guilty
     }
 
-    /// The operand that made most of a result's error, if it was wrong before.
+    /// Returns the operand that caused most of a result's error, if it was inaccurate.
     fn spoilt(&self, step: &Step, part: usize) -> Option<Operand> {
         let result = step.results.get(part).copied().unwrap_or_default();
         let finite = |n: Number| n.single.is_finite() && n.double.is_finite();
-        // Where NaN or infinity came in, it came from.
+        // NaN and infinity propagate from the operand that has them.
         let odd = step.operands.iter().filter(|o| !finite(o.number));
         let odd = odd.max_by_key(|o| o.number.single.is_nan());
         if !finite(result) || odd.is_some() {
@@ -99,22 +99,22 @@ impl<'a> Graph<'a> {
             }
         }
         let (share, operand) = worst?;
-        // Its own rounding, or its cancellation, may be the larger part.
+        // The step's own rounding or cancellation may be the larger share.
         let error = (f64::from(result.single) - result.double).abs();
         (share >= 0.25 * error).then_some(operand)
     }
 }
 
-/// Whether the two differ by more than a few roundings.
+/// Whether `f32` and `f64` differ by more than a few roundings.
 fn wrong(number: Number) -> bool {
     let (single, double) = (f64::from(number.single), number.double);
     (single - double).abs() > RIGHT * double.abs()
 }
 
-/// By operand: how much of the result's error its own error makes, to first order.
+/// Returns, for each operand, the share of the result's error it causes, to first order.
 fn shares(step: &Step, part: usize) -> Vec<f64> {
     let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
-    // Where the two are far apart, the larger one.
+    // Where `f32` and `f64` are far apart, the larger one.
     let x = |i: usize| {
         let n = step.operands[i].number;
         n.double.abs().max(f64::from(n.single).abs())
@@ -158,7 +158,7 @@ fn shares(step: &Step, part: usize) -> Vec<f64> {
             o.iter().map(|o| 1.5 * d(o) / width).collect()
         }
         Operation::Cross => {
-            // Each component reads two products of two.
+            // Each component reads two products of two operands.
             let (j, k) = ((part + 1) % 3, (part + 2) % 3);
             let mut all = vec![0.0; o.len()];
             for (i, by) in [(j, 3 + k), (k, 3 + j), (3 + k, j), (3 + j, k)] {

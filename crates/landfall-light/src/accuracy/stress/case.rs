@@ -1,31 +1,31 @@
-//! One sample as people read it, and the command that repeats it.
+//! A sample in readable form, with the command that reproduces it.
 //!
-//! Made for each finding of the [`report`](super::report) and each case of a driver; printed by
-//! the report of `landfall stress`.
+//! Built for each finding of the [`report`](super::report) and each worst sample of a driver;
+//! printed by the report of `landfall stress`.
 
 use serde_json::Value;
 
 use super::input::{Input, Sample};
 use super::measure::floats;
-use super::sample::{Plan, columns, settings};
+use super::plan::{Plan, columns, settings};
 use landfall_exec::harness::bindings::Data;
-use landfall_exec::harness::call::pure::{Origin, Pure};
+use landfall_exec::harness::call::pure::{Origin, PureFunction};
 use landfall_exec::interp::Floats;
 use landfall_layout::Options;
 use landfall_layout::source::{Language, Source, Target, kind_of_path};
 
-/// One sample, readable and repeatable.
+/// A sample in readable form.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// The inputs by path, in JSON.
+    /// The inputs by path, as JSON.
     pub inputs: Vec<(String, String)>,
-    /// The same flat: vectors and scalars, integers as numbers.
+    /// The inputs by path, flattened to vectors and scalars; integers as numbers.
     pub flat: Vec<(String, Vec<f64>)>,
-    /// Its results.
+    /// The results.
     pub results: Vec<ResultScalar>,
-    /// The arguments of `landfall run` that repeat it.
+    /// The arguments of `landfall run` that reproduce it.
     pub arguments: Vec<String>,
-    /// The same as values: arguments, block contents, inputs.
+    /// The same inputs as values: arguments, block contents, stage inputs.
     pub values: (Vec<Value>, Data, Vec<(String, Value)>),
     pub(super) words: Sample,
 }
@@ -33,28 +33,28 @@ pub struct Case {
 /// A scalar of a result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResultScalar {
-    /// The way to it: `result.x`.
+    /// The path: `result.x`.
     pub path: String,
-    /// In `f32`.
+    /// The `f32` result.
     pub single: f32,
-    /// In `f64`.
+    /// The `f64` result.
     pub double: f64,
 }
 
-/// What is needed to write up a sample.
+/// The context for converting samples to cases.
 #[derive(Clone, Copy)]
 pub(super) struct Writing<'a> {
-    pub pure: &'a Pure,
+    pub pure: &'a PureFunction,
     pub inputs: &'a [Input],
     pub plan: &'a Plan,
     pub source: &'a Source,
-    /// Arguments of `landfall run` that are of no sample: what [`fixed`] gives.
+    /// The arguments of `landfall run` for the shader and its textures, from [`fixed`].
     pub fixed: &'a [String],
-    /// What it is rounded to: a driver runs it as it is written.
+    /// The precision of floats; drivers run the code as written.
     pub floats: Floats,
 }
 
-/// A sample as people read it.
+/// Converts a sample to a case.
 pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     let Writing { pure, inputs: all, plan, source, fixed, floats: rounded_to } = writing;
     let (arguments, data, given) = pure.json(sample);
@@ -77,7 +77,7 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     if !arguments.is_empty() {
         line.extend(["--args".to_string(), Value::from(arguments).to_string()]);
     }
-    // What is not given is zero.
+    // Omitted values are zero.
     let data = Value::from(data);
     if let Some(data) = some(&data) {
         line.extend(["--data".to_string(), data.to_string()]);
@@ -109,14 +109,14 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     Case { inputs, flat, results, arguments: line, values, words: sample.clone() }
 }
 
-/// What `landfall run` has to be told of how a shader is read, and of its textures, so that the
-/// function is the one that was stressed.
+/// Returns the arguments of `landfall run` that set the options of the shader and its textures as
+/// in this run.
 pub(super) fn fixed(
     source: &Source,
     options: &Options,
     textures: &[(String, [f32; 4])],
 ) -> Vec<String> {
-    let Options { read, rules, gather: _, naga: _ } = options;
+    let Options { read, rules, .. } = options;
     let mut all: Vec<String> = Vec::new();
     let mut push = |flag: &str, value: String| all.extend([flag.to_string(), value]);
     for (name, colour) in textures {
@@ -139,7 +139,7 @@ pub(super) fn fixed(
         Some(Target::OpenGl) => push("--target", "opengl".to_string()),
         Some(Target::Vulkan) => push("--target", "vulkan".to_string()),
     }
-    // What the file's name does not say.
+    // Only what the file's name does not determine.
     let (language, stage) = kind_of_path(source.path.as_ref()).unwrap_or((Language::Glsl, None));
     if source.language != language {
         push("--language", source.language.name().to_string());
@@ -150,7 +150,7 @@ pub(super) fn fixed(
     all
 }
 
-/// A command line for a shell.
+/// Returns a command line for a shell.
 pub fn command(arguments: &[String]) -> String {
     let quoted = arguments.iter().map(|argument| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=".contains(c);
@@ -162,7 +162,7 @@ pub fn command(arguments: &[String]) -> String {
     format!("landfall {}", quoted.collect::<Vec<_>>().join(" "))
 }
 
-/// A value without the members that are zero; none where nothing is left.
+/// Returns a value without members that are zero; `None` if nothing remains.
 fn some(value: &Value) -> Option<Value> {
     let kept = match value {
         Value::Object(members) => {
@@ -172,7 +172,7 @@ fn some(value: &Value) -> Option<Value> {
             return (!members.is_empty()).then_some(Value::Object(members));
         }
         Value::Array(items) => items.iter().any(|item| some(item).is_some()),
-        // The zero below zero is another number.
+        // Negative zero is kept.
         Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
         Value::Bool(set) => *set,
         Value::Null => false,

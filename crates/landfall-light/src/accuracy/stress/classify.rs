@@ -1,17 +1,17 @@
-//! Which hazard a sample meets, and at which operation.
+//! Assigns a hazard and an operation to a sample.
 //!
-//! Runs one sample with a trace of all its operations, looks for operations without a defined
-//! value and for the one that spoilt the result, and names them by what they are and by the roles
-//! of the inputs behind them. Feeds [`find`](super::find).
+//! Runs one sample with a trace of all operations, looks for operations without a defined value and
+//! for the one that introduced the error, and classifies them by operation and by the roles of
+//! their inputs. Used by [`find`](super::find).
 
 mod look;
 
 use super::blame::Graph;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats, outcome};
-use super::sample::{Plan, columns, settings};
+use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
-use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
 use landfall_exec::interp::{
     Number, Operation, Place, Settings, Source, Step, Trace, UndefinedKind,
 };
@@ -19,40 +19,40 @@ use landfall_ir::analysis::hazard::Hazard;
 
 use look::Look;
 
-/// What a sample meets.
+/// A hazard found in a sample.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
     pub hazard: Hazard,
     pub place: Place,
-    /// The operation: what it is, what it had, what it gave.
+    /// The operation with its operands and result.
     pub operation: Option<Performed>,
-    /// The inputs behind it that play a part.
+    /// The indices of the inputs involved.
     pub about: Vec<usize>,
-    /// What is undefined about it; none of a loss of accuracy.
+    /// The kind of undefined value; `None` for a loss of accuracy.
     pub kind: Option<UndefinedKind>,
 }
 
-/// An operation as it was performed.
+/// An operation with its operands and result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Performed {
-    /// What it is.
+    /// The operation.
     pub operation: Operation,
-    /// Its operands.
+    /// The operands.
     pub operands: Vec<Number>,
-    /// Its result, the worst component.
+    /// The result, of the worst component.
     pub result: Number,
     pub(super) sources: Vec<Source>,
 }
 
 impl Candidate {
-    /// Findings are told apart by what it is and the line it is in.
-    pub fn key(&self, pure: &Pure) -> (&'static str, u32, u32) {
+    /// Returns the key that distinguishes findings: the hazard and the line.
+    pub fn key(&self, pure: &PureFunction) -> (&'static str, u32, u32) {
         let at = pure.files.locate(self.place.span);
         (self.hazard.code(), self.place.span.file, at.line)
     }
 }
 
-/// A sample that was looked at closely.
+/// A sample run with a trace.
 pub(super) struct Examined {
     pub outcome: Outcome,
     pub called: PureCalled,
@@ -60,9 +60,9 @@ pub(super) struct Examined {
     pub trace: Box<Trace>,
 }
 
-/// Runs a sample and says what it meets.
+/// Runs a sample and returns the hazards it meets.
 pub(super) fn examine(
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &[Input],
     sample: &Sample,
     plan: &Plan,
@@ -93,7 +93,7 @@ pub(super) fn examine(
             | UndefinedKind::BitsOutOfRange
             | UndefinedKind::ConversionOutOfRange
             | UndefinedKind::NanFromBuffer => Hazard::UndefinedOperation,
-            // Those are seen in the trace, with where their operands came from.
+            // The trace shows these with the origin of their operands.
             UndefinedKind::DivisionByZero
             | UndefinedKind::ZeroTimesInfinity
             | UndefinedKind::RootOfNegative
@@ -111,7 +111,7 @@ pub(super) fn examine(
             | UndefinedKind::BornInfinite => continue,
         };
         let place = seen.place.clone();
-        // What is converted or indexed by a number that is none any more, has its cause before.
+        // A non-finite operand has an earlier cause.
         if seen.operands.iter().all(|x| x.is_finite()) {
             let about = Vec::new();
             candidates.push(Candidate { hazard, place, operation: None, about, kind: Some(kind) });
@@ -125,7 +125,7 @@ pub(super) fn examine(
     Ok(Examined { outcome, called, candidates, trace })
 }
 
-/// What is not defined about an operation all of whose operands are finite.
+/// Returns why an operation with finite operands has no defined value.
 fn undefined(step: &Step) -> Option<UndefinedKind> {
     use UndefinedKind as U;
     let finite = |n: &Number| n.single.is_finite() && n.double.is_finite();
@@ -155,7 +155,7 @@ fn undefined(step: &Step) -> Option<UndefinedKind> {
     })
 }
 
-/// What is wrong with the squares that a length is the root of.
+/// Returns what is undefined in the squares summed up for a length.
 fn squares(step: &Step) -> Option<UndefinedKind> {
     if !matches!(step.operation, Operation::Normalize | Operation::Length | Operation::Distance) {
         return None;
@@ -166,7 +166,7 @@ fn squares(step: &Step) -> Option<UndefinedKind> {
         Operation::Distance => (0..half).map(|i| (of(i) - of(i + half)).powi(2)).sum(),
         _ => (0..step.operands.len()).map(|i| of(i).powi(2)).sum(),
     };
-    // The length of one number is no root.
+    // The length of a scalar takes no root.
     if step.operands.len() == 1 || square == 0.0 {
         None
     } else if square > f64::from(f32::MAX) {

@@ -1,41 +1,44 @@
-//! The worst input, by hill-climbing on the bits of bad ones.
+//! Searches for the worst input by hill climbing on the bits of bad ones.
 //!
-//! Feeds [`find`](super::find).
+//! Used by [`find`](super::find).
 
-use super::drivers::{Batch, Drivers};
+use super::batch::Batch;
+use super::drivers::Drivers;
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
+use super::kept::Tally;
 use super::measure::{Off, Outcome, floats, outcome};
+use super::plan::{Plan, columns, settings};
 use super::random::Random;
-use super::sample::{Plan, Tally, columns, settings};
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 
-/// Neighbours tried at a time.
+/// The neighbours tried per round.
 const NEIGHBOURS: usize = 64;
 
-/// Rounds of one climb; those without a better one before it gives up.
+/// The most rounds of one climb.
 const ROUNDS: usize = 48;
+/// The rounds without improvement after which a climb stops.
 const PATIENCE: usize = 10;
 
-/// What is kept of the samples of climbs, and who else runs them.
+/// The results of all climbs, and the drivers that run their samples too.
 pub(super) struct Climbs<'c, 'r> {
     pub tally: Tally,
     pub drivers: &'c mut Drivers<'r>,
-    /// Whether every input ran: none is higher.
+    /// Whether every input was run, so that no climb is needed.
     pub over: bool,
 }
 
-/// Whose error a climb is up.
+/// The backend whose error a climb maximises.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Whose {
     Evaluator,
-    /// Of the driver of that number, which is as high where the climb starts.
+    /// The driver of that index, with its error at the start.
     Driver(usize, f64),
 }
 
-/// Climbs from a sample as high as an error goes.
+/// Climbs from a sample to the largest error found.
 pub(super) fn climb(
-    pure: &Pure,
+    pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
     start: &Sample,
@@ -85,7 +88,7 @@ pub(super) fn climb(
         let mut outcomes: Vec<Outcome> =
             lanes.map(|lane| outcome(&called, &floats, lane)).collect();
         let mut batch = Batch::of(columns, called, &floats, outcomes.clone());
-        // The first was run where it was found.
+        // The first sample was already run.
         let known = usize::from(round == 0);
         (0..known).for_each(|_| batch.drop_first());
         outcomes[known..].iter().for_each(|outcome| climbs.tally.add(*outcome));

@@ -1,27 +1,27 @@
-//! How much a function makes of its inputs' own rounding: what tells a hard problem from a bad
-//! formula.
+//! The sensitivity of a function to rounding of its inputs, which distinguishes an ill-conditioned
+//! problem from an unstable formula.
 //!
-//! Moves each scalar by a unit of its last place and computes in `f64`. Feeds the report.
+//! Changes each scalar by a unit of its last place and computes in `f64`. Used by the report.
 
 use super::input::{Input, Sample};
 use super::measure::floats;
-use super::sample::{Plan, columns, settings};
-use landfall_exec::harness::call::pure::Pure;
+use super::plan::{Plan, columns, settings};
+use landfall_exec::harness::call::pure::PureFunction;
 
-/// What a unit of the last place of an input does to the result, in `f64`.
+/// The effect of changing an input by a unit of its last place, in `f64`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
-    /// In steps of 1/255 of the full scale, for the worst input.
+    /// The change in steps of 1/255 of full scale, for the worst input.
     pub steps: f64,
-    /// Relative change of the result over relative change of that input.
+    /// The relative change of the result per relative change of that input.
     pub number: f64,
     /// The path of that input.
     pub path: String,
 }
 
-/// The condition of a function at a sample; none where it has no finite result there.
+/// Returns the condition of a function at a sample; `None` if its result is not finite.
 pub(super) fn condition(
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &[Input],
     sample: &Sample,
     plan: &Plan,
@@ -34,7 +34,7 @@ pub(super) fn condition(
             let mut moved = sample.clone();
             let bits = (sample[at] as u32).wrapping_add(move_by);
             let x = f32::from_bits(bits);
-            // Zero has no place to its left, and infinity is no neighbour.
+            // NaN and infinity are not neighbours.
             moved[at] = if x.is_finite() { u64::from(bits) } else { sample[at] };
             samples.push(moved);
         }

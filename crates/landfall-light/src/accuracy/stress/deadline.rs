@@ -1,6 +1,6 @@
-//! When to end: at a time, or when somebody says stop.
+//! Deadlines: at a time, or when the caller requests a stop.
 //!
-//! Made by [`stress`](super::stress()), asked wherever a loop may take long.
+//! Created by [`stress`](super::stress()), checked in every loop that may take long.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -9,31 +9,31 @@ use std::time::{Duration, Instant};
 /// The end of some work.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Deadline {
-    /// None where nobody waits.
+    /// The time limit; `None` for no limit.
     at: Option<Instant>,
-    /// What somebody sets to end it before.
+    /// The caller's flag to stop early.
     stop: Arc<AtomicBool>,
-    /// How long what was begun may still take after that.
+    /// The time to finish started work after a stop.
     grace: Duration,
-    /// When it was seen to be set.
+    /// The time at which the flag was first seen set.
     stopped: Arc<OnceLock<Instant>>,
 }
 
 impl Deadline {
-    /// After that long, or at once when `stop` is set.
+    /// A deadline after that time, or as soon as `stop` is set.
     pub fn after(time: Option<Duration>, stop: &Arc<AtomicBool>) -> Deadline {
         let at = time.and_then(|time| Instant::now().checked_add(time));
         Deadline { at, stop: Arc::clone(stop), ..Deadline::default() }
     }
 
-    /// The same with time to bring to an end what was begun.
+    /// Returns the deadline with time to finish started work after a stop.
     pub fn with_grace(self, grace: Duration) -> Deadline {
         Deadline { grace, ..self }
     }
 
-    /// The same, but no later than after that long.
+    /// Returns the deadline, moved to at most that time from now.
     pub fn sooner(&self, time: Duration) -> Deadline {
-        // So late that no clock gets there is not sooner.
+        // A time beyond the clock's range is not sooner.
         let new = Instant::now().checked_add(time);
         Deadline { at: [self.at, new].into_iter().flatten().min(), ..self.clone() }
     }
@@ -42,12 +42,12 @@ impl Deadline {
         self.end().is_some_and(|end| Instant::now() >= end)
     }
 
-    /// The time that is left; none where nobody waits.
+    /// Returns the remaining time; `None` for no limit.
     pub fn left(&self) -> Option<Duration> {
         self.end().map(|end| end.saturating_duration_since(Instant::now()))
     }
 
-    /// The time it is over at, as far as is known now.
+    /// Returns the end time, as known now.
     pub fn end(&self) -> Option<Instant> {
         if !self.is_stopped() {
             return self.at;
@@ -56,7 +56,7 @@ impl Deadline {
         [self.at, end].into_iter().flatten().min()
     }
 
-    /// Whether somebody said stop.
+    /// Whether a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

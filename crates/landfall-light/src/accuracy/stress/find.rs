@@ -1,7 +1,7 @@
-//! From the samples that were kept to findings: each looked at closely, one finding a hazard and
-//! line, the worst of each climbed, the simplest input found.
+//! Turns kept samples into findings: examines each, makes one finding per hazard and line, climbs
+//! from the worst and simplifies its input.
 //!
-//! Reads [`sample`](super::sample); feeds the report.
+//! Reads [`sample`](super::sample); used by the report.
 
 use std::time::{Duration, Instant};
 
@@ -11,31 +11,32 @@ use super::classify::{Candidate, Examined, examine};
 use super::climb::{Climbs, Whose, climb};
 use super::generate::Generator;
 use super::input::Sample;
+use super::kept::{Exemplars, Kept, Why};
 use super::measure::Outcome;
+use super::plan::Plan;
 use super::random::Random;
-use super::sample::{Exemplars, Kept, Plan, Why};
 use super::shrink::{plausible, shrink};
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
-/// A finding before it is written up.
+/// A finding before it is reported.
 #[derive(Clone, Debug)]
 pub(super) struct Raw {
     pub candidate: Candidate,
     pub outcome: Outcome,
-    /// The simplest sample, and the one it was made of.
+    /// The simplest sample.
     pub sample: Sample,
     pub severity: f64,
-    /// How many of the kept samples meet it.
+    /// The number of kept samples that meet it.
     pub seen: usize,
     pub plausible: bool,
 }
 
-/// A sample with how it was made and why it was kept.
+/// A kept sample with how it was made and why it was kept.
 type Exemplar = ((u32, Why), Kept);
 
-/// What findings are told apart by.
+/// The hazard's code, the file and the line of a finding.
 type Key = (&'static str, u32, u32);
 
 struct Group {
@@ -43,15 +44,15 @@ struct Group {
     seen: usize,
 }
 
-/// Samples of one operation and kind that are looked at closely.
+/// The most samples examined for each operation and kind.
 const EACH: usize = 40;
 
-/// What they may take all together where nobody waits.
+/// The total time to examine samples if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(60);
 
-/// The findings among samples that were kept.
+/// Returns the findings among kept samples.
 pub(super) fn findings(
-    pure: &Pure,
+    pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
     exemplars: Exemplars,
@@ -65,7 +66,7 @@ pub(super) fn findings(
         sort(pure, generator, &examined, sample, groups);
     };
     let ordered = order(exemplars);
-    // Climb from the worst losses first: what they lead to is looked at with the others.
+    // Climb from the worst losses first, and examine the results with the other samples.
     let mut climbed = Vec::new();
     let losses = ordered.iter().filter(|(key, _)| matches!(key.1, Why::Above | Why::Below));
     let left = plan.until.left().unwrap_or(UNHURRIED);
@@ -113,7 +114,7 @@ pub(super) fn findings(
     let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
     let count = all.len();
     for (nth, (key, raw)) in all.iter_mut().enumerate() {
-        // Each has its part of the time that is left.
+        // Each finding gets its share of the remaining time.
         let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
         let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
         let share = plan.until.sooner(each.saturating_mul(2));
@@ -138,7 +139,7 @@ pub(super) fn findings(
     all.into_iter().map(|(_, raw)| raw).collect()
 }
 
-/// Those of scenes first, then by how much they matter.
+/// Returns the sort key: findings with plausible inputs first, then by level.
 fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
     let hazard = raw.candidate.hazard;
     let level = std::cmp::Reverse(hazard.info().level);
@@ -153,7 +154,7 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
     }
 }
 
-/// One of each kind in turn; of a kind, mutations before scenes before bits, the worse first.
+/// Takes one of each kind in turn; within a kind, mutations, then scenes, then bits, worse first.
 fn order(exemplars: Exemplars) -> Vec<Exemplar> {
     let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
@@ -174,7 +175,7 @@ fn order(exemplars: Exemplars) -> Vec<Exemplar> {
 }
 
 fn sort(
-    pure: &Pure,
+    pure: &PureFunction,
     generator: &Generator<'_>,
     examined: &Examined,
     sample: &Sample,

@@ -1,10 +1,10 @@
-//! Samples by family: [`mutations`](super::mutations) of scenes, scenes, bits, scenes with an input
-//! of bits; or [`every`](super::every) input there is.
+//! Generates samples by family: [`mutations`](super::mutations) of scenes, scenes, random bits,
+//! scenes with an input of random bits; or every input ([`exhaustive`](super::exhaustive)).
 //!
-//! Feeds [`sample`](super::sample).
+//! Used by [`sample`](super::sample).
 
-use super::domain::{Domain, Within};
-use super::every::Every;
+use super::domain::{Domain, ValueRange};
+use super::exhaustive::Every;
 use super::input::{Inputs, Sample, float};
 use super::mutations::{Change, Mutation, mutations, some};
 use super::random::Random;
@@ -12,27 +12,27 @@ use super::scene;
 use super::scene::Setting;
 use landfall_layout::shape::ScalarKind;
 
-/// Where samples come from.
+/// The source of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Family {
-    /// Inputs that coincide, oppose, vanish; single inputs at an edge.
+    /// Inputs that coincide, oppose or vanish; single inputs at a limit.
     Coincidences,
     /// Scenes like published ones.
     Scenes,
-    /// Every finite `f32`, each exponent as likely.
+    /// Random finite `f32`, each exponent equally likely.
     Bits,
-    /// Scenes with one input of bits.
+    /// Scenes with one input of random bits.
     Mixed,
-    /// Infinities and NaN in the inputs.
+    /// Inputs with infinities and NaN.
     Special,
-    /// Searched from the worst of the others.
+    /// Found by climbing from the worst samples of the other families.
     Climbed,
     /// Every input of a small domain, instead of all others.
     Every,
 }
 
 impl Family {
-    /// Every family.
+    /// All families.
     pub const ALL: [Family; 7] = [
         Family::Coincidences,
         Family::Scenes,
@@ -43,7 +43,7 @@ impl Family {
         Family::Every,
     ];
 
-    /// Its name in messages and JSON.
+    /// The name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Family::Coincidences => "coincidences",
@@ -57,33 +57,34 @@ impl Family {
     }
 }
 
-/// Makes the samples of a function.
+/// Generates the samples of a function.
 #[derive(Debug)]
 pub(super) struct Generator<'a> {
     pub inputs: &'a Inputs,
     pub domain: &'a Domain,
     mutations: Vec<Mutation>,
     seed: u64,
-    /// All inputs there are, where they are few.
+    /// All inputs, if there are few.
     every: Option<Every>,
 }
 
-/// Samples of one kind.
+/// Samples of one family.
 pub(super) struct Chunk {
     pub family: Family,
     pub samples: Vec<Sample>,
-    /// Of each: samples of one tag were made in the same way.
+    /// The tag of each sample: equal tags were made in the same way.
     pub tags: Vec<u32>,
 }
 
-/// Lanes of a chunk that is watched, and of one that is not.
+/// The lanes of a chunk whose operations are watched.
 pub(super) const WATCHED: usize = 256;
+/// The lanes of any other chunk.
 pub(super) const UNWATCHED: usize = 1024;
 
-/// Chunks of all inputs that are small.
+/// The number of small chunks at the start of an enumeration.
 const SMALL: usize = 32;
 
-/// Tags of samples that are no mutations.
+/// Tags of samples that are not mutations.
 pub(super) const TAG_BITS: u32 = 1 << 24;
 const TAG_SCENES: u32 = 1 << 20;
 
@@ -93,30 +94,30 @@ impl<'a> Generator<'a> {
         Generator { inputs, domain, mutations, seed, every: None }
     }
 
-    /// Gives every input once instead, where there are no more than so many.
+    /// Switches to every input once, if there are at most `most`.
     pub fn or_every(self, most: u64) -> Generator<'a> {
         Generator { every: Every::of(self.inputs, self.domain, most), ..self }
     }
 
-    /// How many inputs there are, where each comes once.
+    /// Returns the number of inputs, if each is run once.
     pub fn all(&self) -> Option<u64> {
         self.every.as_ref().map(Every::count)
     }
 
-    /// Scenes each mutation is applied to in the first pass.
+    /// Returns the scenes to which each mutation is applied in the first pass.
     fn lanes_each(&self) -> usize {
         (8192 / self.mutations.len().max(1)).clamp(6, 24)
     }
 
-    /// Chunks of mutations.
+    /// Returns the number of chunks of mutations.
     fn structured(&self) -> usize {
         (self.mutations.len() * self.lanes_each()).div_ceil(WATCHED)
     }
 
-    /// The samples of a chunk: the mutations first, then the other families in turn.
+    /// Returns the samples of a chunk: mutations first, then the other families in turn.
     pub fn chunk(&self, number: usize) -> Chunk {
         if let Some(every) = &self.every {
-            // Small ones first, so that a slow function has something to show.
+            // Small chunks first, so that a slow function has results early.
             let small = number.min(SMALL);
             let first = small * WATCHED + (number - small) * UNWATCHED;
             let lanes = if number < SMALL { WATCHED } else { UNWATCHED };
@@ -240,7 +241,7 @@ impl<'a> Generator<'a> {
         sample
     }
 
-    /// Any value of an input's domain, each exponent as likely.
+    /// Draws any value of an input's domain, each exponent equally likely.
     pub fn draw(&self, at: usize, sample: &mut Sample, random: &mut Random) {
         let input = &self.inputs[at];
         let within = self.domain.within[at];
@@ -254,20 +255,23 @@ impl<'a> Generator<'a> {
             }
             return;
         }
-        // One exponent for the whole vector most of the time: else all but one of its
-        // components are as good as zero.
+        // Mostly one exponent for the whole vector: otherwise all but one of its components are
+        // negligible.
         let (low, high) = within.bounds();
         let together = random.scale(1e-38, 1e38);
         let alike = random.chance(0.7);
         for i in input.range() {
             let x = match within {
-                Within::Any if alike => (random.between(-1.0, 1.0) * together) as f32,
-                Within::Any => random.bits(),
-                Within::Cosine => match random.below(4) {
+                ValueRange::Any if alike => (random.between(-1.0, 1.0) * together) as f32,
+                ValueRange::Any => random.bits(),
+                ValueRange::Cosine => match random.below(4) {
                     0 => (1.0 - random.scale(1e-7, 1.0)) as f32,
                     _ => random.between(-1.0, 1.0) as f32,
                 },
-                Within::Range(..) | Within::Unit | Within::Position | Within::Color => {
+                ValueRange::Range(..)
+                | ValueRange::Unit
+                | ValueRange::Position
+                | ValueRange::Color => {
                     let reach = low.abs().max(high.abs());
                     match random.below(4) {
                         0 => random.between(low, high) as f32,

@@ -1,36 +1,36 @@
-//! The error over two inputs, drawn: the others as in the worst sample of a scene.
+//! Maps of the error over two inputs, with the others fixed as in a scene.
 //!
 //! Reads a [`Report`]; draws with [`plot`](crate::accuracy::plot).
 
 use super::Request;
 use super::deadline::Deadline;
-use super::domain::{Domain, Within};
+use super::domain::{Domain, ValueRange};
 use super::input::{Inputs, Sample};
 use super::matched;
 use super::measure::{Outcome, floats, outcome};
+use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use super::report::Report;
 use super::role::Role;
-use super::sample::{Plan, columns, settings};
 use super::scene;
 use super::scene::{Geometry, Setting};
 use crate::accuracy::plot::{Axis, Cell, HeatMap, heat_map};
 use landfall_exec::harness::call::Refusal;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
-/// What is drawn.
+/// The axes and the resolution of a map.
 #[derive(Clone, Debug)]
 pub struct MapRequest {
-    /// The path of the scalar from left to right.
+    /// The path of the horizontal scalar.
     pub x: String,
-    /// The path of the scalar from below to above.
+    /// The path of the vertical scalar.
     pub y: String,
-    /// Cells in a row.
+    /// The cells in a row.
     pub columns: usize,
-    /// Rows of cells.
+    /// The rows of cells.
     pub rows: usize,
 }
 
@@ -40,10 +40,10 @@ impl Default for MapRequest {
     }
 }
 
-/// The error of a function over two of its inputs, as SVG.
+/// Returns the error of a function over two of its inputs, as SVG.
 ///
 /// # Errors
-/// As [`stress`](super::stress()); a path that is no scalar of the function's.
+/// Those of [`stress`](super::stress()); a path that is not a float scalar of the function.
 pub fn error_map(
     source: &Source,
     options: &Options,
@@ -51,9 +51,10 @@ pub fn error_map(
     report: &Report,
     map: &MapRequest,
 ) -> Result<String, Box<Refusal>> {
-    let pure = Pure::new(source, options, &request.pure)?;
+    let pure = PureFunction::new(source, options, &request.pure)?;
     let against = request.against.as_ref();
-    let against = against.map(|(source, other)| Pure::new(source, options, other)).transpose()?;
+    let against =
+        against.map(|(source, other)| PureFunction::new(source, options, other)).transpose()?;
     let all = matched::shared(&pure, &against.iter().collect::<Vec<_>>());
     let refused = |found| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
     let domain = crate::accuracy::inputs::domain(source, &pure, &all, request.domain.as_ref())
@@ -70,7 +71,7 @@ pub fn error_map(
             let help = near.map(|near| format!("did you mean `{near}`?"));
             refused(Diagnostic::about(
                 Code::UnknownInput,
-                format!("the function reads no float `{path}`"),
+                format!("the function has no float input `{path}`"),
                 help,
                 about,
             ))
@@ -132,31 +133,33 @@ pub fn error_map(
     Ok(heat_map(&HeatMap { title, x: across, y: up, error, columns, cells }))
 }
 
-/// The axis of a scalar: its range in the domain, or the usual one of its role.
+/// Returns the axis of a scalar: its range in the domain, or a usual one for its role.
 fn axis(inputs: &Inputs, domain: &Domain, base: &Sample, at: usize, path: &str) -> Axis {
     let nth = inputs.iter().position(|i| i.range().contains(&at)).unwrap_or(0);
     let now = f64::from(super::input::float(base, at));
     match (domain.within[nth], inputs[nth].role) {
-        (Within::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
+        (ValueRange::Range(low, high), _) if low > 0.0 && high > 100.0 * low => {
             Axis::log(path, low, high)
         }
-        (Within::Range(low, high), _) => Axis::linear(path, low, high),
-        (Within::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
-        (Within::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
-        (Within::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
+        (ValueRange::Range(low, high), _) => Axis::linear(path, low, high),
+        (ValueRange::Any, role) if role.is_position() => Axis::linear(path, now - 2.0, now + 2.0),
+        (ValueRange::Any, Role::Shininess) => Axis::log(path, 1.0, 65536.0),
+        (ValueRange::Any, Role::Constant | Role::Linear | Role::Quadratic) => {
             Axis::linear(path, 0.0, 1.0)
         }
-        (Within::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
+        (ValueRange::Any, Role::InnerCosine | Role::OuterCosine | Role::ConeCosine) => {
             Axis::linear(path, 0.9, 1.0)
         }
-        (Within::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
-        (Within::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
-        (Within::Any | Within::Unit | Within::Cosine, _) => Axis::linear(path, -1.0, 1.0),
-        (Within::Color, _) => Axis::linear(path, 0.0, 1.0),
+        (ValueRange::Any, Role::Distance) => Axis::log(path, 1.0e-6, 1.0e6),
+        (ValueRange::Position, _) => Axis::linear(path, now - 2.0, now + 2.0),
+        (ValueRange::Any | ValueRange::Unit | ValueRange::Cosine, _) => {
+            Axis::linear(path, -1.0, 1.0)
+        }
+        (ValueRange::Color, _) => Axis::linear(path, 0.0, 1.0),
     }
 }
 
-/// A scene in the domain.
+/// Returns a scene in the domain.
 fn base(inputs: &Inputs, domain: &Domain, seed: u64) -> Sample {
     let mut random = Random::new(seed, 1 << 41);
     let mut sample = Sample::new();

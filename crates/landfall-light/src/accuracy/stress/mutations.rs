@@ -1,6 +1,6 @@
-//! Changes that make the inputs of a scene coincide, oppose or vanish, or put one at an edge.
+//! Mutations that make inputs of a scene coincide, oppose or vanish, or put one at a limit.
 //!
-//! Made of the roles of inputs; [`generate`](super::generate) applies them.
+//! Built from the roles of inputs; [`generate`](super::generate) applies them.
 
 use super::input::Input;
 use super::random::Random;
@@ -11,33 +11,33 @@ use landfall_layout::shape::ScalarKind;
 
 use Change::{Cone, Equal, Opposite, Scale, Set, Stand};
 
-/// A change made to a scene.
+/// A change to a scene.
 #[derive(Clone, Debug)]
 pub(super) enum Change {
-    /// One input is another.
+    /// Sets one input to another.
     Equal(usize, usize),
-    /// One input is the negative of another.
+    /// Sets one input to the negative of another.
     Opposite(usize, usize),
-    /// All scalars of an input are that.
+    /// Sets all scalars of an input.
     Set(usize, u32),
-    /// An input is multiplied.
+    /// Multiplies an input.
     Scale(usize, f32),
-    /// The geometry of the scene.
+    /// Sets the geometry of the scene.
     Stand(Geometry),
-    /// The cone of the scene.
+    /// Sets the cone of the scene.
     Cone(usize),
 }
 
-/// Changes made together, and what they are called.
+/// Changes made together.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mutation {
     pub changes: Vec<Change>,
 }
 
-/// Mutations at most.
+/// The most mutations.
 const MUTATIONS: usize = 6000;
 
-/// As many as are applied: of too many, the first, which are the likeliest, and some of the others.
+/// Limits the number of mutations: keeps the first, which are the most likely, and some others.
 pub(super) fn some(mut mutations: Vec<Mutation>, seed: u64) -> Vec<Mutation> {
     if mutations.len() > MUTATIONS {
         let mut random = Random::new(seed, 77);
@@ -76,7 +76,7 @@ const EDGES: [f32; 22] = [
     -1.0e19,
 ];
 
-/// Everything that is tried on a scene, the likeliest first.
+/// Returns all mutations of a scene, the most likely first.
 pub(super) fn mutations(inputs: &[Input]) -> Vec<Mutation> {
     let mut made = Mutations { inputs, all: Vec::new() };
     made.unset_attenuation();
@@ -85,7 +85,7 @@ pub(super) fn mutations(inputs: &[Input]) -> Vec<Mutation> {
     made.shininess();
     made.counts();
     made.directions();
-    // Nothing, or far too much, of each input, before the pairs: those are many.
+    // Extremes of single inputs precede the pairs, which are many.
     made.extremes();
     made.pairs();
     made.edges();
@@ -98,7 +98,7 @@ pub(super) fn mutations(inputs: &[Input]) -> Vec<Mutation> {
 const ZERO: u32 = 0;
 const ONE: u32 = 1.0f32.to_bits();
 
-/// The mutations of a scene in the making.
+/// The mutations of a scene under construction.
 struct Mutations<'a> {
     inputs: &'a [Input],
     all: Vec<Mutation>,
@@ -109,18 +109,18 @@ impl Mutations<'_> {
         self.all.push(Mutation { changes });
     }
 
-    /// The numbers of the inputs that are such.
+    /// Returns the indices of the inputs that match.
     fn of(&self, is: impl Fn(&Input) -> bool) -> Vec<usize> {
         (0..self.inputs.len()).filter(|&at| is(&self.inputs[at])).collect()
     }
 
-    /// Whether one input's owner is the other's, or holds it.
+    /// Whether one input's owner is, or contains, the other's.
     fn related(&self, a: usize, b: usize) -> bool {
         let (a, b) = (&self.inputs[a].owner, &self.inputs[b].owner);
         a == b || a.starts_with(&format!("{b}.")) || b.starts_with(&format!("{a}."))
     }
 
-    /// The attenuation coefficients of each owner.
+    /// Returns the attenuation coefficients of each owner.
     fn coefficients(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for at in self.of(|i| i.role.is_attenuation()) {
@@ -134,7 +134,7 @@ impl Mutations<'_> {
         groups
     }
 
-    /// A light whose attenuation was not set; with the colour not set either.
+    /// Adds lights with unset attenuation, and with unset colour too.
     fn unset_attenuation(&mut self) {
         let lights = self.of(|i| i.role == Role::LightPosition);
         let points = self.of(|i| i.role.is_position());
@@ -171,7 +171,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Points that are where others are.
+    /// Adds coinciding points.
     fn equal_points(&mut self) {
         let points = self.of(|i| i.role.is_position());
         for &a in &points {
@@ -181,7 +181,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Cones whose two angles are equal, and cones of no width.
+    /// Adds cones with equal angles, and cones of zero width.
     fn narrow_cones(&mut self) {
         for inner in self.of(|i| i.role == Role::InnerCosine) {
             for outer in self.of(|i| i.role == Role::OuterCosine) {
@@ -194,7 +194,7 @@ impl Mutations<'_> {
             }
         }
         for cone in self.of(|i| i.role.is_cone()) {
-            // Rounding puts few fragments of the axis inside such a cone.
+            // Rounding leaves few fragments on the axis inside such a cone.
             for _ in 0..48 {
                 self.push(vec![Stand(Geometry::OnAxis), Set(cone, ONE)]);
             }
@@ -207,10 +207,10 @@ impl Mutations<'_> {
         }
     }
 
-    /// Exponents that are large, or zero.
+    /// Adds exponents that are large or zero.
     fn shininess(&mut self) {
         for shine in self.of(|i| i.role == Role::Shininess) {
-            // Half of these cosines round past 1; of a dim light nothing is seen.
+            // Half of these cosines round above 1; a dim light would hide the effect.
             for large in [1.0e5f32, 1.0e6, 1.0e7] {
                 for _ in 0..12 {
                     self.push(vec![Stand(Geometry::Mirror), Set(shine, large.to_bits())]);
@@ -223,7 +223,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Numbers of lights around the lengths of usual arrays.
+    /// Adds light counts around the usual array lengths.
     fn counts(&mut self) {
         for count in self.of(|i| i.role == Role::Count) {
             for many in [0u32, 1, 127, 128, 129, 65535] {
@@ -232,7 +232,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Directions that are no unit vectors, by a rounding or by far.
+    /// Adds directions that are not unit vectors, by a rounding or by far.
     fn directions(&mut self) {
         for at in self.of(|i| i.is_vector()) {
             self.push(vec![Set(at, ZERO)]);
@@ -242,7 +242,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Numbers that are zero, and numbers whose squares are no `f32`.
+    /// Adds zeros, and numbers whose squares overflow or underflow an `f32`.
     fn extremes(&mut self) {
         for at in self.of(|i| i.is_number()) {
             self.push(vec![Set(at, ZERO)]);
@@ -252,7 +252,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Pairs of one shape: those of one kind before the others.
+    /// Adds pairs of one shape, those of the same kind first.
     fn pairs(&mut self) {
         let mut pairs: Vec<(usize, usize, bool)> = Vec::new();
         for a in 0..self.inputs.len() {
@@ -274,7 +274,7 @@ impl Mutations<'_> {
         }
     }
 
-    /// Each input at the numbers where arithmetic changes.
+    /// Adds each input at the numbers where arithmetic changes.
     fn edges(&mut self) {
         for edge in EDGES {
             for at in self.of(|i| i.is_number()) {

@@ -1,39 +1,43 @@
-//! What is permitted at one sample, and whether it is as much as was seen there.
+//! The error permitted at a sample, and whether it covers the observed one.
 //!
-//! Runs the sample by [`permitted`](crate::accuracy::permitted). Feeds the report.
+//! Runs the sample with [`permitted`](crate::accuracy::permitted). Used by the report.
 
 use super::input::Sample;
 use super::measure::floats;
-use super::sample::{Plan, columns, settings};
+use super::plan::{Plan, columns, settings};
 use crate::accuracy::permitted::farthest;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Precision, Settings};
 
-/// What is permitted at a sample.
+/// The error permitted at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PermittedAt {
-    /// The farthest from the `f64` that a conformant device may be, in steps; infinite where it
-    /// may give anything.
+    /// The largest error of a conformant device against the `f64`, in steps; infinite where results
+    /// are unbounded.
     pub steps: f64,
-    /// Whether that is as far as the evaluator's `f32` is.
+    /// Whether the evaluator's `f32` is within it.
     pub any: bool,
 }
 
-/// Whether a driver may give what it gives.
+/// Whether a driver's result is permitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Any conformant adapter may do this.
+    /// Permitted on any conformant adapter.
     Permitted,
-    /// No conformant adapter may: this one is wrong.
+    /// Not permitted: this adapter is wrong.
     Wrong,
 }
 
-/// Whether the floats a driver gave lie within what is permitted at a sample; none where that is
-/// not known.
-pub(super) fn verdict(pure: &Pure, sample: &Sample, plan: &Plan, given: &[f32]) -> Option<Verdict> {
+/// Returns whether a driver's floats are permitted at a sample; `None` where that is unknown.
+pub(super) fn verdict(
+    pure: &PureFunction,
+    sample: &Sample,
+    plan: &Plan,
+    given: &[f32],
+) -> Option<Verdict> {
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
     let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &around).ok()?;
-    // A branch that may go the other way may lead anywhere.
+    // A branch that may go the other way has unbounded effect.
     if called.called.unsure.first().copied().unwrap_or(false) {
         return Some(Verdict::Permitted);
     }
@@ -41,7 +45,7 @@ pub(super) fn verdict(pure: &Pure, sample: &Sample, plan: &Plan, given: &[f32]) 
         let [low, high] = called.results[nth].permitted.as_ref()?.get(at)?[0];
         let any = low == f64::NEG_INFINITY && high == f64::INFINITY || low.is_nan();
         let single = f64::from(*single);
-        // NaN is within nothing.
+        // NaN is in no interval.
         let within = any || (low..=high).contains(&single);
         if !within {
             return Some(Verdict::Wrong);
@@ -50,8 +54,8 @@ pub(super) fn verdict(pure: &Pure, sample: &Sample, plan: &Plan, given: &[f32]) 
     Some(Verdict::Permitted)
 }
 
-/// What is permitted at a sample; none where it is not known, as of `f16`.
-pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<PermittedAt> {
+/// Returns the error permitted at a sample; `None` where it is unknown, as for `f16`.
+pub(super) fn permitted(pure: &PureFunction, sample: &Sample, plan: &Plan) -> Option<PermittedAt> {
     let columns = columns(std::slice::from_ref(sample));
     let both = pure.call(&columns, 1, &settings(plan, false)).ok()?;
     let around = Settings { precision: Precision::Permitted, ..settings(plan, false) };
@@ -65,7 +69,7 @@ pub(super) fn permitted(pure: &Pure, sample: &Sample, plan: &Plan) -> Option<Per
     let own: Vec<f64> = own.collect();
     let worst = own.iter().copied().fold(0.0, f64::max);
     let most = farthest(&called, &floats, 0, &truth)?;
-    // A branch that may go the other way may lead anywhere.
+    // A branch that may go the other way has unbounded effect.
     let any = most.unsure || own.iter().any(|off| off.is_nan()) || most.far >= 0.5 * worst;
     Some(PermittedAt { steps: most.steps, any })
 }

@@ -1,148 +1,80 @@
-//! What stressing a function found: plain data, as `landfall schema stress` describes it.
+//! The results of stressing a function, in the form of `landfall schema stress`.
 //!
-//! Made by [`stress`](super::stress()), printed by the report of `landfall stress`.
+//! Built by [`stress`](super::stress()), printed by the report of `landfall stress`.
 
 use super::Request;
-use super::case::{Case, Writing, case, command, fixed};
-use super::classify::{Performed, examine};
-use super::condition::{Condition, condition};
+use super::backends::{BackendReport, ask, on_a_driver, reports};
+use super::case::{Writing, case, command, fixed};
+use super::classify::examine;
+use super::condition::condition;
 use super::domain::Domain;
 use super::drivers::Drivers;
 use super::find::Raw;
+use super::found::{Against, Found, Worst};
 use super::generate::Family;
 use super::input::{Input, Sample};
+use super::kept::Tally;
 use super::measure::{Off, Outcome, floats, outcome};
-use super::permitted::{PermittedAt, permitted};
-use super::readers::{ReaderReport, ask, on_a_driver, reports};
-use super::rewrite::{Gain, gain};
-use super::sample::{Plan, Tally, columns, settings};
-use landfall_exec::backend::BackendKind;
-use landfall_exec::harness::call::pure::{Pure, PureRequest};
-use landfall_exec::interp::{Floats, Place, UndefinedKind};
+use super::permitted::permitted;
+use super::plan::{Plan, columns, settings};
+use super::rewrite::gain;
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
+use landfall_exec::interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
-use landfall_layout::finding::{Finding, Level, Place as LintPlace, Related};
+use landfall_layout::finding::{Finding, Level, Place as LintPlace};
 use landfall_layout::source::{Files, Source};
 
-/// What stressing a function found.
+/// The results of stressing a function.
 #[derive(Debug)]
 pub struct Report {
-    /// The path of the shader as messages print it.
+    /// The path of the shader, as messages print it.
     pub path: String,
-    /// The function with the types of its parameters.
+    /// The function with its parameter types.
     pub function: String,
     /// `single`, `half` where all floats are rounded to it, or `mediump`.
     pub precision: &'static str,
-    /// What random numbers started from.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// Samples a second, while sampling.
+    /// Samples per second during sampling.
     pub rate: f64,
-    /// Threads that sampled.
+    /// The number of sampling threads.
     pub threads: usize,
-    /// Seconds it all took.
+    /// The total time in seconds.
     pub seconds: f64,
     /// Whether it was stopped before all samples had run.
     pub stopped: bool,
-    /// How many inputs there are, where every one of them ran.
+    /// The number of inputs, if every one was run.
     pub every: Option<u64>,
-    /// What the function reads, and what each may be.
+    /// The inputs of the function, with their ranges.
     pub inputs: Vec<(Input, String)>,
-    /// By family of samples: how they came out.
+    /// The statistics of each family of samples.
     pub families: Vec<(Family, Tally)>,
-    /// All families together, but those whose inputs were not finite.
+    /// The statistics of all families with finite inputs.
     pub total: Tally,
-    /// The sample of the largest error in units of the last place, and that in steps.
+    /// The samples with the largest error in units of the last place, and in steps.
     pub worst: Vec<Worst>,
-    /// The drivers that were asked for, those that are missing too.
-    pub readers: Vec<ReaderReport>,
-    /// What breaks, the worst first.
+    /// The requested drivers, including missing ones.
+    pub backends: Vec<BackendReport>,
+    /// The findings, the worst first.
     pub findings: Vec<Found>,
-    /// What was taken for what was not given.
+    /// The assumptions made for values not given.
     pub notes: Vec<String>,
-    /// The files the shader is made of.
+    /// The files of the shader.
     pub files: Files,
-}
-
-/// A sample with a large error.
-#[derive(Clone, Debug)]
-pub struct Worst {
-    /// Its error.
-    pub off: Off,
-    /// What its inputs' own rounding does.
-    pub condition: Option<Condition>,
-    /// Its inputs.
-    pub sample: Case,
-}
-
-/// A finding.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// What it is.
-    pub hazard: Hazard,
-    /// How much it matters here.
-    pub level: Level,
-    /// Where.
-    pub place: Place,
-    /// The driver it is about, where it is about one alone.
-    pub reader: Option<BackendKind>,
-    /// The operation that did it.
-    pub operation: Option<Performed>,
-    /// What is undefined about it; none of a loss of accuracy or a breach of a rule.
-    pub kind: Option<UndefinedKind>,
-    /// Paths of the inputs that play a part.
-    pub about: Vec<String>,
-    /// What the simplest such sample comes to.
-    pub outcome: Outcome,
-    /// Of a rule about the result: by how many steps it is broken.
-    pub breach: Option<f64>,
-    /// The simplest sample that breaks.
-    pub case: Case,
-    /// What its inputs' own rounding does.
-    pub condition: Option<Condition>,
-    /// What the robust form would make of it.
-    pub gain: Option<Gain>,
-    /// How far conformant devices may be apart there; none where that is not known.
-    pub permitted: Option<PermittedAt>,
-    /// What the function it is held against gives for the same input.
-    pub against: Option<Against>,
-    /// What drivers give for it.
-    pub readers: Vec<Asked>,
-    /// Samples that were looked at and meet it.
-    pub seen: usize,
-    /// Whether the inputs are numbers as scenes have them.
-    pub plausible: bool,
-}
-
-/// What another function gives for the input of a finding.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Against {
-    /// The function.
-    pub function: String,
-    /// How it comes out, compared with its own `f64`.
-    pub outcome: Outcome,
-}
-
-/// What a driver gives for the input of a finding.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
-    /// The driver.
-    pub reader: BackendKind,
-    /// The floats it gives, in the order of the results.
-    pub results: Vec<f32>,
-    /// Why it gives none.
-    pub failure: Option<String>,
 }
 
 pub(super) struct Made<'a> {
     pub source: &'a Source,
     pub options: &'a Options,
     pub request: &'a Request,
-    pub pure: &'a Pure,
+    pub pure: &'a PureFunction,
     pub inputs: &'a [Input],
     pub domain: &'a Domain,
     pub plan: &'a Plan,
-    /// The function findings are held against, and what its scalars are given of a sample.
-    pub against: Option<(&'a Pure, Vec<Option<usize>>)>,
+    /// The function to compare findings with, and the stressed function's scalar for each of its
+    /// own.
+    pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
     pub worst: Vec<(Sample, Off)>,
@@ -155,8 +87,8 @@ pub(super) struct Made<'a> {
     pub seconds: f64,
 }
 
-/// Findings of one code that are written up, of a known hazard and of plain arithmetic; the
-/// others are only counted.
+/// The most findings reported per code, for a known hazard and for plain arithmetic; others are
+/// only counted.
 const EACH: [usize; 2] = [12, 3];
 
 pub(super) fn report(mut made: Made<'_>) -> Report {
@@ -164,7 +96,7 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
     let PureRequest { textures, floats, .. } = &made.request.pure;
     let fixed = fixed(source, made.options, textures);
     let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };
-    let readers = reports(&made.drivers, &writing);
+    let backends = reports(&made.drivers, &writing);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
         if *family != Family::Special {
@@ -189,17 +121,17 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
         findings.push(Found { against: other, ..found(&writing, raw) });
     }
     for (code, count) in more {
-        notes.push(format!("{code} is found in {count} further lines"));
+        notes.push(format!("{code} also occurs in {count} further lines"));
     }
-    for reader in &readers {
-        let odd = reader.odd();
-        findings.extend(odd.map(|odd| on_a_driver(pure, plan, reader.reader, odd)));
+    for backend in &backends {
+        let odd = backend.odd();
+        findings.extend(odd.map(|odd| on_a_driver(pure, plan, backend.backend, odd)));
     }
     ask(&mut made.drivers, &mut findings);
-    // No driver is asked for what may never end.
+    // Drivers do not run inputs that may not terminate.
     findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
-    if made.request.pure.floats != Floats::AsWritten && !readers.is_empty() {
-        notes.push("drivers run it as it is written, not rounded to f16".to_string());
+    if made.request.pure.floats != Floats::AsWritten && !backends.is_empty() {
+        notes.push("drivers run the code as written, not rounded to f16".to_string());
     }
     let worst = made.worst.into_iter().map(|(sample, off)| Worst {
         off,
@@ -225,7 +157,7 @@ pub(super) fn report(mut made: Made<'_>) -> Report {
         families: made.families,
         total,
         worst: worst.collect(),
-        readers,
+        backends,
         findings,
         notes,
         files: pure.files.clone(),
@@ -245,7 +177,7 @@ fn found(writing: &Writing<'_>, raw: Raw) -> Found {
         hazard,
         level,
         place: raw.candidate.place.clone(),
-        reader: None,
+        backend: None,
         operation: raw.candidate.operation,
         kind: raw.candidate.kind,
         about: raw.candidate.about.iter().map(|&at| inputs[at].path.clone()).collect(),
@@ -257,7 +189,7 @@ fn found(writing: &Writing<'_>, raw: Raw) -> Found {
         gain,
         permitted: permitted(pure, &raw.sample, plan),
         against: None,
-        readers: Vec::new(),
+        backends: Vec::new(),
         seen: raw.seen,
         plausible: raw.plausible,
     }
@@ -268,7 +200,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
         hazard: Hazard::EndlessLoop,
         level: Level::Deny,
         place: writing.pure.place(),
-        reader: None,
+        backend: None,
         operation: None,
         kind: None,
         about: Vec::new(),
@@ -279,14 +211,14 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
         gain: None,
         permitted: None,
         against: None,
-        readers: Vec::new(),
+        backends: Vec::new(),
         seen: 1,
         plausible: false,
     }
 }
 
-/// What another function gives for a sample, each of its scalars one of those or nothing it reads.
-fn against(other: &Pure, order: &[Option<usize>], plan: &Plan, sample: &Sample) -> Against {
+/// Runs another function on a sample; its scalars without a match are zero.
+fn against(other: &PureFunction, order: &[Option<usize>], plan: &Plan, sample: &Sample) -> Against {
     let words: Sample = order.iter().map(|at| at.map_or(0, |at| sample[at])).collect();
     let called = other.call(&columns(&[words]), 1, &settings(plan, false));
     let outcome = match called {
@@ -297,26 +229,26 @@ fn against(other: &Pure, order: &[Option<usize>], plan: &Plan, sample: &Sample) 
 }
 
 impl Report {
-    /// Whether some sample with finite inputs gave a result that is not, on any reader.
+    /// Whether a sample with finite inputs has a non-finite result on any backend.
     pub fn has_non_finite(&self) -> bool {
         self.tallies().any(|tally| tally.nan + tally.infinite > 0)
     }
 
-    /// The largest error on any reader, in units of the last place.
+    /// Returns the largest error on any backend, in units of the last place.
     pub fn max_ulp(&self) -> f64 {
         self.tallies().map(|tally| tally.ulp.max).fold(0.0, f64::max)
     }
 
-    /// The largest error on any reader, in steps.
+    /// Returns the largest error on any backend, in steps.
     pub fn max_steps(&self) -> f64 {
         self.tallies().map(|tally| tally.steps.max).fold(0.0, f64::max)
     }
 
     fn tallies(&self) -> impl Iterator<Item = &Tally> {
-        std::iter::once(&self.total).chain(self.readers.iter().map(|reader| &reader.tally))
+        std::iter::once(&self.total).chain(self.backends.iter().map(|backend| &backend.tally))
     }
 
-    /// The findings as lints have them.
+    /// Returns the findings in the form of lint findings.
     pub fn lints(&self) -> Vec<Finding> {
         self.findings.iter().map(|found| found.lint(self)).collect()
     }
@@ -325,19 +257,14 @@ impl Report {
 impl Found {
     fn lint(&self, report: &Report) -> Finding {
         let mut notes = self.notes();
-        notes.push(format!("to repeat it: {}", command(&self.case.arguments)));
-        Finding {
-            code: self.hazard.code().to_string(),
-            level: self.level,
-            message: self.message(),
-            about: report.function.clone(),
-            place: LintPlace::of(&report.files, self.place.span),
-            text: self.label(),
-            related: Vec::<Related>::new(),
-            notes,
-            listing: None,
-            help: Some(self.hazard.info().robust.to_string()),
-            fix: Vec::new(),
-        }
+        notes.push(format!("to reproduce: {}", command(&self.case.arguments)));
+        let place = LintPlace::of(&report.files, self.place.span);
+        let mut finding =
+            Finding::of(self.hazard.code(), report.function.clone(), place, self.message())
+                .with_text(self.label())
+                .with_help(self.hazard.info().robust);
+        finding.severity = self.level.severity().unwrap_or(finding.severity);
+        finding.notes = notes;
+        finding
     }
 }

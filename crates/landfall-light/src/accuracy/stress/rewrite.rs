@@ -1,28 +1,28 @@
-//! What the robust form of an operation gives for the operands at hand: its gain, measured.
+//! The gain of the robust form of an operation, measured with the operands of a sample.
 //!
-//! Reads the trace of a finding's sample; feeds the report.
+//! Reads the trace of a finding's sample; used by the report.
 
 use super::blame::Graph;
 use super::classify::{Candidate, Examined};
 use super::input::Input;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Operation, Source, Step};
 use landfall_ir::analysis::hazard::Hazard;
 
-/// What the robust form gains at one operation.
+/// The gain of a robust form at one operation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
-    /// The form, in a few words.
+    /// The name of the form and of the error.
     pub form: &'static str,
-    /// The error as the shader has it.
+    /// The error of the shader's form.
     pub before: f64,
     /// The error of the robust form, from the same operands.
     pub after: f64,
 }
 
-/// The gain at the operation of a finding; none where the form cannot be computed from it.
+/// Returns the gain at the operation of a finding; `None` if the form does not apply.
 pub(super) fn gain(
-    pure: &Pure,
+    pure: &PureFunction,
     inputs: &[Input],
     examined: &Examined,
     candidate: &Candidate,
@@ -65,7 +65,7 @@ pub(super) fn gain(
     None
 }
 
-/// The dot product a number is, cut off or not.
+/// Returns the dot product that a number is, clamped or not.
 fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g Step> {
     let (step, _) = graph.step(source)?;
     match step.operation {
@@ -77,8 +77,8 @@ fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g Step> {
     }
 }
 
-/// Half the square of the chord between the two vectors of a dot product, in `f32`; whether they
-/// are rather opposite, so that this is of no use.
+/// Returns half the squared chord between the vectors of a dot product, in `f32`, and whether they
+/// point in opposite directions, where the form does not help.
 fn chord(step: &Step) -> Option<(f32, bool)> {
     let half = step.operands.len() / 2;
     let (a, b) = step.operands.split_at(half);
@@ -91,8 +91,8 @@ fn chord(step: &Step) -> Option<(f32, bool)> {
         })
         .sum();
     let chord = 0.5 * square;
-    // Of unit vectors, 1 - cos and the chord agree; a vector that is given is one only as far as
-    // its bits allow, which the f64 takes at their word.
+    // 1 - cos and the chord agree for unit vectors; a given vector is one only up to rounding,
+    // which the f64 does not correct.
     let cosine = step.results.first()?.double;
     let unit = ((1.0 - cosine) - f64::from(chord)).abs() < 1.0e-6;
     let given = step.operands.iter().any(|o| matches!(o.source, Source::Input { .. }));

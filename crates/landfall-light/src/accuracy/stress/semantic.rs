@@ -1,31 +1,36 @@
-//! What no single sample shows: rules the result should keep when an input changes.
+//! Rules about how the result changes with an input, which no single sample shows.
 //!
-//! A light below the horizon has no highlight; the length of a normal does not matter; a cut-off
-//! that is an angle lights what it should not. Feeds the report beside [`find`](super::find).
+//! A light below the horizon has no highlight; the length of a normal has no effect; a cut-off
+//! given as an angle lights too much. Used by the report beside [`find`](super::find).
 
 use super::blame::Graph;
 use super::classify::{Candidate, Examined, Performed, examine};
-use super::domain::Within;
+use super::domain::ValueRange;
 use super::find::Raw;
 use super::generate::Generator;
 use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Off, Outcome, floats};
+use super::plan::Plan;
 use super::random::Random;
 use super::role::Role;
-use super::sample::Plan;
 use super::scene;
 use super::scene::{Geometry, Setting};
 use super::shrink::plausible;
-use landfall_exec::harness::call::pure::Pure;
+use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Operation, Source, Step};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::CHANGE;
 
-/// Scenes each rule is tried on.
+/// The scenes each rule is tested on.
 const SCENES: usize = 48;
 
-/// Breaches of the rules.
-pub(super) fn findings(pure: &Pure, generator: &Generator<'_>, plan: &Plan, seed: u64) -> Vec<Raw> {
+/// Returns the samples that break a rule.
+pub(super) fn findings(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    seed: u64,
+) -> Vec<Raw> {
     let check = Check { pure, generator, plan };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
@@ -36,7 +41,7 @@ pub(super) fn findings(pure: &Pure, generator: &Generator<'_>, plan: &Plan, seed
 }
 
 struct Check<'a> {
-    pure: &'a Pure,
+    pure: &'a PureFunction,
     generator: &'a Generator<'a>,
     plan: &'a Plan,
 }
@@ -60,7 +65,7 @@ impl Check<'_> {
         examine(self.pure, self.inputs(), sample, self.plan).ok()
     }
 
-    /// The results in `f64`; none where one is not finite.
+    /// Returns the `f64` results; `None` if one is not finite.
     fn values(&self, examined: &Examined) -> Option<Vec<f64>> {
         let values: Vec<f64> = floats(self.pure)
             .iter()
@@ -101,7 +106,7 @@ impl Check<'_> {
         }
     }
 
-    /// A light below the horizon should not have a highlight.
+    /// Tests that a light below the horizon has no highlight.
     fn behind(&self, random: &mut Random) -> Option<Raw> {
         for _ in 0..SCENES {
             let Some(sample) = self.scene(Geometry::Behind, random) else { continue };
@@ -127,7 +132,7 @@ impl Check<'_> {
         None
     }
 
-    /// A highlight of the same light that reaches the result.
+    /// Returns a highlight of the same light that affects the result.
     fn highlight(
         &self,
         graph: &Graph<'_>,
@@ -145,7 +150,7 @@ impl Check<'_> {
             if !facing.iter().all(|at| behind.contains(at)) {
                 continue;
             }
-            // What the highlight depends on and the facing does not.
+            // The inputs of the highlight that the facing term does not depend on.
             for &only in behind.iter().filter(|at| !facing.contains(at)) {
                 let mut other = sample.clone();
                 let input = &self.inputs()[only];
@@ -169,10 +174,10 @@ impl Check<'_> {
         None
     }
 
-    /// The length of a normal should not matter.
+    /// Tests that the length of a normal has no effect.
     fn normals(&self, random: &mut Random) -> Option<Raw> {
         let domain = &self.generator.domain.within;
-        let free = |at: &usize| matches!(domain[*at], Within::Any | Within::Range(..));
+        let free = |at: &usize| matches!(domain[*at], ValueRange::Any | ValueRange::Range(..));
         let normals = self.of(|i| i.role == Role::Normal && i.is_vector());
         let normals: Vec<usize> = normals.into_iter().filter(free).collect();
         let mut worst: Option<Raw> = None;
@@ -203,7 +208,7 @@ impl Check<'_> {
         worst
     }
 
-    /// Back from what changed most between two runs to where the input itself goes in.
+    /// Follows the largest change between two runs back to the operation that reads the input.
     fn first_of<'e>(
         &'e self,
         one: &Examined,
@@ -211,7 +216,7 @@ impl Check<'_> {
         input: usize,
     ) -> Option<&'e Step> {
         if one.trace.steps.len() != other.trace.steps.len() {
-            // They took different branches: the first operation that reads the input.
+            // The runs took different branches: the first operation that reads the input.
             let graph = self.graph(other);
             return other
                 .trace
@@ -246,7 +251,7 @@ impl Check<'_> {
         None
     }
 
-    /// A cut-off in degrees should not light what its cosine does not, nor the other way round.
+    /// Tests that a cut-off in degrees and its cosine light the same points.
     fn cones(&self, random: &mut Random) -> Option<Raw> {
         let domain = &self.generator.domain.within;
         let wide = |at: &usize| domain[*at].bounds().1 >= 17.5;
@@ -306,7 +311,7 @@ impl Check<'_> {
                 continue;
             }
             let graph = self.graph(&examined);
-            // Where a cut-off meets what was computed of the directions.
+            // A comparison of a cut-off with a value computed from the directions.
             let meets = |step: &&Step| {
                 let reads = |o: &landfall_exec::interp::Operand| {
                     graph.input(o.source).is_some_and(|at| cones.contains(&at))
@@ -324,7 +329,7 @@ impl Check<'_> {
     }
 }
 
-/// Whether what a step gave is cut off at zero: by `max`, `clamp`, or a branch.
+/// Whether the result of a step is cut off at zero: by `max`, `clamp` or a branch.
 fn cut_at_zero(examined: &Examined, number: usize) -> bool {
     examined.trace.steps.iter().any(|step| {
         let cuts = matches!(step.operation, Operation::Max | Operation::Clamp | Operation::Compare);
@@ -335,7 +340,7 @@ fn cut_at_zero(examined: &Examined, number: usize) -> bool {
     })
 }
 
-/// The largest difference of two results as a share of full scale.
+/// Returns the largest difference of two results as a share of full scale.
 fn difference(a: &[f64], b: &[f64]) -> f64 {
     let scale = a.iter().map(|x| x.abs()).fold(1.0, f64::max);
     a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / scale

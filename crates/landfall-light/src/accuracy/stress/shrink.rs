@@ -1,15 +1,15 @@
-//! The simplest input that still breaks: zeros, ones, round numbers, few bits.
+//! Simplifies failing inputs: to zeros, ones, round numbers, few bits.
 //!
-//! Feeds [`find`](super::find).
+//! Used by [`find`](super::find).
 
 use super::deadline::Deadline;
 use super::domain::Domain;
 use super::input::{Input, Sample, float};
 
-/// Trials at most.
+/// The most trials.
 const TRIALS: usize = 600;
 
-/// Simplifies a sample as long as it still breaks.
+/// Simplifies a sample while it still fails.
 pub(super) fn shrink(
     sample: &Sample,
     inputs: &[Input],
@@ -65,7 +65,7 @@ pub(super) fn shrink(
     best
 }
 
-/// Values a whole input is tried at.
+/// Returns the values to try for a whole input.
 fn wholes(input: &Input) -> Vec<Vec<u64>> {
     let of = |x: f32| u64::from(x.to_bits());
     if !input.is_float() {
@@ -88,7 +88,7 @@ fn wholes(input: &Input) -> Vec<Vec<u64>> {
     all
 }
 
-/// Simpler words than one, the simplest first.
+/// Returns simpler words than the given one, the simplest first.
 fn simpler(input: &Input, word: u64) -> Vec<u64> {
     if !input.is_float() {
         return vec![0, 1, 2, word >> 1, word >> 4];
@@ -112,7 +112,7 @@ fn cost(inputs: &[Input], sample: &Sample) -> u32 {
     inputs.iter().flat_map(|i| i.range().map(|at| simplicity(i, sample[at]))).sum()
 }
 
-/// How much there is to read of a word.
+/// Returns the complexity of a word: the less, the simpler.
 fn simplicity(input: &Input, word: u64) -> u32 {
     if !input.is_float() {
         return 64 - word.leading_zeros();
@@ -133,7 +133,7 @@ fn simplicity(input: &Input, word: u64) -> u32 {
     3 + sign + decimal.min(2 * set + 12)
 }
 
-/// Whether the inputs are numbers as scenes have them.
+/// Whether the inputs are values that occur in scenes.
 pub(super) fn plausible(inputs: &[Input], sample: &Sample) -> bool {
     inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).all(|at| {
         let x = float(sample, at).abs();

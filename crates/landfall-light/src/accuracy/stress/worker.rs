@@ -1,33 +1,37 @@
-//! One thread of the sampling: runs chunks, tallies what they come to, and keeps the few samples
-//! worth a closer look.
+//! A sampling thread: runs chunks, counts outcomes, and keeps the samples to examine.
 //!
-//! Started by [`sample`](super::sample), which merges what the threads found; sends batches to the
+//! Started by [`sample`](super::sample), which merges the results; sends batches to the
 //! [`drivers`](super::drivers).
 
 use std::sync::mpsc::SyncSender;
 
-use super::drivers::Batch;
+use super::batch::Batch;
 use super::generate::{Chunk, Family, TAG_BITS};
+use super::kept::{Kept, Sampled, Tally, Why, keep, top};
 use super::measure::{Outcome, floats, outcome};
-use super::sample::{Kept, Plan, Sampled, Tally, Why, columns, keep, settings, top};
+use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
-use landfall_exec::harness::call::pure::{Pure, PureCalled};
+use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
 
-/// Exemplars a thread keeps.
+/// The most exemplars a thread keeps.
 const KEPT: usize = 6000;
 
-/// A thread at work.
+/// A sampling thread.
 pub(super) struct Worker<'a> {
-    pure: &'a Pure,
+    pure: &'a PureFunction,
     plan: &'a Plan,
     floats: Vec<(usize, usize)>,
     pub sampled: Sampled,
-    /// Where drivers get their batches from.
+    /// The channel to the drivers.
     to: Option<SyncSender<Batch>>,
 }
 
 impl<'a> Worker<'a> {
-    pub fn new(pure: &'a Pure, plan: &'a Plan, to: Option<SyncSender<Batch>>) -> Worker<'a> {
+    pub fn new(
+        pure: &'a PureFunction,
+        plan: &'a Plan,
+        to: Option<SyncSender<Batch>>,
+    ) -> Worker<'a> {
         let sampled = Sampled::new();
         Worker { pure, plan, floats: floats(pure), sampled, to }
     }
@@ -35,13 +39,13 @@ impl<'a> Worker<'a> {
     /// Runs a chunk.
     ///
     /// # Errors
-    /// What the evaluator does not know.
+    /// Code that the evaluator does not support.
     pub fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
         let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes | Family::Every);
         self.part(number, chunk, 0..chunk.samples.len(), watch)
     }
 
-    /// Runs lanes of a chunk; those that do not end are found by halving.
+    /// Runs lanes of a chunk; finds those that do not terminate by halving.
     fn part(
         &mut self,
         number: usize,
@@ -62,7 +66,7 @@ impl<'a> Worker<'a> {
                 if let Some(to) = &self.to {
                     let special = chunk.family == Family::Special;
                     let batch = Batch::of(columns, called, &self.floats, outcomes);
-                    // Whoever receives is there until all have sent.
+                    // The receiver outlives all senders.
                     let _ = to.send(Batch { special, at, ..batch });
                 }
                 Ok(())
@@ -134,7 +138,8 @@ impl<'a> Worker<'a> {
                 }
             };
             let tag = chunk.tags[nth];
-            // Of bits, some of all are kept, not only the worst: they are as good as overflow.
+            // Samples of random bits are kept from all over, not only the worst, which mostly
+            // overflow.
             let tag = match tag {
                 TAG_BITS => (1 << 28) + (nth as u32 & 63),
                 tag => tag,

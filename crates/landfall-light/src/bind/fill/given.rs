@@ -1,6 +1,6 @@
-//! What a quantity of a scene is for the lights and the material that are lit.
+//! The values of quantities for the lights and the material in use.
 //!
-//! Reads an [`Upload`]; feeds [`Filler`](super::Filler).
+//! Reads an [`Upload`]; used by [`BlockWriter`](super::BlockWriter).
 
 use glam::DVec3;
 use landfall_ir::analysis::hazard::threshold;
@@ -10,7 +10,7 @@ use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TileP
 use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
 
-/// Everything a member may be given.
+/// The sources of all values.
 pub(super) struct Given<'a> {
     pub upload: &'a Upload,
     pub lit: &'a Lit<'a>,
@@ -18,7 +18,7 @@ pub(super) struct Given<'a> {
     pub tiles: &'a Tiles<'a>,
 }
 
-/// A number or vector, and the fourth component where the shader has one more.
+/// A number or vector, with a fourth component for shaders that have one more.
 #[derive(Clone, Copy)]
 pub(super) struct Number {
     pub values: [f64; 4],
@@ -34,22 +34,22 @@ impl Number {
         Number { values: [value.x, value.y, value.z, fourth], count: 3 }
     }
 
-    /// As a leaf of so many components takes it.
+    /// Returns the components for a leaf with that many.
     pub(super) fn components(&self, rows: usize) -> [f64; 4] {
         let [x, y, z, _] = self.values;
         match (self.count, rows) {
-            // One number for a colour of three: the brightest channel.
+            // A single number for a colour: its brightest channel.
             (3, 1) => [x.max(y).max(z); 4],
             _ => self.values,
         }
     }
 }
 
-/// Where a light ends that does not: far enough that a window is 1 at any distance.
+/// The range of a light without one: far enough that a window is 1 at any distance.
 const ENDLESS: f64 = threshold::COORDINATE.value;
 
 impl Given<'_> {
-    /// How many elements of a quantity there are.
+    /// Returns the number of elements of a quantity.
     pub(super) fn count(&self, quantity: Quantity) -> usize {
         match quantity {
             Quantity::Light { kind, .. } => chosen(self.lit, kind).len(),
@@ -145,7 +145,7 @@ impl Given<'_> {
                 let carried = match part {
                     MaterialPart::Diffuse => by_diffuse,
                     MaterialPart::Specular => specular,
-                    // The diffuse texture is multiplied with it where there is no other.
+                    // The diffuse texture multiplies it where there is no other.
                     MaterialPart::Ambient => ambient || (by_diffuse && surface == diffuse),
                     MaterialPart::Shininess | MaterialPart::Reflectance => false,
                 };

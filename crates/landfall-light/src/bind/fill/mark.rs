@@ -1,17 +1,17 @@
-//! The colours of one light made no numbers, so that whatever they reach is seen.
+//! Sets the colours of one light to NaN, to find the fragments that it affects.
 //!
-//! Changes what [`Filler`] wrote; [`bench`](mod@crate::accuracy::bench) counts by it how
-//! many lights a shader really evaluates at a fragment: NaN passes through every product, a black
-//! one too, and through nothing that is skipped.
+//! Changes the output of [`BlockWriter`]; [`bench`](mod@crate::accuracy::bench) uses it to count
+//! the lights a shader evaluates at a fragment: NaN passes through every product, also with black,
+//! but not from skipped lights.
 
-use super::Filler;
+use super::BlockWriter;
 use super::write::Len;
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use landfall_layout::shape::ScalarKind;
 
-impl Filler {
-    /// Makes the colours of the light in a slot NaN, all but the ambient one, which shaders add
-    /// before they look where a light is. False where the shader is given none.
+impl BlockWriter {
+    /// Sets the colours of the light in a slot to NaN, except the ambient one, which shaders add
+    /// before they test the light. Returns false if the shader has no such colours.
     pub fn mark(&self, blocks: &mut [Vec<u8>], kind: Kind, slot: usize) -> bool {
         let mut marked = false;
         for write in &self.writes {

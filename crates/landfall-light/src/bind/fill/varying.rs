@@ -1,16 +1,16 @@
-//! What varies over the surface: the textures of a material, and the inputs of fragments.
+//! The values that vary over the surface: material textures and fragment inputs.
 //!
 //! Reads fragments and materials by the sources of a binding map.
 
 use super::given::surface;
-use super::{Filler, Source};
+use super::{BlockWriter, Source};
 use crate::bind::quantity::{MaterialPart, Quantity};
 use crate::scene::{Material, Surface};
 use crate::{Fragment, sample};
 use landfall_exec::harness::fragments::Image;
 
-impl Filler {
-    /// The textures for fragments of one material.
+impl BlockWriter {
+    /// Returns the textures for fragments of one material.
     pub fn textures(&self, material: &Material) -> Vec<Image> {
         let each = self.textures.iter().map(|source| match source {
             Source::Scene { quantity: Quantity::Material(part), .. } => {
@@ -38,7 +38,7 @@ impl Filler {
                 let texels = texture.texels.iter().map(color).collect();
                 Image { width: texture.width, height: texture.height, texels }
             }
-            // The colour is in a member, and this is multiplied with it.
+            // A member holds the colour, which multiplies this.
             Surface::Constant(_) if self.colours(part) => plain([1.0; 4]),
             Surface::Constant(color) => {
                 let [r, g, b] = color.as_vec3().to_array();
@@ -53,7 +53,7 @@ impl Filler {
         self.writes.iter().any(|write| write.source.quantity() == wanted)
     }
 
-    /// The values of each input for fragments.
+    /// Returns the values of each input for fragments.
     pub fn inputs<'f>(
         &self,
         fragments: impl Iterator<Item = &'f Fragment> + Clone,

@@ -1,19 +1,19 @@
-//! Where in its block a member is that a binding map names, and how many lights its array holds.
+//! The place of a bound member in its block, and the number of lights in its array.
 //!
-//! Reads the layout of the block; feeds [`Filler`](super::Filler).
+//! Reads the layout of the block; used by [`BlockWriter`](super::BlockWriter).
 
 use crate::bind::quantity::{Kind, Quantity, Slot};
 use crate::bind::{BindError, Member, Source};
 use landfall_layout::layout::Leaf;
 use landfall_layout::shape::{ArrayLen, ScalarKind, Type};
 
-/// A leaf and what it is given.
+/// A leaf and its source.
 #[derive(Clone, Debug)]
 pub(super) struct Write {
     pub key: String,
     pub block: usize,
     pub offset: usize,
-    /// Of the one array on the way.
+    /// The stride of the only array in its path.
     pub stride: usize,
     pub len: Len,
     pub kind: ScalarKind,
@@ -35,16 +35,19 @@ pub(super) fn write(
     let key = member.key();
     let misfit = |why: String| BindError::Misfit { key: key.clone(), why };
     let (leaf, index) = leaf(&block.leaves, &member.path)
-        .ok_or_else(|| misfit("is not in the block it is said to be in".to_string()))?;
+        .ok_or_else(|| misfit("is not in its block".to_string()))?;
     let (scalar, rows) = match &leaf.ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, 1),
         Type::Vector { scalar, rows } => (*scalar, usize::from(*rows)),
         Type::Matrix { .. } | Type::Address(_) | Type::Struct(_) | Type::Array { .. } => {
-            return Err(misfit("is no scalar or vector".to_string()));
+            return Err(misfit("is not a scalar or vector".to_string()));
         }
     };
     if scalar.width != 4 {
-        return Err(misfit(format!("is of {}-bit numbers, not of 32", scalar.width * 8)));
+        return Err(misfit(format!(
+            "has {}-bit components, but only 32-bit ones can be bound",
+            scalar.width * 8
+        )));
     }
     let offset = leaf.offset.unwrap_or(0) as usize;
     let (len, stride) = match (&leaf.dims[..], index) {
@@ -53,19 +56,20 @@ pub(super) fn write(
         ([ArrayLen::Runtime], None) => (Len::Runtime, leaf.strides[0] as usize),
         ([ArrayLen::Fixed(len)], Some(index)) if index < *len as usize => (Len::One, 0),
         ([_], Some(_)) => return Err(misfit("is past the end of its array".to_string())),
-        _ => return Err(misfit("is in arrays of arrays, or of a length nobody knows".to_string())),
+        _ => return Err(misfit("is in an array of arrays or of unknown length".to_string())),
     };
     let offset = offset + index.map_or(0, |index| index * leaf.strides[0] as usize);
     let each = member.source.quantity().is_some_and(Quantity::is_each);
     if each && len == Len::One {
-        let why = format!("is one and no array, and `{}` is one for each element", member.source);
+        let why =
+            format!("is not in an array, but `{}` has a value for each element", member.source);
         return Err(misfit(why));
     }
     let (kind, source) = (scalar.kind, member.source.clone());
     Ok(Write { key, block: member.block, offset, stride, len, kind, rows, source })
 }
 
-/// The leaf of a path, and the index where it names one element of an array.
+/// Returns the leaf of a path, and the index if the path names one element of an array.
 fn leaf<'l>(leaves: &'l [Leaf], path: &str) -> Option<(&'l Leaf, Option<usize>)> {
     if let Some(leaf) = leaves.iter().find(|leaf| leaf.path == path) {
         return Some((leaf, None));
@@ -77,7 +81,7 @@ fn leaf<'l>(leaves: &'l [Leaf], path: &str) -> Option<(&'l Leaf, Option<usize>)>
     Some((leaf, Some(index.parse().ok()?)))
 }
 
-/// How many lights of a kind there is room for.
+/// Returns the number of slots for lights of a kind, and the member with the fewest.
 pub(super) fn slots(writes: &[Write], kind: Kind) -> (usize, Option<String>) {
     let mut fewest: Option<(usize, String)> = None;
     let mut singles = 0usize;

@@ -1,6 +1,6 @@
-//! The spaces of FLIP: sRGB codes, XYZ, the linear opponent space YCxCz, CIE L*a*b*.
+//! The colour spaces of FLIP: sRGB codes, XYZ, the linear opponent space YCxCz, CIE L*a*b*.
 //!
-//! Feeds [`flip`](super::flip) with opponent colours to blur and the distance of blurred ones.
+//! Used by [`flip`](super::flip) for opponent colours before the blur and distances after it.
 
 use std::sync::LazyLock;
 
@@ -13,12 +13,12 @@ const XYZ: [[f64; 3]; 3] = [
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
-/// Exponent, knee and height of the knee of the colour difference (q_c, p_c, p_t).
+/// The exponent, knee and height of the knee of the colour difference (q_c, p_c, p_t).
 const EXPONENT: f64 = 0.7;
 const KNEE: f64 = 0.4;
 const KNEE_HEIGHT: f64 = 0.95;
 
-/// YCxCz of codes.
+/// Converts codes to YCxCz.
 pub fn opponent(pixels: &[[u8; 4]]) -> Vec<[f32; 3]> {
     let linear: Vec<f64> =
         (0..=255u8).map(|code| Transfer::Srgb.decode(f64::from(code) / 255.0)).collect();
@@ -31,8 +31,8 @@ pub fn opponent(pixels: &[[u8; 4]]) -> Vec<[f32; 3]> {
         .collect()
 }
 
-/// L*, a*, b* of a blurred YCxCz: back inside what a screen shows, then a* and b* scaled by how
-/// bright it is (Hunt).
+/// Converts a blurred YCxCz to L*, a*, b*: clamped to the screen's gamut, then a* and b* scaled by
+/// lightness (Hunt).
 pub fn adjusted([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     let y = (y + 16.0) / 116.0;
     let white = white();
@@ -40,15 +40,15 @@ pub fn adjusted([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     lab(times(&INVERSE, xyz).map(|value| value.clamp(0.0, 1.0)))
 }
 
-/// Distance of two adjusted colours: of lightness plus of hue and chroma (HyAB).
+/// Returns the distance of two adjusted colours: of lightness plus of hue and chroma (HyAB).
 pub fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
     let [l, a, b] = [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]));
     l.abs() + a.hypot(b)
 }
 
-/// The colour difference of a distance: 0 to 1, small ones stretched.
+/// The map from distances to colour differences: 0 to 1, small ones stretched.
 pub struct Redistribution {
-    /// The largest there is: that of green and blue.
+    /// The largest possible distance, between green and blue.
     most: f64,
 }
 
@@ -59,7 +59,7 @@ impl Redistribution {
         Redistribution { most: distance(green, blue).powf(EXPONENT) }
     }
 
-    /// Of one distance.
+    /// Returns the colour difference of a distance.
     pub fn of(&self, distance: f64) -> f64 {
         let difference = distance.powf(EXPONENT);
         let knee = KNEE * self.most;
@@ -70,7 +70,7 @@ impl Redistribution {
     }
 }
 
-/// Adjusted L*, a*, b* of linear sRGB.
+/// Returns the adjusted L*, a*, b* of linear sRGB.
 fn lab(rgb: [f64; 3]) -> [f64; 3] {
     const DELTA: f64 = 6.0 / 29.0;
     let [x, y, z] = relative(rgb).map(|t| match t > DELTA * DELTA * DELTA {
@@ -82,7 +82,7 @@ fn lab(rgb: [f64; 3]) -> [f64; 3] {
     [lightness, bright * 500.0 * (x - y), bright * 200.0 * (y - z)]
 }
 
-/// XYZ as parts of white.
+/// Returns XYZ relative to white.
 fn relative(rgb: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (times(&XYZ, rgb), white());
     [0, 1, 2].map(|i| xyz[i] / white[i])

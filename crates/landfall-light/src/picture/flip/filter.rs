@@ -1,36 +1,36 @@
-//! What the eye does to a plane of numbers: blurs it, and sees its edges and points.
+//! The filters of FLIP: blur, and detection of edges and points.
 //!
-//! All filters are sums of Gaussians and separable, and repeat the border outwards. Feeds
+//! All filters are separable sums of Gaussians and repeat the border outwards. Used by
 //! [`flip`](super::flip).
 
 use std::f64::consts::PI;
 
-/// One number a pixel.
+/// A plane with one number per pixel.
 pub struct Plane {
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: usize,
-    /// Rows.
+    /// The height in pixels.
     pub height: usize,
-    /// From the top left.
+    /// The values from the top left.
     pub values: Vec<f32>,
 }
 
-/// A sensitivity to contrast, as the sum of `a sqrt(pi / b) exp(-pi² x² / b)`, x in degrees.
+/// A contrast sensitivity, as the sum of `a sqrt(pi / b) exp(-pi² x² / b)`, x in degrees.
 pub type Sensitivity = [[f64; 2]];
 
-/// Of light and dark.
+/// The sensitivity to lightness.
 pub const ACHROMATIC: [[f64; 2]; 1] = [[1.0, 0.0047]];
-/// Of red and green.
+/// The sensitivity to red and green.
 pub const RED_GREEN: [[f64; 2]; 1] = [[1.0, 0.0053]];
-/// Of blue and yellow.
+/// The sensitivity to blue and yellow.
 pub const BLUE_YELLOW: [[f64; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];
 
-/// The widest of them: all are cut at three times its standard deviation.
+/// The widest of them: all are cut off at three times its standard deviation.
 const WIDEST: f64 = 0.04;
-/// Width in degrees of the edges and points that are looked for (the paper's w).
+/// The width in degrees of the detected edges and points (the paper's w).
 const FEATURE_WIDTH: f64 = 0.082;
 
-/// What is left of a plane at this distance.
+/// Returns a plane as perceived at this distance.
 pub fn blur(plane: &Plane, sensitivity: &Sensitivity, per_degree: f64) -> Vec<f32> {
     let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * per_degree).ceil() as usize;
     let terms: Vec<(f64, Vec<f64>)> = sensitivity
@@ -52,7 +52,7 @@ pub fn blur(plane: &Plane, sensitivity: &Sensitivity, per_degree: f64) -> Vec<f3
     sum
 }
 
-/// How much of an edge and of a point each pixel of a luminance (Y of YCxCz) has.
+/// Returns the strength of edge and point at each pixel of a luminance (Y of YCxCz).
 pub fn features(luminance: &Plane, per_degree: f64) -> Vec<[f32; 2]> {
     let deviation = 0.5 * FEATURE_WIDTH * per_degree;
     let radius = (3.0 * deviation).ceil() as usize;
@@ -73,12 +73,12 @@ pub fn features(luminance: &Plane, per_degree: f64) -> Vec<[f32; 2]> {
     strength(&edge).into_iter().zip(strength(&point)).map(<[f32; 2]>::from).collect()
 }
 
-/// The values of a filter from `-radius` to `radius`.
+/// Returns the values of a filter from `-radius` to `radius`.
 fn taps(radius: usize, at: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..=2 * radius).map(|i| at(i as f64 - radius as f64)).collect()
 }
 
-/// Scaled so that what is positive sums to 1 and what is negative to −1.
+/// Scales positive values to a sum of 1 and negative ones to −1.
 fn balanced(taps: Vec<f64>) -> Vec<f64> {
     let positive: f64 = taps.iter().filter(|tap| **tap > 0.0).sum();
     let negative: f64 = -taps.iter().filter(|tap| **tap < 0.0).sum::<f64>();
@@ -90,7 +90,7 @@ fn balanced(taps: Vec<f64>) -> Vec<f64> {
     taps.into_iter().map(scaled).collect()
 }
 
-/// Filtered along each row.
+/// Filters along each row.
 fn rows(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     let (width, radius) = (plane.width, taps.len() / 2);
     let mut padded = vec![0f32; width + 2 * radius];
@@ -106,7 +106,7 @@ fn rows(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     filtered
 }
 
-/// Filtered along each column: row after row, as memory lies.
+/// Filters along each column, row by row in memory order.
 fn columns(plane: &Plane, taps: &[f64]) -> Vec<f32> {
     let (width, height, radius) = (plane.width, plane.height, taps.len() / 2);
     let mut sums = vec![0f64; width];

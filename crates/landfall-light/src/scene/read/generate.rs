@@ -1,4 +1,4 @@
-//! What a scene strews by seed: how many lamps and cubes, and where.
+//! Reads the parameters of random scenes.
 
 use super::lights::by_distance;
 use super::objects::material;
@@ -8,7 +8,7 @@ use crate::scene::{
 };
 use landfall_layout::diagnostic::Code;
 
-/// Most lamps, and most cubes.
+/// The most lights, and the most cubes.
 const MOST: u32 = 1 << 16;
 
 pub(super) fn read(
@@ -70,7 +70,7 @@ fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
 fn rows(walk: &mut Walk, at: &At<'_>) -> Option<Vec<Attenuation>> {
     let items = walk.list(at)?;
     if items.is_empty() {
-        walk.error(Code::WrongCount, at, "names no row of the table of attenuations");
+        walk.error(Code::WrongCount, at, "lists no row of the table of attenuations");
         return None;
     }
     let rows: Vec<Option<Attenuation>> = items.iter().map(|at| by_distance(walk, at)).collect();
@@ -90,7 +90,7 @@ fn count(walk: &mut Walk, object: &Members<'_>) -> Option<u32> {
     walk.needed(object, "count").and_then(|at| walk.whole(&at, 0..=MOST))
 }
 
-/// Two numbers above zero.
+/// Reads two numbers above zero.
 fn positive(walk: &mut Walk, at: &At<'_>) -> Option<[f64; 2]> {
     let items: [At<'_>; 2] = walk.items(at)?;
     let numbers = items.map(|at| walk.positive(&at));
@@ -107,7 +107,7 @@ fn ordered(
         return Some([low, high]);
     }
     let at = object.get(key)?;
-    walk.error(Code::ValueOutOfRange, &at, format!("is upside down: from {low} to {high}")).help =
-        Some(format!("write `[{high}, {low}]`"));
+    walk.error(Code::ValueOutOfRange, &at, format!("is an inverted range: from {low} to {high}"))
+        .help = Some(format!("write `[{high}, {low}]`"));
     None
 }

@@ -1,4 +1,4 @@
-//! The lights of a scene: what they send, how it weakens, and how wide a cone is.
+//! Reads the lights of a scene: emission, attenuation and cones.
 
 use glam::DVec3;
 use landfall_layout::diagnostic::Code;
@@ -8,8 +8,7 @@ use crate::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, PointLight, SpotLight,
 };
 
-/// The attenuations that tutorials copy from the Ogre wiki: distance, constant, linear,
-/// quadratic.
+/// The attenuations that tutorials copy from the Ogre wiki: distance, constant, linear, quadratic.
 const OGRE: [[f64; 4]; 12] = [
     [7.0, 1.0, 0.7, 1.8],
     [13.0, 1.0, 0.35, 0.44],
@@ -25,10 +24,10 @@ const OGRE: [[f64; 4]; 12] = [
     [3250.0, 1.0, 0.0014, 0.000_007],
 ];
 
-/// Members of every light but the ambient one.
+/// The emission members of all lights but the ambient one.
 const EMISSION: &[&str] = &["color", "intensity", "ambient", "diffuse", "specular"];
 
-/// Nothing weakens.
+/// No attenuation.
 const NONE: Attenuation = Attenuation { constant: 1.0, linear: 0.0, quadratic: 0.0, range: None };
 
 pub(super) fn read(walk: &mut Walk, at: &At<'_>) -> Option<Lights> {
@@ -46,7 +45,7 @@ pub(super) fn read(walk: &mut Walk, at: &At<'_>) -> Option<Lights> {
     Some(Lights { ambient: ambient?, directional: directional?, point: point?, spot: spot? })
 }
 
-/// Every light of a list, or none if one cannot be used.
+/// Reads all lights of a list; `None` if one is invalid.
 fn all<T>(
     walk: &mut Walk,
     object: &Object<'_>,
@@ -67,11 +66,7 @@ fn ambient(walk: &mut Walk, at: &At<'_>) -> Option<Ambient> {
 
 fn intensity(walk: &mut Walk, object: &Object<'_>) -> Option<f64> {
     let Some(at) = object.get("intensity") else { return Some(1.0) };
-    walk.not_negative(
-        &at,
-        Code::NegativeColor,
-        "light is never taken away, an intensity is 0 or more",
-    )
+    walk.not_negative(&at, Code::NegativeColor, "an intensity is 0 or more")
 }
 
 fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
@@ -81,7 +76,7 @@ fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
     Some(DirectionalLight { direction: direction?, emission: emission? })
 }
 
-/// Normalised, unless the light says `"normalize": false`.
+/// Reads a direction; normalised, unless the light has `"normalize": false`.
 fn direction(walk: &mut Walk, object: &Object<'_>) -> Option<DVec3> {
     let at = walk.needed(object, "direction")?;
     let keep = match object.get("normalize") {
@@ -102,18 +97,13 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
     let (color, ambient, diffuse, specular) = (color?, ambient?, diffuse?, specular?);
     let intensity = intensity?;
     let Some(first) = color.or(diffuse) else {
-        walk.error(Code::MissingMember, &object.at, "says nothing of what it sends").help = Some(
-            "give `color` and `intensity`, or `ambient`, `diffuse` and `specular`".to_string(),
-        );
+        walk.error(Code::MissingMember, &object.at, "has no emission").help =
+            Some("add `color` and `intensity`, or `ambient`, `diffuse` and `specular`".to_string());
         return None;
     };
     if let (None, Some(at)) = (color, object.get("intensity")) {
-        walk.error(
-            Code::WrongValue,
-            &at,
-            "is of no colour: it is what `color` is multiplied with",
-        )
-        .help = Some("give `color` too, or leave `intensity` out".to_string());
+        walk.error(Code::WrongValue, &at, "has no effect without `color`, which it multiplies")
+            .help = Some("add `color`, or remove `intensity`".to_string());
         return None;
     }
     let sent = color.map_or(first, |color| color * intensity);
@@ -132,7 +122,7 @@ fn emission(walk: &mut Walk, object: &Object<'_>) -> Option<Emission> {
     })
 }
 
-/// Members of a lamp besides what it sends.
+/// The members of a point light besides its emission.
 const LAMP: &[&str] = &["position", "attenuation", "range"];
 
 fn lamp(walk: &mut Walk, object: &Object<'_>) -> Option<PointLight> {
@@ -154,7 +144,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     let object = walk.object(at, &["constant", "linear", "quadratic", "distance"])?;
     if let Some(distance) = object.get("distance") {
         if object.keys().count() > 1 {
-            let what = "stands for all three coefficients, but some are given as well";
+            let what = "sets all three coefficients, but some are given as well";
             walk.error(Code::GivenTwice, &distance, what).help =
                 Some("keep either `distance` or the coefficients".to_string());
             return None;
@@ -174,7 +164,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     let none = |number: f64| number as f32 == 0.0;
     if none(found.constant) && none(found.linear) && none(found.quadratic) {
         walk.error(Code::ZeroAttenuation, at, "divides by zero at every distance").help =
-            Some("give `\"constant\": 1` for a light that does not weaken".to_string());
+            Some("write `\"constant\": 1` for a light without attenuation".to_string());
         return None;
     }
     if let Some(constant) = object.get("constant").filter(|_| object.keys().count() == 1) {
@@ -183,21 +173,20 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     Some(found)
 }
 
-/// What is left where three coefficients were meant and one was set three times.
+/// Warns about a single coefficient, where three were probably meant.
 fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
     if constant == 1.0 {
         return;
     }
     let what = format!(
-        "is {constant} and stands alone: at every distance the light is {} times as bright",
+        "is {constant} without other coefficients: at every distance the light is {} times as bright",
         tidy(1.0 / constant)
     );
-    walk.warning(Code::LoneConstant, at, what).help = Some(
-        "give `linear` and `quadratic` too; what only brightens or dims is `intensity`".to_string(),
-    );
+    walk.warning(Code::LoneConstant, at, what).help =
+        Some("add `linear` and `quadratic`; to only brighten or dim, use `intensity`".to_string());
 }
 
-/// A row of the published table. What lies between its rows is nowhere said.
+/// Returns a row of the published table, which defines nothing between its rows.
 pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     let distance = walk.number(at)?;
     if let Some([_, constant, linear, quadratic]) = OGRE.iter().find(|row| row[0] == distance) {
@@ -207,7 +196,7 @@ pub(super) fn by_distance(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     let rows = OGRE.map(|row| row[0].to_string()).join(", ");
     let what = format!("is {distance}, for which the table of attenuations has no row");
     walk.error(Code::WrongValue, at, what).help =
-        Some(format!("it has {rows}; or give `constant`, `linear` and `quadratic`"));
+        Some(format!("its rows are {rows}; or give `constant`, `linear` and `quadratic`"));
     None
 }
 
@@ -220,7 +209,7 @@ fn spot(walk: &mut Walk, at: &At<'_>) -> Option<SpotLight> {
     Some(SpotLight { lamp: lamp?, direction: direction?, cone: cone? })
 }
 
-/// How a cone is given.
+/// The notation of a cone.
 enum Form {
     Degrees,
     Cosines,
@@ -239,9 +228,9 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     let given: Vec<_> = forms.iter().filter(|(_, keys)| is_given(keys)).collect();
     let [(form, keys)] = given[..] else {
         let what = match (given.is_empty(), object.keys().next()) {
-            (false, _) => "is given in more than one way",
-            (true, None) => "does not say how wide it is",
-            // What it has instead is unknown, and was told.
+            (false, _) => "has more than one kind of angle",
+            (true, None) => "has no angle",
+            // Another member is unknown, which was reported.
             (true, Some(_)) => return None,
         };
         walk.error(Code::WrongCone, at, what).help = Some(
@@ -260,7 +249,7 @@ fn cone(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     }
 }
 
-/// Half of an opening: more than half a turn is none.
+/// Reads half of a cone's opening, at most half a turn.
 fn angle(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     let degrees = walk.number(at)?;
     if (0.0..=180.0).contains(&degrees) {
@@ -318,11 +307,7 @@ fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
     if outer > 0.0 {
         return Some(());
     }
-    walk.error(
-        Code::EmptyCone,
-        at,
-        "is 0: a cone without width lights nothing but rounding errors",
-    );
+    walk.error(Code::EmptyCone, at, "is 0: a cone of zero width lights only rounding errors");
     None
 }
 
@@ -352,7 +337,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
         walk.error(
             Code::EmptyCone,
             outer_at,
-            "is 1: a cone without width lights nothing but rounding errors",
+            "is 1: a cone of zero width lights only rounding errors",
         );
         return None;
     }
@@ -383,7 +368,7 @@ fn cosine(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     None
 }
 
-/// The cosine of an angle in degrees, exact where it is 1, 0 and -1.
+/// Returns the cosine of an angle in degrees, exact where it is 1, 0 and -1.
 fn cos(degrees: f64) -> f64 {
     if degrees <= 45.0 {
         degrees.to_radians().cos()

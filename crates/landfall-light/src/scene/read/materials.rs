@@ -1,4 +1,4 @@
-//! What surfaces are made of: colours, and small textures drawn in the scene or beside it.
+//! Reads materials: colours, and small textures in the scene or in files.
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use super::{MOST_PIXELS, Open};
 use crate::scene::{Material, Surface, Texture};
 pub use landfall_layout::text::json::Value;
 
-/// The power of the highlight where a material says none.
+/// The default exponent of the highlight.
 const SHININESS: f64 = 32.0;
 
 pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Option<Vec<Material>> {
@@ -24,7 +24,7 @@ pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Optio
             continue;
         };
         if let Some(first) = names.get(&material.name) {
-            let what = format!("has the name of `{first}`: objects could not tell them apart");
+            let what = format!("has the same name as `{first}`, so objects cannot refer to it");
             walk.error(Code::GivenTwice, &at, what);
             whole = false;
         }
@@ -95,7 +95,7 @@ fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
     let given: Vec<&str> =
         object.keys().filter(|key| matches!(*key, "checker" | "rows" | "png")).collect();
     let [kind] = given[..] else {
-        let what = if given.is_empty() { "shows nothing" } else { "shows more than one image" };
+        let what = if given.is_empty() { "has no image" } else { "has more than one image" };
         walk.error(Code::WrongTexture, at, what).help =
             Some("give one of `checker`, `rows` and `png`".to_string());
         return None;
@@ -121,7 +121,7 @@ fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
 
 type Image = ([u32; 2], Vec<[u8; 3]>);
 
-/// Squares of two colours in turn, one texel each.
+/// Reads a checkerboard of two colours, one texel per square.
 fn checker(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
     let colors: [At<'_>; 2] = walk.items(at)?;
     let colors = colors.map(|at| texel(walk, &at));
@@ -134,7 +134,7 @@ fn checker(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
     Some(([cells, cells], (0..cells).flat_map(|row| (0..cells).map(color(row))).collect()))
 }
 
-/// Rows of letters, each letter a colour of the palette.
+/// Reads rows of letters, each letter a colour of the palette.
 fn rows(walk: &mut Walk, object: &Object<'_>, at: &At<'_>) -> Option<Image> {
     let palette = palette(walk, object);
     let rows = walk.list(at)?;
@@ -181,7 +181,7 @@ fn palette(walk: &mut Walk, object: &Object<'_>) -> Option<HashMap<char, [u8; 3]
         let entry = At { node, path: format!("{}.{}", at.path, short(key)) };
         let mut letters = key.chars();
         let (Some(letter), None) = (letters.next(), letters.next()) else {
-            walk.error(Code::WrongTexture, &entry, "is of no single letter");
+            walk.error(Code::WrongTexture, &entry, "is not a single letter");
             return None;
         };
         palette.insert(letter, texel(walk, &entry)?);
@@ -199,7 +199,7 @@ fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
     if texels <= MOST_PIXELS {
         return Some(());
     }
-    let what = format!("makes {texels} texels, of which a texture has {MOST_PIXELS} at most");
+    let what = format!("makes {texels} texels, but a texture has at most {MOST_PIXELS}");
     walk.error(Code::TooLarge, at, what);
     None
 }
@@ -216,13 +216,13 @@ fn png(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Image> {
     match decode_png(&bytes) {
         Ok(image) => Some(image),
         Err(why) => {
-            walk.error(Code::WrongTexture, at, format!("is no PNG that can be read: {why}"));
+            walk.error(Code::WrongTexture, at, format!("is not a readable PNG: {why}"));
             None
         }
     }
 }
 
-/// Alpha is dropped, grey becomes colour, 16 bits become 8.
+/// Decodes a PNG: alpha is dropped, grey becomes colour, 16 bits become 8.
 fn decode_png(bytes: &[u8]) -> Result<Image, String> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());

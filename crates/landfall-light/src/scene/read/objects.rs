@@ -1,4 +1,4 @@
-//! The objects of a scene: their meshes, where they are, what they are made of.
+//! Reads the objects of a scene: meshes, transforms and materials.
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use landfall_layout::source::{Span, decode};
 use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::Value;
 
-/// Most triangles of a scene.
+/// The most triangles of a scene.
 const MOST_TRIANGLES: usize = 1 << 22;
 
 pub(super) fn read(
@@ -40,7 +40,7 @@ pub(super) fn read(
             None => whole = false,
         }
         if triangles > MOST_TRIANGLES {
-            let what = format!("is one too many: a scene has {MOST_TRIANGLES} triangles at most");
+            let what = format!("exceeds the limit of {MOST_TRIANGLES} triangles in a scene");
             walk.error(Code::TooLarge, &at, what);
             return None;
         }
@@ -50,10 +50,10 @@ pub(super) fn read(
 
 struct Reader<'r> {
     materials: Option<&'r [Material]>,
-    /// Of the scene, which files are beside.
+    /// The path of the scene, to whose folder file names are relative.
     path: &'r str,
     open: &'r Open<'r>,
-    /// Files read so far; none where something is wrong with one.
+    /// The files read so far; `None` for an invalid one.
     obj: HashMap<String, Option<Mesh>>,
 }
 
@@ -188,18 +188,18 @@ impl Reader<'_> {
     }
 }
 
-/// Corners as far out as a position may be.
+/// Reports corners farther out than positions may be.
 fn near_enough(walk: &mut Walk, at: &At<'_>, object: &Object) -> Option<()> {
     let corners = object.mesh.vertices.iter();
     let out = |at: DVec3| object.transform.transform_point3(at).abs().max_element() > LARGEST;
     if !corners.map(|vertex| vertex.position).any(out) {
         return Some(());
     }
-    walk.error(Code::TooLarge, at, "has corners beyond 1e18, the square of which fits no `f32`");
+    walk.error(Code::TooLarge, at, "has corners beyond 1e18, whose squares overflow an `f32`");
     None
 }
 
-/// The number of a material by its name. The only material there is need not be named.
+/// Returns the index of a material by its name. A scene's only material need not be named.
 pub(super) fn material(
     walk: &mut Walk,
     object: &Members<'_>,
@@ -209,7 +209,7 @@ pub(super) fn material(
         Some(at) => Some((walk.text(&at)?, at)),
         None => None,
     };
-    // What is wrong with the materials was told already.
+    // Errors in the materials were already reported.
     let materials = materials?;
     let Some((name, at)) = given else {
         if materials.len() == 1 {
@@ -225,9 +225,9 @@ pub(super) fn material(
         let near = nearest(name, materials.iter().map(|material| material.name.as_str()));
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "give a material of that name in `materials`".to_string(),
+            None => "add a material of that name to `materials`".to_string(),
         };
-        let what = format!("is {:?}, a material that the scene has not", short(name));
+        let what = format!("is {:?}, which is not a material of the scene", short(name));
         walk.error(Code::MissingMaterial, &at, what).help = Some(help);
     }
     found
@@ -239,12 +239,12 @@ fn rotation(walk: &mut Walk, at: &At<'_>) -> Option<DMat3> {
     let degrees = walk.needed(&object, "degrees").and_then(|at| walk.number(&at));
     let (sin, cos) = sin_cos(degrees?);
     let axis = axis?;
-    // Rodrigues: what is along the axis stays, what is across it turns.
+    // Rodrigues: the component along the axis stays, the component across it turns.
     let turned = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
     Some(DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z)))
 }
 
-/// Sine and cosine of an angle in degrees, exact at quarter turns.
+/// Returns the sine and cosine of an angle in degrees, exact at quarter turns.
 fn sin_cos(degrees: f64) -> (f64, f64) {
     let quarters = (degrees / 90.0).round();
     let (sin, cos) = (degrees - quarters * 90.0).to_radians().sin_cos();
@@ -261,7 +261,7 @@ fn scale(walk: &mut Walk, at: &At<'_>) -> Option<DVec3> {
         Value::Number(_) => (DVec3::splat(walk.number(at)?), at.clone()),
         _ => (walk.vector(at)?, at.clone()),
     };
-    // Normals grow by what the mesh shrinks; below that their squares have no `f32`.
+    // Normals grow by what the mesh shrinks; below that their squares underflow an `f32`.
     if scale.abs().min_element() < 1e-18 || scale.abs().max_element() > 1e18 {
         let what = "flattens the mesh, or makes it larger than light can be computed for";
         walk.error(Code::ValueOutOfRange, &of, what).help =

@@ -1,7 +1,7 @@
-//! A way through JSON that knows its path, and keeps what is wrong on it.
+//! Traverses JSON with the path of each value, and collects diagnostics.
 //!
-//! What cannot be used is told and comes back as `None`, and the reader goes on, so that one
-//! reading tells everything.
+//! An invalid value is reported and read as `None`, and reading continues, so that one run reports
+//! everything.
 
 use landfall_layout::diagnostic::Code;
 use std::ops::RangeInclusive;
@@ -14,7 +14,7 @@ use landfall_layout::source::{Files, Span};
 use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::{Node, Value};
 
-/// A value and the path to it.
+/// A value with its path.
 #[derive(Clone)]
 pub(super) struct At<'n> {
     pub node: &'n Node,
@@ -31,7 +31,7 @@ impl<'n> At<'n> {
     }
 }
 
-/// An object whose members are all known.
+/// An object without unknown members.
 pub(super) struct Object<'n> {
     pub at: At<'n>,
     entries: &'n [(String, usize, Node)],
@@ -43,38 +43,38 @@ impl<'n> Object<'n> {
         Some(At { node, path: join(&self.at.path, key) })
     }
 
-    /// The members that are there.
+    /// Returns the members present.
     pub fn keys(&self) -> impl Iterator<Item = &'n str> {
         self.entries.iter().map(|(key, _, _)| key.as_str())
     }
 }
 
-/// Findings after which further ones take the place of the last.
+/// The most diagnostics; further ones replace the last.
 const MOST_FINDINGS: usize = 1000;
 
-/// What was found on the way.
+/// The diagnostics collected.
 #[derive(Default)]
 pub(super) struct Walk {
     pub files: Files,
     pub diagnostics: Vec<Diagnostic>,
-    /// Whether there was an error among the findings.
+    /// Whether there was an error.
     pub wrong: bool,
 }
 
 impl Walk {
-    /// Tells what is wrong with a value; `what` is read after its path.
+    /// Reports an error in a value; `what` follows its path.
     pub fn error(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::error(code, self.span(at), message))
     }
 
-    /// Tells what is doubtful about a value.
+    /// Reports a warning about a value; `what` follows its path.
     pub fn warning(&mut self, code: Code, at: &At<'_>, what: impl AsRef<str>) -> &mut Diagnostic {
         let message = format!("{} {}", at.name(), what.as_ref());
         self.push(Diagnostic::warning(code, self.span(at), message))
     }
 
-    /// Where a value stands; only where it begins, if it takes several lines.
+    /// Returns the span of a value; only its start, if it takes several lines.
     fn span(&self, at: &At<'_>) -> Span {
         let Node { start, end, .. } = *at.node;
         let text = self.files.get(0).map_or("", |file| &file.text);
@@ -84,7 +84,7 @@ impl Walk {
         }
     }
 
-    /// Keeps a finding.
+    /// Stores a diagnostic.
     pub fn push(&mut self, found: Diagnostic) -> &mut Diagnostic {
         self.wrong |= found.severity == Severity::Error;
         self.diagnostics.truncate(MOST_FINDINGS - 1);
@@ -92,7 +92,7 @@ impl Walk {
         self.diagnostics.last_mut().expect("one was just added")
     }
 
-    /// Tells that something else must stand there.
+    /// Reports a value of the wrong type.
     pub fn kind(&mut self, at: &At<'_>, wanted: &str) {
         let found = match &at.node.value {
             Value::Number(number) => short(number),
@@ -101,18 +101,14 @@ impl Walk {
         };
         if let Value::Text(text) = &at.node.value {
             if text.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
-                self.error(
-                    Code::NotFinite,
-                    at,
-                    format!("is {found}: nothing can be lit with that"),
-                );
+                self.error(Code::NotFinite, at, format!("is {found}, not a finite number"));
                 return;
             }
         }
         self.error(Code::WrongValue, at, format!("is {found}, but must be {wanted}"));
     }
 
-    /// An object; members it should not have are told.
+    /// Reads an object; reports unknown members.
     pub fn object<'n>(&mut self, at: &At<'n>, known: &[&str]) -> Option<Object<'n>> {
         let Value::Object(entries) = &at.node.value else {
             self.kind(at, "an object");
@@ -120,21 +116,21 @@ impl Walk {
         };
         for (key, start, _) in entries.iter().filter(|(key, _, _)| !known.contains(&key.as_str())) {
             let whose = at.name();
-            let message = format!("`{}` is no member of {whose}", short(key));
+            let message = format!("`{}` is not a member of {whose}", short(key));
             let end = start + key.len() + 2;
             let text_end = self.files.get(0).map_or(end, |file| file.text.len());
             let mut found =
                 Diagnostic::error(Code::UnknownMember, span(*start, end.min(text_end)), message);
             found.help = Some(match nearest(key, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("it has {}", list(known)),
+                None => format!("its members are {}", list(known)),
             });
             self.push(found);
         }
         Some(Object { at: at.clone(), entries })
     }
 
-    /// A member that must be there.
+    /// Reads a required member.
     pub fn needed<'n>(&mut self, object: &Object<'n>, key: &str) -> Option<At<'n>> {
         let found = object.get(key);
         if found.is_none() {
@@ -143,7 +139,7 @@ impl Walk {
         found
     }
 
-    /// The values of a list.
+    /// Reads the values of a list.
     pub fn list<'n>(&mut self, at: &At<'n>) -> Option<Vec<At<'n>>> {
         let Value::List(nodes) = &at.node.value else {
             self.kind(at, "a list");
@@ -153,7 +149,7 @@ impl Walk {
         Some(nodes.iter().enumerate().map(item).collect())
     }
 
-    /// A list of so many values.
+    /// Reads a list of a fixed length.
     pub fn items<'n, const N: usize>(&mut self, at: &At<'n>) -> Option<[At<'n>; N]> {
         match <[At<'n>; N]>::try_from(self.list(at)?) {
             Ok(items) => Some(items),
@@ -165,7 +161,7 @@ impl Walk {
         }
     }
 
-    /// A number that an `f32` has room for.
+    /// Reads a number that fits an `f32`.
     pub fn number(&mut self, at: &At<'_>) -> Option<f64> {
         let Value::Number(written) = &at.node.value else {
             self.kind(at, "a number");
@@ -175,12 +171,13 @@ impl Walk {
         if (number as f32).is_finite() {
             return Some(number);
         }
-        let what = format!("is {}, which no `f32` can hold: the largest is 3.4e38", short(written));
+        let what =
+            format!("is {}, which does not fit an `f32`: the largest is 3.4e38", short(written));
         self.error(Code::ValueOutOfRange, at, what);
         None
     }
 
-    /// A number above zero, as an `f32` too.
+    /// Reads a number above zero, also as an `f32`.
     pub fn positive(&mut self, at: &At<'_>) -> Option<f64> {
         let number = self.number(at)?;
         if number as f32 > 0.0 {
@@ -190,7 +187,7 @@ impl Walk {
         None
     }
 
-    /// A number that is zero or more.
+    /// Reads a number that is zero or more.
     pub fn not_negative(&mut self, at: &At<'_>, code: Code, why: &str) -> Option<f64> {
         let number = self.number(at)?;
         if number >= 0.0 {
@@ -200,7 +197,7 @@ impl Walk {
         None
     }
 
-    /// A whole number.
+    /// Reads an integer.
     pub fn whole(&mut self, at: &At<'_>, range: RangeInclusive<u32>) -> Option<u32> {
         let number = self.number(at)?;
         let (low, high) = (*range.start(), *range.end());
@@ -212,7 +209,7 @@ impl Walk {
         None
     }
 
-    /// Three coordinates.
+    /// Reads three coordinates.
     pub fn vector(&mut self, at: &At<'_>) -> Option<DVec3> {
         let items: [At<'_>; 3] = self.items(at)?;
         let numbers = items.map(|item| {
@@ -220,14 +217,14 @@ impl Walk {
             if number.abs() <= LARGEST {
                 return Some(number);
             }
-            let what = format!("is {number}: the square of what is beyond 1e18 fits no `f32`");
+            let what = format!("is {number}: squares of numbers beyond 1e18 overflow an `f32`");
             self.error(Code::ValueOutOfRange, &item, what);
             None
         });
         Some(DVec3::new(numbers[0]?, numbers[1]?, numbers[2]?))
     }
 
-    /// A vector of some length.
+    /// Reads a vector that is not zero.
     pub fn some_vector(&mut self, at: &At<'_>) -> Option<DVec3> {
         let vector = self.vector(at)?;
         if vector.abs().max_element() as f32 > 0.0 {
@@ -237,12 +234,12 @@ impl Walk {
         None
     }
 
-    /// A unit vector, whatever its length was.
+    /// Reads a vector and normalises it.
     pub fn direction(&mut self, at: &At<'_>) -> Option<DVec3> {
         self.some_vector(at).and_then(unit)
     }
 
-    /// A colour: three numbers, or one for a grey.
+    /// Reads a colour: three numbers, or one for a grey.
     pub fn color(&mut self, at: &At<'_>) -> Option<DVec3> {
         if let Value::Number(_) = at.node.value {
             return self.channel(at).map(DVec3::splat);
@@ -257,14 +254,10 @@ impl Walk {
     }
 
     fn channel(&mut self, at: &At<'_>) -> Option<f64> {
-        self.not_negative(
-            at,
-            Code::NegativeColor,
-            "light is never taken away, a colour is 0 or more",
-        )
+        self.not_negative(at, Code::NegativeColor, "a colour is 0 or more")
     }
 
-    /// Text.
+    /// Reads a string.
     pub fn text<'n>(&mut self, at: &At<'n>) -> Option<&'n str> {
         if let Value::Text(text) = &at.node.value {
             return Some(text);
@@ -273,7 +266,7 @@ impl Walk {
         None
     }
 
-    /// True or false.
+    /// Reads a boolean.
     pub fn truth(&mut self, at: &At<'_>) -> Option<bool> {
         if let Value::Bool(value) = at.node.value {
             return Some(value);
@@ -282,7 +275,7 @@ impl Walk {
         None
     }
 
-    /// One of some words.
+    /// Reads one of several words.
     pub fn one_of<T: Copy>(&mut self, at: &At<'_>, words: &[(&str, T)]) -> Option<T> {
         let word = self.text(at)?;
         if let Some(found) = words.iter().find(|(name, _)| *name == word) {
@@ -293,19 +286,19 @@ impl Walk {
         None
     }
 
-    /// Tells that a word is none of those that can stand there.
+    /// Reports an unknown word.
     pub fn no_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
-            self.error(Code::WrongValue, at, format!("is {:?}, which is not known", short(word)));
+            self.error(Code::WrongValue, at, format!("is {:?}, an unknown value", short(word)));
         found.help = Some(match near {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it is one of {}", list(names)),
+            None => format!("expected one of {}", list(names)),
         });
     }
 }
 
-/// A vector's direction, however short it is.
+/// Returns a vector's direction, however short it is.
 pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
     (vector / vector.abs().max_element()).try_normalize()
 }
@@ -327,7 +320,7 @@ fn list(names: &[&str]) -> String {
     }
 }
 
-/// No message grows with the text.
+/// Shortens text for a message.
 pub(super) fn short(text: &str) -> String {
     if text.chars().count() <= 40 {
         return text.to_string();
@@ -335,7 +328,7 @@ pub(super) fn short(text: &str) -> String {
     text.chars().take(39).chain(['…']).collect()
 }
 
-/// A number for advice: four digits are enough.
+/// Rounds a number for advice to four digits.
 pub(super) fn tidy(number: f64) -> f64 {
     let scale = 10_f64.powi(3 - number.abs().log10().floor().clamp(-300.0, 300.0) as i32);
     (number * scale).round() / scale

@@ -15,7 +15,7 @@ pub(in crate::render) fn markdown(findings: &[&Finding], shaders: usize) -> Stri
     text.push_str("\n| | place | lint | what |\n|---|---|---|---|\n");
     let mut rows = 0;
     for level in [Level::Deny, Level::Warn, Level::Allow] {
-        for finding in findings.iter().filter(|finding| finding.level == level) {
+        for finding in findings.iter().filter(|finding| finding.level() == level) {
             let row = row(finding);
             if text.len() + row.len() > MOST_BYTES {
                 text.push_str(&format!("\n… and {} more\n", findings.len() - rows));
@@ -35,8 +35,8 @@ fn row(finding: &Finding) -> String {
     }
     format!(
         "| {} | {} | {} | {what} |\n",
-        severity(finding.level),
-        code(&short::at(&finding.place)),
+        severity(finding.level()),
+        code(&short::at(finding.place())),
         code(&finding.code),
     )
 }

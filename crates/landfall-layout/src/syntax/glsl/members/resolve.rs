@@ -1,6 +1,6 @@
-//! What the name of a type comes to: a type with bytes, a handle, or nothing.
+//! Resolution of type names to data types or opaque handles.
 //!
-//! Goes by the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
+//! Uses the structures that [`declarations`](crate::syntax::glsl::declarations) has read.
 
 use crate::diagnostic::Code;
 use std::sync::Arc;
@@ -13,20 +13,20 @@ use crate::syntax::glsl::parser::diagnostic_at;
 use crate::syntax::glsl::types::{Builtin, builtin};
 use crate::text::edit_distance::nearest;
 
-/// How a declaration says its type.
+/// The type of a declaration, as written.
 #[derive(Clone, Debug)]
 pub(in crate::syntax::glsl) enum TypeName<'a> {
-    /// By name.
+    /// A name.
     Name(Token<'a>),
-    /// As a structure declared on the spot.
+    /// A structure declared in place.
     Declared(Named<'a>),
 }
 
-/// What a type name comes to.
+/// The meaning of a type name.
 pub(in crate::syntax::glsl) enum Resolved {
     Data(Type),
     Opaque,
-    /// Said already why it cannot be used.
+    /// Unusable, as reported before.
     Broken,
 }
 
@@ -40,7 +40,7 @@ impl<'a> TypeName<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// What a type name means; unknown and broken ones are told into `problems`.
+    /// Resolves a type name; errors about unknown and broken types are added to `problems`.
     pub(in crate::syntax::glsl) fn resolve(
         &mut self,
         ty: &TypeName<'a>,
@@ -59,9 +59,9 @@ impl<'a> Reader<'a> {
         match self.types.get_mut(token.text) {
             Some(Named::Struct(s)) => return of_struct(s),
             Some(Named::Reference) => return Resolved::Data(Type::Address(token.text.into())),
-            Some(Named::Broken { why, told, .. }) => {
-                if !*told {
-                    *told = true;
+            Some(Named::Broken { why, reported, .. }) => {
+                if !*reported {
+                    *reported = true;
                     problems.append(&mut why.clone());
                 } else {
                     let message = format!("`{}` cannot be laid out, see above", token.text);
@@ -79,14 +79,14 @@ impl<'a> Reader<'a> {
         let diagnostic = if token.text == owner.text {
             let message = format!("structure `{}` contains itself", token.text);
             diagnostic_at(&token, Code::RecursiveStruct, message)
-                .with_note("its size would have no end")
+                .with_note("its size would be infinite")
         } else {
-            let message = format!("there is no type `{}`", token.text);
+            let message = format!("unknown type `{}`", token.text);
             let diagnostic = diagnostic_at(&token, Code::UnknownType, message);
             let known = self.types.keys().copied().chain(COMMON_TYPES.iter().copied());
             match nearest(token.text, known) {
                 Some(name) => diagnostic.with_help(format!("did you mean `{name}`?")),
-                None => diagnostic.with_help("a structure is declared before it is used"),
+                None => diagnostic.with_help("declare a structure before its use"),
             }
         };
         problems.push(diagnostic);
@@ -94,12 +94,12 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A structure of handles only is a handle itself.
+/// A structure that holds only handles is a handle itself.
 fn of_struct(s: &Arc<Struct>) -> Resolved {
     if s.members.is_empty() { Resolved::Opaque } else { Resolved::Data(Type::Struct(s.clone())) }
 }
 
-/// Types a misspelt name is compared with.
+/// Suggestions for misspelt names of types.
 const COMMON_TYPES: &[&str] = &[
     "float",
     "int",

@@ -1,4 +1,4 @@
-//! The parts of declarations that are parsed on demand: expressions, parameters, bodies.
+//! Parsing on demand: expressions, parameters and bodies of declarations.
 
 use std::rc::Rc;
 
@@ -13,7 +13,7 @@ use crate::syntax::glsl::ast::{
 use crate::syntax::glsl::lexer::Kind;
 
 impl<'a> Parser<'a> {
-    /// Parses what the declarations of a shader of that stage hold as tokens.
+    /// Parses the expressions, parameters and bodies kept as tokens, for a shader of that stage.
     ///
     /// # Errors
     /// The first syntax error.
@@ -22,7 +22,7 @@ impl<'a> Parser<'a> {
             Some(Stage::Vertex) => Storage::Out,
             _ => Storage::In,
         };
-        // GLSL ES 3.20 §4.7.4: a fragment shader says what its floats are.
+        // GLSL ES 3.20 §4.7.4: a fragment shader has no default precision for floats.
         let float = (stage != Some(Stage::Fragment)).then_some(Precision::High);
         let float = float.filter(|_| self.has_precisions);
         self.precisions = Precisions { float, ..Precisions::default() };
@@ -111,7 +111,7 @@ impl<'a> Parser<'a> {
         self.complete_dims(&mut ty.dims)
     }
 
-    /// The precision of floats that no statement says: the stage's.
+    /// Sets the precision of a float type without one to the stage's default.
     fn settle_type(&self, ty: &mut TypeSpec<'a>, float: Option<Precision>) {
         if let TypeBase::Name(name) = ty.base {
             if is_float(name) {

@@ -13,15 +13,15 @@ use crate::syntax::glsl::ast::{
 };
 use crate::syntax::glsl::lexer::{Kind, Token};
 
-/// Structures may be declared inside each other this deep; the language forbids it altogether.
+/// The limit on structures declared inside each other; the language forbids it altogether.
 const DEEPEST_STRUCTURE: u32 = 16;
 
 impl<'a> Parser<'a> {
-    /// The next global declaration; `None` at the end. Syntax errors are reported.
+    /// Parses the next global declaration; `None` at the end. Syntax errors are reported.
     pub fn item(&mut self) -> Option<Item<'a>> {
         let here = (self.token().span, self.token().definition);
         if self.passed == Some(here) {
-            self.bump(); // a declaration always passes something, whatever it was
+            self.bump(); // guarantee progress
         }
         if self.token().kind == Kind::End {
             return None;
@@ -82,7 +82,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Refuses a shader whose next declaration is one of another shading language.
+    /// Rejects a shader whose next declaration is in another shading language.
     fn is_other_language(&mut self) -> bool {
         let first = *self.token();
         let known = self.structures.contains(first.text);
@@ -92,9 +92,9 @@ impl<'a> Parser<'a> {
         let next = *self.ahead(1);
         let Some(language) = other_language::of_words(first.text, next.text) else { return false };
         let Some(preprocessor) = &mut self.preprocessor else { return false };
-        let message = format!("`{}` begins a declaration of {language}, not of GLSL", first.text);
+        let message = format!("`{}` begins a declaration in {language}, not GLSL", first.text);
         let help = match language {
-            "WGSL" => "name the file `.wgsl`, or say `--language wgsl`",
+            "WGSL" => "name the file `.wgsl`, or pass `--language wgsl`",
             _ => "landfall reads GLSL and WGSL",
         };
         preprocessor.report(diagnostic_at(&first, Code::OtherLanguage, message).with_help(help));
@@ -102,7 +102,7 @@ impl<'a> Parser<'a> {
         true
     }
 
-    /// `in NAME { … } name[];`: it has locations, not bytes.
+    /// Parses `in NAME { … } name[];`, which has locations instead of bytes.
     fn interface(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let name = self.name_here();
         self.skip_balanced();
@@ -146,7 +146,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// The body of a block that was passed over.
+    /// Parses the body of a block that was skipped.
     pub(super) fn interface_body(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
         let count = self.diagnostics().len();
         self.expect("{")?;
@@ -162,7 +162,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// `struct NAME { … } a, b;`
+    /// Parses `struct NAME { … } a, b;`.
     fn variables_of_structure(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let (mut ty, closed) = self.structure_type();
         let mut names = Vec::new();
@@ -188,7 +188,7 @@ impl<'a> Parser<'a> {
         (ty, closed)
     }
 
-    /// A type that is named, its dimensions not included.
+    /// Parses the name of a type, without dimensions.
     fn named_type(&mut self) -> TypeSpec<'a> {
         let written = self.written.take();
         let name = self.name_here();
@@ -202,7 +202,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `TYPE a, b;`, or a function.
+    /// Parses `TYPE a, b;`, or a function.
     fn variables(&mut self, start: usize, qualifiers: Qualifiers<'a>) -> Item<'a> {
         let mut ty = self.named_type();
         let uniform = qualifiers.storage == Storage::Uniform;
@@ -211,7 +211,7 @@ impl<'a> Parser<'a> {
             ty.parameters = true;
             self.skip_angles();
             if !uniform && !self.ahead(1).is("(") {
-                // A value of such a type may have commas of its own kind in its initialiser.
+                // The initialiser of such a type may contain commas of its own.
                 self.skip_statement();
                 let tokens = start..self.at;
                 let broken = true;
@@ -238,7 +238,7 @@ impl<'a> Parser<'a> {
         Item::Variables(Rc::new(Declaration { tokens, qualifiers, ty, names, broken }))
     }
 
-    /// `NAME ( … ) ;` or `NAME ( … ) { … }`, its type passed.
+    /// Parses `NAME ( … ) ;` or `NAME ( … ) { … }`, after its type.
     fn function(&mut self, start: usize, returns: TypeSpec<'a>) -> Item<'a> {
         let name = self.name_here();
         let open = self.at;
@@ -263,7 +263,7 @@ impl<'a> Parser<'a> {
         }))
     }
 
-    /// Passes the body of a function, its `{` the current token.
+    /// Consumes the body of a function, whose `{` is the current token.
     fn pass_body(&mut self, function: &str) {
         let open = *self.token();
         let closed = match self.bodies {
@@ -281,7 +281,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `struct [NAME] { … }`
+    /// Parses `struct [NAME] { … }`.
     fn structure(&mut self) -> StructDecl<'a> {
         let start = self.at;
         let keyword = self.bump();
@@ -318,7 +318,7 @@ impl<'a> Parser<'a> {
         structure
     }
 
-    /// The members up to `}`. `owner` names the structure or block in messages.
+    /// Parses the members up to `}`. `owner` is the structure or block in messages.
     fn members(&mut self, owner: &str) -> Vec<Declaration<'a>> {
         let mut members = Vec::new();
         while !self.is("}") && self.token().kind != Kind::End {
@@ -329,7 +329,7 @@ impl<'a> Parser<'a> {
             let position = self.token().span;
             members.extend(self.member(owner));
             if self.diagnostics().len() > diagnostics && position == self.token().span {
-                break; // nothing was passed: the rest is no member list
+                break; // no progress: the rest is not a member list
             }
         }
         members
@@ -361,7 +361,7 @@ impl<'a> Parser<'a> {
         Some(Declaration { tokens: start..self.at, qualifiers, ty, names, broken })
     }
 
-    /// A declaration in a body; `None` for a prototype or another thing without effect.
+    /// Parses a declaration in a body; `None` for a prototype or another without effect.
     pub(super) fn local_declaration(&mut self) -> Parsed<Option<Declaration<'a>>> {
         let start = self.at;
         let qualifiers = self.qualifiers();
@@ -382,7 +382,7 @@ impl<'a> Parser<'a> {
         Ok(Some(Declaration { tokens, qualifiers, ty, names, broken: false }))
     }
 
-    /// `a, b[2] = …;`
+    /// Parses `a, b[2] = …;`.
     fn declarators(&mut self) -> Vec<Declarator<'a>> {
         let mut declarators = Vec::with_capacity(1);
         loop {
@@ -405,7 +405,7 @@ impl<'a> Parser<'a> {
         declarators
     }
 
-    /// `[…]` as often as it stands here.
+    /// Parses any number of `[…]`.
     pub(super) fn dims(&mut self) -> Vec<Dim<'a>> {
         let mut dims = Vec::new();
         while self.is("[") {
@@ -421,7 +421,7 @@ impl<'a> Parser<'a> {
         dims
     }
 
-    /// An expression up to one of `ends`: parsed where bodies are parsed, else passed over.
+    /// Parses an expression up to one of `ends` where bodies are parsed, otherwise skips it.
     pub(super) fn code(&mut self, ends: &[&str]) -> (Tokens, Option<Box<Expr<'a>>>) {
         let start = self.at;
         if !self.direct {
@@ -436,7 +436,7 @@ impl<'a> Parser<'a> {
         (start..self.at, expr.map(Box::new))
     }
 
-    /// A type where bodies and parameters are parsed.
+    /// Parses a type in bodies and parameters.
     pub(super) fn type_spec(&mut self) -> Parsed<TypeSpec<'a>> {
         let count = self.diagnostics().len();
         let mut ty = if self.is("struct") {
@@ -455,8 +455,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// A refusal of `coopmat<…>` and the like.
+/// Returns the error for `coopmat<…>` and the like.
 pub(super) fn parametric(span: Span) -> SyntaxError {
-    let message = "types with parameters cannot run";
+    let message = "types with parameters cannot be executed";
     SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))
 }

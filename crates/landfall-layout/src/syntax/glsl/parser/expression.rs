@@ -6,7 +6,7 @@ use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, Step, Unary};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::{Builtin, builtin};
 
-/// Expressions nest this deep at most.
+/// The limit on nested expressions.
 const DEEPEST_EXPRESSION: u32 = 400;
 
 fn too_deep(span: Span) -> SyntaxError {
@@ -32,7 +32,7 @@ impl<'a> Parser<'a> {
         result
     }
 
-    /// With commas.
+    /// Parses an expression, commas included.
     pub(super) fn expression(&mut self) -> Parsed<Expr<'a>> {
         let mut left = self.assignment()?;
         while self.is(",") {
@@ -45,7 +45,7 @@ impl<'a> Parser<'a> {
         Ok(left)
     }
 
-    /// Without commas.
+    /// Parses an expression without commas.
     pub(super) fn assignment(&mut self) -> Parsed<Expr<'a>> {
         self.deeper(|this| {
             let left = this.choice()?;
@@ -99,7 +99,7 @@ impl<'a> Parser<'a> {
         })
     }
 
-    /// GLSL 4.60 §5.1, operators that bind at least as tightly as `least`.
+    /// Parses operators that bind at least as tightly as `least` (GLSL 4.60 §5.1).
     fn binary(&mut self, least: u8) -> Parsed<Expr<'a>> {
         let mut left = self.unary()?;
         while let Some((operator, binds)) = self.binary_operator().filter(|o| o.1 >= least) {
@@ -209,7 +209,7 @@ impl<'a> Parser<'a> {
                 literal(self, ExprKind::Bool(token.text == "true"))
             }
             Kind::Name => self.named(),
-            // Text for a debugger: it has no value.
+            // A string for a debugger: it has no value.
             Kind::Text => literal(self, ExprKind::Number("0")),
             _ if token.is("(") => {
                 self.bump();
@@ -228,11 +228,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A variable, a call, a constructor.
+    /// Parses a variable, a call or a constructor.
     fn named(&mut self) -> Parsed<Expr<'a>> {
         let start = self.token().span;
         let text = self.token().text;
-        // A structure's own name before `(` is read as a call; which it is, its scope says.
+        // A structure's name before `(` parses as a call; its scope decides later.
         let meaning = builtin(text);
         let handle = matches!(meaning, Some(Builtin::Opaque));
         let array = self.ahead(1).is("[") && !handle;
@@ -255,7 +255,7 @@ impl<'a> Parser<'a> {
         self.expr(ExprKind::Call(name, arguments), start, self.since(start), depth)
     }
 
-    /// Expressions up to `close`, which is passed.
+    /// Parses expressions up to `close`, which is consumed.
     fn list(&mut self, close: &'static str) -> Parsed<Vec<Expr<'a>>> {
         let mut items = Vec::new();
         if self.is("void") && self.ahead(1).is(")") {
@@ -270,13 +270,13 @@ impl<'a> Parser<'a> {
         Ok(items)
     }
 
-    /// Whether `NAME[…]` here goes on with the `(` of a constructor.
+    /// Whether the `NAME[…]` here continues with the `(` of a constructor.
     pub(super) fn constructs_array(&mut self) -> bool {
         let past = self.past_dims(1);
         self.ahead(past).is("(")
     }
 
-    /// How far ahead the first token past all `[…]` is.
+    /// Returns the number of tokens up to the first one after all `[…]`.
     pub(super) fn past_dims(&mut self, mut ahead: usize) -> usize {
         while self.ahead(ahead).is("[") {
             let mut depth = 0u32;

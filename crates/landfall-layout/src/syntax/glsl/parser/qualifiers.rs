@@ -8,7 +8,7 @@ use crate::syntax::glsl::layout_ids;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
 
-/// Whether a qualifier may stand alone: `layout(…) in;`.
+/// Whether a qualifier may form a declaration of its own: `layout(…) in;`.
 fn is_alone(word: &str) -> bool {
     matches!(word, "in" | "out" | "uniform" | "buffer")
 }
@@ -23,7 +23,7 @@ fn precision(word: &str) -> Option<Precision> {
 }
 
 impl<'a> Parser<'a> {
-    /// Reads qualifiers as long as there are some.
+    /// Parses any number of qualifiers.
     pub(super) fn qualifiers(&mut self) -> Qualifiers<'a> {
         let mut qualifiers = Qualifiers { tokens: self.at..self.at, ..Qualifiers::default() };
         self.written = None;
@@ -72,7 +72,7 @@ impl<'a> Parser<'a> {
                 }
             }
             "uniform" => Storage::Uniform,
-            // Two storages are an error; that of a block counts.
+            // Two storage qualifiers are an error; that of a block takes precedence.
             _ if matches!(qualifiers.storage, Storage::Uniform | Storage::Buffer) => return,
             "buffer" => Storage::Buffer,
             "in" | "attribute" => Storage::In,
@@ -86,7 +86,7 @@ impl<'a> Parser<'a> {
         qualifiers.storage = storage;
     }
 
-    /// Whether a qualifier stands here: in old versions some are names, as `sample` is.
+    /// Whether a qualifier is next; in old versions some are names, such as `sample`.
     pub(super) fn stands_qualifier(&mut self) -> bool {
         let word = self.token().text;
         let wordy = is_qualifier(word) || matches!(word, "layout" | "subroutine");
@@ -97,7 +97,7 @@ impl<'a> Parser<'a> {
         next.kind == Kind::Name || next.is("(") || next.is("{") || (next.is(";") && is_alone(word))
     }
 
-    /// `( NAME [= EXPRESSION] , … )`
+    /// Parses `( NAME [= EXPRESSION] , … )`.
     fn layout_ids(&mut self, ids: &mut Vec<LayoutId<'a>>) {
         if !self.expect_or_report("(") {
             return;
@@ -123,34 +123,34 @@ impl<'a> Parser<'a> {
         self.expect_or_report(")");
     }
 
-    /// Reports an entry of `layout(…)` that no compiler knows: an error where it is a known one
-    /// misspelt, a warning where it may belong to an extension that is not known here.
+    /// Reports an unknown identifier in `layout(…)`: an error if it resembles a known one, a
+    /// warning if it may belong to an unknown extension.
     fn check_layout_id(&mut self, name: &Name<'a>) {
         let text = name.text.to_ascii_lowercase();
-        // Where macros are not expanded, a name may stand for an entry.
+        // Where macros are not expanded, a name may stand for an identifier.
         if layout_ids::is_known(&text) || self.preprocessor.is_none() {
             return;
         }
-        let message = format!("there is no layout qualifier `{}`", name.text);
+        let message = format!("unknown layout qualifier `{}`", name.text);
         let token = self.token_of(name);
         let mut diagnostic = diagnostic_at(&token, Code::LayoutQualifier, message);
         match layout_ids::nearest(&text) {
-            Some(meant) => self.report(diagnostic.with_help(format!("there is `{meant}`"))),
+            Some(meant) => self.report(diagnostic.with_help(format!("did you mean `{meant}`?"))),
             None => {
                 diagnostic.severity = Severity::Warning;
-                let note = "it is taken to be an extension's and to change no layout";
+                let note = "assumed to belong to an extension and not to affect the layout";
                 self.preprocessor().diagnostics.push(diagnostic.with_note(note));
             }
         }
     }
 
-    /// `precision mediump float;`
+    /// Parses `precision mediump float;`.
     pub(super) fn precision_statement(&mut self) {
-        let said = precision(self.ahead(1).text);
-        if let Some(said) = said {
+        let precision = precision(self.ahead(1).text);
+        if let Some(precision) = precision {
             match self.ahead(2).text {
-                "float" => self.precisions.float = Some(said),
-                "sampler2D" | "samplerCube" => self.precisions.sampled = said,
+                "float" => self.precisions.float = Some(precision),
+                "sampler2D" | "samplerCube" => self.precisions.sampled = precision,
                 _ => {}
             }
         }
@@ -160,7 +160,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The precision of a type: what is written before it, or the default.
+    /// Returns the precision of a type: the one written before it, or the default.
     pub(super) fn precision_of(&self, written: Option<Precision>, name: &str) -> Option<Precision> {
         if !self.has_precisions {
             return None;
@@ -174,7 +174,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Whether a type holds floats, whose default precision `precision … float;` sets.
+/// Whether a type holds floats, whose default precision is set by `precision … float;`.
 pub(super) fn is_float(name: &str) -> bool {
     name == "float" || name.starts_with("vec") || name.starts_with("mat")
 }

@@ -1,4 +1,4 @@
-//! Passing over what is not parsed yet, and going on where a declaration is broken.
+//! Skipping of text not parsed yet, and recovery from broken declarations.
 
 use super::{Bodies, Parser, diagnostic_at};
 use crate::diagnostic::Code;
@@ -6,7 +6,7 @@ use crate::source::Span;
 use crate::syntax::glsl::lexer::{Kind, Token};
 
 impl<'a> Parser<'a> {
-    /// Passes that operator or bracket, or says that it is missing.
+    /// Consumes that operator or bracket, or reports that it is missing.
     pub(super) fn expect_or_report(&mut self, text: &str) -> bool {
         if self.eat(text) {
             return true;
@@ -27,7 +27,7 @@ impl<'a> Parser<'a> {
         false
     }
 
-    /// Passes `}`; says what was left open if it is not there.
+    /// Consumes `}`, or reports the opening brace.
     pub(super) fn close(&mut self, open: &Token<'a>) -> bool {
         if self.eat("}") {
             return true;
@@ -40,8 +40,8 @@ impl<'a> Parser<'a> {
         false
     }
 
-    /// Passes tokens up to one of `ends` outside brackets. Words that can only begin a new
-    /// declaration end it too: then something is missing.
+    /// Skips tokens up to one of `ends` outside brackets. Words that can only begin a new
+    /// declaration end it too, since something is missing then.
     pub(super) fn skip_until(&mut self, ends: &[&str]) {
         let mut depth = 0u32;
         loop {
@@ -62,7 +62,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Passes what stands between a bracket and its partner, both included.
+    /// Skips from a bracket to its partner, both included.
     pub(super) fn skip_balanced(&mut self) {
         let open = *self.token();
         let mut depth = 0u32;
@@ -83,7 +83,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Passes a body by its braces alone; says whether it is closed.
+    /// Skips a body by its braces alone; returns whether it is closed.
     pub(super) fn skip_braces(&mut self) -> bool {
         let mut depth = 0u32;
         loop {
@@ -100,7 +100,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `<…>` after a type that has parameters.
+    /// Skips `<…>` after a type with parameters.
     pub(super) fn skip_angles(&mut self) {
         while !self.is(">") && !self.is(";") && self.token().kind != Kind::End {
             self.bump();
@@ -108,7 +108,7 @@ impl<'a> Parser<'a> {
         self.expect_or_report(">");
     }
 
-    /// Passes everything up to `;`.
+    /// Skips to after `;`, brackets balanced.
     pub(super) fn skip_statement(&mut self) {
         let start = self.token().span;
         while !self.is(";") && self.token().kind != Kind::End {
@@ -127,7 +127,7 @@ impl<'a> Parser<'a> {
         self.end_of_statement();
     }
 
-    /// Passes everything up to `;`, brackets or not.
+    /// Skips to after `;`, ignoring brackets.
     pub(super) fn skip_to_semicolon(&mut self) {
         while !self.is(";") && self.token().kind != Kind::End {
             self.bump();
@@ -135,14 +135,14 @@ impl<'a> Parser<'a> {
         self.eat(";");
     }
 
-    /// Passes `;`, or says that it is missing and goes on at the next declaration.
+    /// Consumes `;`, or reports that it is missing and skips to the next declaration.
     pub(super) fn end_of_statement(&mut self) {
         if !self.expect_or_report(";") {
             self.recover();
         }
     }
 
-    /// Says that the token makes no sense here, and goes on at the next declaration.
+    /// Reports the current token as unexpected and skips to the next declaration.
     pub(super) fn report_unexpected(&mut self) {
         let token = *self.token();
         let previous = self.before(self.at);
@@ -150,17 +150,16 @@ impl<'a> Parser<'a> {
             (Kind::End, _) => {
                 diagnostic_at(&token, Code::Syntax, "the file ends inside a declaration")
             }
-            (_, "}") => diagnostic_at(&token, Code::Syntax, "`}` closes nothing"),
+            (_, "}") => diagnostic_at(&token, Code::Syntax, "unmatched `}`"),
             (Kind::Stray, text) => {
-                let message =
-                    format!("GLSL has no use for the character `{}`", text.escape_debug());
+                let message = format!("unexpected character `{}`", text.escape_debug());
                 diagnostic_at(&token, Code::Syntax, message)
             }
             (_, "(") if previous.kind == Kind::Name => {
                 let name = previous.text;
-                let message = format!("`{name}` is called where a declaration is wanted");
+                let message = format!("expected a declaration, found a call of `{name}`");
                 diagnostic_at(&previous, Code::Syntax, message)
-                    .with_help(format!("define the macro `{name}`, if it is one"))
+                    .with_help(format!("if `{name}` is a macro, define it"))
             }
             (_, text) => {
                 diagnostic_at(&token, Code::Syntax, format!("unexpected `{text}` in a declaration"))
@@ -170,7 +169,7 @@ impl<'a> Parser<'a> {
         self.recover();
     }
 
-    /// Goes on at what looks like the next declaration.
+    /// Skips to what looks like the next declaration.
     pub(super) fn recover(&mut self) {
         if self.stands_at_declaration() {
             return;
@@ -208,14 +207,14 @@ impl<'a> Parser<'a> {
             self.load(self.at);
             return;
         }
-        // Never closed, or looked beyond: what caused it is reported already.
+        // Never closed, or examined past its end: the cause is reported already.
         while self.token().kind != Kind::End && !self.is("}") {
             self.bump();
         }
         self.bump();
     }
 
-    /// After a syntax error among members: on to the next `;` or before the closing brace.
+    /// Skips to the next `;` or before the closing brace, after a syntax error among members.
     pub(super) fn recover_member(&mut self) {
         while !matches!(self.token().text, ";" | "}") && self.token().kind != Kind::End {
             if matches!(self.token().text, "(" | "[" | "{") {
@@ -232,7 +231,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// Words that begin a declaration and stand nowhere else at this level.
+/// Whether a word begins a declaration and occurs nowhere else at this level.
 fn begins_declaration(word: &str) -> bool {
     matches!(word, "uniform" | "struct" | "layout" | "void" | "precision" | "attribute" | "varying")
 }

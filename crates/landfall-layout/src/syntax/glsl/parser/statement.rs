@@ -5,11 +5,11 @@ use crate::syntax::glsl::ast::{Condition, Declaration, Declarator, For, Statemen
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::builtin;
 
-/// Statements nest this deep at most; `else if` nests.
+/// The limit on nested statements; `else if` nests.
 const DEEPEST_STATEMENT: u32 = 200;
 
 impl<'a> Parser<'a> {
-    /// The statements of a function.
+    /// Parses the statements of a function.
     pub(super) fn body(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let (structures, precisions) = (self.structures.clone(), self.precisions);
         (self.depth, self.statements) = (0, 0);
@@ -21,7 +21,7 @@ impl<'a> Parser<'a> {
         Ok(statements)
     }
 
-    /// Statements up to `}`, which is passed.
+    /// Parses statements up to `}`, which is consumed.
     pub(super) fn block(&mut self) -> Parsed<Vec<Statement<'a>>> {
         let structures = self.structures.clone();
         let precisions = self.precisions;
@@ -175,7 +175,7 @@ impl<'a> Parser<'a> {
         Ok(Condition::Declaration(Declaration { tokens, qualifiers, ty, names, broken: false }))
     }
 
-    /// Whether a declaration stands here, not an expression.
+    /// Whether a declaration is next rather than an expression.
     pub(super) fn begins_declaration(&mut self) -> bool {
         let token = *self.token();
         if token.kind != Kind::Name {

@@ -1,44 +1,44 @@
-//! Why a part of a shader's text cannot be parsed.
+//! Syntax errors in a part of a shader's text.
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax::glsl::evaluate::Problem;
 
-/// A result of parsing.
+/// The result of parsing.
 pub type Parsed<T> = Result<T, SyntaxError>;
 
 /// A syntax error.
 #[derive(Clone, Debug)]
 pub enum SyntaxError {
-    /// A token that does not belong where it stands.
+    /// An unexpected token.
     Unexpected {
-        /// Its place.
+        /// The span.
         span: Span,
-        /// Its spelling; empty at the end of the file.
+        /// The spelling; empty at the end of the file.
         found: String,
-        /// Whether it stands after the end of what is parsed.
+        /// Whether it is past the end of the parsed part.
         end: bool,
-        /// What the grammar allows there.
+        /// The expected syntax.
         wanted: Wanted,
     },
-    /// Nesting deeper than the parser goes.
+    /// Nesting deeper than the limit.
     TooDeep {
-        /// Where the limit was reached.
+        /// The place where the limit was exceeded.
         span: Span,
-        /// What nests.
+        /// The nested construct, with its verb.
         what: &'static str,
         /// The limit.
         limit: u32,
     },
-    /// Any other.
+    /// Any other error.
     Other(Box<Diagnostic>),
 }
 
-/// What the grammar allows at a place.
+/// The syntax allowed at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// That token.
+    /// A given token.
     Token(&'static str),
     /// A comma or the closing bracket.
     CommaOr(&'static str),
@@ -46,12 +46,12 @@ pub enum Wanted {
     Name,
     /// An expression.
     Expression,
-    /// Nothing more.
+    /// The end.
     End,
 }
 
 impl SyntaxError {
-    /// The error as a finding.
+    /// Returns the error as a diagnostic.
     pub fn diagnostic(self) -> Box<Diagnostic> {
         Box::new(match self {
             SyntaxError::Unexpected { span, found, wanted, .. } => {
@@ -76,14 +76,14 @@ impl SyntaxError {
         })
     }
 
-    /// The error as why a constant expression that stands at `whole` has no value.
+    /// Returns the error as the reason why a constant expression at `whole` has no value.
     pub fn problem(self, whole: Span) -> Problem {
         match self {
             SyntaxError::Unexpected { end: true, .. } => Problem::new(whole, "ends too early"),
             SyntaxError::Unexpected { span, found, wanted, .. } => {
                 let message = match wanted {
-                    Wanted::Token(text) => format!("has `{found}` where `{text}` is wanted"),
-                    Wanted::CommaOr(_) => format!("has `{found}` where `,` is wanted"),
+                    Wanted::Token(text) => format!("has `{found}` where `{text}` is expected"),
+                    Wanted::CommaOr(_) => format!("has `{found}` where `,` is expected"),
                     Wanted::Name | Wanted::Expression | Wanted::End => {
                         format!("has an unexpected `{found}`")
                     }
@@ -94,8 +94,8 @@ impl SyntaxError {
                 Problem::new(span, format!("is nested more than {limit} deep"))
             }
             SyntaxError::Other(diagnostic) => {
-                let span = diagnostic.labels.first().map_or(whole, |label| label.span);
-                Problem::new(span, format!("cannot be read: {}", diagnostic.message))
+                let span = diagnostic.labels.first().map_or(whole, |label| label.at);
+                Problem::new(span, format!("cannot be parsed: {}", diagnostic.message))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Macros where they are used: their arguments read, their bodies put in front of the stream.
+//! Macro expansion: parses arguments and puts the expansion in front of the stream.
 //!
 //! Called by [`preprocess`](super) for every name.
 
@@ -8,14 +8,14 @@ use crate::diagnostic::Diagnostic;
 use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::macros::{Macro, paste};
 
-/// Tokens that macros may expand to in one shader; beyond lies a text made to exhaust memory.
+/// The limit on tokens that macros may expand to in one shader; guards against exhausting memory.
 const MOST_EXPANDED: usize = 1 << 20;
 
-/// Deepest nesting of macro calls inside the arguments of macro calls.
+/// The limit on nested macro calls in arguments.
 const DEEPEST_ARGUMENTS: u32 = 64;
 
 impl<'a> Preprocessor<'a> {
-    /// Expands a name if it is a macro; `None` when its expansion was put in front of the stream.
+    /// Expands a name if it is a macro; `None` if its expansion was put in front of the stream.
     pub(super) fn expand(&mut self, mut token: Token<'a>) -> Option<Token<'a>> {
         if token.text.starts_with("__") {
             if let Some(text) = self.line_or_file(&token) {
@@ -61,7 +61,7 @@ impl<'a> Preprocessor<'a> {
         None
     }
 
-    /// Counts tokens that macros made or were given; whether they are still few enough.
+    /// Counts tokens produced by or passed to macros; returns whether they are within the limit.
     fn count_expanded(&mut self, tokens: usize, at: &Token<'a>) -> bool {
         self.expanded += tokens;
         if self.expanded > MOST_EXPANDED && !self.stopped {
@@ -75,7 +75,7 @@ impl<'a> Preprocessor<'a> {
         !self.stopped
     }
 
-    /// The arguments of a macro call, `(` passed; `None` when the call is broken.
+    /// Returns the arguments of a macro call, after its `(`; `None` if the call is broken.
     fn arguments(&mut self, name: &Token<'a>, wanted: usize) -> Option<Vec<Vec<Token<'a>>>> {
         let mut arguments = vec![Vec::new()];
         let mut depth = 0u32;
@@ -98,7 +98,7 @@ impl<'a> Preprocessor<'a> {
             }
             arguments.last_mut().expect("there is always a current argument").push(token);
         }
-        // Calls inside each other read what is inside them once a level.
+        // Nested calls read their arguments again at each level.
         let given = arguments.iter().map(Vec::len).sum();
         if !self.count_expanded(given, name) {
             return None;
@@ -108,7 +108,7 @@ impl<'a> Preprocessor<'a> {
         }
         if arguments.len() != wanted {
             let message = format!(
-                "macro `{}` takes {wanted} arguments, but is given {}",
+                "macro `{}` takes {wanted} arguments, but {} were given",
                 name.text,
                 arguments.len()
             );
@@ -118,7 +118,7 @@ impl<'a> Preprocessor<'a> {
         Some(arguments)
     }
 
-    /// The body of a function-like macro with its parameters replaced.
+    /// Returns the body of a function-like macro with its parameters replaced.
     fn substitute(
         &mut self,
         definition: &Macro<'a>,
@@ -135,7 +135,7 @@ impl<'a> Preprocessor<'a> {
                 tokens.push(at_use(token, site));
                 continue;
             };
-            // Operands of `##` are taken as written, other arguments are expanded first.
+            // Operands of `##` are used as written, other arguments are expanded first.
             let pasted = (i > 0 && definition.body[i - 1].is("##"))
                 || definition.body.get(i + 1).is_some_and(|next| next.is("##"));
             if pasted {
@@ -181,7 +181,7 @@ impl<'a> Preprocessor<'a> {
         result
     }
 
-    /// `__LINE__` and `__FILE__`.
+    /// Returns the value of `__LINE__` and `__FILE__`.
     fn line_or_file(&self, token: &Token<'a>) -> Option<&'a str> {
         match token.text {
             "__LINE__" => Some(self.keep(&self.files.locate(token.span).line.to_string())),
@@ -191,7 +191,7 @@ impl<'a> Preprocessor<'a> {
     }
 }
 
-/// A token of a macro's body as it appears where the macro is used.
+/// Returns a token of a macro's body with the span of the macro's use.
 fn at_use<'a>(token: &Token<'a>, site: &Token<'a>) -> Token<'a> {
     Token {
         span: site.span,

@@ -1,6 +1,6 @@
-//! The hazard of an operation, by what the operation is and the roles of the inputs behind it.
+//! The hazard of an operation, by its kind and the roles of its inputs.
 //!
-//! Asked by [`classify`](super) for operations without a defined value and for losses.
+//! Used by [`classify`](super) for operations without a defined value and for losses.
 
 use super::{Candidate, Performed, undefined};
 use crate::accuracy::stress::blame::Graph;
@@ -13,7 +13,7 @@ use landfall_ir::analysis::hazard::threshold::{
     ABOVE_ONE, COORDINATE, EXPONENT, LENGTH, NARROW, ORIGIN,
 };
 
-/// One sample with the graph of its operations.
+/// A sample with the graph of its operations.
 pub(super) struct Look<'a> {
     pub graph: Graph<'a>,
     pub sample: &'a Sample,
@@ -42,7 +42,7 @@ impl Look<'_> {
         self.graph.inputs[at].role
     }
 
-    /// The values of an input.
+    /// Returns the values of an input.
     fn values(&self, at: usize) -> Vec<f32> {
         self.graph.inputs[at].range().map(|i| float(self.sample, i)).collect()
     }
@@ -93,7 +93,7 @@ impl Look<'_> {
         self.candidate(step, hazard, about, Some(kind))
     }
 
-    /// The vector whose square, or the root of it, a number is.
+    /// Returns the vector whose squared length, or length, a number is.
     fn squared(&self, source: Source) -> Option<Vec<Source>> {
         let (step, _) = self.graph.step(source)?;
         match step.operation {
@@ -109,7 +109,7 @@ impl Look<'_> {
         }
     }
 
-    /// Why a vector is zero.
+    /// Returns why a vector is zero.
     fn zero_vector(&self, components: &[Source]) -> (Hazard, Vec<usize>) {
         let behind = self.graph.inputs_of(components.iter().copied());
         let vectors: Vec<usize> =
@@ -173,7 +173,7 @@ impl Look<'_> {
                 }
                 _ => {}
             }
-            // Of angles, the cosines are computed here.
+            // Cut-offs that are angles have their cosines computed here.
             let cones: Vec<usize> =
                 behind.iter().copied().filter(|&at| self.role(at).is_cone()).collect();
             match cones.len() {
@@ -250,7 +250,7 @@ impl Look<'_> {
         step.operands[0].source == step.operands[1].source
     }
 
-    /// The operation that spoilt the worst component.
+    /// Returns the operation that introduced the error of the worst component.
     pub fn inaccurate(&self, floats: &[(usize, usize)], called: &PureCalled) -> Option<Candidate> {
         let sources = self.graph.pure.sources(self.graph.trace);
         let mut flat = 0;
@@ -272,7 +272,7 @@ impl Look<'_> {
         }
         let guilty = self.graph.guilty(worst?.1)?;
         let step = &self.graph.trace.steps[guilty];
-        // What has no defined value is a finding of its own.
+        // An undefined value is a finding of its own.
         if undefined(step).is_some() {
             return None;
         }
@@ -280,7 +280,7 @@ impl Look<'_> {
         Some(self.candidate(step, hazard, about, None))
     }
 
-    /// What kind of loss an operation is that had right operands and gave a wrong result.
+    /// Returns the kind of loss of an operation with accurate operands and a wrong result.
     fn loss(&self, step: &Step) -> (Hazard, Vec<usize>) {
         let behind = || self.graph.inputs_of(Self::sources(step));
         let largest = largest(step);

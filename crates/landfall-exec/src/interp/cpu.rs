@@ -1,0 +1,351 @@
+//! The evaluator as a [`Backend`]: grids of workgroups, pixels and points.
+//!
+//! Takes a [`Job`], compiles its modules once, runs them with [`drive`](super::drive).
+
+use crate::backend::BackendKind;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::code::LANES;
+use super::drive::Outcome;
+use super::interface::{Plug, Port};
+use super::machine::Machine;
+use super::numbers::Numbers;
+use super::pixels::{Triangle, row, tile};
+use super::program::{BufferSpace, Floats, Program};
+use super::real::{Real, Shadow};
+use super::stage::{Invocations, Notes, Precision, Settings, failure, mask, put, refused_for};
+use crate::backend::{Backend, Device, Failure, FailureKind, Grid, Job, JobOutput, StageCode};
+use landfall_ir::Module;
+use landfall_layout::source::{Language, Stage, kind_of_path};
+
+/// The evaluator as a [`Backend`].
+#[derive(Debug)]
+pub struct Cpu {
+    /// The settings of runs; a job's limit becomes the deadline.
+    pub settings: Settings,
+    /// The notes of the last run.
+    pub notes: Notes,
+    device: Device,
+    floats: Floats,
+    /// The compiled modules.
+    compiled: Vec<(Arc<Module>, Arc<Program>)>,
+}
+
+/// Output 0 of a batch, and the mask of lanes that have one.
+type Tile = (Numbers, u64);
+
+/// The number of compiled modules kept.
+const KEPT: usize = 8;
+
+impl Cpu {
+    /// Returns an evaluator with the given settings.
+    pub fn new(settings: Settings) -> Cpu {
+        Cpu::rounded(settings, Floats::AsWritten)
+    }
+
+    /// Returns an evaluator whose floats are rounded to a lower precision.
+    pub fn rounded(settings: Settings, floats: Floats) -> Cpu {
+        let device = Device {
+            backend: BackendKind::Cpu,
+            adapter: "landfall evaluator".into(),
+            driver: "landfall".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            software: true,
+        };
+        Cpu { settings, notes: Notes::default(), device, floats, compiled: Vec::new() }
+    }
+
+    fn program(&mut self, stage: &StageCode) -> Result<Arc<Program>, Failure> {
+        let Some(module) = &stage.module else {
+            return Err(refused_for("a stage without a module"));
+        };
+        if let Some((_, program)) = self.compiled.iter().find(|(m, _)| Arc::ptr_eq(m, module)) {
+            return Ok(program.clone());
+        }
+        let program = Arc::new(Program::rounded(module, &[], self.floats));
+        if self.compiled.len() == KEPT {
+            self.compiled.remove(0);
+        }
+        self.compiled.push((module.clone(), program.clone()));
+        Ok(program)
+    }
+
+    fn run_in<R: Real>(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        let deadline = Instant::now().checked_add(job.limit);
+        let settings = Settings { deadline, ..self.settings.clone() };
+        let stage = |kind: Stage| job.stages.iter().find(|s| s.stage == kind);
+        let (notes, buffers, pixels) = match job.grid {
+            Grid::Groups(groups) => {
+                let Some(code) = stage(Stage::Compute) else {
+                    return Err(failure(FailureKind::Refused, "no compute stage to run".into()));
+                };
+                let program = self.program(code)?;
+                let outcome = compute::<R>(&program, &code.entry, groups, job, &settings)?;
+                (outcome.notes, outcome.left, Vec::new())
+            }
+            Grid::Image { width, height, .. } => {
+                let Some(code) = stage(Stage::Fragment) else {
+                    return Err(failure(FailureKind::Refused, "no fragment stage to run".into()));
+                };
+                let program = self.program(code)?;
+                let triangle = match stage(Stage::Vertex) {
+                    Some(vertex) => Some(self.triangle(vertex, &program, code, job, &settings)?),
+                    None => None,
+                };
+                let size = [width, height];
+                let entry = &code.entry;
+                let (outcome, pixels) =
+                    image::<R>(&program, entry, size, triangle.as_ref(), job, &settings)?;
+                (outcome.notes, outcome.left, pixels)
+            }
+            Grid::Points { count, .. } => {
+                let (Some(vertex), Some(code)) = (stage(Stage::Vertex), stage(Stage::Fragment))
+                else {
+                    let message = "no vertex and fragment stage to run".into();
+                    return Err(failure(FailureKind::Refused, message));
+                };
+                let vertices = self.vertices(vertex, count as usize, job, &settings)?;
+                let program = self.program(code)?;
+                let mut inputs = vertices.ports;
+                let columns =
+                    (0..u64::from(count)).map(|i| u64::from((i as f32 + 0.5).to_bits())).collect();
+                let row = vec![u64::from(0.5f32.to_bits()); count as usize];
+                inputs.retain(|(port, _)| *port != Port::Position);
+                let mut inputs: Vec<_> =
+                    inputs.into_iter().map(|(port, numbers)| (port, numbers.words)).collect();
+                inputs.push((Port::Position, vec![columns, row]));
+                let invocations = Invocations { count: count as usize, inputs };
+                let outputs =
+                    program.run_entry(&code.entry, &invocations, &job.resources, &settings)?;
+                let first = outputs.ports.iter().find(|(port, _)| *port == Port::Location(0));
+                let pixels = (0..count as usize)
+                    .map(|i| first.map_or([0; 4], |(_, numbers)| pixel(numbers, i)))
+                    .collect();
+                let buffers = vertices.buffers.into_iter().zip(outputs.buffers);
+                let left = buffers.map(|(vertex, fragment)| vertex.or(fragment)).collect();
+                (outputs.notes, left, pixels)
+            }
+        };
+        self.notes = notes;
+        Ok(JobOutput { buffers, pixels })
+    }
+
+    fn vertices(
+        &mut self,
+        vertex: &StageCode,
+        count: usize,
+        job: &Job,
+        settings: &Settings,
+    ) -> Result<super::Outputs, Failure> {
+        let program = self.program(vertex)?;
+        let numbers: Vec<u64> = (0..count as u64).collect();
+        let inputs = vec![(Port::VertexIndex, vec![numbers])];
+        let invocations = Invocations { count, inputs };
+        program.run_entry(&vertex.entry, &invocations, &job.resources, settings)
+    }
+
+    /// Returns the triangle of a vertex stage's first three vertices.
+    fn triangle(
+        &mut self,
+        vertex: &StageCode,
+        fragment: &Program,
+        code: &StageCode,
+        job: &Job,
+        settings: &Settings,
+    ) -> Result<Triangle, Failure> {
+        let entry = fragment.entry(&code.entry)?;
+        let interface = fragment.functions[entry as usize].interface.as_ref();
+        let plugs = interface.map_or(&[][..], |i| &i.inputs);
+        let outputs = self.vertices(vertex, 3, job, settings)?;
+        let text = vertex.module.as_ref().and_then(|m| m.files.get(0));
+        let wgsl = text
+            .and_then(|file| kind_of_path(Path::new(&file.path)))
+            .is_some_and(|(language, _)| language == Language::Wgsl);
+        Ok(Triangle::new(&outputs.ports, plugs, wgsl))
+    }
+}
+
+impl Default for Cpu {
+    fn default() -> Cpu {
+        Cpu::new(Settings::default())
+    }
+}
+
+impl Backend for Cpu {
+    fn device(&self) -> &Device {
+        &self.device
+    }
+
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        match self.settings.precision {
+            Precision::Single => self.run_in::<f32>(job),
+            Precision::Double => self.run_in::<f64>(job),
+            Precision::Both => self.run_in::<Shadow>(job),
+            // The output has room for the `f32` only.
+            Precision::Permitted => self.run_in::<f32>(job),
+        }
+    }
+}
+
+/// Returns a pixel of a fragment's output.
+fn pixel(numbers: &Numbers, lane: usize) -> [u32; 4] {
+    let mut pixel = [0; 4];
+    for (to, words) in pixel.iter_mut().zip(&numbers.words) {
+        *to = words[lane] as u32;
+    }
+    pixel
+}
+
+/// Runs workgroups one after the other.
+fn compute<R: Real>(
+    program: &Program,
+    entry: &str,
+    groups: [u32; 3],
+    job: &Job,
+    settings: &Settings,
+) -> Result<Outcome<()>, Failure> {
+    let number = program.entry(entry)?;
+    let code = &program.functions[number as usize];
+    let interface = code.interface.as_ref().expect("an entry point has an interface");
+    if interface.stage != Some(Stage::Compute) {
+        return Err(failure(FailureKind::Refused, format!("`{entry}` is not a compute stage")));
+    }
+    let bound = program.bind(number, &job.resources)?;
+    let size = interface.workgroup;
+    let volume =
+        |v: [u32; 3]| v.iter().try_fold(1usize, |product, &n| product.checked_mul(n as usize));
+    let (Some(invocations), Some(count)) = (volume(size), volume(groups)) else {
+        return Err(failure(FailureKind::Refused, "too many workgroups".into()));
+    };
+    let chunks = invocations.div_ceil(LANES).max(1);
+    let Some(batches) = count.checked_mul(chunks) else {
+        return Err(failure(FailureKind::Refused, "too many workgroups".into()));
+    };
+    let settings = Settings { threads: 1, ..settings.clone() };
+    program.drive::<R, ()>(&bound, batches, &settings, |m, batch| {
+        let (group, chunk) = (batch / chunks, batch % chunks);
+        if chunk == 0 {
+            for (info, memory) in program.buffers.iter().zip(&mut m.buffers) {
+                if info.space == BufferSpace::Workgroup {
+                    memory.bytes.to_mut().fill(0);
+                }
+            }
+        }
+        m.barriers = chunks == 1;
+        let lanes = LANES.min(invocations - chunk * LANES);
+        let group = split(group, groups);
+        for plug in &interface.inputs {
+            for (axis, &reg) in plug.regs.iter().enumerate() {
+                let words: Vec<u64> = (0..lanes)
+                    .map(|lane| {
+                        let index = chunk * LANES + lane;
+                        let local = split(index, size);
+                        u64::from(match plug.port {
+                            Port::GlobalInvocationId => {
+                                group[axis].wrapping_mul(size[axis]).wrapping_add(local[axis])
+                            }
+                            Port::LocalInvocationId => local[axis],
+                            Port::LocalInvocationIndex => index as u32,
+                            Port::WorkgroupId => group[axis],
+                            Port::WorkgroupSize => size[axis],
+                            Port::NumWorkgroups => groups[axis],
+                            _ => 0,
+                        })
+                    })
+                    .collect();
+                put(m, reg, &words);
+            }
+        }
+        m.invoke(number, program.starts[number as usize], mask(lanes))
+    })
+}
+
+/// Returns a linear index as coordinates in a box, x running fastest.
+fn split(number: usize, size: [u32; 3]) -> [u32; 3] {
+    let (x, y) = (size[0].max(1) as usize, size[1].max(1) as usize);
+    [(number % x) as u32, (number / x % y) as u32, (number / x / y) as u32]
+}
+
+/// Renders an image in tiles of eight by eight, or row by row if it is low.
+fn image<R: Real>(
+    program: &Program,
+    entry: &str,
+    [width, height]: [u32; 2],
+    triangle: Option<&Triangle>,
+    job: &Job,
+    settings: &Settings,
+) -> Result<(Outcome<Tile>, Vec<[u32; 4]>), Failure> {
+    let number = program.entry(entry)?;
+    let code = &program.functions[number as usize];
+    let interface = code.interface.as_ref().expect("an entry point has an interface");
+    let bound = program.bind(number, &job.resources)?;
+    let helpers = program.uses(number).derivatives;
+    let pixels = (width as usize).checked_mul(height as usize).filter(|&n| n <= 1 << 28);
+    // Row by row, if tiles would be half empty and no derivatives are taken.
+    let rows = height < 8 && !helpers;
+    let across = width.div_ceil(8) as usize;
+    let batches = match rows {
+        true => pixels.map(|pixels| pixels.div_ceil(LANES)),
+        false => across.checked_mul(height.div_ceil(8) as usize),
+    };
+    let places = |batch| if rows { row(batch, width) } else { tile(batch, across) };
+    let (Some(batches), Some(pixels)) = (batches, pixels) else {
+        let message = format!("an image of {width} by {height} pixels is too large");
+        return Err(failure(FailureKind::Refused, message));
+    };
+    let first = interface.outputs.iter().find(|plug| plug.port == Port::Location(0));
+    let outcome = program.drive::<R, Tile>(&bound, batches, settings, |m, batch| {
+        let places = places(batch);
+        let mut inside = 0u64;
+        for (lane, [x, y]) in places.iter().enumerate() {
+            inside |= u64::from(*x < width && *y < height) << lane;
+        }
+        let mut covered = inside;
+        match triangle {
+            Some(triangle) => {
+                covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
+            }
+            None => plain(m, &interface.inputs, &places),
+        }
+        // Helper invocations beside the edge, so that derivatives have both sides of a quad.
+        let run = if helpers && covered != 0 { u64::MAX } else { covered };
+        m.invoke(number, program.starts[number as usize], run)?;
+        let numbers = first.map_or_else(Numbers::default, |plug| {
+            Numbers::read(m, &plug.regs[..plug.regs.len().min(4)], LANES)
+        });
+        Ok((numbers, covered & !m.killed))
+    })?;
+    let mut all = vec![[0; 4]; pixels];
+    for (batch, (numbers, written)) in outcome.results.iter().enumerate() {
+        for (lane, [x, y]) in places(batch).into_iter().enumerate() {
+            if written >> lane & 1 == 1 {
+                all[y as usize * width as usize + x as usize] = pixel(numbers, lane);
+            }
+        }
+    }
+    Ok((outcome, all))
+}
+
+/// Sets the inputs of fragments without a vertex stage: their position only.
+fn plain<R: Real>(m: &mut Machine<R>, inputs: &[Plug], places: &[[u32; 2]; LANES]) {
+    for plug in inputs {
+        for (axis, &reg) in plug.regs.iter().enumerate() {
+            match plug.port {
+                Port::Position => {
+                    let to = m.reals_of(reg);
+                    for (to, place) in to.iter_mut().zip(places) {
+                        *to = match axis {
+                            0 | 1 => R::narrow(place[axis] as f32 + 0.5),
+                            2 => R::narrow(0.0),
+                            _ => R::narrow(1.0),
+                        };
+                    }
+                }
+                Port::FrontFacing => *m.words_of(reg) = [1; LANES],
+                _ => put(m, reg, &[]),
+            }
+        }
+    }
+}

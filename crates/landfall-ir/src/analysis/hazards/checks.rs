@@ -1,0 +1,437 @@
+//! Checks each operation for hazards under the conditions that hold there.
+//!
+//! Called by [`expression`](super::expression) and [`walk`](super::walk). A guard that
+//! [`abstract_domain`](super::abstract_domain) recognises prevents a report; where it cannot
+//! decide, the report is *possible* only.
+
+use super::graph::{Id, Leaf, Op, Origin};
+use super::memory::Value;
+use super::walk::{Frame, Walk};
+use super::{Certainty, Hazard, Kind, Occurrence};
+use crate::analysis::hazard::threshold::COSINE;
+use crate::analysis::identifier;
+use crate::analysis::roles::Role;
+use landfall_layout::source::{Language, Span};
+use naga::{BinaryOperator as B, MathFunction as M};
+
+/// A hazard that an enclosing selection may still rule out.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    pub hazard: Occurrence,
+    node: Id,
+    /// The condition on a value that rules it out.
+    need: Option<Need>,
+}
+
+impl Candidate {
+    /// Creates a hazard that no selection rules out.
+    pub fn plain(hazard: Occurrence) -> Candidate {
+        Candidate { hazard, node: 0, need: None }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Need {
+    Nonzero(Id),
+    NotNegative(Id),
+}
+
+/// The number of latest hazards that a selection may rule out.
+const MOST_RECONSIDERED: usize = 64;
+
+impl<'m> Walk<'m> {
+    pub fn report(
+        &mut self,
+        kind: Kind,
+        hazard: Hazard,
+        certainty: Certainty,
+        span: Span,
+        about: String,
+    ) -> &mut Candidate {
+        let found = Occurrence { kind, hazard, certainty, span, about, number: None };
+        self.candidates.push(Candidate::plain(found));
+        self.candidates.last_mut().expect("just pushed")
+    }
+
+    /// Removes the hazards that cannot occur where the value is selected.
+    pub fn reconsider(&mut self, chosen: Id) {
+        let mut met = Vec::new();
+        let latest = self.candidates.len().saturating_sub(MOST_RECONSIDERED);
+        for (index, candidate) in self.candidates.iter().enumerate().skip(latest) {
+            let Some(need) = candidate.need else { continue };
+            let node = candidate.node;
+            if !self.graph.contains(chosen, &mut |id| id == node) {
+                continue;
+            }
+            let is_met = match need {
+                Need::Nonzero(id) => self.facts(id).nonzero,
+                Need::NotNegative(id) => self.facts(id).low >= 0.0,
+            };
+            if is_met {
+                met.push(index);
+            }
+        }
+        for index in met.into_iter().rev() {
+            self.candidates.remove(index);
+        }
+    }
+
+    pub fn look_at_math(&mut self, fun: M, args: &[Id], id: Id, span: Span, wide: bool) {
+        match (fun, args) {
+            (M::Normalize, &[v]) => {
+                if wide && self.is_wide_normal(v) {
+                    let kind = Kind::Vec4Normalise;
+                    self.report(
+                        kind,
+                        Hazard::Vec4Normalise,
+                        Certainty::Likely,
+                        span,
+                        String::new(),
+                    );
+                }
+                self.look_at_direction(v, id, span);
+            }
+            (M::InverseSqrt, &[square]) => {
+                if let Some(v) = self.square_of(square) {
+                    if !self.facts(square).nonzero {
+                        self.look_at_direction(v, id, span);
+                    }
+                }
+            }
+            (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
+            (M::Reflect, &[_, normal]) => self.look_at_normal(normal, Certainty::Likely, span),
+            // A diffuse term is only darker for it.
+            (M::Dot, &[a, b]) if a != b => {
+                self.look_at_normal(a, Certainty::Possible, span);
+                self.look_at_normal(b, Certainty::Possible, span);
+            }
+            (M::SmoothStep, &[low, high, x]) => {
+                let cones = [low, high].map(|edge| self.cone(edge));
+                if let [Some(about), Some(_)] = cones {
+                    self.report(
+                        Kind::ConeDivision,
+                        Hazard::EqualCutOffs,
+                        Certainty::Possible,
+                        span,
+                        about.clone(),
+                    );
+                    if self.is_cosine(x) {
+                        self.report(
+                            Kind::CosineCone,
+                            Hazard::NarrowCone,
+                            Certainty::Possible,
+                            span,
+                            about,
+                        );
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub fn look_at_binary(&mut self, op: B, a: Id, b: Id, id: Id, span: Span) {
+        match op {
+            B::Divide => self.look_at_division(a, b, id, span),
+            B::Less | B::LessEqual | B::Greater | B::GreaterEqual => {
+                self.look_at_comparison(a, b, span);
+                self.look_at_comparison(b, a, span);
+            }
+            B::Subtract => {
+                if let (true, Some(about)) = (self.is_cosine(a), self.cone(b)) {
+                    self.report(
+                        Kind::CosineCone,
+                        Hazard::NarrowCone,
+                        Certainty::Possible,
+                        span,
+                        about.clone(),
+                    );
+                    let (kind, sure) = (Kind::DegreesForCosine, Certainty::Possible);
+                    self.report(kind, Hazard::ConeOutOfRange, sure, span, about);
+                }
+                if self.is_compensation(a, b) && !self.setting.precise {
+                    let kind = Kind::KahanWithoutPrecise;
+                    self.report(
+                        kind,
+                        Hazard::KahanWithoutPrecise,
+                        Certainty::Certain,
+                        span,
+                        String::new(),
+                    );
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Reports a sum whose variable is not initialised. `span` is the sum.
+    pub fn look_at_store(&mut self, frame: &Frame<'m>, to: &Value, value: Id, span: Option<Span>) {
+        let (Language::Glsl, Some(span)) = (self.setting.language, span) else { return };
+        let Value::At(cell, _) = to else { return };
+        let before = self.load(to, None);
+        let undefined = |id: Id| matches!(self.graph.op(id), Op::Undefined(_));
+        let nothing = match self.graph.op(before) {
+            Op::Undefined(_) => true,
+            Op::Looping(_) => undefined(self.graph.args(before)[0]),
+            _ => false,
+        };
+        if !nothing || !self.is_summand(before, value, 0) {
+            return;
+        }
+        let local = cell.checked_sub(frame.locals);
+        let mut locals = frame.function.local_variables.iter();
+        let name = local.and_then(|local| locals.nth(local)).and_then(|(_, v)| v.name.clone());
+        let kind = Kind::UninitialisedAccumulator;
+        self.report(
+            kind,
+            Hazard::Uninitialised,
+            Certainty::Certain,
+            span,
+            name.unwrap_or_default(),
+        );
+    }
+
+    fn is_summand(&self, of: Id, sum: Id, depth: u32) -> bool {
+        let Some((a, b)) = self.graph.binary(sum, B::Add) else { return false };
+        depth < 16 && [a, b].into_iter().any(|id| id == of || self.is_summand(of, id, depth + 1))
+    }
+
+    /// Reports a normalised vector that may be zero.
+    fn look_at_direction(&mut self, v: Id, id: Id, span: Span) {
+        if self.facts(v).nonzero {
+            return;
+        }
+        let Some((number, about)) = self.difference(v) else { return };
+        let kind = Kind::UnguardedNormalize;
+        let candidate = self.report(kind, number, Certainty::Possible, span, about);
+        (candidate.node, candidate.need) = (id, Some(Need::Nonzero(v)));
+    }
+
+    /// Returns the hazard and the path of a point if a vector is the difference of two points of
+    /// which one is a light or the camera.
+    fn difference(&self, v: Id) -> Option<(Hazard, String)> {
+        let (a, b) = self.graph.binary(self.graph.bare(v), B::Subtract)?;
+        let position = |leaf: &Leaf| leaf.role == Some(Role::Position);
+        let camera = |leaf: &Leaf| {
+            let said = identifier::words(&leaf.name);
+            let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
+            leaf.origin != Origin::Interpolated && says(&["view", "camera", "cam", "eye"])
+        };
+        // Between two members of blocks it is the program's to see to.
+        let varies = |id: Id| {
+            self.graph.contains(id, &mut |id| match self.graph.op(id) {
+                Op::Opaque(_) => true,
+                _ => self.graph.as_leaf(id).is_some_and(|leaf| leaf.origin != Origin::Block),
+            })
+        };
+        let find = |wanted: &dyn Fn(&Leaf) -> bool| {
+            let one_of = |one, other| {
+                let leaf = self.graph.leaf_below(one, wanted)?;
+                varies(other).then(|| leaf.path.clone())
+            };
+            one_of(a, b).or_else(|| one_of(b, a))
+        };
+        find(&position)
+            .map(|path| (Hazard::LightAtFragment, path))
+            .or_else(|| find(&camera).map(|path| (Hazard::CameraAtFragment, path)))
+    }
+
+    /// Returns the vector whose squared length, or length, a value is.
+    fn square_of(&self, id: Id) -> Option<Id> {
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Dot), &[a, b]) if a == b => Some(a),
+            (Op::Math(M::Length), &[v]) => Some(v),
+            (Op::Math(M::Pow), &[x, _]) => self.square_of(x),
+            (Op::Binary(B::Multiply), &[a, b]) if a == b => self.square_of(a),
+            _ => None,
+        }
+    }
+
+    fn look_at_division(&mut self, above: Id, below: Id, id: Id, span: Span) {
+        if self.facts(below).nonzero {
+            return;
+        }
+        let weakens = |leaf: &Leaf| leaf.role.is_some_and(Role::is_attenuation);
+        let cone = |leaf: &Leaf| leaf.role.is_some_and(Role::is_cone);
+        let found = if let Some(v) = self.square_of(below) {
+            let Some((number, about)) = self.difference(v) else { return };
+            match v == above {
+                true => (Kind::UnguardedNormalize, number, about),
+                false if number == Hazard::LightAtFragment => {
+                    (Kind::AttenuationDivision, Hazard::AttenuationAtLight, about)
+                }
+                false => return,
+            }
+        } else if let Some(leaf) = {
+            let first = |leaf: &Leaf| leaf.role == Some(Role::Constant);
+            let first = self.graph.leaf_below(below, &first);
+            first.or_else(|| self.graph.leaf_below(below, &weakens))
+        } {
+            (Kind::AttenuationDivision, Hazard::AttenuationUnset, leaf.path.clone())
+        } else if let Some(leaf) = self.graph.leaf_below(below, &cone) {
+            // `inner - outer`, or `1 - cutoff`.
+            let Some((a, b)) = self.graph.binary(below, B::Subtract) else { return };
+            let both = [a, b].iter().all(|&id| self.graph.leaf_below(id, &cone).is_some());
+            (
+                Kind::ConeDivision,
+                if both { Hazard::EqualCutOffs } else { Hazard::ZeroWidthCone },
+                leaf.path.clone(),
+            )
+        } else {
+            return;
+        };
+        let (kind, number, about) = found;
+        let candidate = self.report(kind, number, Certainty::Possible, span, about);
+        (candidate.node, candidate.need) = (id, Some(Need::Nonzero(below)));
+    }
+
+    fn look_at_comparison(&mut self, a: Id, b: Id, span: Span) {
+        if !self.is_cosine(a) {
+            return;
+        }
+        if let Some(about) = self.cone(b) {
+            self.report(
+                Kind::CosineCone,
+                Hazard::NarrowCone,
+                Certainty::Possible,
+                span,
+                about.clone(),
+            );
+            // Whether it is in degrees its name or comment may tell.
+            self.report(
+                Kind::DegreesForCosine,
+                Hazard::ConeOutOfRange,
+                Certainty::Possible,
+                span,
+                about,
+            );
+            return;
+        }
+        let degrees = match (self.graph.op(b), self.graph.args(b)) {
+            (Op::Number(_), _) => {
+                self.graph.value(b).filter(|number| (COSINE.value..=360.0).contains(&number.abs()))
+            }
+            // No cone is wider than pi radians.
+            (Op::Math(M::Cos), &[angle]) => {
+                self.graph.value(angle).filter(|number| number.abs() > std::f64::consts::PI)
+            }
+            _ => None,
+        };
+        if degrees.is_some() {
+            let kind = Kind::DegreesForCosine;
+            self.report(kind, Hazard::ConeOutOfRange, Certainty::Certain, span, String::new())
+                .hazard
+                .number = degrees;
+        }
+    }
+
+    /// Returns whether a value is the cosine of two directions.
+    fn is_cosine(&self, id: Id) -> bool {
+        let id = match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Max | M::Clamp | M::Saturate), &[of, ..]) => of,
+            (Op::Negate, &[of]) => of,
+            _ => id,
+        };
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Dot), &[a, b]) => {
+                a != b && self.facts(a).unit && self.facts(b).unit
+                    || a != b
+                        && (self.facts(a).unit || self.facts(b).unit)
+                        && self.graph.leaf_below(id, &|l| l.role == Some(Role::Direction)).is_some()
+            }
+            _ => false,
+        }
+    }
+
+    /// Returns the path of a cone's angle, or its cosine, if the value is nothing else.
+    fn cone(&self, id: Id) -> Option<String> {
+        let leaf = self.graph.bare_leaf(id)?;
+        leaf.role.is_some_and(Role::is_cone).then(|| leaf.path.clone())
+    }
+
+    fn look_at_power(&mut self, base: Id, exponent: Id, id: Id, span: Span) {
+        let Some(dot) = self.dot_in(base, 0) else { return };
+        let bare = dot == base;
+        if let &[a, b] = self.graph.args(dot) {
+            self.look_at_normal(a, Certainty::Likely, span);
+            self.look_at_normal(b, Certainty::Likely, span);
+        }
+        self.note_power(base, id, span);
+        let (x, n) = (self.facts(base), self.facts(exponent));
+        let about = self.graph.leaf_below(exponent, &|_| true).map(|leaf| leaf.path.clone());
+        let about = about.unwrap_or_default();
+        if x.low < 0.0 {
+            let sure = match bare {
+                true => Certainty::Likely,
+                false => Certainty::Possible,
+            };
+            let candidate =
+                self.report(Kind::PowOfNegative, Hazard::PowOfNegative, sure, span, about);
+            (candidate.node, candidate.need) = (id, Some(Need::NotNegative(base)));
+        } else if !x.nonzero && n.low <= 0.0 {
+            let sure = match n.low.is_finite() {
+                true => Certainty::Likely,
+                false => Certainty::Possible,
+            };
+            let candidate = self.report(Kind::PowOfZero, Hazard::PowOfZero, sure, span, about);
+            (candidate.node, candidate.need) = (id, Some(Need::Nonzero(base)));
+        }
+    }
+
+    /// Returns the dot product that a value is, possibly clamped or shifted.
+    fn dot_in(&self, id: Id, depth: u32) -> Option<Id> {
+        if depth > 8 {
+            return None;
+        }
+        let constant = |id: Id| self.graph.value(id).is_some();
+        match (self.graph.op(id), self.graph.args(id)) {
+            (Op::Math(M::Dot), &[a, b]) => (a != b).then_some(id),
+            (Op::Math(M::Max | M::Min | M::Clamp | M::Saturate | M::Abs), args) => {
+                args.iter().find_map(|&arg| self.dot_in(arg, depth + 1))
+            }
+            (Op::Convert | Op::Negate, &[of]) => self.dot_in(of, depth + 1),
+            (Op::Chosen, &[_, a, b]) => {
+                self.dot_in(a, depth + 1).or_else(|| self.dot_in(b, depth + 1))
+            }
+            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(a) => {
+                self.dot_in(b, depth + 1)
+            }
+            (Op::Binary(B::Add | B::Subtract | B::Multiply), &[a, b]) if constant(b) => {
+                self.dot_in(a, depth + 1)
+            }
+            _ => None,
+        }
+    }
+
+    /// Reports an interpolated normal that was not normalised.
+    fn look_at_normal(&mut self, id: Id, sure: Certainty, span: Span) {
+        let Some(leaf) = self.graph.bare_leaf(id) else { return };
+        if leaf.origin != Origin::Interpolated {
+            return;
+        }
+        let said = identifier::words(&leaf.name);
+        if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
+            let about = leaf.path.clone();
+            self.report(Kind::UnnormalisedNormal, Hazard::UnnormalisedNormal, sure, span, about);
+        }
+    }
+
+    /// Returns whether a vector is a direction times a transposed matrix of four columns, including
+    /// its fourth component.
+    fn is_wide_normal(&self, v: Id) -> bool {
+        let Some((matrix, vector)) = self.graph.binary(v, B::Multiply) else { return false };
+        let last = match self.graph.op(vector) {
+            Op::Compose => self.graph.args(vector).last().copied(),
+            _ => None,
+        };
+        let is_direction = last.and_then(|w| self.graph.value(w)) == Some(0.0);
+        is_direction && self.graph.contains(matrix, &mut |id| self.graph.is_math(id, M::Transpose))
+    }
+
+    /// Returns whether a value is `(t - s) - y` where `t` is `s + y`.
+    fn is_compensation(&self, a: Id, y: Id) -> bool {
+        let Some((t, s)) = self.graph.binary(a, B::Subtract) else { return false };
+        let Some((p, q)) = self.graph.binary(t, B::Add) else { return false };
+        (p == s && q == y) || (p == y && q == s)
+    }
+}

@@ -1,0 +1,193 @@
+//! Phrases shared by the formats: block names, byte counts, differences from naga.
+
+use crate::layout::padding::{PaddingKind, PaddingOwner};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
+use crate::shape::{AddressSpace, ArrayLen, Type};
+use crate::source::Language;
+
+/// Formats a number of bytes: `1 byte`, `16 bytes`.
+pub fn bytes(n: u64) -> String {
+    if n == 1 { "1 byte".to_string() } else { format!("{n} bytes") }
+}
+
+/// Formats a count of a noun: `1 block`, `13 blocks`.
+pub fn counted(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
+/// Formats a count with thousands separators: `6,160`.
+pub fn number(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (at, digit) in digits.char_indices() {
+        if at > 0 && (digits.len() - at).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Formats a measurement briefly: `0.0120`, `156`, `6.4e-4`.
+pub fn figure(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        0.0 => "0".to_string(),
+        size if (1e-2..1e6).contains(&size) => {
+            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// A block's address space, name and instance: `uniform PointLightBlock u_lights`.
+pub(super) fn block_name(block: &BlockLayout) -> String {
+    if block.space == AddressSpace::Default {
+        return "loose uniforms".to_string();
+    }
+    let mut text = block.space.name().to_string();
+    for part in [Some(&block.name), block.instance.as_ref()].into_iter().flatten() {
+        if !part.is_empty() {
+            text.push(' ');
+            text.push_str(part);
+        }
+    }
+    text
+}
+
+/// A block's set and binding: `set 0, binding 3` in GLSL, `@group(0) @binding(3)` in WGSL, empty
+/// without either.
+pub(super) fn slot(block: &BlockLayout, language: Language) -> String {
+    let (group, binding, join) = match language {
+        Language::Glsl => (
+            block.group.map(|n| format!("set {n}")),
+            block.binding.map(|n| format!("binding {n}")),
+            ", ",
+        ),
+        Language::Wgsl => (
+            block.group.map(|n| format!("@group({n})")),
+            block.binding.map(|n| format!("@binding({n})")),
+            " ",
+        ),
+    };
+    [group, binding].into_iter().flatten().collect::<Vec<_>>().join(join)
+}
+
+/// The most samplers and images of a block that are listed, to bound memory.
+const MOST_OPAQUE: usize = 10_000;
+
+/// The paths of a block's samplers and images, also in structures: `lights[].shadow`. After
+/// [`MOST_OPAQUE`] paths the last one is `…`.
+pub(super) fn opaque(block: &BlockLayout) -> Vec<String> {
+    let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
+    block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));
+    if paths.len() > MOST_OPAQUE {
+        paths.truncate(MOST_OPAQUE);
+        paths.push("…".to_string());
+    }
+    paths
+}
+
+fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
+    let Type::Struct(s) = member.ty.innermost() else { return };
+    if paths.len() > MOST_OPAQUE {
+        return;
+    }
+    let path = format!("{parent}{}{}.", member.name, "[]".repeat(member.dims.len()));
+    paths.extend(s.opaque.iter().map(|name| format!("{path}{name}")));
+    member.members.iter().for_each(|inner| opaque_in(inner, &path, paths));
+}
+
+/// The number of buffers of an array of blocks; `None` if it is not fixed.
+pub(super) fn buffers(block: &BlockLayout) -> Option<u64> {
+    block.count.iter().try_fold(1u64, |product, len| match len {
+        ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
+        ArrayLen::Runtime | ArrayLen::Override(_) => None,
+    })
+}
+
+/// Array dimensions as a suffix: `[2][]`.
+pub(super) fn dims(dims: &[ArrayLen]) -> String {
+    dims.iter().map(ArrayLen::to_string).collect()
+}
+
+/// Numbers separated by spaces.
+pub(super) fn spaced(numbers: &[u64]) -> String {
+    numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// A type's name, or `struct` for a nameless structure.
+pub(super) fn type_name(ty: &Type, language: Language) -> String {
+    ty.innermost().spelled(language).to_string()
+}
+
+/// A description of padding: `hole`, `tail padding of Light`, `tail padding of each column`.
+pub(super) fn padding(kind: PaddingKind, owner: PaddingOwner, structure: Option<&str>) -> String {
+    match (kind, owner, structure) {
+        (PaddingKind::Hole, _, _) => "hole".to_string(),
+        (PaddingKind::Tail, PaddingOwner::Structure, Some(name)) => {
+            format!("tail padding of {name}")
+        }
+        (PaddingKind::Tail, PaddingOwner::Structure, None) => {
+            "tail padding of the structure".to_string()
+        }
+        (PaddingKind::Tail, PaddingOwner::Block | PaddingOwner::Member, _) => {
+            "tail padding".to_string()
+        }
+        (
+            PaddingKind::Tail,
+            PaddingOwner::Element | PaddingOwner::Column | PaddingOwner::Row,
+            _,
+        ) => format!("tail padding of each {}", owner.noun()),
+    }
+}
+
+/// A structure's name, if it has one.
+pub(super) fn structure_name(ty: &Type) -> Option<&str> {
+    match ty.innermost() {
+        Type::Struct(s) if !s.name.is_empty() => Some(&s.name),
+        Type::Struct(_)
+        | Type::Scalar(_)
+        | Type::Atomic(_)
+        | Type::Vector { .. }
+        | Type::Matrix { .. }
+        | Type::Address(_)
+        | Type::Array { .. } => None,
+    }
+}
+
+/// The offset and strides at which naga reads a leaf, if they differ.
+pub(super) fn naga(leaf: &Leaf) -> Option<String> {
+    let naga = leaf.naga.as_ref()?;
+    let mut text = format!("naga reads {}", naga.offset);
+    if naga.strides != leaf.strides && !naga.strides.is_empty() {
+        text.push_str(&format!(" stride {}", spaced(&naga.strides)));
+    }
+    Some(text)
+}
+
+/// A one-line summary of a block's bytes; empty for loose uniforms.
+pub(super) fn summary(block: &BlockLayout) -> String {
+    let Some(summary) = crate::layout::padding::summary(block) else { return String::new() };
+    let mut text = bytes(summary.size);
+    if let Some((name, stride)) = endless(block) {
+        text.push_str(&format!(" with one `{name}`, {stride} for each more"));
+    }
+    text.push_str(&format!(
+        ": {} used, {} padding ({:.1} %)",
+        summary.used,
+        summary.padding,
+        summary.percent()
+    ));
+    text
+}
+
+/// A block's last member if its number of elements is not specified, and its stride.
+fn endless(block: &BlockLayout) -> Option<(&str, u64)> {
+    let member = block.members.last()?;
+    match member.dims.first()? {
+        ArrayLen::Fixed(_) => None,
+        ArrayLen::Runtime | ArrayLen::Override(_) => Some((&member.name, *member.strides.first()?)),
+    }
+}

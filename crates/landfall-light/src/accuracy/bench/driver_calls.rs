@@ -1,0 +1,82 @@
+//! A function over the calls of a bench on a driver, as a workload.
+//!
+//! Takes a [`Variant`]; a run is the jobs of a [`Kernel`], including upload and read-back, which
+//! the empty kernel with the same parameters measures alone.
+
+use super::called::Variant;
+use super::clock::{Elapsed, Stopwatch};
+use super::errors::{Errors, Results};
+use super::rounds::{Part, Workload};
+use super::shader::Shared;
+use landfall_exec::backend::Failure;
+use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
+
+/// A variant on a driver.
+pub struct OnDriver<'a> {
+    variant: &'a Variant<'a>,
+    backend: Shared,
+    whole: Kernel<'a>,
+    trivial: Option<Kernel<'a>>,
+}
+
+impl<'a> OnDriver<'a> {
+    /// A variant on a backend.
+    ///
+    /// # Errors
+    /// Code the backend cannot run, such as WGSL on OpenGL.
+    pub fn new(variant: &'a Variant<'a>, backend: Shared) -> Result<OnDriver<'a>, Failure> {
+        let device = backend.borrow().device().clone();
+        let whole = variant.pure().on(&device)?;
+        let trivial = variant.trivial().and_then(|kernel| kernel.on(&device).ok());
+        Ok(OnDriver { variant, backend, whole, trivial })
+    }
+
+    /// Returns the errors of its results against the truth.
+    ///
+    /// # Errors
+    /// A failure of the backend.
+    pub fn judged(&self) -> Result<Errors, String> {
+        let called = self.call(&self.whole)?.0;
+        let kinds = self.variant.kinds();
+        let each = self.variant.truth().iter().enumerate().map(|(lane, truth)| {
+            let word = |&(nth, at): &(usize, usize)| called.results[nth][at][lane];
+            let float = |place| f64::from(f32::from_bits(word(place) as u32));
+            let results = Results {
+                floats: kinds.floats.iter().map(float).collect(),
+                wholes: kinds.wholes.iter().map(word).collect(),
+                missing: called.discarded.get(lane) == Some(&true),
+            };
+            (results, truth.clone())
+        });
+        Ok(Errors::of_calls(each))
+    }
+
+    fn call(&self, driven: &Kernel<'_>) -> Result<(KernelResult, Option<Elapsed>), String> {
+        let (columns, lanes, limit) = self.variant.given();
+        let mut backend = self.backend.borrow_mut();
+        let mut watched = Stopwatch::new(backend.as_mut());
+        let called = driven.call(&mut watched, columns, lanes, limit);
+        Ok((called.map_err(|failure| failure.brief())?, watched.took()))
+    }
+}
+
+impl Workload for OnDriver<'_> {
+    fn has(&self, part: Part) -> bool {
+        match part {
+            Part::Whole => true,
+            Part::Unlit => false,
+            Part::Trivial => self.trivial.is_some(),
+        }
+    }
+
+    fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String> {
+        let driven = match (part, &self.trivial) {
+            (Part::Whole, _) => &self.whole,
+            (Part::Trivial, Some(trivial)) => trivial,
+            (Part::Trivial, None) | (Part::Unlit, _) => {
+                return Err("the workload has no such part".to_string());
+            }
+        };
+        Ok(self.call(driven)?.1)
+    }
+}

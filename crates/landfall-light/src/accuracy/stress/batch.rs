@@ -1,0 +1,60 @@
+//! Batches of samples with the evaluator's results, for the drivers to repeat.
+
+use super::input::Sample;
+use super::measure::Outcome;
+use landfall_exec::harness::call::pure::PureCalled;
+
+/// Samples and their results on the evaluator.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Batch {
+    /// The words of each scalar, by sample.
+    pub columns: Vec<Vec<u64>>,
+    /// The `f64` of each float of the results, by sample.
+    pub doubles: Vec<Vec<f64>>,
+    /// The outcome of each sample on the evaluator.
+    pub outcomes: Vec<Outcome>,
+    /// Whether the inputs are not finite: such samples do not count.
+    pub special: bool,
+    /// The chunk, and the lane of the first sample.
+    pub at: (usize, usize),
+}
+
+impl Batch {
+    /// Makes a batch of the evaluator's results.
+    pub fn of(
+        columns: Vec<Vec<u64>>,
+        called: PureCalled,
+        floats: &[(usize, usize)],
+        outcomes: Vec<Outcome>,
+    ) -> Batch {
+        let mut results = called.results;
+        let take = |&(nth, at): &(usize, usize)| std::mem::take(&mut results[nth].doubles[at]);
+        let doubles = floats.iter().map(take).collect();
+        Batch { columns, doubles, outcomes, ..Batch::default() }
+    }
+
+    /// Removes the first sample.
+    pub fn drop_first(&mut self) {
+        self.columns.iter_mut().for_each(|column| drop(column.drain(..1)));
+        self.doubles.iter_mut().for_each(|column| drop(column.drain(..1)));
+        self.outcomes.drain(..1);
+    }
+
+    /// Returns the words of a lane.
+    pub fn sample(&self, lane: usize) -> Sample {
+        self.columns.iter().map(|column| column[lane]).collect()
+    }
+
+    /// Appends the samples of another batch.
+    pub fn append(&mut self, more: Batch) {
+        if self.columns.is_empty() && self.outcomes.is_empty() {
+            *self = more;
+            return;
+        }
+        let columns = self.columns.iter_mut().zip(more.columns);
+        columns.for_each(|(all, more)| all.extend(more));
+        let doubles = self.doubles.iter_mut().zip(more.doubles);
+        doubles.for_each(|(all, more)| all.extend(more));
+        self.outcomes.extend(more.outcomes);
+    }
+}

@@ -1,0 +1,84 @@
+//! Findings: plain data.
+//!
+//! [`messages`](super::messages) gives them their text.
+
+use super::case::Case;
+use super::classify::Performed;
+use super::condition::Condition;
+use super::measure::{Off, Outcome};
+use super::permitted::PermittedAt;
+use super::rewrite::Gain;
+use landfall_exec::backend::BackendKind;
+use landfall_exec::interp::{Place, UndefinedKind};
+use landfall_ir::analysis::hazard::Hazard;
+use landfall_layout::finding::Level;
+
+/// A sample with a large error.
+#[derive(Clone, Debug)]
+pub struct Worst {
+    /// The error.
+    pub off: Off,
+    /// The effect of the inputs' own rounding.
+    pub condition: Option<Condition>,
+    /// The inputs and results.
+    pub sample: Case,
+}
+
+/// A finding.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The hazard.
+    pub hazard: Hazard,
+    /// The level of the finding.
+    pub level: Level,
+    /// The place of the operation.
+    pub place: Place,
+    /// The driver, for a finding on that driver alone.
+    pub backend: Option<BackendKind>,
+    /// The operation with its operands and result.
+    pub operation: Option<Performed>,
+    /// The kind of undefined value; `None` for a loss of accuracy or a broken rule.
+    pub kind: Option<UndefinedKind>,
+    /// The paths of the inputs involved.
+    pub about: Vec<String>,
+    /// The outcome of the simplest sample.
+    pub outcome: Outcome,
+    /// For a rule about the result, the steps by which it is broken.
+    pub breach: Option<f64>,
+    /// The simplest sample that fails.
+    pub case: Case,
+    /// The effect of the inputs' own rounding.
+    pub condition: Option<Condition>,
+    /// The gain of the robust form.
+    pub gain: Option<Gain>,
+    /// The error permitted on conformant devices; `None` where unknown.
+    pub permitted: Option<PermittedAt>,
+    /// The result of the compared function for the same input.
+    pub against: Option<Against>,
+    /// The results of the drivers.
+    pub backends: Vec<BackendResult>,
+    /// The number of examined samples that meet it.
+    pub seen: usize,
+    /// Whether the inputs are values that occur in scenes.
+    pub plausible: bool,
+}
+
+/// The result of another function for the input of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// The function.
+    pub function: String,
+    /// The outcome, compared with its own `f64`.
+    pub outcome: Outcome,
+}
+
+/// The result of a driver for the input of a finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BackendResult {
+    /// The driver.
+    pub backend: BackendKind,
+    /// The floats of the results, in order.
+    pub results: Vec<f32>,
+    /// The reason there are none.
+    pub failure: Option<String>,
+}

@@ -1,0 +1,217 @@
+//! The text of a finding: message, label and notes.
+//!
+//! Used by the findings as lints and by the report of `landfall stress`.
+
+use super::case::Case;
+use super::found::Found;
+use super::measure::Outcome;
+use landfall_exec::interp::{Number, Operation};
+use landfall_layout::format::phrases;
+
+impl Found {
+    /// Returns the message: the hazard and its effect on the result.
+    pub fn message(&self) -> String {
+        let outcome = match (self.breach, self.outcome) {
+            (Some(steps), _) => format!(": {} steps", figure(steps)),
+            (None, Outcome::NotANumber) => ": the result is NaN".to_string(),
+            (None, Outcome::Infinite) => ": the result is infinite".to_string(),
+            (None, Outcome::Off(off, _)) if off.steps >= 0.05 => {
+                format!(": {} steps off, {} ULP", figure(off.steps), figure(off.ulp))
+            }
+            (None, Outcome::Off(off, _)) if self.kind.is_none() => {
+                format!(": {} ULP off", figure(off.ulp))
+            }
+            (None, Outcome::Off(..)) => ": not visible in the evaluator's result".to_string(),
+            (None, Outcome::Discarded) => String::new(),
+        };
+        let what = match self.backend {
+            Some(backend) => self.hazard.info().what.replacen("a driver", backend.name(), 1),
+            None => self.hazard.info().what.to_string(),
+        };
+        format!("{what}{outcome}")
+    }
+
+    /// Returns the label of the place: the operation with its operands.
+    pub fn label(&self) -> String {
+        let Some(operation) = &self.operation else {
+            return self.kind.map_or(String::new(), |kind| kind.text().to_string());
+        };
+        let single = |n: &Number| number(f64::from(n.single));
+        let operands: Vec<String> = operation.operands.iter().map(single).collect();
+        let name = name(operation.operation);
+        let (f32, f64) = (single(&operation.result), number(operation.result.double));
+        let result = match f32 == f64 || self.breach.is_some() {
+            true => format!("= {f32}"),
+            false => format!("= {f32}, should be {f64}"),
+        };
+        format!("{name}({}) {result}", operands.join(", "))
+    }
+
+    /// Returns the notes: the input, its condition, the gain of the robust form.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        notes.push(format!("with {}", self.case.shown()));
+        if let (Some(operation), None) = (&self.operation, self.kind) {
+            let error = |n: &Number| (f64::from(n.single) - n.double).abs() / n.double.abs();
+            let before = operation.operands.iter().map(error).filter(|x| x.is_finite());
+            let before = before.fold(0.0, f64::max);
+            let after = error(&operation.result);
+            if self.breach.is_none() && after.is_finite() {
+                notes.push(format!(
+                    "relative error of the operands {}, of the result {}",
+                    figure(before),
+                    figure(after)
+                ));
+            }
+        }
+        if let (Some(condition), None, Outcome::Off(off, _)) =
+            (&self.condition, self.breach, self.outcome)
+        {
+            if condition.steps > 0.0 {
+                let verdict = match off.steps > 8.0 * condition.steps {
+                    true => "the formula is unstable",
+                    false => "the problem is ill-conditioned here",
+                };
+                notes.push(format!(
+                    "one ULP of `{}` moves the result by {} steps: {verdict}",
+                    condition.path,
+                    figure(condition.steps)
+                ));
+            }
+        }
+        if let Some(gain) = &self.gain {
+            notes.push(format!(
+                "{}: {} instead of {}",
+                gain.form,
+                figure(gain.after),
+                figure(gain.before)
+            ));
+        }
+        if let (Some(permitted), Outcome::Off(off, _), None) =
+            (&self.permitted, self.outcome, self.breach)
+        {
+            if off.steps >= 0.05 {
+                notes.push(match permitted.any {
+                    true => format!(
+                        "permitted on any conformant device: up to {} steps",
+                        figure(permitted.steps)
+                    ),
+                    false => format!("more than the permitted {} steps", figure(permitted.steps)),
+                });
+            }
+        }
+        if let (Some(permitted), Some(_), Outcome::NotANumber | Outcome::Infinite) =
+            (&self.permitted, self.backend, self.outcome)
+        {
+            notes.push(match permitted.any {
+                true => "permitted on any conformant device".to_string(),
+                false => {
+                    "not permitted on any conformant device: this adapter is wrong".to_string()
+                }
+            });
+        }
+        if let Some(against) = &self.against {
+            let function = &against.function;
+            notes.push(match against.outcome {
+                Outcome::NotANumber => format!("`{function}` returns NaN here"),
+                Outcome::Infinite => format!("`{function}` returns infinity here"),
+                Outcome::Discarded => format!("`{function}` discards here"),
+                Outcome::Off(off, _) => {
+                    format!("`{function}` is {} steps off here", figure(off.steps))
+                }
+            });
+        }
+        for asked in &self.backends {
+            let results: Vec<String> =
+                asked.results.iter().map(|x| number(f64::from(*x))).collect();
+            notes.push(match &asked.failure {
+                None => format!("{} returns {}", asked.backend, results.join(", ")),
+                Some(why) => format!("{} failed: {why}", asked.backend),
+            });
+        }
+        if !self.plausible {
+            notes.push("only with values that do not occur in scenes".to_string());
+        }
+        notes
+    }
+}
+
+impl Case {
+    /// Returns the inputs that are not zero, and a note if others are zero.
+    pub fn shown(&self) -> String {
+        let set = self.flat.iter().filter(|(_, values)| values.iter().any(|x| *x != 0.0));
+        let mut all: Vec<String> = set
+            .map(|(path, values)| {
+                let values: Vec<String> = values.iter().map(|x| number(*x)).collect();
+                match values.len() {
+                    1 => format!("{path} = {}", values[0]),
+                    _ => format!("{path} = ({})", values.join(", ")),
+                }
+            })
+            .collect();
+        match (all.len(), self.flat.len() - all.len()) {
+            (_, 0) => {}
+            (0, _) => all.push("all inputs zero".to_string()),
+            (_, _) => all.push("all others zero".to_string()),
+        }
+        all.join(", ")
+    }
+}
+
+/// Returns the name of an operation in labels.
+pub fn name(operation: Operation) -> &'static str {
+    match operation {
+        Operation::Add => "add",
+        Operation::Sub => "subtract",
+        Operation::Mul => "multiply",
+        Operation::Div => "divide",
+        Operation::Rem => "remainder",
+        Operation::Neg => "negate",
+        Operation::Abs => "abs",
+        Operation::Min => "min",
+        Operation::Max => "max",
+        Operation::Edge => "step",
+        Operation::Clamp => "clamp",
+        Operation::Mix => "mix",
+        Operation::SmoothStep => "smoothstep",
+        Operation::Fma => "fma",
+        Operation::Root => "sqrt",
+        Operation::InverseRoot => "inversesqrt",
+        Operation::Pow => "pow",
+        Operation::Exp => "exp",
+        Operation::Log => "log",
+        Operation::Trigonometric => "angle",
+        Operation::Dot => "dot",
+        Operation::Length => "length",
+        Operation::Distance => "distance",
+        Operation::Normalize => "normalize",
+        Operation::Cross => "cross",
+        Operation::Compare => "compare",
+        Operation::Convert => "convert",
+        Operation::Integer => "integer",
+        Operation::Texture => "texture",
+        Operation::Other => "compute",
+    }
+}
+
+/// Formats a number with all its digits.
+pub fn number(x: f64) -> String {
+    if x.is_nan() {
+        return "NaN".to_string();
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { "inf" } else { "-inf" }.to_string();
+    }
+    let single = x as f32;
+    let plain = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
+    plain.strip_suffix(".0").unwrap_or(&plain).to_string()
+}
+
+/// Formats a number with three significant digits, without trailing zeros.
+pub fn figure(x: f64) -> String {
+    let text = phrases::figure(x);
+    match text.contains('.') && !text.contains('e') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+        false => text,
+    }
+}

@@ -1,0 +1,230 @@
+//! The upper bound of a light's contribution anywhere in a region, on which all culling rests.
+//!
+//! `U = (amb a + dif a [may face] + spe s [may shine]) win(d) / (c + d (l + q d)) [cone may touch]`
+//! with `d` the distance to the region's box. Attenuation and window decrease with distance and no
+//! term is negative, so no point of the region gets more. Each test leaves a margin for `f32`
+//! arithmetic, so that a bound of zero means exactly zero in a shader too.
+
+use glam::DVec3;
+
+use super::region::Region;
+use crate::Upload;
+use crate::scene::{PointLight, SpotLight};
+use crate::shading_f32::{Model, SpecularTerm};
+
+/// A light with the data for its bound, or the reason it has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounded {
+    /// The kind of light.
+    pub kind: Kind,
+    /// The index among its kind.
+    pub number: u32,
+    /// The shape, or the reason there is no bound.
+    pub shape: Result<Shape, Unbounded>,
+    terms: [DVec3; 3],
+}
+
+/// The kinds of lights, in the order of the sum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// A directional light.
+    Directional,
+    /// A point light.
+    Point,
+    /// A spotlight.
+    Spot,
+}
+
+impl Kind {
+    /// Returns the name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Directional => "directional light",
+            Kind::Point => "point light",
+            Kind::Spot => "spot light",
+        }
+    }
+}
+
+/// The reason a light has no bound; such a light is never dropped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unbounded {
+    /// A colour is negative or not a number.
+    Color,
+    /// An attenuation coefficient is negative or not a number, or all are zero.
+    Attenuation,
+    /// The position or direction is not a number, or the direction is zero.
+    Place,
+}
+
+impl Unbounded {
+    /// Returns the reason in messages.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Unbounded::Color => "has a colour that is negative or not a number",
+            Unbounded::Attenuation => "has an attenuation that is zero, negative or not a number",
+            Unbounded::Place => "has a position or direction that is not a number",
+        }
+    }
+}
+
+/// The shape of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A directional light, by its direction.
+    From(DVec3),
+    /// A light with a position.
+    Around(Lamp),
+}
+
+/// A point light or spotlight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// The position.
+    pub position: DVec3,
+    /// The attenuation coefficients, by powers of the distance.
+    pub attenuation: [f64; 3],
+    /// The range of its window; infinite without one.
+    pub range: f64,
+    /// The direction, sine and cosine of a slightly wider cone.
+    pub cone: Option<(DVec3, f64, f64)>,
+}
+
+/// The margin for a distance in `f32` arithmetic.
+const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
+/// The margin for the terms in `f32` arithmetic.
+const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
+/// The cosine below which a surface faces away in `f32` arithmetic too.
+const AWAY: f64 = 1.0 / (1 << 19) as f64;
+
+/// Returns the lights of an upload by kind, in the order of the sum.
+pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {
+    let lights = &upload.lights;
+    let directional = lights.directional.iter().enumerate().map(|(number, light)| {
+        let from = -light.direction;
+        let shape = match from.is_finite() && from.length_squared() > 0.0 {
+            true => Ok(Shape::From(from.normalize())),
+            false => Err(Unbounded::Place),
+        };
+        (Kind::Directional, number, shape, model.colors(&light.emission))
+    });
+    let point = lights.point.iter().enumerate().map(|(number, light)| {
+        let shape = lamp(light, model).map(Shape::Around);
+        (Kind::Point, number, shape, model.colors(&light.emission))
+    });
+    let spot = lights.spot.iter().enumerate().map(|(number, light)| {
+        let shape = lamp(&light.lamp, model).and_then(|lamp| {
+            let cone = Some(cone(light)).filter(|_| light.cone.inner_cos >= light.cone.outer_cos);
+            let directed = light.direction.is_finite() && light.direction.length_squared() > 0.0;
+            let lamp = Lamp { cone, ..lamp };
+            if directed { Ok(Shape::Around(lamp)) } else { Err(Unbounded::Place) }
+        });
+        (Kind::Spot, number, shape, model.colors(&light.lamp.emission))
+    });
+    let check = |(kind, number, shape, terms): (Kind, usize, _, [DVec3; 3])| {
+        let light = terms.iter().all(|c| c.is_finite() && c.cmpge(DVec3::ZERO).all());
+        let shape = if light { shape } else { Err(Unbounded::Color) };
+        Bounded { kind, number: number as u32, shape, terms }
+    };
+    directional.chain(point).chain(spot).map(check).collect()
+}
+
+fn lamp(light: &PointLight, model: &Model) -> Result<Lamp, Unbounded> {
+    let a = light.attenuation;
+    let attenuation = [a.constant, a.linear, a.quadratic];
+    let known = |x: &f64| x.is_finite() && *x >= 0.0;
+    let range = a.range.filter(|_| model.windowed).unwrap_or(f64::INFINITY);
+    if !attenuation.iter().all(known) || attenuation == [0.0; 3] || range.is_nan() || range <= 0.0 {
+        return Err(Unbounded::Attenuation);
+    }
+    if !light.position.is_finite() {
+        return Err(Unbounded::Place);
+    }
+    Ok(Lamp { position: light.position, attenuation, range, cone: None })
+}
+
+/// Returns the cone of the outer angle, wider by the `f32` error of its cosine.
+fn cone(light: &SpotLight) -> (DVec3, f64, f64) {
+    let from_cos = 1.0 - light.cone.outer_cos;
+    let from_angle = light
+        .cone
+        .degrees
+        .map_or(from_cos, |[_, outer]| 2.0 * (outer.to_radians() / 2.0).sin().powi(2));
+    let chord = from_cos.max(from_angle) * (1.0 + 2f64.powi(-10)) + 2f64.powi(-20);
+    let chord = chord.clamp(0.0, 2.0);
+    (light.direction.normalize(), (chord * (2.0 - chord)).sqrt(), 1.0 - chord)
+}
+
+impl Bounded {
+    /// Returns the largest contribution to each channel anywhere in `region`: infinite if unknown,
+    /// zero only if every `f32` evaluation is zero.
+    pub fn most(&self, region: &Region, model: &Model) -> DVec3 {
+        let Ok(shape) = &self.shape else { return DVec3::INFINITY };
+        if !region.is_finite() {
+            return DVec3::INFINITY;
+        }
+        let (weight, faces) = match shape {
+            Shape::From(towards) => (1.0, may_face(region, |_| *towards, 1.0)),
+            Shape::Around(lamp) => {
+                let nearest = region.distance(lamp.position) * NEARER;
+                if nearest >= lamp.range || !touches(lamp, region) {
+                    return DVec3::ZERO;
+                }
+                let [c, l, q] = lamp.attenuation;
+                let ratio = nearest / lamp.range;
+                let window = (1.0 - ratio.powi(4)).powi(2);
+                let weight = window / (c + nearest * (l + nearest * q));
+                let farthest = (region.high - lamp.position)
+                    .abs()
+                    .max((region.low - lamp.position).abs())
+                    .length();
+                (weight, may_face(region, |corner| lamp.position - corner, farthest))
+            }
+        };
+        let [ambient, diffuse, specular] = self.terms;
+        let shines = faces || model.specular == SpecularTerm::Everywhere;
+        let mut most = ambient * region.body;
+        if faces {
+            most += diffuse * region.body;
+        }
+        if shines {
+            most += specular * region.shine;
+        }
+        // Zero times an unknown bound is unknown.
+        let most = most * (weight * MORE);
+        if most.is_nan() { DVec3::INFINITY } else { most }
+    }
+
+    /// Returns the sum of the largest channels of its terms, the strength for its radius.
+    pub fn strength(&self) -> f64 {
+        super::radius::strength(&self.terms)
+    }
+}
+
+/// Whether any normal of the region may face a light in the direction `towards(point)`, a vector no
+/// longer than `longest`: by the largest `n . towards` over the boxes of both, which is at the ends
+/// of the components.
+fn may_face(region: &Region, towards: impl Fn(DVec3) -> DVec3, longest: f64) -> bool {
+    let Some(normals) = region.normals else { return true };
+    let ends = [towards(region.low), towards(region.high)];
+    let most = (normals[0] * ends[0])
+        .max(normals[0] * ends[1])
+        .max(normals[1] * ends[0])
+        .max(normals[1] * ends[1])
+        .element_sum();
+    most > -AWAY * longest
+}
+
+/// Whether the light's cone may touch the sphere around the region's box.
+///
+/// The cone lies on one side of the plane along its edge nearest the sphere's centre; for cones
+/// wider than a half space the same expression tests whether the sphere lies in the complement.
+fn touches(lamp: &Lamp, region: &Region) -> bool {
+    let Some((direction, sin, cos)) = lamp.cone else { return true };
+    let half = (region.high - region.low) * 0.5;
+    let to = region.low + half - lamp.position;
+    let along = to.dot(direction);
+    let across = (to - direction * along).length();
+    let apart = cos * across - sin * along;
+    apart <= (half.length() + to.length() * 2f64.powi(-40)) * (1.0 + 2f64.powi(-20))
+}

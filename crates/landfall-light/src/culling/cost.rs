@@ -1,0 +1,67 @@
+//! The cost model of a plan, which decides whether dividing a frame pays off.
+
+use crate::plan::Plan;
+
+/// The nanoseconds of each operation in planning and lighting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// Evaluating a light for a fragment.
+    pub evaluation: f64,
+    /// Testing a light against a region.
+    pub test: f64,
+    /// Sorting a fragment into a region.
+    pub sort: f64,
+    /// A draw: collecting and uploading its lights.
+    pub draw: f64,
+    /// Adding a light to a draw.
+    pub light: f64,
+    /// Interpolating light for a fragment.
+    pub interpolation: f64,
+    /// The cost of an upload call, as the bytes that could be transferred instead.
+    pub call: usize,
+}
+
+impl Costs {
+    /// The compiled robust form on one core, measured by `cargo bench --bench light`.
+    pub const CPU: Costs = Costs {
+        evaluation: 10.0,
+        test: 15.0,
+        sort: 30.0,
+        draw: 100.0,
+        light: 8.0,
+        interpolation: 25.0,
+        call: 1024,
+    };
+
+    /// This crate's evaluator, which interprets the shader on all cores.
+    pub const EVALUATOR: Costs =
+        Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
+
+    /// A driver, where every draw is a job of its own.
+    pub const DRIVER: Costs =
+        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, ..Costs::CPU };
+
+    /// Returns the costs for a shader that reads light lists: a region is an entry of a buffer, and
+    /// all regions share one draw.
+    pub fn by_lists(self) -> Costs {
+        Costs { draw: Costs::CPU.draw, light: Costs::CPU.light, ..self }
+    }
+
+    /// Returns the estimated nanoseconds of planning and of lighting a frame by the plan.
+    pub fn of(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {
+        let mut nanoseconds = self.evaluation * plan.evaluations() as f64
+            + self.test * tests as f64
+            + self.sort * sorted as f64;
+        for draw in &plan.draws {
+            nanoseconds += self.draw + self.light * draw.lights.len() as f64;
+            if draw.grid.is_some() {
+                nanoseconds += self.interpolation * draw.fragments.len() as f64;
+            }
+        }
+        for grid in &plan.grids {
+            nanoseconds += self.draw + self.light * grid.lights.len() as f64;
+            nanoseconds += self.interpolation * grid.nodes.len() as f64;
+        }
+        nanoseconds
+    }
+}

@@ -1,0 +1,119 @@
+//! Measures the effect of a plan on the picture, and the evaluations that gates skip, by lighting
+//! the frame with the compiled robust form.
+
+use glam::Vec3;
+
+use super::STEP;
+use crate::plan::{Claim, Measured, Plan, Step};
+use crate::shading_f32::{
+    Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
+};
+use crate::{Frame, Upload};
+
+/// The most light evaluations of a measurement; larger frames are measured at evenly spaced
+/// fragments.
+const MOST: u64 = 200_000_000;
+
+/// Returns the difference between two pictures of the same fragments.
+pub fn compare(a: &[Vec3], b: &[Vec3]) -> Measured {
+    let mut measured = Measured {
+        of: 3 * a.len() as u64,
+        fragments: a.len() as u64,
+        every: 1,
+        ..Measured::default()
+    };
+    for (a, b) in a.iter().zip(b) {
+        for (a, b) in a.to_array().into_iter().zip(b.to_array()) {
+            let apart = (f64::from(a) - f64::from(b)).abs() / STEP;
+            // A value that is NaN in only one of them counts as the largest error.
+            let same = a.to_bits() == b.to_bits();
+            let apart = if apart.is_nan() && !same { f64::INFINITY } else { apart };
+            measured.steps = measured.steps.max(apart);
+            measured.codes += u64::from(code(a) != code(b));
+        }
+    }
+    measured
+}
+
+fn code(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// Measures the difference between two plans for a frame, at as many fragments as affordable.
+pub(super) fn measure(
+    plan: &Plan,
+    whole: &Plan,
+    upload: &Upload,
+    frame: &Frame,
+    model: &Model,
+) -> Measured {
+    let stride = whole.evaluations().div_ceil(MOST).max(1) as usize;
+    let surfaces = surfaces(frame, upload, model, 0.0);
+    let form = Form::Robust(Gates::ALL);
+    let lit = |plan: &Plan| -> Vec<Vec3> {
+        let thin = thin(plan, stride);
+        let shaded: Shaded<()> = execute(&thin, upload, &surfaces, model, form);
+        shaded.colors.into_iter().step_by(stride).collect()
+    };
+    Measured { every: stride as u64, ..compare(&lit(plan), &lit(whole)) }
+}
+
+/// Returns a plan with every `stride`-th fragment.
+fn thin(plan: &Plan, stride: usize) -> Plan {
+    let mut plan = plan.clone();
+    for draw in &mut plan.draws {
+        draw.fragments.retain(|number| (*number as usize).is_multiple_of(stride));
+    }
+    plan
+}
+
+/// Measures the evaluations that gates skip in a plan; powers below `steps` of 1/255 are skipped
+/// too.
+pub(super) fn gates(
+    plan: &Plan,
+    upload: &Upload,
+    frame: &Frame,
+    model: &Model,
+    steps: f64,
+) -> Step {
+    let stride = plan.evaluations().div_ceil(MOST / 4).max(1) as usize;
+    let plan = thin(plan, stride);
+    let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
+        execute(&plan, upload, surfaces, model, Form::Robust(gates))
+    };
+    let open = lit(&surfaces(frame, upload, model, 0.0), Gates::NONE);
+    let exact = surfaces(frame, upload, model, 0.0);
+    let shut = lit(&surfaces(frame, upload, model, steps * STEP), Gates::ALL);
+    let fragments = frame.fragments.len().div_ceil(stride).max(1) as f64;
+    let per = |n: u64| n as f64 / fragments;
+    let (a, b) = (open.tally, shut.tally);
+    let did = format!(
+        "per fragment: evaluations {:.2} instead of {:.2}, attenuations {:.2} instead of {:.2}, \
+         powers {:.2} instead of {:.2}",
+        per(b.evaluations),
+        per(a.evaluations),
+        per(b.attenuations),
+        per(a.attenuations),
+        per(b.powers),
+        per(a.powers),
+    );
+    let error = if steps > 0.0 {
+        let exact = lit(&exact, Gates::ALL);
+        let every = |shaded: Shaded<Work>| -> Vec<Vec3> {
+            shaded.colors.into_iter().step_by(stride).collect()
+        };
+        let measured = compare(&every(shut), &every(exact));
+        Claim::Measured(Measured { every: stride as u64, ..measured })
+    } else {
+        Claim::Exact("gates only skip terms with a factor of exactly zero".to_string())
+    };
+    let option = if steps > 0.0 { format!("gates={steps}") } else { "gates".to_string() };
+    // Gates do not change the lists: the evaluations of the plan stay.
+    Step { option, did, evaluations: None, error, tests: 0 }
+}
+
+/// Lights all fragments with all lights, for comparison.
+pub fn brute(upload: &Upload, frame: &Frame, model: &Model, form: Form) -> Shaded<Work> {
+    let surfaces = surfaces(frame, upload, model, 0.0);
+    shade_all(&surfaces, upload.camera.as_vec3(), &Lights::new(upload, model), model, form)
+}

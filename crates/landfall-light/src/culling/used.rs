@@ -1,0 +1,107 @@
+//! Keeps only the lights in use: those with an effect and a slot in the shader.
+
+use glam::DVec3;
+
+use super::bound::{Bounded, Kind};
+use super::options::Options;
+use crate::plan::{Claim, Compiled, Plan, Savings, Step};
+use crate::scene::Emission;
+use crate::shading_f32::Model;
+use crate::{Frame, Upload};
+
+/// Returns the lights to plan for, and the savings so far.
+pub(super) fn used(
+    upload: &Upload,
+    frame: &Frame,
+    model: &Model,
+    all: &[Bounded],
+    options: &Options,
+) -> (Vec<Bounded>, Savings) {
+    let fragments = frame.fragments.len() as u64;
+    let uploaded =
+        [upload.lights.directional.len(), upload.lights.point.len(), upload.lights.spot.len()];
+    let kinds = [Kind::Directional, Kind::Point, Kind::Spot];
+    let slots = [0, 1, 2].map(|at| options.slots[at].map_or(uploaded[at], |n| n as usize));
+    let looped = slots.iter().sum::<usize>() as u64;
+    let before = fragments * looped;
+    let mut savings = Savings { fragments, before, ..Savings::default() };
+    for (at, kind) in kinds.into_iter().enumerate() {
+        let (uploaded, slots) = (uploaded[at], slots[at]);
+        if uploaded > slots {
+            savings.notes.push(format!(
+                "{uploaded} {}s, but the shader's array has {slots} slots: the last {} are left \
+                 out",
+                kind.name(),
+                uploaded - slots
+            ));
+        }
+    }
+    let has_slot = |light: &Bounded| (light.number as usize) < slots[light.kind as usize];
+    let mut lights: Vec<Bounded> = all.iter().filter(|light| has_slot(light)).cloned().collect();
+    for light in &lights {
+        if let Err(why) = light.shape {
+            savings.notes.push(format!(
+                "{} {} {}: no bound is known, so it is never dropped",
+                light.kind.name(),
+                light.number,
+                why.reason()
+            ));
+        }
+    }
+    if options.used {
+        let there = lights.len();
+        lights.retain(|light| !is_dark(emission(upload, light), model));
+        let dark = there - lights.len();
+        let empty = looped as usize - there;
+        let after = fragments * lights.len() as u64;
+        let did = format!(
+            "{} of {looped} slots lit: {empty} empty and {dark} dark dropped from the loop",
+            lights.len(),
+        );
+        let error = Claim::Exact(
+            "a black light adds exactly zero where its attenuation is finite; a zeroed \
+             slot of the plain loop adds 0 * (1 / 0), not a number"
+                .to_string(),
+        );
+        savings.steps.push(Step {
+            option: "used".to_string(),
+            did,
+            evaluations: Some([before, after]),
+            error,
+            tests: 0,
+        });
+    }
+    (lights, savings)
+}
+
+/// Whether ambient light is present, or cannot be left out.
+pub(super) fn ambient(upload: &Upload, model: &Model, options: &Options) -> bool {
+    let dark = |a: &crate::scene::Ambient| a.color * a.intensity == DVec3::ZERO;
+    model.counts_ambient()
+        && upload.lights.ambient.is_some_and(|ambient| !(options.used && dark(&ambient)))
+}
+
+/// Returns what a shader must hold for the lights that some draw uses.
+pub(super) fn compiled(plan: &Plan, ambient: bool) -> Compiled {
+    let sets = plan.draws.iter().map(|d| &d.lights).chain(plan.grids.iter().map(|g| &g.lights));
+    let none = Compiled { ambient, ..Compiled::default() };
+    sets.fold(none, |most, set| Compiled {
+        ambient,
+        directional: most.directional.max(set.directional.len() as u32),
+        point: most.point.max(set.point.len() as u32),
+        spot: most.spot.max(set.spot.len() as u32),
+    })
+}
+
+fn emission<'a>(upload: &'a Upload, light: &Bounded) -> &'a Emission {
+    let number = light.number as usize;
+    match light.kind {
+        Kind::Directional => &upload.lights.directional[number].emission,
+        Kind::Point => &upload.lights.point[number].emission,
+        Kind::Spot => &upload.lights.spot[number].lamp.emission,
+    }
+}
+
+fn is_dark(emission: &Emission, model: &Model) -> bool {
+    model.colors(emission).iter().all(|color| *color == DVec3::ZERO)
+}

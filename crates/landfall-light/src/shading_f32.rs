@@ -1,0 +1,21 @@
+//! The lighting models in compiled `f32` Rust, as in a CPU renderer.
+//!
+//! Reads an [`Upload`](super::Upload) and the fragments of a [`Frame`](super::Frame); executes the
+//! plans of [`culling`](super::culling). [`seed`] is the arithmetic of the published shaders,
+//! [`robust`] the same model in more accurate and faster forms; both add the lights in the order of
+//! their indices, so that dropping a light with a contribution of exactly zero changes no bit.
+
+mod execute;
+mod lights;
+mod model;
+pub mod robust;
+pub mod seed;
+mod surface;
+mod work;
+
+pub use execute::{Form, Shaded, execute, shade_all};
+pub use lights::{Directional, Emission, Lights, Point, Spot};
+pub use model::{AmbientTerm, ConeTerm, Model, ReflectanceTerm, SpecularTerm, Terms};
+pub use robust::Gates;
+pub use surface::{Power, Surface, surface, surfaces};
+pub use work::{Tally, Work};

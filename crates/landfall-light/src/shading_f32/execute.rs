@@ -1,0 +1,103 @@
+//! Lights a frame: with all lights, or by a plan.
+
+use glam::Vec3;
+
+use super::{Gates, Lights, Model, Surface, Tally, robust, seed, surface};
+use crate::Upload;
+use crate::plan::{Grid, Plan, interpolate};
+
+/// The arithmetic of light evaluations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// The form of the published shaders.
+    Seed,
+    /// The more accurate and faster form.
+    Robust(Gates),
+}
+
+/// The colours of fragments, in their order, and the counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shaded<T> {
+    /// The linear red, green and blue of each fragment.
+    pub colors: Vec<Vec3>,
+    /// The counts.
+    pub tally: T,
+}
+
+/// Lights every fragment with every light.
+pub fn shade_all<T: Tally + Default>(
+    surfaces: &[Surface],
+    eye: Vec3,
+    lights: &Lights,
+    model: &Model,
+    form: Form,
+) -> Shaded<T> {
+    let mut tally = T::default();
+    let colors = match form {
+        Form::Seed => {
+            surfaces.iter().map(|s| seed::shade(s, eye, lights, model, &mut tally)).collect()
+        }
+        Form::Robust(gates) => surfaces
+            .iter()
+            .map(|s| robust::shade(s, eye, lights, model, gates, &mut tally))
+            .collect(),
+    };
+    Shaded { colors, tally }
+}
+
+/// Lights the fragments by a plan; `surfaces` are those of the frame it was made for.
+///
+/// Fragments in no draw stay black.
+pub fn execute<T: Tally + Default>(
+    plan: &Plan,
+    upload: &Upload,
+    surfaces: &[Surface],
+    model: &Model,
+    form: Form,
+) -> Shaded<T> {
+    let mut run = Run {
+        eye: upload.camera.as_vec3(),
+        all: Lights::new(upload, model),
+        some: Lights::default(),
+        model,
+        form,
+        tally: T::default(),
+    };
+    let mut colors = vec![Vec3::ZERO; surfaces.len()];
+    for draw in &plan.draws {
+        run.all.select(&draw.lights, &mut run.some);
+        for &number in &draw.fragments {
+            if let Some(surface) = surfaces.get(number as usize) {
+                colors[number as usize] = run.shade(surface);
+            }
+        }
+    }
+    let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
+    let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
+    interpolate(plan, &nodes, position, &mut colors);
+    Shaded { colors, tally: run.tally }
+}
+
+struct Run<'a, T> {
+    eye: Vec3,
+    all: Lights,
+    some: Lights,
+    model: &'a Model,
+    form: Form,
+    tally: T,
+}
+
+impl<T: Tally> Run<'_, T> {
+    fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
+        self.all.select(&grid.lights, &mut self.some);
+        grid.nodes.iter().map(|node| self.shade(&surface(node, upload, self.model))).collect()
+    }
+
+    fn shade(&mut self, surface: &Surface) -> Vec3 {
+        let Run { eye, some, model, form, tally, .. } = self;
+        match form {
+            Form::Seed => seed::shade(surface, *eye, some, model, tally),
+            Form::Robust(gates) => robust::shade(surface, *eye, some, model, *gates, tally),
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Counts the work of lighting, by a type parameter, so that timed code does not count.
+
+/// The events of lighting.
+pub trait Tally {
+    /// A light is visited.
+    fn trip(&mut self) {}
+    /// The terms of a light are evaluated.
+    fn evaluation(&mut self) {}
+    /// An attenuation is divided by.
+    fn attenuation(&mut self) {}
+    /// A power is evaluated.
+    fn power(&mut self) {}
+}
+
+/// Counts nothing.
+impl Tally for () {}
+
+/// The counted work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// The fragments lit.
+    pub fragments: u64,
+    /// The lights visited, over all fragments.
+    pub trips: u64,
+    /// The lights whose terms were evaluated.
+    pub evaluations: u64,
+    /// The attenuations computed.
+    pub attenuations: u64,
+    /// The powers evaluated.
+    pub powers: u64,
+}
+
+impl Tally for Work {
+    fn trip(&mut self) {
+        self.trips += 1;
+    }
+
+    fn evaluation(&mut self) {
+        self.evaluations += 1;
+    }
+
+    fn attenuation(&mut self) {
+        self.attenuations += 1;
+    }
+
+    fn power(&mut self) {
+        self.powers += 1;
+    }
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Work) {
+        self.fragments += other.fragments;
+        self.trips += other.trips;
+        self.evaluations += other.evaluations;
+        self.attenuations += other.attenuations;
+        self.powers += other.powers;
+    }
+}

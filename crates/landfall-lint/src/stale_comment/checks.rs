@@ -1,0 +1,252 @@
+//! Checks whether a claim is wrong in every reading, and finds the right number.
+//!
+//! Uses [`claims`](super::claims) and [`owners`](super::owners).
+
+use super::claims::{Claim, Kind, Number};
+use super::owners::{Owner, Placed, end_of};
+use landfall_layout::layout::MemberLayout;
+pub use landfall_layout::layout::measure::element_size;
+use landfall_layout::shape::{ArrayLen, Type};
+
+/// The most members whose sizes a comment may sum up.
+const LONGEST_GROUP: usize = 16;
+
+/// The right number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Right {
+    pub value: u64,
+    /// The end of a range.
+    pub to: Option<u64>,
+}
+
+/// Returns the right number for a claim about a member; `None` if the claim is right in some
+/// reading, or if the number depends on where the structure is used.
+pub(super) fn member(owner: &Owner<'_>, index: usize, claim: &Claim, from: Base) -> Option<Right> {
+    if owner.places.iter().any(|placed| fits(placed, index, claim)) {
+        return None;
+    }
+    only(owner.places.iter().map(|placed| right(placed, index, claim, from)))
+}
+
+/// Returns the right number for a claim about a whole structure or block.
+pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<Right> {
+    let readings = |placed: &Placed<'_>| {
+        let mut readings = vec![placed.size, placed.data_size, end_of_last(placed)];
+        readings.extend(placed.stride);
+        // A runtime-sized tail may be counted with no element at all.
+        let tail = placed.members.last().filter(|member| member.size.is_none());
+        readings.extend(tail.and_then(|member| member.offset));
+        readings
+    };
+    let said = claim.number.value;
+    match claim.kind {
+        Kind::Size | Kind::Total => {}
+        Kind::Align | Kind::Offset | Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => {
+            return None;
+        }
+    }
+    if owner.places.iter().any(|placed| readings(placed).contains(&said)) {
+        return None;
+    }
+    only(owner.places.iter().map(|placed| Some(Right { value: placed.size, to: None })))
+}
+
+fn end_of_last(placed: &Placed<'_>) -> u64 {
+    placed.members.iter().map(end_of).max().unwrap_or(0)
+}
+
+/// Returns the value on which all agree.
+fn only(mut values: impl Iterator<Item = Option<Right>>) -> Option<Right> {
+    let first = values.next()??;
+    values.all(|value| value.as_ref() == Some(&first)).then_some(first)
+}
+
+/// The origin of the offsets in a structure's comments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Base {
+    Structure,
+    Block,
+}
+
+/// Returns the origin that makes most of a structure's comments right.
+pub(super) fn counted_from(owner: &Owner<'_>, said: &[(usize, u64)]) -> Base {
+    let right = |base: fn(&Placed<'_>) -> u64| {
+        let fits = |&&(index, value): &&(usize, u64)| {
+            owner.places.iter().any(|placed| {
+                placed.members[index].offset.map(|offset| offset + base(placed)) == Some(value)
+            })
+        };
+        said.iter().filter(fits).count()
+    };
+    match right(|placed| placed.base) > right(|_| 0) {
+        true => Base::Block,
+        false => Base::Structure,
+    }
+}
+
+fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option<Right> {
+    let member = &placed.members[index];
+    let value = match claim.kind {
+        Kind::Offset => match from {
+            Base::Structure => member.offset?,
+            Base::Block => placed.base + member.offset?,
+        },
+        Kind::Align => member.align?,
+        Kind::Size => member.size?,
+        Kind::ArrayStride => *member.strides.last()?,
+        Kind::MatrixStride => member.matrix_stride?,
+        Kind::Stride => member.strides.last().copied().or(member.matrix_stride)?,
+        Kind::Total => return None,
+    };
+    let to = match &claim.to {
+        Some(to) => Some(value + range_length(member, &claim.number, to)?),
+        None => None,
+    };
+    Some(Right { value, to })
+}
+
+/// How far a member's range reaches, counted the way the claim's own end was.
+fn range_length(member: &MemberLayout, from: &Number, to: &Number) -> Option<u64> {
+    let size = member.size?;
+    let said = to.value.checked_sub(from.value);
+    let inclusive = said == Some(size.saturating_sub(1)) || to.value % 2 == 1;
+    Some(size - u64::from(inclusive))
+}
+
+fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
+    let member = &placed.members[index];
+    let said = claim.number.value;
+    match claim.kind {
+        Kind::Offset => match &claim.to {
+            None => offsets(placed, member).contains(&said),
+            Some(to) => ranges(placed, index).contains(&(said, to.value)),
+        },
+        Kind::Align => member.align == Some(said),
+        Kind::Size => sizes(placed, index, claim.unit).contains(&said),
+        Kind::ArrayStride => member.strides.contains(&said),
+        Kind::MatrixStride => member.matrix_stride == Some(said),
+        Kind::Stride => member.strides.contains(&said) || member.matrix_stride == Some(said),
+        Kind::Total => true,
+    }
+}
+
+/// In its structure, and in the block.
+fn offsets(placed: &Placed<'_>, member: &MemberLayout) -> Vec<u64> {
+    let Some(offset) = member.offset else { return Vec::new() };
+    vec![offset, placed.base + offset]
+}
+
+/// Its range: the last byte or one past it, its padding with it or not.
+pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
+    let member = &placed.members[index];
+    let mut found = Vec::new();
+    for start in offsets(placed, member) {
+        let base = start - member.offset.unwrap_or(0);
+        for end in [base + end_of(member), base + placed.next(index)] {
+            found.push((start, end));
+            found.push((start, end.saturating_sub(1)));
+        }
+    }
+    found
+}
+
+/// What may be called a member's size: it, with its padding, an element, a column, together with
+/// members before it, or everything up to its end.
+fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
+    let member = &placed.members[index];
+    let mut found = vec![element_size(member, placed.rules)];
+    found.extend(member.size);
+    found.extend(&member.strides);
+    found.extend(member.matrix_stride);
+    let ends = [end_of(member), placed.next(index)];
+    let group = &placed.members[index.saturating_sub(LONGEST_GROUP)..=index];
+    let starts = group.iter().filter_map(|earlier| earlier.offset);
+    for start in starts.chain([0]) {
+        found.extend(ends.iter().filter_map(|end| end.checked_sub(start)));
+    }
+    found.extend(ends.iter().map(|end| placed.base + end));
+    if !unit {
+        // `size 4` of `float x[4]`, of a `vec4`: elements, components.
+        found.extend(member.dims.iter().filter_map(|len| match len {
+            ArrayLen::Fixed(n) => Some(u64::from(*n)),
+            ArrayLen::Runtime | ArrayLen::Override(_) => None,
+        }));
+        match member.ty.innermost() {
+            Type::Vector { rows, .. } => found.push((*rows).into()),
+            Type::Matrix { columns, rows, .. } => {
+                found.extend([u64::from(*columns), u64::from(*rows)]);
+                found.push(u64::from(*columns) * u64::from(*rows));
+            }
+            Type::Scalar(_)
+            | Type::Atomic(_)
+            | Type::Address(_)
+            | Type::Struct(_)
+            | Type::Array { .. } => {}
+        }
+    }
+    found
+}
+
+/// Whether a number without a unit that is called a size may be something the member holds:
+/// `int mapSize; // size: 1024`.
+pub(super) fn may_be_content(member: &MemberLayout) -> bool {
+    match &member.ty {
+        Type::Scalar(_) | Type::Atomic(_) | Type::Address(_) => true,
+        Type::Vector { rows, .. } => *rows == 2,
+        Type::Matrix { .. } | Type::Struct(_) | Type::Array { .. } => false,
+    }
+}
+
+/// Whether a structure's offsets are counted in something else than bytes: none is right as it
+/// stands, all are right as words or as rows of 16 bytes.
+pub(super) fn other_unit(owner: &Owner<'_>, said: &[(usize, u64)]) -> bool {
+    let right = |unit: u64| {
+        said.iter().all(|&(index, value)| {
+            owner.places.iter().any(|placed| {
+                let offsets = offsets(placed, &placed.members[index]);
+                value.checked_mul(unit).is_some_and(|value| offsets.contains(&value))
+            })
+        })
+    };
+    let bytes = said.iter().filter(|(index, value)| {
+        let placed = |placed: &Placed<'_>| offsets(placed, &placed.members[*index]).contains(value);
+        *value > 0 && owner.places.iter().any(placed)
+    });
+    bytes.count() == 0 && said.iter().any(|row| row.1 > 0) && (right(4) || right(16))
+}
+
+/// Returns the right number for a line below a member, where lines continue with its columns or
+/// elements. `step` counts those lines from 1.
+pub(super) fn column(owner: &Owner<'_>, index: usize, claim: &Claim, step: u64) -> Option<Right> {
+    let stride = |member: &MemberLayout| member.matrix_stride.or(member.strides.last().copied());
+    let start = |placed: &Placed<'_>| {
+        let member = &placed.members[index];
+        let stride = stride(member)?;
+        Some((member.offset?, placed.base, stride))
+    };
+    match claim.kind {
+        Kind::Offset if claim.to.is_none() => {
+            let fits = |placed: &Placed<'_>| match start(placed) {
+                // Any column or element may be left out.
+                Some((offset, base, stride)) => [offset, offset + base].iter().any(|offset| {
+                    claim.number.value.checked_sub(*offset).is_some_and(|at| at % stride == 0)
+                }),
+                None => true,
+            };
+            if owner.places.iter().any(fits) {
+                return None;
+            }
+            only(owner.places.iter().map(|placed| {
+                let (offset, _, stride) = start(placed)?;
+                Some(Right { value: offset + step * stride, to: None })
+            }))
+        }
+        Kind::Offset
+        | Kind::Align
+        | Kind::Size
+        | Kind::ArrayStride
+        | Kind::MatrixStride
+        | Kind::Stride
+        | Kind::Total => None,
+    }
+}

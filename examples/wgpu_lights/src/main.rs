@@ -1,0 +1,158 @@
+//! Lights a floor by 128 point lights with wgpu, without a window.
+//!
+//! The uniform buffer is the bytes of the mirror that `build.rs` generates. One compute pass
+//! copies the lights that the shader reads into a buffer, a second one lights 64 points; the
+//! program fails if a member that comes back is not the one that was written.
+
+/// The generated mirrors: `Lights` and `PointLight`, and a module of offsets for each.
+mod gpu {
+    include!(concat!(env!("OUT_DIR"), "/lights.rs"));
+}
+
+use std::error::Error;
+
+use bytemuck::Zeroable as _;
+use glam::Vec3;
+use wgpu::util::DeviceExt as _;
+
+/// Points of the floor that are lit.
+const POINTS: usize = 64;
+/// Floats of a light that the shader copies: two `vec4f`.
+const FLOATS: usize = 8;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let scene = scene();
+    let upload = bytemuck::bytes_of(&scene);
+    println!("uniform buffer: {} bytes, {} lights", upload.len(), scene.count);
+
+    let gpu = Gpu::open()?;
+    let (seen, lit) = gpu.run(upload, scene.lights.len())?;
+    for (index, (light, seen)) in scene.lights.iter().zip(seen.chunks_exact(FLOATS)).enumerate() {
+        let [x, y, z] = light.position.to_array();
+        let [r, g, b] = light.color.to_array();
+        let written = [x, y, z, light.intensity, r, g, b, light.radius];
+        if seen != written {
+            return Err(
+                format!("light {index}: wrote {written:?}, the shader reads {seen:?}").into()
+            );
+        }
+    }
+    println!("read back: {} lights, every member as written", seen.len() / FLOATS);
+
+    let sum: f32 = lit.chunks_exact(4).map(|rgba| rgba[0] + rgba[1] + rgba[2]).sum();
+    if !sum.is_finite() || sum <= 0.0 {
+        return Err(format!("the floor is lit by {sum}").into());
+    }
+    println!("floor: {POINTS} points, mean {:.3}", sum / (3 * POINTS) as f32);
+    Ok(())
+}
+
+/// 128 lights in rows above the floor, no two alike.
+fn scene() -> gpu::Lights {
+    let mut scene = gpu::Lights::zeroed();
+    for (index, light) in scene.lights.iter_mut().enumerate() {
+        let i = index as f32;
+        let position = Vec3::new((index % 64) as f32, 1.0 + i / 128.0, (index / 64) as f32);
+        let color = Vec3::new(1.0, i / 128.0, 1.0 - i / 128.0);
+        *light = gpu::PointLight::new(position, color, 0.5 + i, 4.0 + i / 2.0);
+    }
+    scene.count = scene.lights.len() as u32;
+    scene
+}
+
+struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+}
+
+impl Gpu {
+    /// Opens the default adapter of Vulkan, Metal or DX12.
+    fn open() -> Result<Gpu, Box<dyn Error>> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::PRIMARY,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
+        println!("adapter: {}", adapter.get_info().name);
+        let opened = adapter.request_device(&wgpu::DeviceDescriptor::default());
+        let (device, queue) = pollster::block_on(opened)?;
+        Ok(Gpu { device, queue })
+    }
+
+    /// Runs both entry points; returns the lights that the shader reads and the lit points.
+    fn run(&self, upload: &[u8], lights: usize) -> Result<(Vec<f32>, Vec<f32>), Box<dyn Error>> {
+        let module =
+            self.device.create_shader_module(wgpu::include_wgsl!("../shaders/lights.wgsl"));
+        let uniform = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("lights"),
+            contents: upload,
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let seen = self.buffer(lights * FLOATS, storage);
+        let lit = self.buffer(POINTS * 4, storage);
+
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        self.dispatch(&mut encoder, &module, "copy_lights", &uniform, (1, &seen), lights);
+        self.dispatch(&mut encoder, &module, "light_floor", &uniform, (2, &lit), POINTS);
+        let copies = [&seen, &lit].map(|buffer| {
+            let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+            let copy = self.buffer(buffer.size() as usize / 4, mapped);
+            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+            copy
+        });
+        self.queue.submit([encoder.finish()]);
+
+        for copy in &copies {
+            copy.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("the buffer maps"));
+        }
+        self.device.poll(wgpu::PollType::wait_indefinitely())?;
+        let floats = |copy: &wgpu::Buffer| -> Result<Vec<f32>, Box<dyn Error>> {
+            Ok(bytemuck::cast_slice(&copy.get_mapped_range(..)?).to_vec())
+        };
+        Ok((floats(&copies[0])?, floats(&copies[1])?))
+    }
+
+    /// An unfilled buffer of `floats` floats.
+    fn buffer(&self, floats: usize, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4 * floats as u64,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Records `entry` for so many invocations. It reads the uniform buffer and writes the
+    /// buffer at the binding; a derived layout has no other.
+    fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        module: &wgpu::ShaderModule,
+        entry: &str,
+        uniform: &wgpu::Buffer,
+        (binding, written): (u32, &wgpu::Buffer),
+        invocations: usize,
+    ) {
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: None,
+            module,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding, resource: written.as_entire_binding() },
+            ],
+        });
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bind_group, &[]);
+        pass.dispatch_workgroups(invocations.div_ceil(64) as u32, 1, 1);
+    }
+}

@@ -1,0 +1,131 @@
+//! The help texts: commands grouped by purpose, and examples of each command.
+
+use std::fmt::Write as _;
+
+use clap::builder::StyledStr;
+use clap::{Command, CommandFactory, FromArgMatches};
+use landfall_layout::text::escape;
+
+use super::Args;
+use super::examples::{EXAMPLES, Example};
+
+/// The commands by what people do with them, in the order of the help.
+const GROUPS: [(&str, &[&str]); 6] = [
+    ("Lay out", &["layout", "explain"]),
+    ("Generate", &["emit", "port", "encode", "decode", "schema"]),
+    ("Guard", &["lock", "check", "diff", "merge", "rule"]),
+    ("Prove", &["verify", "run", "devices"]),
+    ("Light", &["lights", "render"]),
+    ("Measure", &["stress", "bench"]),
+];
+
+/// Parses the arguments of this process; wrong usage and `--help` end it.
+pub fn parse() -> Args {
+    let mut command = command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(exit);
+    Args::from_arg_matches(&matches).unwrap_or_else(|error| exit(error.format(&mut command)))
+}
+
+/// Prints help or an error and ends the process. Clap repeats values as they are: with control
+/// characters among the arguments, its message is escaped.
+fn exit<T>(error: clap::Error) -> T {
+    let hostile = std::env::args_os().any(|argument| {
+        let argument = argument.to_string_lossy();
+        escape::name(&argument) != argument
+    });
+    if hostile && error.use_stderr() {
+        let text = error.render().to_string();
+        eprint!("{}", escape::output(&text, escape::Styles::Shown));
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
+}
+
+/// The command line with its help texts.
+pub fn command() -> Command {
+    let command = Args::command();
+    let template = template(&command);
+    EXAMPLES.iter().fold(command.help_template(template), |command, (name, examples)| {
+        command.mut_subcommand(name, |command| {
+            let text = examples_text(&command, examples);
+            command.after_long_help(text)
+        })
+    })
+}
+
+/// The help of `landfall` itself, with the commands in their groups.
+fn template(command: &Command) -> StyledStr {
+    let styles = command.get_styles();
+    let (header, literal) = (styles.get_header(), styles.get_literal());
+    let mut text = String::from("{about-with-newline}\n{usage-heading} {usage}\n");
+    let width = command.get_subcommands().map(|command| command.get_name().len()).max();
+    let width = width.unwrap_or(0);
+    for (group, names) in GROUPS {
+        let _ = writeln!(text, "\n{header}{group}:{header:#}");
+        for name in names {
+            let about = command.find_subcommand(name).and_then(Command::get_about);
+            let about = about.map(StyledStr::to_string).unwrap_or_default();
+            let _ = writeln!(
+                text,
+                "  {literal}{name}{literal:#}{:1$}  {about}",
+                "",
+                width - name.len()
+            );
+        }
+    }
+    let _ = write!(text, "\n{header}Options:{header:#}\n{{options}}\n\n");
+    let _ = write!(
+        text,
+        "`{literal}landfall COMMAND --help{literal:#}` prints options and examples of a command."
+    );
+    text.into()
+}
+
+/// The end of a command's long help: its exit codes or notes if it has any, then its examples.
+fn examples_text(command: &Command, examples: &[Example]) -> StyledStr {
+    let styles = command.get_styles();
+    let (header, literal) = (styles.get_header(), styles.get_literal());
+    let mut text = String::new();
+    if let Some(notes) = command.get_after_help() {
+        let _ = write!(text, "{}\n\n", notes.ansi());
+    }
+    let _ = write!(text, "{header}Examples:{header:#}");
+    for (purpose, line) in examples {
+        if !purpose.is_empty() {
+            let _ = write!(text, "\n  # {purpose}");
+        }
+        let _ = write!(text, "\n  {literal}{line}{literal:#}");
+    }
+    text.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn visible(command: &Command) -> impl Iterator<Item = &Command> {
+        command.get_subcommands().filter(|command| !command.is_hide_set())
+    }
+
+    #[test]
+    fn every_command_is_in_one_group_and_every_group_names_commands() {
+        let command = command();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
+        let mut names: Vec<&str> = visible(&command).map(Command::get_name).collect();
+        grouped.sort_unstable();
+        names.sort_unstable();
+        assert_eq!(grouped, names);
+    }
+
+    #[test]
+    fn every_command_has_a_short_description_and_examples() {
+        let command = command();
+        for command in visible(&command) {
+            let name = command.get_name();
+            let about = command.get_about().map(StyledStr::to_string).unwrap_or_default();
+            assert!(!about.is_empty() && about.len() < 72, "{name}: {about}");
+            let examples = command.get_after_long_help().map(StyledStr::to_string);
+            assert!(examples.is_some_and(|text| text.contains("\n  landfall ")), "{name}");
+        }
+    }
+}

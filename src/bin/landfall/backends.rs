@@ -1,0 +1,102 @@
+//! Opens backends: the evaluator in this process, each driver in its own.
+
+use landfall_exec::backend::{Backend, Failure};
+use landfall_exec::harness::verify::report::BackendStatus;
+
+use crate::args::BackendName;
+
+/// The available backends, and the status of every requested one.
+pub struct Backends {
+    pub here: Vec<Box<dyn Backend>>,
+    pub statuses: Vec<BackendStatus>,
+}
+
+/// The named backends without duplicates; all if none is named.
+pub fn requested(names: &[BackendName]) -> Vec<BackendName> {
+    let all = BackendName::ALL.iter().copied();
+    all.filter(|name| names.is_empty() || names.contains(name)).collect()
+}
+
+/// Opens backends by name; all if none is named.
+pub fn open(names: &[BackendName], adapter: Option<&str>) -> Backends {
+    let mut backends = Backends { here: Vec::new(), statuses: Vec::new() };
+    for name in requested(names) {
+        match one(name, adapter) {
+            Ok(backend) => {
+                backends.statuses.push(BackendStatus::Here(backend.device().clone()));
+                backends.here.push(backend);
+            }
+            Err(failure) => {
+                backends.statuses.push(BackendStatus::Missing { backend: name.kind(), failure });
+            }
+        }
+    }
+    backends
+}
+
+/// Opens one backend.
+pub fn one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
+    opened(name, adapter, Timing::Off)
+}
+
+/// Opens one backend with timing by the device, if it can.
+pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
+    opened(name, adapter, Timing::On)
+}
+
+/// Whether the device measures the time of jobs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Timing {
+    Off,
+    On,
+}
+
+fn opened(
+    name: BackendName,
+    adapter: Option<&str>,
+    timing: Timing,
+) -> Result<Box<dyn Backend>, Failure> {
+    match name {
+        BackendName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
+        BackendName::Gl => gl(timing),
+        BackendName::Gpu => gpu(adapter, timing),
+    }
+}
+
+#[cfg(feature = "gl")]
+fn gl(timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+    remote(&landfall_exec::backend::subprocess::DriverKind::Gl, timing)
+}
+
+#[cfg(not(feature = "gl"))]
+fn gl(_timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+    Err(Failure::missing("this landfall was built without the feature `gl`", ""))
+}
+
+#[cfg(feature = "gpu")]
+fn gpu(adapter: Option<&str>, timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+    remote(
+        &landfall_exec::backend::subprocess::DriverKind::Gpu(adapter.map(str::to_string)),
+        timing,
+    )
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu(_adapter: Option<&str>, _timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+    Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
+}
+
+#[cfg(any(feature = "gl", feature = "gpu"))]
+fn remote(
+    driver_kind: &landfall_exec::backend::subprocess::DriverKind,
+    timing: Timing,
+) -> Result<Box<dyn Backend>, Failure> {
+    use landfall_exec::backend::subprocess::{Launch, Subprocess};
+
+    let program = std::env::current_exe().map_err(|cause| {
+        let message = "the path of the landfall executable is unknown; drivers run in a copy of it";
+        Failure::missing(message, cause.to_string())
+    })?;
+    let launch = Launch { timed: timing == Timing::On, ..Launch::new(program, driver_kind) };
+    Ok(Box::new(Subprocess::open(launch)?))
+}

@@ -1,0 +1,284 @@
+//! `landfall check`: checks shaders for lint findings and for changes from their locks.
+//!
+//! configuration and flags → [`basis`] → a [`pass`] over all shaders, each by [`check_shader`]
+//! or from the [`cache`] → [`tree`] over all shaders → [`fix`] → [`reports`].
+
+mod basis;
+mod cache;
+pub mod check_shader;
+mod fix;
+mod hash;
+mod key;
+mod pass;
+pub mod reports;
+mod rust;
+pub mod shard;
+pub mod tree;
+mod verified;
+
+use landfall_layout::diagnostic::Code;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use landfall_layout::file::FileWriter;
+use landfall_layout::format::phrases::counted;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Severity, lock};
+
+use crate::args::{CheckArgs, ReadArgs};
+use crate::config::{self, Config, slashes};
+use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::read;
+use basis::{Basis, Scope};
+use cache::Cache;
+use check_shader::Checked;
+use landfall_lint::render::ReportFormat;
+use pass::{Pass, Run};
+
+/// The note without any locks, instead of a finding per shader.
+pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
+                            can tell when one changes\n";
+
+pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    refuse(args)?;
+    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
+        return Ok(Outcome::CouldNot);
+    };
+    for pattern in &args.exclude {
+        config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
+    }
+    config.exclude.ready();
+    let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
+        Ok(settings) => renamed(settings, streams),
+        Err(found) => return Ok(could_not(found, streams)),
+    };
+    let options = config.options(&args.text, &args.levels.defines);
+    let paths = config.paths(&args.paths);
+    if Basis::wants_rust(&settings) {
+        match rust::files(&config, &settings, &args.paths) {
+            Ok(files) => settings.rust_files = files,
+            Err(error) => {
+                return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
+            }
+        }
+    }
+    let scope = scope(args, &config, &paths);
+    let language = args.text.language.map(|language| language.language());
+    let basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let (paths, stdin) = stdin(paths, args)?;
+    let run = Run {
+        basis: &basis,
+        root: &config.root,
+        paths,
+        exclude: &config.exclude,
+        shard: args.shard,
+        jobs: args.jobs,
+        stdin,
+        locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        excluded: AtomicUsize::new(0),
+    };
+    let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
+    let opened = folder.and_then(|folder| open(folder, args, &config, &basis, streams));
+    let has_cache = opened.is_some();
+    let mut cache = opened.unwrap_or_default();
+    let before = cache.tree.as_ref().map(|tree| tree.key.clone());
+    let known = std::mem::take(&mut cache.known);
+    // Locks are written after all fixes.
+    let accept = args.accept && !args.fix;
+    let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
+    let left_out = left_out(args, &run, &pass, streams);
+    if args.diff {
+        let outcome = diff(&run, pass, &mut cache, streams)?;
+        return Ok(left_out.unwrap_or(outcome));
+    }
+    let mut mended = fix::Mended::default();
+    if args.fix {
+        (pass, mended) = fix::fix(&run, pass, &mut cache.tree, streams)?;
+        if args.accept {
+            pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
+        }
+    }
+    for error in &mended.refused {
+        let found = Diagnostic { code: Code::Output, ..error.clone().into() };
+        pass.no_input.push(found.located(&Files::default()));
+    }
+    let findings = match args.shard {
+        // Lints over all shaders run in `merge`.
+        Some(_) => tree::sorted(tree::alone(&pass)),
+        None => {
+            let mismatches = verified::findings(&args.verified, &pass, &basis, &config.root)?;
+            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &mismatches)
+        }
+    };
+    let is_new =
+        pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
+    if has_cache && is_new {
+        if let Err(error) = cache.write(&pass) {
+            cache_unused(&error, streams);
+        }
+    }
+    let texts = reports::Texts::new(run.stdin.clone());
+    let result = reports::Result {
+        findings: &findings,
+        shaders: pass.checked.len(),
+        failures: pass.failures(),
+        texts: &texts,
+        shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
+    };
+    let inputs = inputs(args, &config, &run, &pass);
+    let outcome = reports::write(&result, &args.formats, args.statistics, inputs, streams)?;
+    if folder.is_some() {
+        let all = counted(pass.checked.len(), "shader");
+        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
+    }
+    if args.fix {
+        streams.notes(&fix::summary(&mended));
+    }
+    note_locks(&pass, &basis, args, streams);
+    Ok(left_out.unwrap_or(outcome))
+}
+
+/// Reports that all shaders were excluded; returns the outcome if that is an error.
+fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Option<Outcome> {
+    let excluded = run.excluded.load(Ordering::Relaxed);
+    let none = pass.checked.is_empty() && pass.no_input.is_empty();
+    if args.shard.is_some() || !none || excluded == 0 {
+        return None;
+    }
+    let found = config::all_excluded(excluded, &args.exclude);
+    // Named files, as from hooks, may be excluded by the configuration.
+    let is_meant = !args.paths.is_empty() && args.exclude.is_empty();
+    let severity = if is_meant { Severity::Warning } else { Severity::Error };
+    let found = Diagnostic { severity, ..found };
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    (!is_meant).then_some(Outcome::CouldNot)
+}
+
+/// Opens the cache for these settings; `None` without a key.
+fn open(
+    folder: &Path,
+    args: &CheckArgs,
+    config: &Config,
+    basis: &Basis,
+    streams: &Streams,
+) -> Option<Cache> {
+    let writer = config.writer(folder, args.cache_dir.is_some());
+    let key = key::key().inspect_err(|error| cache_unused(error, streams)).ok()?;
+    Some(Cache::open(folder, basis, key, writer))
+}
+
+fn cache_unused(error: &Error, streams: &Streams) {
+    streams.notes(&format!("the cache is not used: {error}\n"));
+}
+
+/// A writer that does not overwrite inputs of the check.
+fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
+    if args.formats.iter().all(|report| report.file.is_none()) {
+        return FileWriter::default();
+    }
+    let shaders = pass.checked.iter().flat_map(Checked::files);
+    let rust = run.basis.settings.rust_files.iter().map(|file| &file.path);
+    let mut writer = FileWriter::new(shaders.chain(rust));
+    writer.protect(&args.verified);
+    writer.protect(config.file.as_deref());
+    let lock = |c: &Checked| {
+        let locks = run.basis.locks.as_ref()?;
+        Some(lock::path_of(Path::new(locks), Path::new(&run.root.below(Path::new(&c.path))?)))
+    };
+    writer.protect(pass.checked.iter().filter_map(lock));
+    writer
+}
+
+fn note_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
+    if pass.accepted > 0 {
+        streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
+    }
+    if basis.locks.is_none() && args.shard.is_none() {
+        streams.notes(NO_LOCKS);
+    }
+}
+
+/// Fails on options that cannot be combined.
+fn refuse(args: &CheckArgs) -> Result<(), Error> {
+    if let Some(error) = reports::refused(&args.formats) {
+        return Err(error);
+    }
+    let has_json = args.formats.iter().any(|report| report.format == ReportFormat::Json);
+    if let (Some(shard), false) = (args.shard, has_json) {
+        let name = format!("--shard {}/{}", shard.index, shard.count);
+        let help = format!("add `--format json=shard-{}.json`", shard.index);
+        return Err(Error::new(name, "writes no JSON report for `landfall merge`").with_help(help));
+    }
+    Ok(())
+}
+
+fn could_not(found: Diagnostic, streams: &Streams) -> Outcome {
+    streams.report(&streams.style(FindingForm::Human).text(&[found], &Files::default()));
+    Outcome::CouldNot
+}
+
+fn scope(args: &CheckArgs, config: &Config, paths: &[PathBuf]) -> Scope {
+    let named = args.locks.as_deref();
+    let usual = config.locks(named);
+    // Locks are optional, unless their directory is named.
+    let locks = config.explicit_locks(named).or_else(|| usual.is_dir().then_some(usual));
+    let searched = paths.iter().filter(|path| path.is_dir());
+    Scope {
+        root: slashes(&config.root.shown),
+        locks: locks.as_deref().map(slashes),
+        searched: searched.filter_map(|path| config.root.below(path)).collect(),
+        whole: args.paths.is_empty(),
+    }
+}
+
+/// Reads stdin if named, and replaces `-` by its substitute path.
+fn stdin(
+    paths: Vec<PathBuf>,
+    args: &CheckArgs,
+) -> Result<(Vec<PathBuf>, HashMap<String, String>), Error> {
+    let mut texts = HashMap::new();
+    if !paths.iter().any(|path| read::is_stdin(path)) {
+        return Ok((paths, texts));
+    }
+    let read_args = ReadArgs { text: args.text.clone(), defines: Vec::new() };
+    let name = read::stdin_path(&read_args);
+    texts.insert(name.display().to_string(), read::text(Path::new("-"))?);
+    let named = |path: PathBuf| if read::is_stdin(&path) { name.clone() } else { path };
+    Ok((paths.into_iter().map(named).collect(), texts))
+}
+
+/// `--diff`: prints the patch of `--fix`.
+fn diff(
+    run: &Run<'_>,
+    pass: Pass,
+    cache: &mut Cache,
+    streams: &Streams,
+) -> Result<Outcome, Failure> {
+    let failures = pass.failures();
+    let failed: Vec<_> =
+        tree::alone(&pass).into_iter().filter(|f| landfall_lint::lint(&f.code).is_none()).collect();
+    let files = fix::preview(run, pass, &mut cache.tree, streams)?;
+    streams.source(&fix::patch(&files))?;
+    streams.finish()?;
+    if failures > 0 {
+        let texts = reports::Texts::new(run.stdin.clone());
+        let options = landfall_lint::render::ReportOptions {
+            paint: landfall_layout::format::Paint::Plain,
+            text: &|path| texts.of(path),
+            shaders: failed.len(),
+        };
+        streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
+        return Ok(Outcome::CouldNot);
+    }
+    streams.notes(&format!("{} would be fixed\n", counted(files.len(), "file")));
+    Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
+}
+
+/// Replaces former lint codes by the current ones, with a note for each.
+fn renamed(mut settings: landfall_lint::Settings, streams: &Streams) -> landfall_lint::Settings {
+    for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
+        streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
+    }
+    settings
+}

@@ -1,0 +1,371 @@
+//! Checks one shader: reads it, lays it out, runs lints, compares its lock; or reuses the cache.
+
+use landfall_layout::diagnostic::Code;
+use std::collections::HashMap;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use landfall_layout::finding::{Finding, Level};
+use landfall_layout::lock::Lock;
+use landfall_layout::source;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
+use landfall_lint::allow::{Allow, allows, suppress};
+use landfall_lint::digest::{BlockDigest, digest};
+use landfall_lint::{Subject, levels, run};
+use serde::{Deserialize, Serialize};
+
+use super::basis::Basis;
+use super::hash::Hash;
+use crate::config::Root;
+use crate::given;
+use crate::inputs::Input;
+use crate::work::Weighed;
+
+/// Maximum number of errors reported per shader.
+const MOST_ERRORS: usize = 100;
+
+/// The results for one shader, without its layout.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checked {
+    /// The path in messages.
+    pub path: String,
+    /// The hash of its bytes.
+    pub hash: Hash,
+    /// Its includes with the hashes of their bytes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub includes: Vec<(String, Hash)>,
+    /// Missing files that would take precedence over includes if they existed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub absent: Vec<String>,
+    /// The hash of its lock's bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lock: Option<Hash>,
+    /// The names of `-O` that it has constants for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constants: Vec<String>,
+    /// Whether errors prevented the lints.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub failed: bool,
+    /// The findings, except those its comments allow.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub blocks: Vec<BlockDigest>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub allows: Vec<Allow>,
+}
+
+impl Checked {
+    /// The shader and its includes.
+    pub fn files(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.path).chain(self.includes.iter().map(|(path, _)| path))
+    }
+}
+
+/// The settings shared by all shaders of a pass.
+pub struct Job<'a> {
+    pub basis: &'a Basis,
+    /// The layout options of GLSL and of WGSL.
+    pub options: [Options; 2],
+    pub root: &'a Root,
+    /// Earlier results by path.
+    pub known: &'a HashMap<String, Checked>,
+    /// Texts that replace the files of these paths.
+    pub texts: &'a HashMap<String, String>,
+    /// Whether to write locks for changed layouts.
+    pub accept: bool,
+    /// Hashes of files included by several shaders.
+    pub hashes: Mutex<HashMap<String, Option<Hash>>>,
+}
+
+/// The result for one input.
+pub enum Done {
+    /// Unchanged since the earlier result.
+    Same(String),
+    Fresh(Box<Fresh>),
+    /// Not a file, or a directory that cannot be searched.
+    NoInput(Box<Finding>),
+}
+
+/// A newly checked shader.
+pub struct Fresh {
+    pub checked: Checked,
+    /// Its layout, for lints over all shaders.
+    pub laid_out: Option<(Source, ShaderLayout)>,
+    /// The path and text of the lock to write, if any.
+    pub lock: Option<(PathBuf, String)>,
+}
+
+/// The lock of a shader: its path, and its bytes if it exists.
+struct LockFile {
+    path: PathBuf,
+    bytes: Result<Option<Vec<u8>>, Error>,
+}
+
+impl Weighed for Done {
+    fn bytes(&self) -> usize {
+        match self {
+            Done::Same(path) => path.len(),
+            Done::NoInput(_) => 256,
+            Done::Fresh(fresh) => fresh.weight(),
+        }
+    }
+}
+
+impl Fresh {
+    /// Approximate bytes of memory: a layout takes several times its text.
+    pub fn weight(&self) -> usize {
+        let text = self.laid_out.as_ref().map_or(0, |(source, _)| source.text.len());
+        4096 + 6 * text + 512 * self.checked.findings.len()
+    }
+}
+
+impl Job<'_> {
+    pub fn one(&self, input: Result<Input, Error>) -> Done {
+        let path = match input {
+            Ok(input) => input.path,
+            Err(error) => {
+                let found = Diagnostic { code: Code::NoInput, ..error.into() };
+                return Done::NoInput(Box::new(found.located(&Files::default())));
+            }
+        };
+        let shown = self.shown(&path);
+        let bytes = match self.texts.get(&shown) {
+            Some(text) => Ok(text.clone().into_bytes()),
+            None => source::read_bytes(&path, self.basis.max_bytes()),
+        };
+        let bytes = match bytes {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                return Done::Fresh(Box::new(failed(&shown, Hash::default(), error.into())));
+            }
+        };
+        let hash = Hash::of(&bytes);
+        let lock = self.lock(&shown);
+        if let Some(known) = self.known.get(&shown) {
+            if known.hash == hash && self.is_same(known, lock.as_ref()) {
+                given::record_names(&known.constants);
+                return Done::Same(shown);
+            }
+        }
+        let source = match self.basis.source(&shown, bytes) {
+            Ok(source) => source,
+            Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
+        };
+        let work = || self.look(source, hash, lock);
+        Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+            let error = Error::new(&*shown, "made landfall panic, which is a bug in landfall")
+                .with_help("please report it with the file; the other files are not affected");
+            failed(
+                &shown,
+                Hash::default(),
+                Diagnostic { code: Code::InternalError, ..error.into() },
+            )
+        })))
+    }
+
+    fn shown(&self, path: &Path) -> String {
+        let given = path.display().to_string();
+        // Stdin is found by its substitute path.
+        if self.texts.contains_key(&given) { given } else { self.root.show(path) }
+    }
+
+    /// The lock of a shader, if locks are checked.
+    fn lock(&self, shown: &str) -> Option<LockFile> {
+        let locks = self.basis.locks.as_ref()?;
+        let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
+        if quiet("layout-drift") && quiet("lock-missing") {
+            return None;
+        }
+        let below = self.root.below(Path::new(shown))?;
+        let path = lock::path_of(Path::new(locks), Path::new(&below));
+        // Reading a pipe would block.
+        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::metadata(&path).is_ok_and(is_other) {
+            let bytes = Err(Error::new(path.display().to_string(), "is not a file"));
+            return Some(LockFile { path, bytes });
+        }
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(cause) => {
+                let message = format!("cannot be read: {}", landfall_layout::file::reason(&cause));
+                Err(Error::new(path.display().to_string(), message))
+            }
+        };
+        Some(LockFile { path, bytes })
+    }
+
+    /// Whether the includes and lock of a shader with unchanged bytes are unchanged.
+    fn is_same(&self, known: &Checked, lock: Option<&LockFile>) -> bool {
+        let lock = match lock.map(|lock| &lock.bytes) {
+            None => None,
+            Some(Ok(bytes)) => bytes.as_deref().map(Hash::of),
+            Some(Err(_)) => return false,
+        };
+        let to_accept = self.accept && known.findings.iter().any(is_drift);
+        !known.failed
+            && !to_accept
+            && known.lock == lock
+            && known.includes.iter().all(|(path, hash)| self.hash(path).as_ref() == Some(hash))
+            && !known.absent.iter().any(|path| Path::new(path).exists())
+    }
+
+    /// The hash of a file, cached for other shaders that include it.
+    fn hash(&self, path: &str) -> Option<Hash> {
+        let mut hashes = self.hashes.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(hash) = hashes.get(path) {
+            return hash.clone();
+        }
+        let bytes = source::read_bytes(Path::new(path), self.basis.max_bytes());
+        let hash = bytes.ok().map(|bytes| Hash::of(&bytes));
+        hashes.insert(path.to_string(), hash.clone());
+        hash
+    }
+
+    fn look(&self, source: Source, hash: Hash, lock: Option<LockFile>) -> Fresh {
+        let options = match source.language {
+            Language::Glsl => &self.options[0],
+            Language::Wgsl => &self.options[1],
+        };
+        let shader = landfall_layout::layout(&source, options);
+        let constants = given::known(&shader.files);
+        given::record_names(&constants);
+        let settings = &self.basis.settings;
+        let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
+            shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);
+        let mut findings: Vec<Finding> =
+            warnings.into_iter().map(|d| d.located(&shader.files)).collect();
+        let mut failed: Vec<Finding> = Vec::new();
+        let mut new_lock = None;
+        let mut lock_hash = None;
+        let mut allowed = allows(&shader.files, shader.language);
+        if errors.is_empty() {
+            let subject = Subject { source: &source, options, shader: &shader };
+            if let Some(LockFile { path, bytes }) = lock {
+                match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
+                    Ok(Against { hash, lock: old, found }) => {
+                        let mut drifted = levels::at_levels(found, settings);
+                        suppress(&mut drifted, &mut allowed);
+                        lock_hash = hash;
+                        if self.accept && drifted.iter().any(is_drift) {
+                            let text = lock::renew(&shader, old.as_ref());
+                            lock_hash = Some(Hash::of(text.as_bytes()));
+                            new_lock = Some((path, text));
+                        } else {
+                            findings.extend(drifted);
+                        }
+                    }
+                    Err(error) => {
+                        let found = Diagnostic { code: Code::UnreadableLock, ..error.into() };
+                        failed.push(found.located(&Files::default()));
+                    }
+                }
+            }
+            findings = levels::at_levels(findings, settings);
+            findings.extend(run::ask_shader(&subject, settings));
+        } else {
+            findings = levels::at_levels(findings, settings);
+            failed.extend(errors.iter().take(MOST_ERRORS).map(|d| d.located(&shader.files)));
+            if let (Some(last), true) = (failed.last_mut(), errors.len() > MOST_ERRORS) {
+                last.notes.push(format!("and {} more errors", errors.len() - MOST_ERRORS));
+            }
+        }
+        suppress(&mut findings, &mut allowed);
+        let is_failed = !failed.is_empty();
+        findings.extend(failed);
+        let includes: Vec<(String, Hash)> = shader
+            .files
+            .iter()
+            .skip(1)
+            // Macros of the command line are files of this name.
+            .filter(|file| !file.path.starts_with("-D "))
+            // A file that has vanished has no hash, so the shader is checked again next time.
+            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or_default()))
+            .collect();
+        let checked = Checked {
+            path: source.path.clone(),
+            hash,
+            absent: self.absent(&source.path, &includes),
+            includes,
+            lock: lock_hash,
+            constants,
+            failed: is_failed,
+            findings,
+            blocks: if is_failed { Vec::new() } else { digest(&shader) },
+            allows: allowed,
+        };
+        Fresh { checked, laid_out: (!is_failed).then_some((source, shader)), lock: new_lock }
+    }
+
+    /// Missing files that would take precedence if they existed: the names of the includes beside
+    /// every file of the shader and in every include directory.
+    fn absent(&self, shader: &str, includes: &[(String, Hash)]) -> Vec<String> {
+        if includes.is_empty() {
+            return Vec::new();
+        }
+        let files = std::iter::once(shader).chain(includes.iter().map(|(path, _)| path.as_str()));
+        let beside = files.filter_map(|path| Path::new(path).parent());
+        let mut dirs: Vec<&Path> = beside.chain(self.basis.include_dirs()).collect();
+        dirs.sort_unstable();
+        dirs.dedup();
+        let mut absent = Vec::new();
+        for (include, _) in includes {
+            for name in dirs.iter().filter_map(|dir| Path::new(include).strip_prefix(dir).ok()) {
+                let others = dirs.iter().map(|dir| dir.join(name));
+                absent.extend(
+                    others.filter(|path| !path.exists()).map(|path| path.display().to_string()),
+                );
+            }
+        }
+        absent.sort_unstable();
+        absent.dedup();
+        absent
+    }
+}
+
+fn is_drift(finding: &Finding) -> bool {
+    finding.code == "layout-drift" || finding.code == "lock-missing"
+}
+
+/// The comparison of a shader with its lock: the hash of the lock, the lock, and the changes.
+struct Against {
+    hash: Option<Hash>,
+    lock: Option<Lock>,
+    found: Vec<Finding>,
+}
+
+/// Compares a shader with its lock. A lock that cannot be read, such as one of a newer landfall,
+/// is an error, so that it is not overwritten.
+fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Against, Error> {
+    let shown = crate::config::slashes(path);
+    let Some(bytes) = bytes else {
+        let found = landfall_lint::drift::drift(shader, &shown, None);
+        return Ok(Against { hash: None, lock: None, found });
+    };
+    let hash = Hash::of(&bytes);
+    let text = source::decode(&shown, bytes)?;
+    let lock = lock::read(&shown, &text)?;
+    let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
+    Ok(Against { hash: Some(hash), lock: Some(lock), found })
+}
+
+/// The result for a shader that cannot be read.
+fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
+    let checked = Checked {
+        path: path.to_string(),
+        hash,
+        includes: Vec::new(),
+        absent: Vec::new(),
+        lock: None,
+        constants: Vec::new(),
+        failed: true,
+        findings: vec![found.located(&Files::default())],
+        blocks: Vec::new(),
+        allows: Vec::new(),
+    };
+    Fresh { checked, laid_out: None, lock: None }
+}

@@ -1,0 +1,360 @@
+//! The configuration file `landfall.toml`.
+//!
+//! It is searched for upwards from the checked paths. Paths in it are relative to its own
+//! directory. Flags override it, in [`Config::options`] and in the commands. `example.toml` beside
+//! this file has every key.
+
+mod figure;
+mod find;
+mod lints;
+mod root;
+mod toml;
+
+use landfall_layout::diagnostic::Code;
+use std::path::{Path, PathBuf};
+
+use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use landfall_layout::file::FileWriter;
+use landfall_layout::text::edit_distance::nearest;
+use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
+use landfall_lint::settings::Target as Limits;
+use landfall_lint::{LINTS, Settings, lint, renamed};
+
+use crate::args::{self, Api, ConfigArgs, TextArgs};
+use crate::output::{Failure, FindingForm, Streams};
+use crate::read;
+use toml::{Document, Keys, Text};
+
+pub use root::{Root, slashes};
+
+/// The default directory of locks.
+const LOCKS: &str = "layouts";
+
+const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
+
+/// The configuration of a project.
+#[derive(Debug, Default)]
+pub struct Config {
+    /// Its file.
+    pub file: Option<PathBuf>,
+    /// The directory that paths are relative to.
+    pub root: Root,
+    /// The paths to check if none are named.
+    pub paths: Vec<PathBuf>,
+    /// The excluded paths.
+    pub exclude: Exclude,
+    /// The directory of locks, if set.
+    pub locks: Option<PathBuf>,
+    /// The directory of the cache, if set.
+    pub cache_dir: Option<PathBuf>,
+    /// The options for reading shaders.
+    pub read: ReadOptions,
+    /// The layout rules for all blocks, if set.
+    pub rules: Option<Rules>,
+    /// Whether loose uniforms are gathered in a block.
+    pub gather: bool,
+    /// Whether `api` is set, which takes precedence over targets for the GLSL dialect.
+    said_api: bool,
+    /// The settings of lints.
+    pub settings: Settings,
+}
+
+/// Reads the configuration for these paths; `None` if it has errors, which are reported.
+pub fn load(
+    args: &ConfigArgs,
+    paths: &[PathBuf],
+    streams: &Streams,
+) -> Result<Option<Config>, Failure> {
+    let file = match &args.config {
+        _ if args.no_config => None,
+        Some(file) => Some(file.clone()),
+        None => find::find(paths)?,
+    };
+    let Some(file) = file else {
+        return Ok(Some(Config { root: Root::new(Path::new(""))?, ..Config::default() }));
+    };
+    let text = read::text(&file)?;
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let root = Root::new(folder)?;
+    let document = Document::new(&read::shown(&file), text);
+    let config = document.read(|keys| self::read(keys, root));
+    match config {
+        Ok(config) => Ok(Some(Config { file: Some(file), ..config })),
+        Err((found, files)) => {
+            streams.report(&streams.style(FindingForm::Human).text(&found, &files));
+            Ok(None)
+        }
+    }
+}
+
+fn read(keys: &Keys<'_>, root: Root) -> Config {
+    let folder = |text: Option<Text>| text.map(|text| root.path(&text.value));
+    let list = |key| keys.texts(key).unwrap_or_default();
+    let targets: Vec<Api> = list("targets").iter().filter_map(|text| target(keys, text)).collect();
+    let api = keys.choice("api", &["opengl", "vulkan"]).map(|name| match name {
+        "opengl" => Target::OpenGl,
+        _ => Target::Vulkan,
+    });
+    let rules = keys.choice("rules", &RULES.map(Rules::name));
+    let settings = Settings {
+        targets: targets.iter().filter_map(|api| api.limits()).collect(),
+        ..lints::read(keys, &root)
+    };
+    Config {
+        file: None,
+        paths: list("paths").iter().map(|text| root.path(&text.value)).collect(),
+        exclude: exclude(keys),
+        locks: folder(keys.text("locks")),
+        cache_dir: folder(keys.text("cache-dir")),
+        read: {
+            let mut read = ReadOptions::default();
+            read.defines = pairs(keys, "define", args::define);
+            read.include_dirs = list("include").iter().map(|text| root.path(&text.value)).collect();
+            read.overrides = pairs(keys, "override", args::setting);
+            read.target = api.or_else(|| Api::reading(&targets));
+            read
+        },
+        rules: rules.and_then(Rules::from_name),
+        gather: keys.bool("gather").unwrap_or(false),
+        said_api: api.is_some(),
+        settings,
+        root,
+    }
+}
+
+fn target(keys: &Keys<'_>, text: &Text) -> Option<Api> {
+    let found = Limits::from_name(&text.value);
+    if found.is_none() {
+        keys.unknown(Code::UnknownTarget, "target", text, &Limits::ALL.map(Limits::name));
+    }
+    found.map(|limits| match limits {
+        Limits::Gl33 => Api::Gl33,
+        Limits::Gles30 => Api::Gles30,
+        Limits::WebGl2 => Api::Webgl2,
+        Limits::WebGpu => Api::Webgpu,
+        Limits::Vulkan => Api::Vulkan,
+    })
+}
+
+/// Parses strings with the parser of a flag.
+fn pairs(
+    keys: &Keys<'_>,
+    key: &'static str,
+    parse: impl Fn(&str) -> Result<(String, String), String>,
+) -> Vec<(String, String)> {
+    let texts = keys.texts(key).unwrap_or_default();
+    texts.iter().filter_map(|text| keys.parsed(Code::WrongValue, text, &parse)).collect()
+}
+
+fn exclude(keys: &Keys<'_>) -> Exclude {
+    let mut exclude = Exclude::default();
+    for text in keys.texts("exclude").unwrap_or_default() {
+        if let Err(cause) = exclude.add(&text.value) {
+            keys.bad_glob(&text, &cause);
+        }
+    }
+    exclude.ready();
+    exclude
+}
+
+impl Config {
+    /// The input paths: the named ones, else those of the configuration, else its directory.
+    pub fn paths(&self, named: &[PathBuf]) -> Vec<PathBuf> {
+        match (named, self.paths.as_slice()) {
+            ([], []) => vec![self.root.path("")],
+            ([], configured) => configured.to_vec(),
+            (named, _) => named.to_vec(),
+        }
+    }
+
+    /// The directory of locks, if named or configured.
+    pub fn explicit_locks(&self, named: Option<&Path>) -> Option<PathBuf> {
+        named.map(Path::to_path_buf).or_else(|| self.locks.clone())
+    }
+
+    /// The directory of locks.
+    pub fn locks(&self, named: Option<&Path>) -> PathBuf {
+        self.explicit_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
+    }
+
+    /// A writer for a directory. It follows no link out of the project, or out of the directory if
+    /// that is outside the project or was named on the command line.
+    pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {
+        match named {
+            true => FileWriter::default().inside(folder),
+            false => self.root.writer(folder),
+        }
+    }
+
+    /// The path of a shader's lock, for `lock`, `verify --record` and `check`.
+    ///
+    /// # Errors
+    ///
+    /// The shader is not below the configuration's directory.
+    pub fn lock_of(&self, locks: &Path, shader: &Path) -> Result<PathBuf, Error> {
+        match self.root.below(shader) {
+            Some(below) => Ok(lock::path_of(locks, Path::new(&below))),
+            None => {
+                let root = slashes(&self.root.shown);
+                let folder = if root.is_empty() { "the current directory" } else { root.as_str() };
+                let message = format!("is not below {folder}, so its lock would have no place");
+                let help = "run it in a directory above the shader, or put a `landfall.toml` there";
+                Err(Error::new(shader.display().to_string(), message).with_help(help))
+            }
+        }
+    }
+
+    /// The layout options of the configuration, overridden by flags.
+    pub fn options(&self, args: &TextArgs, defines: &[(String, String)]) -> Options {
+        let over = |ours: &[(String, String)], theirs: &[(String, String)]| {
+            let kept = ours.iter().filter(|(name, _)| theirs.iter().all(|(n, _)| n != name));
+            kept.chain(theirs).cloned().collect()
+        };
+        let dirs = args.include_dirs.iter().chain(&self.read.include_dirs);
+        let dialect = Api::reading(&args.targets);
+        let target = if self.said_api { self.read.target } else { None };
+        let mut read = ReadOptions::default();
+        read.defines = over(&self.read.defines, defines);
+        read.include_dirs = dirs.cloned().collect();
+        read.overrides = over(&self.read.overrides, &args.overrides);
+        read.target = match args.targets.is_empty() {
+            true => self.read.target,
+            // `--target webgpu` replaces the limits, not the GLSL dialect.
+            false => dialect.or(target),
+        };
+        read.max_bytes = args.max_bytes;
+        Options::default()
+            .with_read(read)
+            .with_rules(args.rules.as_deref().and_then(Rules::from_name).or(self.rules))
+            .with_gather(args.gather || self.gather)
+    }
+
+    /// The lint settings of the configuration, overridden by flags.
+    pub fn settings(
+        &self,
+        levels: &[(String, landfall_layout::finding::Level)],
+        targets: &[Api],
+    ) -> Result<Settings, Diagnostic> {
+        let mut settings = self.settings.clone();
+        for (code, level) in levels {
+            if !is_code(code) {
+                let found = unknown_code(code);
+                return Err(match args::define(code).is_ok() {
+                    true if code.contains('=') => Diagnostic {
+                        help: Some(format!("define a macro with `--define {code}`")),
+                        ..found
+                    },
+                    true => found.with_note("macros are defined with `--define NAME[=TEXT]`"),
+                    false => found,
+                });
+            }
+            settings.levels.push((code.clone(), *level));
+        }
+        if !targets.is_empty() {
+            settings.targets = targets.iter().filter_map(|api| api.limits()).collect();
+        }
+        Ok(settings)
+    }
+}
+
+/// Whether a level can be set for this code.
+pub fn is_code(code: &str) -> bool {
+    code == "warnings" || code == "all" || lint(code).is_some() || renamed(code).is_some()
+}
+
+/// The finding for an unknown lint code on the command line.
+pub fn unknown_code(code: &str) -> Diagnostic {
+    let near = nearest(code, LINTS.iter().map(|lint| lint.code));
+    let message = format!("there is no lint `{code}`");
+    Diagnostic::bare(Code::UnknownLint, Severity::Error, message).with_help(match near {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "`landfall rule` lists the lints".to_string(),
+    })
+}
+
+/// Excluded paths, relative to the configuration's directory.
+#[derive(Debug, Default)]
+pub struct Exclude {
+    globs: Vec<globset::Glob>,
+    set: GlobSet,
+}
+
+impl Exclude {
+    /// Adds a pattern. With a `/` it is relative to the configuration's directory; without, it
+    /// matches a file or directory of that name anywhere. A match of a directory excludes its
+    /// contents.
+    pub fn add(&mut self, pattern: &str) -> Result<(), String> {
+        if let Some(cause) = crate::inputs::too_deep(pattern) {
+            return Err(cause);
+        }
+        let bare = pattern.trim_end_matches('/');
+        let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
+            Some(rest) => (rest, true),
+            None => (bare, bare.contains('/')),
+        };
+        let from = if anchored { from.to_string() } else { format!("**/{from}") };
+        for pattern in [from.clone(), format!("{from}/**")] {
+            let glob = GlobBuilder::new(&pattern).literal_separator(true).build();
+            self.globs.push(glob.map_err(|cause| cause.kind().to_string())?);
+        }
+        Ok(())
+    }
+
+    /// Compiles the patterns.
+    pub fn ready(&mut self) {
+        let mut builder = GlobSetBuilder::new();
+        for glob in &self.globs {
+            builder.add(glob.clone());
+        }
+        self.set = builder.build().expect("each glob was built by itself");
+    }
+
+    /// Whether a path relative to the configuration's directory is excluded.
+    pub fn takes(&self, path: &str) -> bool {
+        !self.globs.is_empty() && self.set.is_match(path)
+    }
+}
+
+/// The finding that every shader of a run was excluded.
+pub fn all_excluded(count: usize, flags: &[String]) -> Diagnostic {
+    let what = if count == 1 {
+        "the only shader is".to_string()
+    } else {
+        format!("all {count} shaders are")
+    };
+    let message = format!("{what} excluded: nothing to do");
+    let help = match flags {
+        [] => "excluded by `exclude` of the configuration".to_string(),
+        flags => format!("excluded by `--exclude {}`", flags.join("`, `--exclude ")),
+    };
+    let found = Diagnostic::about(Code::NoInput, message, Some(help), "");
+    Diagnostic { path: None, ..found }
+}
+
+/// The error for an invalid glob on the command line.
+pub fn bad_glob(pattern: &str, cause: &str) -> Error {
+    Error::new(pattern, format!("is not a glob: {cause}"))
+        .with_help("escape `[`, `{`, `*` and `?` with `\\`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exclusion_is_by_path_or_by_any_part_of_it() {
+        let mut exclude = Exclude::default();
+        for pattern in ["vendor", "gen/*.frag", "*.wgsl", "./top/"] {
+            exclude.add(pattern).unwrap();
+        }
+        exclude.ready();
+        for out in ["vendor/a.frag", "x/vendor/b/c.frag", "gen/a.frag", "deep/a.wgsl", "top/a.vert"]
+        {
+            assert!(exclude.takes(out), "{out}");
+        }
+        for kept in ["vendored/a.frag", "x/gen/a.frag", "gen/deep/a.frag", "x/top/a.vert"] {
+            assert!(!exclude.takes(kept), "{kept}");
+        }
+        assert!(Exclude::default().add("a[").is_err());
+    }
+}

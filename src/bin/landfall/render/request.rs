@@ -1,0 +1,285 @@
+//! Loads the scene and the shader of a render.
+
+use landfall_layout::diagnostic::Code;
+use std::path::{Component, Path, PathBuf};
+
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
+use landfall_light::bind::BindError;
+use landfall_light::culling::{Compiled, Setting};
+use landfall_light::reference::Model;
+use landfall_light::render::{RenderError, RenderOptions, Renderer};
+use landfall_light::scene::{Reading, read_file};
+use landfall_light::{FrameOptions, Scene, VertexNormals};
+use serde_json::{Map, Value};
+
+use crate::args::{ReadArgs, RenderArgs};
+use crate::output::{FindingStyle, Streams};
+use crate::{data, read, write};
+
+/// A scene with its shader and settings.
+#[derive(Clone)]
+pub struct RenderRequest {
+    pub scene: Scene,
+    pub shader: Option<Source>,
+    pub model: Option<Model>,
+    pub frame: FrameOptions,
+    reading: Reading,
+    path: String,
+    options: Options,
+    entry: Option<String>,
+    /// The bindings from the command line.
+    bind: Vec<(String, Map<String, Value>)>,
+    /// The shader's files, for findings.
+    files: Files,
+}
+
+/// The arguments about a scene and its shader; the fields are those of [`RenderArgs`].
+pub struct Wanted<'a> {
+    pub scene: &'a Path,
+    pub shader: Option<PathBuf>,
+    pub entry: Option<String>,
+    pub size: Option<[u32; 2]>,
+    pub model: Option<String>,
+    pub bind: Vec<String>,
+    pub read: &'a ReadArgs,
+}
+
+impl<'a> From<&'a RenderArgs> for Wanted<'a> {
+    fn from(args: &'a RenderArgs) -> Wanted<'a> {
+        Wanted {
+            scene: &args.scene,
+            shader: args.shader.clone(),
+            entry: args.entry.clone(),
+            size: args.size,
+            model: args.model.clone(),
+            bind: args.bind.clone(),
+            read: &args.read,
+        }
+    }
+}
+
+/// The keys of a scene's `shader` object.
+const SHADER_MEMBERS: [&str; 4] = ["path", "entry", "define", "normals"];
+
+/// Reads the scene and the shader; reports errors in the scene.
+pub fn load(
+    args: &Wanted<'_>,
+    streams: &Streams,
+    style: &FindingStyle,
+) -> Result<Option<RenderRequest>, Error> {
+    let mut reading = read_file(args.scene)?;
+    streams.report(&style.text(&reading.diagnostics, &reading.files));
+    let Some(mut scene) = reading.scene.take() else { return Ok(None) };
+    if let Some(size) = args.size {
+        scene.size = size;
+    }
+    let path = args.scene.display().to_string();
+    let mut options = read::options(args.read);
+    let (mut entry, mut frame) = (args.entry.clone(), FrameOptions::default());
+    let own = match &scene.shader {
+        Some(Value::String(name)) => Some(beside(args.scene, name)),
+        Some(Value::Object(map)) => {
+            let own = of_scene(&path, map, &mut entry, &mut frame, &mut options)?;
+            own.map(|name| beside(args.scene, &name))
+        }
+        Some(_) | None => None,
+    };
+    let shader = match args.shader.clone().or(own) {
+        Some(file) => Some(read::source(&file, args.read)?),
+        None => None,
+    };
+    let model = match (&args.model, &scene.model) {
+        (Some(text), _) => Some(model("--model", model_json("--model", text)?)?),
+        (None, Some(value)) => Some(model(&path, value.clone())?),
+        (None, None) => None,
+    };
+    let mut bind = Vec::new();
+    for text in &args.bind {
+        bind.push((text.clone(), data::object("--bind", text)?));
+    }
+    let mut files = Files::default();
+    if let Some(shader) = &shader {
+        files.add(shader.path.clone(), shader.text.clone());
+    }
+    Ok(Some(RenderRequest {
+        scene,
+        shader,
+        model,
+        frame,
+        reading,
+        path,
+        options,
+        entry,
+        bind,
+        files,
+    }))
+}
+
+fn beside(scene: &Path, name: &str) -> PathBuf {
+    let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
+    for part in Path::new(name).components() {
+        match part {
+            // Shorten `scenes/../lit.frag` to `lit.frag`, as in messages.
+            Component::ParentDir
+                if matches!(path.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                path.pop();
+            }
+            Component::CurDir => {}
+            part => path.push(part),
+        }
+    }
+    path
+}
+
+/// Parses the name of a model, or its JSON object.
+pub fn model_json(option: &str, text: &str) -> Result<Value, Error> {
+    match text.trim_start().starts_with('{') {
+        true => data::value(option, text),
+        false => Ok(Value::String(text.to_string())),
+    }
+}
+
+/// Parses a lighting model.
+pub fn model(about: &str, value: Value) -> Result<Model, Error> {
+    serde_json::from_value(value).map_err(|error| {
+        Error::new(about, format!("names an unknown lighting model: {error}"))
+            .with_help("the models are `multi`, `array`, `view_space` and `casters`")
+    })
+}
+
+/// Reads the scene's `shader`; returns the path, if any.
+fn of_scene(
+    path: &str,
+    map: &Map<String, Value>,
+    entry: &mut Option<String>,
+    frame: &mut FrameOptions,
+    options: &mut Options,
+) -> Result<Option<String>, Error> {
+    let wrong = |what: String| Error::new(path, what);
+    if let Some(key) = map.keys().find(|key| !SHADER_MEMBERS.contains(&key.as_str())) {
+        let all = SHADER_MEMBERS.map(|name| format!("`{name}`")).join(", ");
+        return Err(wrong(format!("has the unknown key `shader.{key}`; the keys are {all}")));
+    }
+    let text = |key: &str| match map.get(key) {
+        None => Ok(None),
+        Some(Value::String(text)) => Ok(Some(text.clone())),
+        Some(_) => Err(wrong(format!("has a `shader.{key}` that is not a string"))),
+    };
+    if entry.is_none() {
+        *entry = text("entry")?;
+    }
+    frame.normals = match text("normals")?.as_deref() {
+        None | Some("transformed") => VertexNormals::Transformed,
+        Some("unit") => VertexNormals::Unit,
+        Some("unit_of_four") => VertexNormals::UnitOfFour,
+        Some(other) => {
+            let known = "`transformed`, `unit` and `unit_of_four`";
+            return Err(wrong(format!(
+                "has the unknown `shader.normals` of `{other}`; the values are {known}"
+            )));
+        }
+    };
+    match map.get("define") {
+        None => {}
+        Some(Value::Object(defines)) => {
+            for (name, value) in defines {
+                let value = match value {
+                    Value::String(text) => text.clone(),
+                    other => other.to_string(),
+                };
+                // The command line's macros are last and take precedence.
+                options.read.defines.insert(0, (name.clone(), value));
+            }
+        }
+        Some(_) => return Err(wrong("has a `shader.define` that is not an object".to_string())),
+    }
+    text("path")
+}
+
+impl RenderRequest {
+    /// The shader with its bindings; `None` if none is named.
+    pub fn renderer(&self) -> Result<Option<Renderer>, RenderError> {
+        self.renderer_with(|_| {})
+    }
+
+    /// The renderer of another shader.
+    pub fn with_shader(&self, shader: Source) -> RenderRequest {
+        let mut files = Files::default();
+        files.add(shader.path.clone(), shader.text.clone());
+        RenderRequest { shader: Some(shader), files, ..self.clone() }
+    }
+
+    /// The shader with its bindings, with changed options for reading it.
+    pub fn renderer_with(
+        &self,
+        say: impl FnOnce(&mut ReadOptions),
+    ) -> Result<Option<Renderer>, RenderError> {
+        let Some(shader) = &self.shader else { return Ok(None) };
+        let bind = self.scene.bind.iter().chain(self.bind.iter().map(|(_, map)| map)).collect();
+        let (mut layout, entry) = (self.options.clone(), self.entry.as_deref());
+        say(&mut layout.read);
+        Renderer::new(shader, &RenderOptions { layout, entry, bind }).map(Some)
+    }
+
+    /// The constants that a plan sets in the shader, except those already set.
+    pub fn settings(&self, compiled: &Compiled) -> Vec<Setting> {
+        let text = self.shader.as_ref().map_or("", |shader| &shader.text);
+        let read = &self.options.read;
+        let is_said = |setting: &Setting| {
+            let mut names = read.defines.iter().chain(&read.overrides).map(|(name, _)| name);
+            names.any(|name| *name == setting.name)
+        };
+        let mut settings = compiled.settings(text);
+        settings.retain(|setting| !is_said(setting));
+        settings
+    }
+
+    /// The files read: the scene, its meshes, the shader and its includes.
+    pub fn files_read(&self) -> Vec<Files> {
+        let shader = self.shader.iter().map(|shader| write::files_of(shader, &self.options));
+        shader.chain([self.reading.files.clone()]).collect()
+    }
+
+    pub fn no_shader(&self) -> Error {
+        Error::new(&self.path, "names no shader")
+            .with_help("add `--shader FILE`, or `--reference` to render the model alone")
+    }
+
+    /// Converts a failure to findings, with their files.
+    pub fn findings(&self, error: &RenderError) -> (Vec<Diagnostic>, &Files) {
+        let plain = |code, message: String, help, path: &str| Diagnostic {
+            labels: Vec::new(),
+            path: Some(path.to_string()),
+            help,
+            ..Diagnostic::error(code, Default::default(), message)
+        };
+        let shader = self.shader.as_ref().map_or("", |shader| shader.path.as_str());
+        match error {
+            RenderError::Shader(found) => (found.clone(), &self.files),
+            RenderError::Bind(error) => {
+                let message = error.to_string();
+                let mut found = plain(error.code(), message, error.help(), &self.path);
+                let place = |path: &str| self.reading.place(path);
+                let at = error.at().and_then(|path| place(&path)).or_else(|| match error {
+                    // Generated lights have no place in the file; their count does.
+                    BindError::TooManyLights { .. } => place("generate.lights.count"),
+                    BindError::NoLights { .. }
+                    | BindError::UnknownTarget { .. }
+                    | BindError::UnknownQuantity { .. }
+                    | BindError::Misfit { .. } => None,
+                });
+                if let Some(span) = at {
+                    found.labels.push(landfall_layout::Label { at: span, text: String::new() });
+                }
+                (vec![found], &self.reading.files)
+            }
+            RenderError::Backend(failure) => {
+                let mut found = plain(Code::Reader, failure.message.clone(), None, shader);
+                found.notes.extend(failure.log.lines().take(8).map(str::to_string));
+                (vec![found], &self.files)
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Help texts: groups, widths, examples that run, and the backend option.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A new directory below the target directory with the repository's shaders, locks and settings.
+fn checkout(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("help-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for tree in ["shaders", "layouts"] {
+        copy(&root.join(tree), &folder.join(tree));
+    }
+    fs::copy(root.join(".landfall.toml"), folder.join(".landfall.toml")).expect("it is readable");
+    folder
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("the target directory is writable");
+    for entry in fs::read_dir(from).expect("the directory exists") {
+        let (path, to) = (entry.expect("an entry").path(), to.to_path_buf());
+        let to = to.join(path.file_name().expect("entries have names"));
+        match path.is_dir() {
+            true => copy(&path, &to),
+            false => drop(fs::copy(&path, &to).expect("the file is readable")),
+        }
+    }
+}
+
+fn landfall(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.args(arguments).env("COLUMNS", "80").env_remove("CLICOLOR_FORCE");
+    command.output().expect("the command runs")
+}
+
+/// A help text, which must fit 80 columns.
+fn help(arguments: &[&str]) -> String {
+    let output = landfall(arguments);
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
+    let text = String::from_utf8(output.stdout).expect("help is UTF-8");
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{arguments:?}: {line}");
+    }
+    text
+}
+
+/// The commands of the help, each with its group.
+fn commands() -> Vec<(String, String)> {
+    let (mut group, mut commands) = (String::new(), Vec::new());
+    for line in help(&["--help"]).lines().skip_while(|line| !line.starts_with("Usage:")).skip(1) {
+        if let Some(heading) = line.strip_suffix(':').filter(|line| !line.starts_with(' ')) {
+            group = heading.to_string();
+        } else if let Some(rest) = line.strip_prefix("  ").filter(|_| group != "Options") {
+            let name = rest.split_whitespace().next().expect("a command");
+            commands.push((name.to_string(), group.clone()));
+        }
+    }
+    commands
+}
+
+/// An example line of a help text, with its documented exit code.
+struct Example {
+    line: String,
+    code: i32,
+}
+
+fn examples(help: &str) -> Vec<Example> {
+    let (_, text) = help.split_once("\nExamples:\n").expect("every --help has examples");
+    let (mut examples, mut code): (Vec<Example>, i32) = (Vec::new(), 0);
+    for line in text.lines() {
+        if let Some(purpose) = line.strip_prefix("  # ") {
+            code = i32::from(purpose.ends_with("(exit code 1)"));
+            continue;
+        }
+        match examples.last_mut().filter(|example| example.line.ends_with('\\')) {
+            Some(example) => {
+                example.line.push('\n');
+                example.line.push_str(line);
+            }
+            None => examples.push(Example { line: line.trim().to_string(), code }),
+        }
+    }
+    examples
+}
+
+#[test]
+fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
+    let commands = commands();
+    let mut groups: Vec<&str> = commands.iter().map(|(_, group)| group.as_str()).collect();
+    groups.dedup();
+    assert_eq!(groups, ["Lay out", "Generate", "Guard", "Prove", "Light", "Measure"]);
+    assert_eq!(commands.len(), 19, "{commands:?}");
+    let long = help(&["--help"]);
+    assert_eq!(long, help(&["help"]));
+    assert_eq!(long, help(&["-h"]));
+    assert!(long.contains("\n  check    Check shaders for lint findings and layout changes\n"));
+    assert!(!long.contains('\u{1b}'), "no colours outside a terminal");
+}
+
+/// The examples of one command run in order in one directory, as a reader would type them.
+#[test]
+fn every_example_of_every_help_exits_as_documented() {
+    let program = Path::new(env!("CARGO_BIN_EXE_landfall"));
+    let folder = program.parent().expect("a program is in a directory");
+    let mut path = vec![folder.to_path_buf()];
+    path.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()));
+    let path = std::env::join_paths(path).expect("PATH takes the directory");
+    for (command, _) in commands() {
+        let text = help(&[&command, "--help"]);
+        let examples = examples(&text);
+        let own = format!("landfall {command} ");
+        let is_own = |example: &Example| format!("{} ", example.line).contains(&own);
+        assert!(examples.iter().any(is_own), "{command}: {text}");
+        let place = checkout(&command);
+        for Example { line, code } in examples {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &line]).env("PATH", &path).current_dir(&place);
+            let output = shell.output().expect("a shell runs");
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(code), "{line}\n{said}");
+        }
+        fs::remove_dir_all(&place).expect("the test's own directory");
+    }
+}
+
+#[test]
+fn the_short_help_of_every_command_fits_80_columns_without_examples() {
+    for (command, _) in commands() {
+        let text = help(&[&command, "-h"]);
+        assert!(text.contains("Usage: landfall ") && !text.contains("Examples:"), "{text}");
+    }
+}
+
+#[test]
+fn five_commands_take_backend_and_its_former_name() {
+    let place = checkout("backend");
+    let unit = ["shaders/include/lights.glsl", "--fn", "unit"];
+    let scene = ["shaders/scenes/six_lights.json", "--size", "16x9"];
+    let commands: [(&str, &[&str], &[&str]); 5] = [
+        ("verify", &["shaders/ideas/vec3_then_float.frag"], &[]),
+        ("run", &unit, &["--args", "[[0, 3, 4]]"]),
+        ("stress", &unit, &["--samples", "100"]),
+        ("render", &scene, &[]),
+        ("bench", &scene, &["--rounds", "3"]),
+    ];
+    for (command, subject, more) in commands {
+        for option in ["--backend", "--reader"] {
+            let output = Command::new(env!("CARGO_BIN_EXE_landfall"))
+                .arg(command)
+                .args(subject)
+                .args(more)
+                .args([option, "cpu"])
+                .current_dir(&place)
+                .output()
+                .expect("the command runs");
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{command} {option}: {said}");
+        }
+        let text = help(&[command, "--help"]);
+        assert!(text.contains("--backend <BACKEND>") && !text.contains("reader"), "{text}");
+    }
+}
