@@ -4,6 +4,8 @@ pub mod constant;
 pub mod glsl;
 pub(crate) mod wgsl;
 
+use std::borrow::Cow;
+
 use crate::diagnostic::Diagnostic;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
@@ -32,5 +34,22 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     match source.language {
         Language::Glsl => glsl::read(source, options, gather),
         Language::Wgsl => wgsl::read(source, options),
+    }
+}
+
+/// Returns a text without its line continuations, which WGSL does not have.
+pub fn joined_lines(text: &str, language: Language) -> Cow<'_, str> {
+    match language {
+        Language::Glsl => glsl::joined_lines(text),
+        Language::Wgsl => Cow::Borrowed(text),
+    }
+}
+
+/// Returns the tokens of a text without line continuations. Comments are left out, macros are not
+/// expanded, and a `;` follows each directive, whose end only its line shows.
+pub fn tokens(text: &str, language: Language) -> Vec<&str> {
+    match language {
+        Language::Glsl => glsl::tokens(text),
+        Language::Wgsl => wgsl::tokens(text),
     }
 }

@@ -25,7 +25,6 @@ pub(super) mod unnormalised_normal;
 pub(super) mod vec4_normalise;
 
 use messages::{Message, Site};
-use prefilter::TextScan;
 
 use super::definition::{Check, Lint, Subject};
 use landfall_ir::analysis::hazards::{Certainty, Found, Kind, Occurrence, find};
@@ -121,13 +120,12 @@ pub(super) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     // Vertex shaders transform normals without declaring lights.
     let dark = [Kind::Vec4Normalise];
     let candidates = if lights.is_empty() { &dark[..] } else { kinds };
-    let mut candidates: Vec<Kind> =
+    let candidates: Vec<Kind> =
         candidates.iter().copied().filter(|kind| kinds.contains(kind)).collect();
     if candidates.is_empty() || (lights.is_empty() && !subject.source.text.contains("transpose")) {
         return Vec::new();
     }
-    let text = TextScan::new(shader);
-    candidates.retain(|kind| text.may_have(*kind, &lights));
+    let candidates = prefilter::possible(shader, &candidates, &lights);
     if candidates.is_empty() {
         return Vec::new();
     }

@@ -25,6 +25,8 @@ mod splice;
 mod target;
 pub mod types;
 
+use std::borrow::Cow;
+
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
@@ -51,6 +53,31 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         reader.read(|parser, _| parser.forget());
     }
     shape(&mut reader, source, gather, empty)
+}
+
+/// Returns a text without its line continuations.
+pub(super) fn joined_lines(text: &str) -> Cow<'_, str> {
+    splice::splice(text).map_or(Cow::Borrowed(text), |(joined, _)| Cow::Owned(joined))
+}
+
+/// Returns the tokens of a text without line continuations, with a `;` after each directive.
+pub(super) fn tokens(text: &str) -> Vec<&str> {
+    let mut lexer = lexer::Lexer::new(text, 0);
+    let (mut tokens, mut comments) = (Vec::new(), Vec::new());
+    let mut directive = false;
+    loop {
+        let token = lexer.next(&mut comments);
+        let ends = token.kind == lexer::Kind::End;
+        if directive && (token.first || ends) {
+            tokens.push(";");
+            directive = false;
+        }
+        if ends {
+            return tokens;
+        }
+        directive |= token.first && token.is("#");
+        tokens.push(token.text);
+    }
 }
 
 /// A shader's syntax tree and the shape of its blocks.

@@ -42,6 +42,16 @@ use crate::Diagnostic;
 use crate::shape::Shape;
 use crate::source::{Files, ReadOptions, Source, Span};
 
+/// Returns the tokens of a text.
+pub(crate) fn tokens(text: &str) -> Vec<&str> {
+    let mut lexer = lexer::Lexer::new(text, 0);
+    std::iter::from_fn(|| {
+        let token = lexer.next();
+        (token.kind != lexer::Kind::End).then(|| lexer.text_of(token))
+    })
+    .collect()
+}
+
 /// Parses the blocks of a WGSL text.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let mut files = Files::default();

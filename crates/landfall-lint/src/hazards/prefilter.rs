@@ -1,4 +1,4 @@
-//! A cheap scan of a text that tells whether a hazard lint can find anything in it.
+//! A cheap scan of a shader's tokens that tells whether a hazard lint can find anything in it.
 //!
 //! Following a shader's values costs as much as lowering it, several times its layout, so that
 //! hazard lints run only where the tokens they depend on occur. The scan may err in one direction
@@ -9,24 +9,31 @@ use landfall_ir::analysis::identifier::words;
 use landfall_ir::analysis::roles::LightBinding;
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::Language;
+use landfall_layout::syntax::{joined_lines, tokens};
 
-/// The text of a shader and its includes, without comments.
-pub(super) struct TextScan {
-    text: String,
+/// Returns those of the kinds that the tokens of a shader and its includes may contain.
+pub(super) fn possible(
+    shader: &ShaderLayout,
+    kinds: &[Kind],
+    lights: &[LightBinding<'_>],
+) -> Vec<Kind> {
+    let language = shader.language;
+    let texts: Vec<_> =
+        shader.files.iter().map(|file| joined_lines(&file.text, language)).collect();
+    let tokens = texts.iter().flat_map(|text| tokens(text, language)).collect();
+    let scan = TokenScan { tokens, language };
+    kinds.iter().copied().filter(|kind| scan.may_have(*kind, lights)).collect()
+}
+
+/// The tokens of a shader and its includes, before macros are expanded.
+struct TokenScan<'a> {
+    tokens: Vec<&'a str>,
     language: Language,
 }
 
-impl TextScan {
-    pub fn new(shader: &ShaderLayout) -> TextScan {
-        let mut text = String::new();
-        for file in shader.files.iter() {
-            uncommented(&file.text, &mut text);
-        }
-        TextScan { text, language: shader.language }
-    }
-
-    /// Returns whether the text may contain a hazard of that kind.
-    pub fn may_have(&self, kind: Kind, lights: &[LightBinding<'_>]) -> bool {
+impl TokenScan<'_> {
+    /// Returns whether the tokens may contain a hazard of that kind.
+    fn may_have(&self, kind: Kind, lights: &[LightBinding<'_>]) -> bool {
         match kind {
             // `dot` inside `max` or `clamp` is not negative.
             Kind::PowOfNegative => self.has("pow") && self.has_bare_dot(),
@@ -47,10 +54,13 @@ impl TextScan {
                 let count = light.count.as_ref().filter(|_| light.slots().is_some());
                 count.is_some_and(|count| !self.bounds(&count.member.name))
             }),
-            Kind::KahanWithoutPrecise => self
-                .text
-                .split([';', '{', '}'])
-                .any(|statement| statement.contains('=') && statement.matches('-').count() >= 2),
+            Kind::KahanWithoutPrecise => {
+                let mut statements = self.tokens.split(|t| matches!(*t, ";" | "{" | "}"));
+                statements.any(|statement| {
+                    statement.iter().any(|token| token.contains('='))
+                        && statement.iter().filter(|token| **token == "-").count() >= 2
+                })
+            }
             Kind::UnguardedNormalize
             | Kind::AttenuationDivision
             | Kind::ConeDivision
@@ -63,100 +73,102 @@ impl TextScan {
         }
     }
 
-    fn has(&self, word: &str) -> bool {
-        self.text.contains(word)
+    /// Returns whether a name contains a text: `pow` is in a macro's `POW_pow`, too.
+    fn has(&self, part: &str) -> bool {
+        self.tokens.iter().any(|token| token.contains(part))
     }
 
-    /// Finds a whole word, and returns the text before and after each occurrence.
-    fn uses<'t>(&'t self, word: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> {
-        let letter = |c: char| c.is_alphanumeric() || c == '_';
-        self.text.match_indices(word).filter_map(move |(at, _)| {
-            let (before, after) = (&self.text[..at], &self.text[at + word.len()..]);
-            let whole = !before.ends_with(letter) && !after.starts_with(letter);
-            whole.then(|| (before.trim_end(), after.trim_start()))
-        })
+    /// Returns the token at a distance from an index; empty outside the text.
+    fn at(&self, index: usize, distance: isize) -> &str {
+        index.checked_add_signed(distance).and_then(|i| self.tokens.get(i)).copied().unwrap_or("")
+    }
+
+    /// Returns the indices of a token.
+    fn uses(&self, token: &str) -> impl Iterator<Item = usize> {
+        self.tokens
+            .iter()
+            .enumerate()
+            .filter(move |(_, own)| **own == token)
+            .map(|(index, _)| index)
     }
 
     /// Returns whether a `dot` is not the first argument of `max(…)`, `clamp(…)` or `saturate(…)`.
     fn has_bare_dot(&self) -> bool {
-        self.uses("dot").any(|(before, _)| {
-            let call = before.strip_suffix('(').map(str::trim_end);
-            !["max", "clamp", "saturate"].iter().any(|f| call.is_some_and(|c| c.ends_with(f)))
+        self.uses("dot").any(|index| {
+            let bounded = ["max", "clamp", "saturate"].contains(&self.at(index, -2));
+            !(self.at(index, -1) == "(" && bounded)
         })
     }
 
     /// Returns whether something is compared with a number above 1 that has a decimal point.
     fn compares_past_one(&self) -> bool {
-        self.text.match_indices(['<', '>']).any(|(at, _)| {
-            let after = self.text[at + 1..].trim_start_matches(['=', ' ', '-']);
-            let end = after.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(after.len());
-            let number = &after[..end];
-            number.contains('.') && number.parse().is_ok_and(|number: f64| number > 1.0)
-        }) || self.text.match_indices(['<', '>']).any(|(at, _)| {
-            // `12.5 < theta`
-            let before = self.text[..at].trim_end();
-            let start =
-                before.rfind(|c: char| !c.is_ascii_digit() && c != '.').map_or(0, |i| i + 1);
-            // A letter may be longer than a byte.
-            let number = before.get(start..).unwrap_or("");
-            number.contains('.') && number.parse().is_ok_and(|number: f64| number > 1.0)
+        let past_one = |token: &str| {
+            let digits = token.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+            digits.contains('.') && digits.parse().is_ok_and(|number: f64| number > 1.0)
+        };
+        let compares = |token: &str| matches!(token, "<" | ">" | "<=" | ">=");
+        (0..self.tokens.len()).filter(|index| compares(self.tokens[*index])).any(|index| {
+            // WGSL's `<=` is two tokens; a sign may stand before the number.
+            let after = (1..4).map(|d| self.at(index, d)).find(|t| !matches!(*t, "=" | "-"));
+            past_one(self.at(index, -1)) || after.is_some_and(past_one)
         })
     }
 
     /// Returns whether a function declares a float or vector without an initialiser, or an output
     /// is added to.
     fn declares_without_value(&self) -> bool {
-        let mut functions: u32 = 0;
-        let mut depth: u32 = 0;
-        let mut start = 0;
-        let mut outputs = 0;
-        for (at, c) in self.text.char_indices() {
-            match c {
-                '{' => {
-                    let opens = self.text[..at].trim_end().ends_with(')');
-                    if functions > 0 || opens {
+        let (mut functions, mut depth, mut start, mut outputs) = (0u32, 0u32, 0, 0);
+        for (index, token) in self.tokens.iter().enumerate() {
+            match *token {
+                "{" => {
+                    if functions > 0 || self.at(index, -1) == ")" {
                         functions += 1;
                     }
                     depth += 1;
-                    start = at + 1;
                 }
-                '}' => {
+                "}" => {
                     functions = functions.saturating_sub(1);
                     depth = depth.saturating_sub(1);
-                    start = at + 1;
                 }
-                ';' => {
-                    let statement = without_directives(&self.text[start..at]);
-                    start = at + 1;
+                ";" => {
+                    let statement = &self.tokens[start..index];
                     if functions > 0 && declares(statement) {
                         return true;
                     }
-                    if depth == 0 && is_output(statement) {
+                    if depth == 0 && (declares(statement) || statement.contains(&"out")) {
                         outputs += 1;
-                        if outputs > MOST_NAMES || self.is_added_to(statement) {
+                        let added = |name: &&str| self.added_to(name);
+                        if outputs > MOST_NAMES || declared(statement).iter().any(added) {
                             return true;
                         }
                     }
                 }
-                _ => {}
+                _ => continue,
             }
+            start = index + 1;
         }
-        self.uses("gl_FragColor").any(|(_, after)| is_added(after))
+        self.added_to("gl_FragColor")
     }
 
-    fn is_added_to(&self, statement: &str) -> bool {
-        let Some(name) = statement.split_whitespace().last() else { return false };
-        self.uses(name).any(|(_, after)| is_added(after))
+    /// Returns whether `name += …`, `name.rgb += …`, `name[0] += …` or `name = name + …` occurs.
+    fn added_to(&self, name: &str) -> bool {
+        self.uses(name).any(|index| {
+            let after = &self.tokens[index + 1..];
+            let statement = after.split(|token| *token == ";").next().unwrap_or(after);
+            let Some(assigned) = statement.iter().position(|token| *token == "=") else {
+                return false;
+            };
+            statement[..assigned].last() == Some(&"+") || statement[assigned..].contains(&"+")
+        })
     }
 
     /// Returns whether an input normal is used in another way than alone in a call:
     /// `normalize(normal)`.
     fn uses_bare_normal(&self) -> bool {
-        let letter = |c: char| c.is_alphanumeric() || c == '_';
         let mut seen: Vec<&str> = Vec::new();
-        self.text.split(|c| !letter(c)).any(|name| {
+        self.tokens.iter().any(|name| {
             let may = ["orm", "ORM", "nrm"].iter().any(|part| name.contains(part));
-            if !may || name == "normalize" || seen.contains(&name) {
+            if !may || *name == "normalize" || seen.contains(name) {
                 return false;
             }
             seen.push(name);
@@ -169,18 +181,17 @@ impl TextScan {
     fn is_input(&self, name: &str) -> bool {
         let mut declared = false;
         let mut bare = false;
-        for (before, after) in self.uses(name) {
-            let line = before.rsplit([';', '{', '}']).next().unwrap_or("");
-            let comes_in = line
-                .split(|c: char| !c.is_alphanumeric())
-                .any(|word| ["in", "varying", "location"].contains(&word));
-            if comes_in && (after.starts_with(';') || after.starts_with(':')) {
+        for index in self.uses(name) {
+            let before = &self.tokens[..index];
+            let declaration = before.rsplit(|token| matches!(*token, ";" | "{" | "}")).next();
+            let comes_in = declaration.is_some_and(|tokens| {
+                tokens.iter().any(|token| ["in", "varying", "location"].contains(token))
+            });
+            if comes_in && [";", ":"].contains(&self.at(index, 1)) {
                 declared = true;
             } else {
-                let of = before.strip_suffix('.').map_or(before, |before| {
-                    before.trim_end_matches(|c: char| c.is_alphanumeric() || c == '_')
-                });
-                bare |= !(of.ends_with('(') && after.starts_with(')'));
+                let opens = if self.at(index, -1) == "." { -3 } else { -1 };
+                bare |= !(self.at(index, opens) == "(" && self.at(index, 1) == ")");
             }
         }
         // A name declared elsewhere, as in a block or a macro, may be an input too.
@@ -189,10 +200,17 @@ impl TextScan {
 
     /// Returns whether a loop seems to be bounded by a count.
     fn bounds(&self, count: &str) -> bool {
-        self.uses(count).any(|(before, _)| {
-            let of = before.trim_end_matches(|c: char| c.is_alphanumeric() || c == '_' || c == '.');
-            let of = of.trim_end();
-            ["<", "<=", ">=", "min(", "clamp(", "!="].iter().any(|sign| of.ends_with(sign))
+        self.uses(count).any(|mut index| {
+            while self.at(index, -1) == "." && index >= 2 {
+                index -= 2;
+            }
+            match self.at(index, -1) {
+                "<" | "<=" | ">=" | "!=" => true,
+                // Two tokens in WGSL.
+                "=" => ["<", ">", "!"].contains(&self.at(index, -2)),
+                "(" => ["min", "clamp"].contains(&self.at(index, -2)),
+                _ => false,
+            }
         })
     }
 }
@@ -200,73 +218,53 @@ impl TextScan {
 /// The number of names that are searched for one by one; a text with more passes the scan.
 const MOST_NAMES: usize = 64;
 
-/// Returns a statement without the preprocessor directives before it.
-fn without_directives(mut statement: &str) -> &str {
-    loop {
-        statement = statement.trim();
-        if !statement.starts_with('#') {
-            return statement;
-        }
-        statement = statement.find('\n').map_or("", |end| &statement[end..]);
+/// Returns whether a statement declares a float or vector without an initialiser: `vec3 total`,
+/// `float a, b = 1.0`.
+fn declares(statement: &[&str]) -> bool {
+    let precision = ["highp", "mediump", "lowp", "precise"];
+    let statement = match statement {
+        [first, rest @ ..] if precision.contains(first) => rest,
+        _ => statement,
+    };
+    let types = ["float", "vec2", "vec3", "vec4", "double", "half"];
+    match statement {
+        [ty, declarators @ ..] if types.contains(ty) => has_bare_name(declarators),
+        _ => false,
     }
 }
 
-/// Returns whether a declaration outside functions is that of an output, or of a variable without
-/// an initialiser.
-fn is_output(statement: &str) -> bool {
-    declares(statement) || statement.split_whitespace().any(|word| word == "out")
-}
-
-/// `vec3 total`, `float a, b`: without `=`, qualifiers or a call.
-fn declares(statement: &str) -> bool {
-    let mut parts = statement.split_whitespace();
-    let ty = match parts.next() {
-        Some("highp" | "mediump" | "lowp" | "precise") => parts.next(),
-        other => other,
-    };
-    let typed =
-        ty.is_some_and(|ty| ["float", "vec2", "vec3", "vec4", "double", "half"].contains(&ty));
-    typed && parts.next().is_some() && has_bare_name(statement)
-}
-
-/// Returns whether one of several names declared together has no `=`.
-fn has_bare_name(statement: &str) -> bool {
-    let (mut depth, mut given) = (0, false);
-    for c in statement.chars() {
-        match c {
-            '(' | '[' => depth += 1,
-            ')' | ']' => depth -= 1,
-            '=' => given = true,
-            ',' if depth == 0 && !given => return true,
-            ',' if depth == 0 => given = false,
+/// Returns the names of a declaration: `a` and `b` of `layout(location = 0) out vec4 a[2], b`.
+fn declared<'a>(statement: &[&'a str]) -> Vec<&'a str> {
+    let (mut depth, mut initialised, mut names) = (0, false, vec![""]);
+    for token in statement {
+        match *token {
+            "(" | "[" => depth += 1,
+            ")" | "]" => depth -= 1,
+            _ if depth > 0 => {}
+            "=" => initialised = true,
+            "," => {
+                initialised = false;
+                names.push("");
+            }
+            token if !initialised => *names.last_mut().expect("one at least") = token,
             _ => {}
         }
     }
-    !given
+    names
 }
 
-fn is_added(after: &str) -> bool {
-    // `x += …`, `x.rgb += …`, `x = x + …`
-    let after = after.trim_start_matches(|c: char| c == '.' || c.is_alphanumeric()).trim_start();
-    after.starts_with("+=")
-        || (after.starts_with('=') && after.split(';').next().is_some_and(|s| s.contains('+')))
-}
-
-/// Appends a text without its comments.
-fn uncommented(text: &str, into: &mut String) {
-    let mut rest = text;
-    while let Some(at) = rest.find('/') {
-        into.push_str(&rest[..at]);
-        let comment = &rest[at..];
-        rest = if comment.starts_with("//") {
-            comment.find('\n').map_or("", |end| &comment[end..])
-        } else if let Some(inner) = comment.strip_prefix("/*") {
-            inner.find("*/").map_or("", |end| &inner[end + 2..])
-        } else {
-            into.push('/');
-            &comment[1..]
-        };
+/// Returns whether one of several names declared together has no `=`.
+fn has_bare_name(declarators: &[&str]) -> bool {
+    let (mut depth, mut initialised) = (0, declarators.is_empty());
+    for token in declarators {
+        match *token {
+            "(" | "[" => depth += 1,
+            ")" | "]" => depth -= 1,
+            "=" => initialised = true,
+            "," if depth == 0 && !initialised => return true,
+            "," if depth == 0 => initialised = false,
+            _ => {}
+        }
     }
-    into.push_str(rest);
-    into.push('\n');
+    !initialised
 }

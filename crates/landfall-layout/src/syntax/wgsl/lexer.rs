@@ -270,33 +270,25 @@ fn number_end(bytes: &[u8], start: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tokens;
     use super::*;
-
-    fn words(text: &str) -> Vec<&str> {
-        let mut lexer = Lexer::new(text, 0);
-        std::iter::from_fn(|| {
-            let token = lexer.next();
-            (token.kind != Kind::End).then(|| lexer.text_of(token))
-        })
-        .collect()
-    }
 
     #[test]
     fn two_closing_angles_are_two_tokens() {
-        assert_eq!(words("a<b<c>>=1"), ["a", "<", "b", "<", "c", ">", ">", "=", "1"]);
+        assert_eq!(tokens("a<b<c>>=1"), ["a", "<", "b", "<", "c", ">", ">", "=", "1"]);
     }
 
     #[test]
     fn exponents_belong_to_their_number_and_differences_do_not() {
         assert_eq!(
-            words("1e+5 0x1p-2f 0xe+1 3-2 .5h"),
+            tokens("1e+5 0x1p-2f 0xe+1 3-2 .5h"),
             ["1e+5", "0x1p-2f", "0xe", "+", "1", "3", "-", "2", ".5h"]
         );
     }
 
     #[test]
     fn block_comments_nest_and_line_comments_end_at_every_line_break() {
-        assert_eq!(words("a /* /* } */ { */ b // c\u{2028}d // e\r f"), ["a", "b", "d", "f"]);
+        assert_eq!(tokens("a /* /* } */ { */ b // c\u{2028}d // e\r f"), ["a", "b", "d", "f"]);
     }
 
     #[test]
@@ -304,11 +296,11 @@ mod tests {
         let text = "{ if x { /* } */ } // }\n } after";
         let mut lexer = Lexer::new(text, 1);
         assert_eq!(lexer.skip_body(), Some(25));
-        assert_eq!(words(&text[lexer.at..]), ["after"]);
+        assert_eq!(tokens(&text[lexer.at..]), ["after"]);
     }
 
     #[test]
-    fn blanks_beyond_ascii_separate_words() {
-        assert_eq!(words("größe\u{2028}x\u{85}y"), ["größe", "x", "y"]);
+    fn blanks_beyond_ascii_separate_tokens() {
+        assert_eq!(tokens("größe\u{2028}x\u{85}y"), ["größe", "x", "y"]);
     }
 }
