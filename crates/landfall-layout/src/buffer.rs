@@ -28,6 +28,7 @@
 //! # Ok::<(), landfall::BufferError>(())
 //! ```
 
+mod components;
 mod decode;
 mod dirty;
 mod encode;
@@ -52,6 +53,7 @@ use index::Index;
 use resolve::{What, not_a_leaf, resolve};
 use value::Fit;
 
+pub use components::Components;
 pub use decode::{Decoded, Element, decode};
 pub use dirty::{Ranges, Upload};
 pub use encode::{Missing, encode};

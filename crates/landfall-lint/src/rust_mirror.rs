@@ -9,6 +9,7 @@ mod file;
 mod fit;
 mod items;
 mod known;
+mod rust_type;
 mod target;
 mod types;
 
@@ -25,8 +26,9 @@ use file::Declarations;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::text::edit_distance::nearest;
+use rust_type::{Laid, Shape, Unknown};
 use target::{Target, targets};
-use types::{Laid, Shape, Types, Unknown};
+use types::Types;
 
 pub(super) const LINT: Lint = Lint {
     code: "rust-mirror",

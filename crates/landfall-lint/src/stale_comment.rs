@@ -10,12 +10,13 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{listing, place};
 use checks::{Right, counted_from, may_be_content, other_unit};
-use claims::{Claim, Kind, claims};
+use claims::{Claim, claims};
 use columns::Row;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::source::{Files, Span};
 use owners::{Owner, owners};
+use tokens::Kind;
 
 pub(super) const LINT: Lint = Lint {
     code: "stale-comment",

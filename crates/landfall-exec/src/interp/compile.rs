@@ -13,6 +13,7 @@ mod matrix;
 mod operators;
 mod pointer;
 mod statement;
+mod value;
 
 use std::rc::Rc;
 

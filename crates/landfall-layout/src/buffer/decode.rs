@@ -12,7 +12,7 @@ use serde::{Serialize, Serializer};
 use super::error::BufferError;
 use super::grid::{Extent, Grid, language};
 use super::number::Datum;
-use super::padding::{Findings, find, name_at};
+use super::padding::{Finding, Findings, finding, name_at};
 use super::resolve::{Place, What, resolve, size};
 use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
@@ -90,6 +90,53 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
     let mut decoded = Decoded { block, bytes, tail, root, path, findings, notes };
     decoded.findings = find(&decoded);
     Ok(decoded)
+}
+
+/// Finds suspicious values in the selected part of a block's bytes.
+fn find(decoded: &Decoded<'_>) -> Findings {
+    let mut used = vec![0u64; decoded.bytes.len() / 64 + 1];
+    let mut found = Findings::default();
+    decoded.for_each_of_block(|element| {
+        for (column, row) in element.grid.cells() {
+            let offset = element.offset as usize + element.grid.component(column, row);
+            for byte in offset..offset + usize::from(element.grid.scalar.width) {
+                used[byte / 64] |= 1 << (byte % 64);
+            }
+        }
+    });
+    decoded.for_each(|element| {
+        let grid = element.grid;
+        for (datum, (column, row)) in element.cells.iter().zip(grid.cells()) {
+            let offset = element.offset + grid.component(column, row) as u64;
+            if let Some(finding) = finding(*datum, element.path, &grid, (column, row), offset) {
+                found.push(finding);
+            }
+        }
+    });
+    let is_used = |byte: usize| used[byte / 64] & 1 << (byte % 64) != 0;
+    let range = decoded.range();
+    let mut at = range.start;
+    while at < range.end {
+        if is_used(at) {
+            at += 1;
+            continue;
+        }
+        let end = (at..range.end).find(|&byte| is_used(byte)).unwrap_or(range.end);
+        let hole = &decoded.bytes[at..end];
+        if let Some(first) = hole.iter().position(|&byte| byte != 0) {
+            let last = hole.iter().rposition(|&byte| byte != 0).unwrap_or(first);
+            let name = |byte: Option<usize>| name_at(decoded.block, byte? as u64);
+            found.push(Finding::Padding {
+                offset: (at + first) as u64,
+                bytes: hole[first..=last].to_vec(),
+                after: name(at.checked_sub(1)),
+                before: name(Some(end).filter(|&end| end < decoded.bytes.len())),
+            });
+        }
+        at = end;
+    }
+    found.list.sort_by_key(Finding::offset);
+    found
 }
 
 impl<'a> Decoded<'a> {

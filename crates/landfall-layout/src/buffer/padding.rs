@@ -3,7 +3,6 @@
 use crate::diagnostic::Code;
 use std::fmt;
 
-use super::decode::Decoded;
 use super::grid::Grid;
 use super::number::Datum;
 use crate::layout::BlockLayout;
@@ -91,55 +90,8 @@ pub struct Findings {
     pub more: usize,
 }
 
-/// Finds suspicious values in the selected part of a block's bytes.
-pub(crate) fn find(decoded: &Decoded<'_>) -> Findings {
-    let mut used = vec![0u64; decoded.bytes.len() / 64 + 1];
-    let mut found = Findings::default();
-    decoded.for_each_of_block(|element| {
-        for (column, row) in element.grid.cells() {
-            let offset = element.offset as usize + element.grid.component(column, row);
-            for byte in offset..offset + usize::from(element.grid.scalar.width) {
-                used[byte / 64] |= 1 << (byte % 64);
-            }
-        }
-    });
-    decoded.for_each(|element| {
-        let grid = element.grid;
-        for (datum, (column, row)) in element.cells.iter().zip(grid.cells()) {
-            let offset = element.offset + grid.component(column, row) as u64;
-            if let Some(finding) = finding(*datum, element.path, &grid, (column, row), offset) {
-                found.push(finding);
-            }
-        }
-    });
-    let is_used = |byte: usize| used[byte / 64] & 1 << (byte % 64) != 0;
-    let range = decoded.range();
-    let mut at = range.start;
-    while at < range.end {
-        if is_used(at) {
-            at += 1;
-            continue;
-        }
-        let end = (at..range.end).find(|&byte| is_used(byte)).unwrap_or(range.end);
-        let hole = &decoded.bytes[at..end];
-        if let Some(first) = hole.iter().position(|&byte| byte != 0) {
-            let last = hole.iter().rposition(|&byte| byte != 0).unwrap_or(first);
-            let name = |byte: Option<usize>| name_at(decoded.block, byte? as u64);
-            found.push(Finding::Padding {
-                offset: (at + first) as u64,
-                bytes: hole[first..=last].to_vec(),
-                after: name(at.checked_sub(1)),
-                before: name(Some(end).filter(|&end| end < decoded.bytes.len())),
-            });
-        }
-        at = end;
-    }
-    found.list.sort_by_key(Finding::offset);
-    found
-}
-
 impl Findings {
-    fn push(&mut self, finding: Finding) {
+    pub(super) fn push(&mut self, finding: Finding) {
         if self.list.len() < MOST_FINDINGS {
             self.list.push(finding);
         } else {
@@ -149,7 +101,7 @@ impl Findings {
 }
 
 /// Returns the finding about one component, if any.
-fn finding(
+pub(super) fn finding(
     datum: Datum,
     path: &str,
     grid: &Grid,

@@ -16,8 +16,7 @@ use crate::scene::{Lights, Material, Surface};
 use given::{Given, Number, chosen, surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
-use landfall_layout::shape::ScalarKind;
-use write::{Len, Write, slots, write};
+use write::{Write, slots, write};
 
 /// The lights of a list of fragments: indices into the upload, in the order of the sum.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,7 +84,7 @@ impl BlockWriter {
             }
         }
         // A single element overrides its array.
-        writes.sort_by_key(|write| write.len == Len::One);
+        writes.sort_by_key(|write| !write.components.is_array());
         let blocks = layouts.iter().map(|layout| match Buffer::new(layout) {
             Ok(buffer) => buffer.into_bytes(),
             Err(_) => Vec::new(),
@@ -162,37 +161,15 @@ impl BlockWriter {
         let mut blocks = self.sized(&given);
         for write in &self.writes {
             let bytes = &mut blocks[write.block];
-            let elements = match write.len {
-                Len::One => 1,
-                Len::Fixed(len) => len,
-                // The leaf may start inside its element, so the last stride may be incomplete.
-                Len::Runtime => {
-                    bytes.len().saturating_sub(write.offset).div_ceil(write.stride.max(1))
-                }
-            };
+            let elements = write.components.elements_in(bytes.len());
             let used = match write.source.quantity() {
                 Some(quantity) if quantity.is_each() => given.count(quantity).min(elements),
                 _ => elements,
             };
+            let (_, rows) = write.components.shape();
             for index in 0..used {
                 let number = self.number(&write.source, index, &given);
-                let at = write.offset + index * write.stride;
-                let components = number.components(write.rows);
-                for (row, value) in components.into_iter().enumerate().take(write.rows) {
-                    let word = match write.kind {
-                        ScalarKind::Sint => value as i32 as u32,
-                        ScalarKind::Uint => value as u32,
-                        ScalarKind::Bool => u32::from(value != 0.0),
-                        ScalarKind::Float
-                        | ScalarKind::Bfloat
-                        | ScalarKind::FloatE5m2
-                        | ScalarKind::FloatE4m3 => (value as f32).to_bits(),
-                    };
-                    let at = at + row * 4;
-                    if let Some(to) = bytes.get_mut(at..at + 4) {
-                        to.copy_from_slice(&word.to_ne_bytes());
-                    }
-                }
+                write.components.write(bytes, index, &number.components(rows));
             }
         }
         Ok(blocks)
@@ -205,7 +182,7 @@ impl BlockWriter {
                 return zeros.clone();
             }
             let of_block = self.writes.iter().filter(|w| w.block == number);
-            let lens = of_block.filter(|w| w.len == Len::Runtime).filter_map(|write| {
+            let lens = of_block.filter(|w| w.components.elements().is_none()).filter_map(|write| {
                 Some(given.count(write.source.quantity().filter(|q| q.is_each())?))
             });
             let elements = lens.max().unwrap_or(0).max(1);

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::fit::{View, fit};
-use super::types::{Laid, LaidField};
+use super::rust_type::{Laid, LaidField};
 use crate::show::bytes;
 use crate::walk::first_few;
 use landfall_layout::layout::MemberLayout;

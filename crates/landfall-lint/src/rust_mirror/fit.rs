@@ -5,7 +5,7 @@
 
 use std::rc::Rc;
 
-use super::types::{Laid, RustType, Shape};
+use super::rust_type::{Laid, RustType, Shape};
 use crate::show;
 pub use landfall_layout::layout::measure::{element_size, fixed, matrix_vector};
 use landfall_layout::layout::{MemberLayout, occupied};

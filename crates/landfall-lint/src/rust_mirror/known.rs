@@ -3,7 +3,7 @@
 //! glam's types are those with SIMD, as on x86-64, aarch64 and wasm with simd128; its feature
 //! `scalar-math` aligns `Vec4`, `Quat` and the matrices to 4 instead.
 
-use super::types::{Argument, RustType};
+use super::rust_type::{Argument, RustType};
 use landfall_layout::shape::ScalarKind;
 
 /// Returns the type of a path; `globs` are crates imported as a whole.

@@ -10,67 +10,7 @@ use syn::{Expr, Lit};
 
 use super::file::{Declarations, Structure};
 use super::known;
-use landfall_layout::shape::ScalarKind;
-
-/// A type with its layout.
-#[derive(Clone)]
-pub(super) struct RustType {
-    pub size: u64,
-    pub align: u64,
-    pub shape: Shape,
-}
-
-#[derive(Clone)]
-pub(super) enum Shape {
-    Scalar {
-        kind: ScalarKind,
-        name: &'static str,
-    },
-    /// An array, a vector, or a matrix as an array of its columns.
-    Array {
-        element: Rc<RustType>,
-        len: u64,
-    },
-    Struct(Rc<Laid>),
-}
-
-/// A structure with its layout.
-pub(super) struct Laid {
-    pub name: String,
-    pub fields: Vec<LaidField>,
-    /// The index in [`Declarations::structures`].
-    pub index: usize,
-}
-
-/// A field with its layout.
-pub(super) struct LaidField {
-    pub name: String,
-    pub offset: u64,
-    pub ty: RustType,
-}
-
-/// The reason why a layout is unknown.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Unknown(pub String);
-
-impl RustType {
-    pub(super) fn scalar(kind: ScalarKind, name: &'static str, width: u64) -> RustType {
-        RustType { size: width, align: width, shape: Shape::Scalar { kind, name } }
-    }
-
-    pub(super) fn array(element: RustType, len: u64) -> Option<RustType> {
-        Some(RustType {
-            size: element.size.checked_mul(len)?,
-            align: element.align,
-            shape: Shape::Array { element: Rc::new(element), len },
-        })
-    }
-
-    /// A SIMD vector: larger and aligned.
-    pub(super) fn aligned(self, align: u64) -> RustType {
-        RustType { size: self.size.next_multiple_of(align), align, ..self }
-    }
-}
+use super::rust_type::{Argument, Laid, LaidField, RustType, Shape, Unknown};
 
 /// The deepest nesting of structures, aliases and constants.
 const DEEPEST: u32 = 32;
@@ -269,12 +209,6 @@ impl<'d> Types<'d> {
             _ => None,
         }
     }
-}
-
-/// An argument of a generic type.
-pub(super) enum Argument {
-    Type(RustType),
-    Number(u64),
 }
 
 fn operate(op: &syn::BinOp, left: u64, right: u64) -> Option<u64> {

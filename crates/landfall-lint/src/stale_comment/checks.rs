@@ -2,8 +2,9 @@
 //!
 //! Uses [`claims`](super::claims) and [`owners`](super::owners).
 
-use super::claims::{Claim, Kind, Number};
+use super::claims::Claim;
 use super::owners::{Owner, Placed, end_of};
+use super::tokens::{Kind, Number};
 use landfall_layout::layout::MemberLayout;
 pub use landfall_layout::layout::measure::element_size;
 use landfall_layout::shape::{ArrayLen, Type};

@@ -3,32 +3,7 @@
 //! A number is a claim only if the words around it allow no other reading. Used by
 //! [`checks`](super::checks) and [`columns`](super::columns).
 
-use std::ops::Range;
-
-use super::tokens::{Sign, Word, tokens};
-
-/// The quantity that a claim states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Offset,
-    Align,
-    Size,
-    /// Of elements, of columns, or either.
-    ArrayStride,
-    MatrixStride,
-    Stride,
-    /// Of the structure or block as a whole.
-    Total,
-}
-
-/// A number in a comment.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Number {
-    pub value: u64,
-    /// The range of bytes in the comment.
-    pub range: Range<usize>,
-    pub hex: bool,
-}
+use super::tokens::{Kind, Number, Sign, Word, tokens};
 
 /// A claim.
 #[derive(Clone, Debug, PartialEq, Eq)]

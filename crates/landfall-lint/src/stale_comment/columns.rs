@@ -4,8 +4,9 @@
 //! layout next to most members.
 
 use super::checks::{Base, member, ranges};
-use super::claims::{Claim, Kind, Number, is_code, range_end};
+use super::claims::{Claim, is_code, range_end};
 use super::owners::Owner;
+use super::tokens::{Kind, Number};
 use super::tokens::{Sign, tokens};
 use landfall_layout::source::Span;
 

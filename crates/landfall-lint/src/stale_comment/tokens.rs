@@ -4,7 +4,28 @@
 
 use std::ops::Range;
 
-use super::claims::{Kind, Number};
+/// The quantity that a claim states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Offset,
+    Align,
+    Size,
+    /// Of elements, of columns, or either.
+    ArrayStride,
+    MatrixStride,
+    Stride,
+    /// Of the structure or block as a whole.
+    Total,
+}
+
+/// A number in a comment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Number {
+    pub value: u64,
+    /// The range of bytes in the comment.
+    pub range: Range<usize>,
+    pub hex: bool,
+}
 
 /// A piece of a comment.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use super::super::code::{Access, Axis, Bound, Class, Dynamic, Op, Reg};
 use super::super::flatten::class;
 use super::super::program::Floats;
 use super::Global;
-use super::function::{Function, Resolved, Value};
-use super::pointer::Root;
+use super::function::{Function, Resolved};
+use super::value::{Root, Value};
 
 impl Function<'_, '_> {
     /// Compiles an expression.

@@ -12,19 +12,9 @@ use super::super::flatten::class;
 use super::super::program::{Floats, FunctionCode};
 use super::super::value::value_type;
 use super::builder::Builder;
-use super::pointer::Pointer;
+use super::value::Value;
 use super::{Global, nowhere};
 pub use landfall_ir::module::Locals;
-
-/// The compiled form of an expression.
-#[derive(Clone)]
-pub(super) enum Value {
-    /// The registers of its scalars.
-    Regs(Rc<[Reg]>),
-    Pointer(Rc<Pointer>),
-    /// A place in a read-only buffer, loaded where it is used.
-    View(Rc<Pointer>),
-}
 
 /// The source of expressions' types.
 #[derive(Clone, Copy)]

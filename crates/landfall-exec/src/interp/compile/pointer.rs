@@ -8,31 +8,8 @@ use naga::{Expression, Handle, TypeInner};
 
 use super::super::code::{Access, Bound, Class, Dynamic, Op, Reg, Region};
 use super::super::flatten::{class, stored};
-use super::function::{Function, Value};
-
-/// The memory a pointer points into.
-#[derive(Clone)]
-pub(super) enum Root {
-    /// Registers of all scalars of a variable.
-    Variable(Rc<[Reg]>),
-    Buffer {
-        number: u32,
-        read_only: bool,
-    },
-}
-
-#[derive(Clone)]
-pub(super) struct Pointer {
-    pub root: Root,
-    /// The pointee's type.
-    pub ty: TypeResolution,
-    /// Number of scalars before it in a variable.
-    pub leaves: u32,
-    /// Number of bytes before it in a buffer.
-    pub bytes: u32,
-    /// Computed indices of the path.
-    pub indices: Vec<(Reg, Dynamic)>,
-}
+use super::function::Function;
+use super::value::{Pointer, Root, Value};
 
 impl Function<'_, '_> {
     pub fn pointer(&mut self, handle: Handle<Expression>) -> Result<Rc<Pointer>, String> {

@@ -6,9 +6,9 @@ use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, Swi
 
 use super::super::code::{Access, Change, Class, I2, Op, Reg, Values};
 use super::super::flatten::stored;
-use super::function::{Function, Value};
+use super::function::Function;
 use super::operators::scalar_of;
-use super::pointer::Root;
+use super::value::{Root, Value};
 
 impl Function<'_, '_> {
     /// Compiles a block. When no lane is left in it, the machine continues at its end.

@@ -1,8 +1,22 @@
 //! C types of scalars, vectors and matrices.
 
-use super::types::CType;
 use crate::layout::MemberLayout;
 use crate::shape::{Scalar, ScalarKind, Type};
+
+/// A C type, and the access expression of its leaves.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CType {
+    /// The type before the name: `float`, `PointLight`.
+    pub base: String,
+    /// The array lengths after the name: `[3]`.
+    pub brackets: Vec<u64>,
+    /// `sizeof`, in bytes.
+    pub size: u64,
+    /// The largest alignment C may give it.
+    pub align: u64,
+    /// The access from the name to a leaf or structure: `[].value`.
+    pub access: String,
+}
 
 /// The C type of a scalar, vector or matrix.
 pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {

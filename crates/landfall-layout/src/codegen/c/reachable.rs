@@ -4,19 +4,8 @@ use rustc_hash::FxHashMap;
 
 use super::CLeaf;
 use super::table::Section;
-use super::types::{Field, Types};
+use super::types::{Field, Mirror, Types};
 use crate::layout::{BlockLayout, MemberLayout};
-
-/// The C structure and fields of a block.
-#[derive(Clone, Debug)]
-pub(super) struct Mirror {
-    /// The structure before the runtime-sized tail; `None` when the tail is the only member.
-    pub structure: Option<String>,
-    /// The tail's field and its stride in bytes.
-    pub tail: Option<(Field, u64)>,
-    /// The fields of the block's own members.
-    pub fields: Vec<Field>,
-}
 
 impl Mirror {
     /// The C names that access each leaf of the block.

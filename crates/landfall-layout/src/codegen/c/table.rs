@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments::safe;
 use super::names::{Names, snake};
-use super::reachable::Mirror;
+use super::types::Mirror;
 use crate::ShaderLayout;
 use crate::layout::{BlockLayout, Leaf};
 use crate::shape::{ArrayLen, Rules, Scalar, ScalarKind, Type};

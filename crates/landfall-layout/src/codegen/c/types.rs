@@ -7,8 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments;
 use super::names::Names;
-use super::plain::plain_type;
-use super::reachable::Mirror;
+use super::plain::{CType, plain_type};
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{ArrayLen, Rules, Type};
 use crate::source::Span;
@@ -31,21 +30,6 @@ impl Refusal {
     }
 }
 
-/// A C type, and the access expression of its leaves.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct CType {
-    /// The type before the name: `float`, `PointLight`.
-    pub base: String,
-    /// The array lengths after the name: `[3]`.
-    pub brackets: Vec<u64>,
-    /// `sizeof`, in bytes.
-    pub size: u64,
-    /// The largest alignment C may give it.
-    pub align: u64,
-    /// The access from the name to a leaf or structure: `[].value`.
-    pub access: String,
-}
-
 /// A member of a C structure.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Field {
@@ -57,6 +41,17 @@ pub(super) struct Field {
     /// The type in the shader's spelling.
     pub shader_type: String,
     pub comment: Vec<String>,
+}
+
+/// The C structure and fields of a block.
+#[derive(Clone, Debug)]
+pub(super) struct Mirror {
+    /// The structure before the runtime-sized tail; `None` when the tail is the only member.
+    pub structure: Option<String>,
+    /// The tail's field and its stride in bytes.
+    pub tail: Option<(Field, u64)>,
+    /// The fields of the block's own members.
+    pub fields: Vec<Field>,
 }
 
 /// A C structure.

@@ -2,6 +2,8 @@
 //!
 //! [`super::plan`] makes them with each mirror; [`super::mirror`] prints them.
 
+use std::path::Path;
+
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::{Rules, Struct};
 use crate::source::{Files, Language, Span};
@@ -139,7 +141,7 @@ fn place(at: &Origin<'_>, span: Span) -> String {
     let location = at.files.locate(span);
     let path = match span.file {
         0 => at.input.to_string(),
-        _ => escape::comment(super::header::relative(&location.path)),
+        _ => escape::comment(relative(&location.path)),
     };
     format!("`{path}:{}`", location.line)
 }
@@ -305,6 +307,16 @@ fn markdown(line: &str) -> String {
         result.push(letter);
     }
     result.trim_end().to_string()
+}
+
+/// A path independent of the machine: an absolute one is reduced to its file name.
+pub(super) fn relative(path: &str) -> &str {
+    let path = path.strip_prefix("./").unwrap_or(path);
+    if Path::new(path).is_absolute() {
+        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+    } else {
+        path
+    }
 }
 
 #[cfg(test)]

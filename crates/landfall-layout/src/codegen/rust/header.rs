@@ -1,12 +1,12 @@
 //! The head of the output: the tool's version, the inputs, and the crates and features needed.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use crate::ShaderLayout;
 use crate::layout::targets;
 use crate::text::escape;
 
+use super::docs::relative;
 use super::print::Printer;
 use super::types::{Made, RustType};
 use super::{RustOptions, Vectors, leaf};
@@ -17,16 +17,6 @@ pub(super) fn input(shader: &ShaderLayout, options: &RustOptions, at: usize) -> 
     // Used in comments and messages: one line, no quotes, and no bidirectional characters, which
     // rustc denies.
     escape::name(&relative(name).replace(['\n', '\r', '`', '"', '\\'], "_")).into_owned()
-}
-
-/// A path independent of the machine: an absolute one is reduced to its file name.
-pub(super) fn relative(path: &str) -> &str {
-    let path = path.strip_prefix("./").unwrap_or(path);
-    if Path::new(path).is_absolute() {
-        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
-    } else {
-        path
-    }
 }
 
 pub(super) fn header(out: &Printer<'_>, inputs: &[String], shaders: &[&ShaderLayout]) -> String {

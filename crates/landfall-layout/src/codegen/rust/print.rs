@@ -216,3 +216,10 @@ pub(super) fn indices(count: usize) -> Vec<String> {
         _ => (0..count).map(|at| format!("i{at}")).collect(),
     }
 }
+
+/// Prints `impl From<FROM> for TO` with a body of one expression.
+pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
+    implement(text, &format!("From<{from}>"), to);
+    signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");
+    let _ = write!(text, "        {body}\n    }}\n}}\n\n");
+}

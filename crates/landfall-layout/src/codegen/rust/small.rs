@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use super::print::{DERIVES, Printer, default, doc, implement, signature};
+use super::print::{DERIVES, Printer, conversion, default, doc, implement};
 use super::types::{Bits, Component, LeafType, Made, Shape, component};
 use super::{Vectors, leaf, strided, tail};
 
@@ -247,11 +247,4 @@ fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
         }
         Shape::Matrix { .. } => unreachable!("no language has matrices of bools"),
     }
-}
-
-/// Prints `impl From<FROM> for TO` with a body of one expression.
-pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
-    implement(text, &format!("From<{from}>"), to);
-    signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");
-    let _ = write!(text, "        {body}\n    }}\n}}\n\n");
 }

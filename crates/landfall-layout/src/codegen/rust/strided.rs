@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 
 use super::mirror;
 use super::mirror::natural;
-use super::print::{DERIVES, Printer, assignment, default, implement, signature};
-use super::small::conversion;
+use super::print::{DERIVES, Printer, assignment, conversion, default, implement, signature};
 use super::types::{Padded, Tight};
 
 pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &Padded) {

@@ -5,7 +5,6 @@
 //! but not from skipped lights.
 
 use super::BlockWriter;
-use super::write::Len;
 use crate::bind::quantity::{Kind, LightPart, Quantity, Slot};
 use landfall_layout::shape::ScalarKind;
 
@@ -22,22 +21,17 @@ impl BlockWriter {
                 part,
                 LightPart::Color | LightPart::Radiance | LightPart::Diffuse | LightPart::Specular
             );
-            let index = match (at, write.len) {
-                (Slot::One(number), _) if number as usize == slot => 0,
-                (Slot::Each, Len::Fixed(len)) if slot < len => slot,
-                (Slot::Each, Len::Runtime) => slot,
-                (Slot::One(_), _) | (Slot::Each, Len::Fixed(_) | Len::One) => continue,
+            let inside = write.components.elements().is_none_or(|elements| slot < elements);
+            let index = match at {
+                Slot::One(number) if number as usize == slot => 0,
+                Slot::Each if write.components.is_array() && inside => slot,
+                Slot::One(_) | Slot::Each => continue,
             };
-            if of != kind || !coloured || write.kind != ScalarKind::Float {
+            if of != kind || !coloured || write.components.scalar().kind != ScalarKind::Float {
                 continue;
             }
-            let first = write.offset + index * write.stride;
-            for at in (0..write.rows.min(3)).map(|row| first + 4 * row) {
-                let to = blocks.get_mut(write.block).and_then(|bytes| bytes.get_mut(at..at + 4));
-                if let Some(to) = to {
-                    to.copy_from_slice(&f32::NAN.to_ne_bytes());
-                    marked = true;
-                }
+            if let Some(bytes) = blocks.get_mut(write.block) {
+                marked |= write.components.write(bytes, index, &[f64::NAN; 3]) > 0;
             }
         }
         marked

@@ -4,28 +4,15 @@
 
 use crate::bind::quantity::{Kind, Quantity, Slot};
 use crate::bind::{BindError, Member, Source};
-use landfall_layout::layout::Leaf;
-use landfall_layout::shape::{ArrayLen, ScalarKind, Type};
+use landfall_layout::buffer::{BufferError, Components};
 
 /// A leaf and its source.
 #[derive(Clone, Debug)]
 pub(super) struct Write {
     pub key: String,
     pub block: usize,
-    pub offset: usize,
-    /// The stride of the only array in its path.
-    pub stride: usize,
-    pub len: Len,
-    pub kind: ScalarKind,
-    pub rows: usize,
+    pub components: Components,
     pub source: Source,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Len {
-    One,
-    Fixed(usize),
-    Runtime,
 }
 
 pub(super) fn write(
@@ -34,51 +21,34 @@ pub(super) fn write(
 ) -> Result<Write, BindError> {
     let key = member.key();
     let misfit = |why: String| BindError::Misfit { key: key.clone(), why };
-    let (leaf, index) = leaf(&block.leaves, &member.path)
-        .ok_or_else(|| misfit("is not in its block".to_string()))?;
-    let (scalar, rows) = match &leaf.ty {
-        Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, 1),
-        Type::Vector { scalar, rows } => (*scalar, usize::from(*rows)),
-        Type::Matrix { .. } | Type::Address(_) | Type::Struct(_) | Type::Array { .. } => {
-            return Err(misfit("is not a scalar or vector".to_string()));
-        }
-    };
-    if scalar.width != 4 {
+    let components = Components::of(block, &member.path).map_err(|error| {
+        misfit(match error {
+            BufferError::OutOfRange { .. } => "is past the end of its array".to_string(),
+            BufferError::MissingIndex { .. }
+            | BufferError::TailTooShort { .. }
+            | BufferError::Unsized { .. } => {
+                "is in an array of arrays or of unknown length".to_string()
+            }
+            BufferError::NotALeaf { .. } => "is not a scalar or vector".to_string(),
+            _ => "is not in its block".to_string(),
+        })
+    })?;
+    if components.shape().0 != 1 {
+        return Err(misfit("is not a scalar or vector".to_string()));
+    }
+    if components.scalar().width != 4 {
         return Err(misfit(format!(
             "has {}-bit components, but only 32-bit ones can be bound",
-            scalar.width * 8
+            components.scalar().width * 8
         )));
     }
-    let offset = leaf.offset.unwrap_or(0) as usize;
-    let (len, stride) = match (&leaf.dims[..], index) {
-        ([], _) => (Len::One, 0),
-        ([ArrayLen::Fixed(len)], None) => (Len::Fixed(*len as usize), leaf.strides[0] as usize),
-        ([ArrayLen::Runtime], None) => (Len::Runtime, leaf.strides[0] as usize),
-        ([ArrayLen::Fixed(len)], Some(index)) if index < *len as usize => (Len::One, 0),
-        ([_], Some(_)) => return Err(misfit("is past the end of its array".to_string())),
-        _ => return Err(misfit("is in an array of arrays or of unknown length".to_string())),
-    };
-    let offset = offset + index.map_or(0, |index| index * leaf.strides[0] as usize);
     let each = member.source.quantity().is_some_and(Quantity::is_each);
-    if each && len == Len::One {
+    if each && !components.is_array() {
         let why =
             format!("is not in an array, but `{}` has a value for each element", member.source);
         return Err(misfit(why));
     }
-    let (kind, source) = (scalar.kind, member.source.clone());
-    Ok(Write { key, block: member.block, offset, stride, len, kind, rows, source })
-}
-
-/// Returns the leaf of a path, and the index if the path names one element of an array.
-fn leaf<'l>(leaves: &'l [Leaf], path: &str) -> Option<(&'l Leaf, Option<usize>)> {
-    if let Some(leaf) = leaves.iter().find(|leaf| leaf.path == path) {
-        return Some((leaf, None));
-    }
-    let (before, rest) = path.split_once('[')?;
-    let (index, after) = rest.split_once(']')?;
-    let pattern = format!("{before}[]{after}");
-    let leaf = leaves.iter().find(|leaf| leaf.path == pattern && leaf.dims.len() == 1)?;
-    Some((leaf, Some(index.parse().ok()?)))
+    Ok(Write { key, block: member.block, components, source: member.source.clone() })
 }
 
 /// Returns the number of slots for lights of a kind, and the member with the fewest.
@@ -92,14 +62,13 @@ pub(super) fn slots(writes: &[Write], kind: Kind) -> (usize, Option<String>) {
         if of != kind {
             continue;
         }
-        let slots = match (slot, write.len) {
-            (Slot::One(number), _) => {
+        let slots = match slot {
+            Slot::One(number) => {
                 singles = singles.max(number as usize + 1);
                 continue;
             }
-            (Slot::Each, Len::Fixed(len)) => len,
-            (Slot::Each, Len::Runtime) => usize::MAX,
-            (Slot::Each, Len::One) => continue,
+            Slot::Each if !write.components.is_array() => continue,
+            Slot::Each => write.components.elements().unwrap_or(usize::MAX),
         };
         if fewest.as_ref().is_none_or(|(known, _)| slots < *known) {
             fewest = Some((slots, write.key.clone()));
