@@ -3,6 +3,7 @@
 
 mod bounds;
 mod campaign;
+mod illegal;
 mod lines;
 mod refused;
 mod target;

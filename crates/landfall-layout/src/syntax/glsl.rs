@@ -14,6 +14,7 @@ pub mod evaluate;
 mod implicit_size;
 mod include;
 mod layout_ids;
+mod legality;
 pub mod lexer;
 mod macros;
 mod members;

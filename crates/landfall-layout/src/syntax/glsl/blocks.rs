@@ -70,13 +70,6 @@ impl<'a> Reader<'a> {
         };
         let group = number(self, "set");
         let binding = number(self, "binding");
-        let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
-        for problem in std::mem::take(&mut read.problems) {
-            self.report(problem);
-        }
-        if broken && self.has_error_since(errors) {
-            return;
-        }
         let defaults = if qualifiers.storage == Storage::Uniform {
             self.uniform_defaults
         } else {
@@ -92,7 +85,16 @@ impl<'a> Reader<'a> {
             // qualifier; the defaults set for `uniform` or `buffer` do not apply.
             AddressSpace::PushConstant | AddressSpace::ShaderRecord => own.rules,
         };
+        read.problems.extend(self.illegal(block, space, written));
+        let broken = !read.problems.is_empty() || self.parser.diagnostics().len() > errors;
+        for problem in std::mem::take(&mut read.problems) {
+            self.report(problem);
+        }
+        if broken && self.has_error_since(errors) {
+            return;
+        }
         let (rules, rules_declared) = self.rules(written, space);
+        self.check_version(block, space, rules);
         // Offset order only matters with explicit offsets; without them the text need not be
         // searched.
         let explicit = read.members.iter().any(|member| member.offset.is_some());

@@ -8,6 +8,7 @@ use rustc_hash::FxHashMap;
 use super::ast::{Declaration, Item, Qualifiers, Storage, TypeBase};
 use super::constants::Constants;
 use super::evaluate::kind_of;
+use super::legality::Globals;
 use super::lexer::Token;
 use super::members::TypeName;
 use super::parser::Parser;
@@ -32,6 +33,7 @@ pub(super) struct Reader<'a> {
     pub unsized_members: Vec<Unsized<'a>>,
     /// Lengths of such members, once the bodies were read for them.
     pub lengths: Lengths<'a>,
+    pub globals: Globals<'a>,
 }
 
 /// Defaults for later blocks, set by `layout(…) uniform;` and `layout(…) buffer;`.
@@ -92,6 +94,7 @@ impl<'a> Reader<'a> {
             loose_opaque: Vec::new(),
             unsized_members: Vec::new(),
             lengths: Lengths::default(),
+            globals: Globals::default(),
         }
     }
 
@@ -113,6 +116,9 @@ impl<'a> Reader<'a> {
     }
 
     fn item(&mut self, item: &Item<'a>) {
+        for error in self.globals.declare(&self.parser, item) {
+            self.report(error);
+        }
         match item {
             Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
             Item::Block(block) => self.block(block),

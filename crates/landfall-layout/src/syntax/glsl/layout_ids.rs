@@ -5,14 +5,22 @@ use crate::text::edit_distance;
 
 /// Whether some version or extension has an identifier with that name, in lower case.
 pub(super) fn is_known(name: &str) -> bool {
-    KNOWN.contains(&name) || PREFIXES.iter().any(|prefix| name.starts_with(prefix))
+    KNOWN.contains(&name)
+        || is_image_format(name)
+        || PREFIXES.iter().any(|prefix| name.starts_with(prefix))
 }
 
 /// Returns the identifier nearest to a misspelt one.
 pub(super) fn nearest(name: &str) -> Option<&'static str> {
     // Every short name is close to others.
-    let long = KNOWN.iter().copied().filter(|known| known.len() > 3);
+    let all = KNOWN.iter().chain(IMAGE_FORMATS).copied();
+    let long = all.filter(|known| known.len() > 3);
     (name.len() > 3).then(|| edit_distance::nearest(name, long)).flatten()
+}
+
+/// Whether an entry of `layout(…)` is the format of an image: `rgba8`.
+pub(super) fn is_image_format(name: &str) -> bool {
+    IMAGE_FORMATS.contains(&name)
 }
 
 /// Prefixes of families: image formats, blend equations, interlocks and the like.
@@ -104,7 +112,10 @@ const KNOWN: &[&str] = &[
     "size1x32",
     "size2x32",
     "size4x32",
-    // Image formats.
+];
+
+/// The formats of images (GLSL 4.60 §4.4.7, GL_EXT_shader_image_int64).
+const IMAGE_FORMATS: &[&str] = &[
     "rgba32f",
     "rgba16f",
     "rg32f",

@@ -1,0 +1,234 @@
+//! Declarations that no compiler takes, each beside a twin that compilers take: glslang refuses the
+//! one for OpenGL and for Vulkan, and takes the other for one of them at least.
+
+use super::{Client, Severity, read};
+use crate::support::glslang;
+
+fn is_taken(text: &str) -> bool {
+    [Client::OpenGl, Client::Vulkan].into_iter().any(|client| {
+        let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
+        glslang::blocks(text, "frag", &options).is_ok()
+    })
+}
+
+fn severities(text: &str, code: &str) -> Vec<Severity> {
+    let shader = read(text, None);
+    shader.diagnostics.iter().filter(|found| found.code == code).map(|d| d.severity).collect()
+}
+
+/// A shader with these declarations; without a version of its own it is 4.50.
+fn shader(declarations: &str) -> String {
+    let version = if declarations.starts_with("#version") { "" } else { "#version 450\n" };
+    format!("{version}{declarations}\nvoid main() {{}}\n")
+}
+
+fn hold(code: &str, severity: Severity, illegal: &[&str], legal: &[&str]) {
+    for declarations in illegal {
+        let text = shader(declarations);
+        assert!(!is_taken(&text), "glslang takes {text}");
+        assert!(severities(&text, code).contains(&severity), "{text}: {:?}", read(&text, None));
+    }
+    for declarations in legal {
+        let text = shader(declarations);
+        assert!(is_taken(&text), "glslang refuses {text}");
+        assert_eq!(severities(&text, code), [], "{text}: {:?}", read(&text, None));
+    }
+}
+
+/// A block of one member with those qualifiers.
+fn member(qualifiers: &str) -> String {
+    format!("layout(std140, binding = 0) uniform U {{ {qualifiers} vec4 a; }} u;")
+}
+
+fn block(qualifiers: &str, ids: &str) -> String {
+    format!("layout(std140, binding = 0{ids}) {qualifiers} uniform U {{ vec4 a; }} u;")
+}
+
+#[test]
+fn qualifiers_that_members_of_blocks_may_not_have_are_errors() {
+    let layout = [
+        "std140",
+        "std430",
+        "shared",
+        "packed",
+        "binding = 1",
+        "location = 1",
+        "component = 1",
+        "index = 1",
+        "constant_id = 1",
+        "push_constant",
+        "rgba8",
+        "r32ui",
+    ];
+    let words = [
+        "flat",
+        "smooth",
+        "noperspective",
+        "centroid",
+        "sample",
+        "invariant",
+        "const",
+        "in",
+        "out",
+        "buffer",
+    ];
+    let illegal = layout.map(|id| member(&format!("layout({id})")));
+    let illegal: Vec<String> = illegal.into_iter().chain(words.map(member)).collect();
+    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
+    let legal = ["layout(offset = 16)", "layout(align = 32)", "uniform", "precise", "highp", ""];
+    let legal = legal.map(member);
+    let matrix = "layout(std140, binding = 0) uniform U { layout(row_major) mat4 a; } u;";
+    let legal: Vec<&str> = legal.iter().map(String::as_str).chain([matrix]).collect();
+    hold("layout-qualifier", Severity::Error, &illegal, &legal);
+}
+
+#[test]
+fn qualifiers_that_blocks_may_not_have_are_errors() {
+    let illegal = [
+        block("", ", location = 1"),
+        block("", ", component = 1"),
+        block("", ", index = 1"),
+        block("", ", offset = 16"),
+        block("", ", constant_id = 1"),
+        block("", ", rgba8"),
+        block("flat", ""),
+        block("centroid", ""),
+        block("sample", ""),
+        block("invariant", ""),
+        block("const", ""),
+        block("in", ""),
+    ];
+    let legal =
+        [block("", ""), block("", ", align = 16"), block("highp", ""), block("precise", "")];
+    let (illegal, legal) = (illegal.each_ref(), legal.each_ref());
+    hold(
+        "layout-qualifier",
+        Severity::Error,
+        &illegal.map(String::as_str),
+        &legal.map(String::as_str),
+    );
+}
+
+#[test]
+fn offsets_in_a_block_that_the_driver_lays_out_are_errors() {
+    let of = |version: &str, ids: &str, member: &str| {
+        format!("#version {version}\nlayout({ids}) uniform U {{ layout({member}) vec4 a; }} u;")
+    };
+    let illegal = [
+        of("450", "shared, binding = 0", "offset = 16"),
+        of("450", "packed, binding = 0", "align = 16"),
+        of("450", "shared, binding = 0, align = 16", "row_major"),
+        of("440", "shared", "offset = 16"),
+    ];
+    let legal = [
+        of("450", "std140, binding = 0", "offset = 16"),
+        of("450", "std140, binding = 0, align = 16", "row_major"),
+        // Vulkan has std140 where none is named.
+        of("450", "set = 0, binding = 0", "offset = 16"),
+        of("450", "binding = 0", "offset = 16"),
+    ];
+    let (illegal, legal) = (illegal.each_ref(), legal.each_ref());
+    hold(
+        "layout-qualifier",
+        Severity::Error,
+        &illegal.map(String::as_str),
+        &legal.map(String::as_str),
+    );
+}
+
+#[test]
+fn initialisers_of_members_are_errors() {
+    let illegal = "layout(std140, binding = 0) uniform U { vec4 a = vec4(1.0); } u;";
+    hold("syntax", Severity::Error, &[illegal], &[&member("")]);
+}
+
+#[test]
+fn global_names_of_blocks_are_declared_once() {
+    let u = "layout(std140, binding = 0) uniform U { vec4 a; } u;";
+    let open = "layout(std140, binding = 0) uniform U { vec4 a; };";
+    let w = |declaration: &str| format!("layout(std140, binding = 1) uniform {declaration};");
+    let illegal = [
+        format!("{u}\nvec4 U;"),
+        format!("vec4 U;\n{u}"),
+        format!("struct U {{ vec4 a; }};\n{u}"),
+        format!("{u}\nstruct U {{ vec4 a; }};"),
+        format!("{u}\nvec4 U() {{ return vec4(0.0); }}"),
+        format!("vec4 U() {{ return vec4(0.0); }}\n{u}"),
+        format!("{u}\nstruct u {{ vec4 a; }};"),
+        format!("{u}\nfloat u() {{ return 1.0; }}"),
+        format!("{u}\n{}", w("W { vec4 a; } u")),
+        format!("{u}\n{}", w("U { vec4 a; } w")),
+        format!("{open}\n{}", w("W { vec4 a; }")),
+        format!("{open}\nvec4 a;"),
+        format!("const int a = 3;\n{open}"),
+        format!("layout(binding = 2) uniform sampler2D a;\n{open}"),
+        format!("{open}\nfloat a() {{ return 1.0; }}"),
+        w("W { vec4 a; } W"),
+        w("W { vec4 W; }"),
+    ];
+    let reference = "#version 450\n#extension GL_EXT_buffer_reference : require\n";
+    let legal = [
+        format!("{u}\n{}", w("W { vec4 a; } w")),
+        format!("{u}\nvec4 a;"),
+        format!("{u}\nlayout(std430, binding = 1) buffer U {{ vec4 a; }} w;"),
+        format!("layout(location = 0) in U {{ vec4 a; }} v;\n{u}"),
+        format!("float a() {{ return 1.0; }}\n{open}"),
+        format!("float f(float a) {{ vec4 U = vec4(a); return U.x; }}\n{open}"),
+        format!(
+            "{reference}layout(buffer_reference) buffer P {{ uint a; }};\n\
+             layout(buffer_reference) buffer Q {{ uint a; }};\n{u}"
+        ),
+    ];
+    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
+    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
+    hold("duplicate-name", Severity::Error, &illegal, &legal);
+}
+
+#[test]
+fn arrays_of_blocks_have_a_size_in_es() {
+    let of = |version: &str, dims: &str| {
+        format!(
+            "#version {version}\nprecision mediump float;\n\
+             layout(std140) uniform U {{ vec4 a; }} u{dims};"
+        )
+    };
+    hold(
+        "array-size",
+        Severity::Error,
+        &[&of("300 es", "[]"), &of("310 es", "[]")],
+        &[&of("300 es", "[2]"), &of("450", "[]")],
+    );
+}
+
+/// Drivers may take them all the same: a warning.
+#[test]
+fn blocks_and_rules_that_the_version_does_not_have_are_warnings() {
+    let uniform = |version: &str| {
+        format!("#version {version}\nprecision mediump float;\nuniform U {{ vec4 a; }};")
+    };
+    let buffer = |version: &str| {
+        format!("#version {version}\nprecision mediump float;\nbuffer U {{ vec4 a; }};")
+    };
+    let desktop = |text: String| text.replace("precision mediump float;\n", "");
+    let std430 = "layout(std430, binding = 0) uniform U { vec4 a; } u;";
+    let illegal = [
+        desktop(uniform("120")),
+        desktop(uniform("130")),
+        uniform("100"),
+        desktop(buffer("420")),
+        buffer("300 es"),
+        std430.to_string(),
+    ];
+    let legal = [
+        desktop(uniform("130\n#extension GL_ARB_uniform_buffer_object : enable")),
+        desktop(uniform("140")),
+        uniform("300 es"),
+        desktop(buffer("420\n#extension GL_ARB_shader_storage_buffer_object : enable")),
+        desktop(buffer("430")),
+        buffer("310 es"),
+        format!("#version 450\n#extension GL_EXT_scalar_block_layout : require\n{std430}"),
+    ];
+    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
+    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
+    hold("version", Severity::Warning, &illegal, &legal);
+}
