@@ -1,4 +1,4 @@
-//! Claims about the evaluator, on modules as users have them.
+//! Claims about the interpreter, on modules as users have them.
 
 mod support;
 

@@ -1,4 +1,4 @@
-//! Random programs: what the evaluator computes, alone and in company, against a tree
+//! Random programs: what the interpreter computes, alone and in company, against a tree
 //! walked in Rust.
 
 use std::fmt::Write as _;
