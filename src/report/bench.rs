@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
+use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 pub use landfall_layout::format::csv::quoted;
@@ -51,7 +52,7 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
             text,
             "\n{}  {}",
             paint.text(HEADING, &runner.backend),
-            paint.text(PLAIN, &format!("{}; {} time", runner.device, runner.clock.name()))
+            paint.text(PLAIN, &format!("{}; {} time", device(runner), runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
         table(&rows, *unit, paint, &mut text);
@@ -61,6 +62,16 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
     }
     text
+}
+
+/// The device of a runner; the interpreter by the name that all reports for people use.
+fn device(runner: &Runner) -> String {
+    match runner.device.split_once(", ") {
+        Some((_, driver)) if runner.backend == BackendKind::Cpu.name() => {
+            format!("interpreter, {driver}")
+        }
+        _ => runner.device.clone(),
+    }
 }
 
 /// Returns the machine it was measured on and the number of rounds, if rows have rounds.

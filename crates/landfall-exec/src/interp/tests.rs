@@ -1,4 +1,4 @@
-//! Claims about the interpreter, on modules as users have them.
+//! Tests of the interpreter on modules lowered from GLSL and WGSL.
 
 mod support;
 
