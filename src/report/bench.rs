@@ -7,7 +7,9 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
+use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 pub use landfall_layout::format::csv::quoted;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
@@ -36,7 +38,9 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     }
     let _ = writeln!(text, "; errors against {truth}");
     let rounds = rows.iter().map(|row| row.fragment.rounds).max();
-    let _ = writeln!(text, "{}", paint.text(FAINT, &about(machine, rounds)));
+    for line in wrapped(&about(machine, rounds), WIDTH) {
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
     let mut runners: Vec<&Runner> = Vec::new();
     for row in rows {
         if !runners.contains(&&row.runner) {
@@ -48,7 +52,7 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
             text,
             "\n{}  {}",
             paint.text(HEADING, &runner.backend),
-            paint.text(PLAIN, &format!("{}; {} time", runner.device, runner.clock.name()))
+            paint.text(PLAIN, &format!("{}; {} time", device(runner), runner.clock.name()))
         );
         let rows: Vec<&BenchRow> = rows.iter().filter(|row| row.runner == *runner).collect();
         table(&rows, *unit, paint, &mut text);
@@ -58,6 +62,16 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
         let _ = writeln!(text, "\n{}", paint.text(CAUTION, &line));
     }
     text
+}
+
+/// The device of a runner; the interpreter by the name that all reports for people use.
+fn device(runner: &Runner) -> String {
+    match runner.device.split_once(", ") {
+        Some((_, driver)) if runner.backend == BackendKind::Cpu.name() => {
+            format!("interpreter, {driver}")
+        }
+        _ => runner.device.clone(),
+    }
 }
 
 /// Returns the machine it was measured on and the number of rounds, if rows have rounds.
@@ -138,7 +152,7 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
         column("powers", &|row| optional(row.work.powers)),
         column("operations", &|row| optional(row.work.operations)),
         column("bytes", &|row| row.work.bytes.map(phrases::number).unwrap_or_default()),
-        column("dominated by", &|row| row.dominated_by.join(", ")),
+        column("dominated by", &dominated_by),
     ];
     // Empty columns are left out.
     let columns: Vec<&Column> =
@@ -150,27 +164,58 @@ fn table(rows: &[&BenchRow], unit: Unit, paint: Paint, text: &mut String) {
             cells.max().unwrap_or(0).max(column.heading.width())
         })
         .collect();
-    let line = |cells: Vec<&str>| -> String {
+    let line = |shown: &[usize], cell: &dyn Fn(&Column) -> String| -> String {
         let mut line = String::new();
-        for ((cell, width), column) in cells.iter().zip(&widths).zip(&columns) {
-            let pad = " ".repeat(width - cell.width());
+        for &at in shown {
+            let (cell, column) = (cell(columns[at]), columns[at]);
+            let pad = " ".repeat(widths[at] - cell.width());
             // Text is aligned to the left, numbers to the right.
             match column.heading {
-                "variant" | "dominated by" => line += &format!("  {cell}{pad}"),
-                _ => line += &format!("  {pad}{cell}"),
+                "variant" | "dominated by" => line += &format!("{GAP}{cell}{pad}"),
+                _ => line += &format!("{GAP}{pad}{cell}"),
             }
         }
         line.trim_end().to_string()
     };
-    let headings = line(columns.iter().map(|column| column.heading).collect());
-    let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
-    for (i, row) in rows.iter().enumerate() {
-        let cells = line(columns.iter().map(|column| column.cells[i].as_str()).collect());
-        let (mark, style) = match row.dominated_by.is_empty() && !row.errors.is_no_number() {
-            true => ("*", PLAIN),
-            false => (" ", FAINT),
-        };
-        let _ = writeln!(text, "{mark}{}", paint.text(style, &cells));
+    for shown in parts(&widths) {
+        let headings = line(&shown, &|column| column.heading.to_string());
+        let _ = writeln!(text, " {}", paint.text(FAINT, &headings));
+        for (i, row) in rows.iter().enumerate() {
+            let cells = line(&shown, &|column| column.cells[i].clone());
+            let (mark, style) = match row.dominated_by.is_empty() && !row.errors.is_no_number() {
+                true => ("*", PLAIN),
+                false => (" ", FAINT),
+            };
+            let _ = writeln!(text, "{mark}{}", paint.text(style, &cells));
+        }
+    }
+}
+
+/// Splits the columns of a table into parts that fit the line, each with the first column.
+fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
+    let taken = |width: &usize| GAP.len() + width;
+    let first = 1 + widths.first().map_or(0, taken);
+    let mut parts = vec![vec![0]];
+    let mut end = first;
+    for (column, width) in widths.iter().enumerate().skip(1) {
+        let part = parts.last_mut().expect("never empty");
+        if part.len() > 1 && end + taken(width) > WIDTH {
+            parts.push(vec![0, column]);
+            end = first + taken(width);
+        } else {
+            part.push(column);
+            end += taken(width);
+        }
+    }
+    parts
+}
+
+/// The first variant that is better, and the number of others; JSON and CSV name all.
+fn dominated_by(row: &BenchRow) -> String {
+    match row.dominated_by.as_slice() {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first, others @ ..] => format!("{first} and {} more", others.len()),
     }
 }
 

@@ -4,6 +4,13 @@ use serde::Serialize;
 
 use landfall_exec::backend::{BackendKind, Device};
 
+/// Returns the adapter's name as reports for people spell it.
+///
+/// JSON and lock files keep the name that the interpreter had when they were defined.
+pub(super) fn adapter(device: &Device) -> &str {
+    if device.backend == BackendKind::Cpu { "interpreter" } else { &device.adapter }
+}
+
 /// A backend and its device.
 #[derive(Serialize)]
 pub(super) struct JsonDevice<'a> {

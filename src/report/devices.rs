@@ -2,79 +2,91 @@
 //!
 //! Formats the data of [`backend::devices`](landfall_exec::backend::devices).
 
+use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;
 
+use landfall_exec::backend::Device;
 use landfall_exec::backend::devices::{Found, Limits};
-use landfall_exec::backend::{Device, Failure};
-pub use landfall_layout::format::columns;
-pub use landfall_layout::format::columns::GAP;
+use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, STRONG};
-use landfall_layout::format::{Paint, SCHEMA_VERSION};
+use landfall_layout::format::{Paint, SCHEMA_VERSION, phrases};
 
-const COLUMNS: usize = 10;
-const TITLES: [&str; COLUMNS] = [
-    "backend",
-    "kind",
-    "adapter",
-    "driver",
-    "version",
-    "runs on",
-    "uniform block",
-    "storage block",
-    "push constants",
-    "image side",
-];
-/// The first column of numbers, which are aligned to the right.
-const NUMBERS: usize = 6;
-/// The column in which the failure of a missing device starts.
-const ADAPTER: usize = 2;
+use super::device::adapter;
 
-/// Returns a table with a row for each device; sizes are in bytes.
+/// The headings; what is known of a device is below the last one, on lines of its own.
+const TITLES: [&str; 3] = ["backend", "kind", "adapter"];
+
+/// Returns a table with a row for each device: its adapter, its driver and its limits below each
+/// other.
 pub fn table(found: &[Found], paint: Paint) -> String {
-    let rows: Vec<Row<'_>> = found.iter().map(Row::of).collect();
-    let mut widths = TITLES.map(str::width);
-    for row in &rows {
-        if let Row::There(cells) = row {
-            for (width, cell) in widths.iter_mut().zip(cells) {
-                *width = (*width).max(cell.width());
-            }
+    let kind = |found: &Found| if found.kind.is_empty() { "-" } else { &found.kind }.to_string();
+    let starts: Vec<[String; 2]> =
+        found.iter().map(|found| [found.backend.to_string(), kind(found)]).collect();
+    let mut widths = [TITLES[0].width(), TITLES[1].width()];
+    for start in &starts {
+        for (width, cell) in widths.iter_mut().zip(start) {
+            *width = (*width).max(cell.width());
         }
     }
-    for (found, width) in found.iter().flat_map(|f| [(f.backend.name(), 0), (f.kind.as_str(), 1)]) {
-        widths[width] = widths[width].max(found.width());
-    }
-    let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
-        paint.text(FAINT, cell)
-    });
-    for (row, found) in rows.iter().zip(found) {
-        match row {
-            Row::There(cells) => {
-                text.push_str(&columns::row(cells, &widths, NUMBERS, |_, cell| {
-                    paint.text(PLAIN, cell)
-                }));
-            }
-            Row::Missing(failure) => {
-                let start = [found.backend.name(), found.kind.as_str()].map(String::from);
-                let mut start =
-                    columns::row(&start, &widths, NUMBERS, |_, cell| paint.text(PLAIN, cell));
-                start.truncate(start.trim_end().len());
-                let indent = widths[..ADAPTER].iter().map(|w| w + GAP.len()).sum();
-                text.push_str(&start);
-                text.push_str(&" ".repeat(usize::saturating_sub(indent, start.width())));
-                text.push_str(&paint.text(CAUTION, "missing: "));
-                text.push_str(&paint.text(STRONG, &failure.message));
-                text.push('\n');
-                for log in failure.log.lines().filter(|line| !line.trim().is_empty()) {
-                    text.push_str(&" ".repeat(indent));
-                    text.push_str(&paint.text(FAINT, log));
-                    text.push('\n');
-                }
-            }
+    let indent: usize = widths.iter().map(|width| width + GAP.len()).sum();
+    let row = |start: [&str; 2], lines: &[(Style, String)]| {
+        let mut text = String::new();
+        for (cell, width) in start.iter().zip(widths) {
+            text.push_str(&format!("{cell}{}{GAP}", " ".repeat(width - cell.width())));
         }
+        let wrapped = lines.iter().flat_map(|(style, line)| {
+            let parts = wrapped(line, WIDTH.saturating_sub(indent));
+            parts.into_iter().map(|part| paint.text(*style, &part))
+        });
+        let wrapped: Vec<String> = wrapped.collect();
+        text + &wrapped.join(&format!("\n{}", " ".repeat(indent))) + "\n"
+    };
+    let mut text = row([TITLES[0], TITLES[1]], &[(PLAIN, TITLES[2].to_string())]);
+    text = format!("{}\n", paint.text(FAINT, text.trim_end()));
+    for (found, [backend, kind]) in found.iter().zip(&starts) {
+        text.push_str(&row([backend, kind], &described(found)));
     }
     text
+}
+
+/// What is known of a device, or the reason it is missing: a line for each, with its style.
+fn described(found: &Found) -> Vec<(Style, String)> {
+    let (device, limits) = match &found.outcome {
+        Ok(there) => there,
+        Err(failure) => {
+            let log = failure.log.lines().filter(|line| !line.trim().is_empty());
+            let log = log.map(|line| (FAINT, line.to_string()));
+            return std::iter::once((CAUTION, format!("missing: {}", failure.message)))
+                .chain(log)
+                .collect();
+        }
+    };
+    let sizes = [
+        ("uniform block", limits.uniform_block_size, "bytes"),
+        ("storage block", limits.storage_block_size, "bytes"),
+        ("push constants", limits.push_constant_size, "bytes"),
+        ("image side", limits.image_side, "pixels"),
+    ];
+    let sizes = sizes.iter().filter_map(|(what, most, unit)| {
+        most.map(|most| format!("{what} {} {unit}", phrases::number(most)))
+    });
+    let sizes: Vec<String> = sizes.collect();
+    let driver = [&device.driver, &device.version].map(|part| part.trim());
+    let driver = driver.into_iter().filter(|part| !part.is_empty());
+    let mut about: Vec<String> = driver.map(str::to_string).collect();
+    about.insert(0, "driver".to_string());
+    let about = format!("{}, on {}", about.join(" "), runs_on(device));
+    let mut lines = vec![(STRONG, adapter(device).to_string()), (PLAIN, about)];
+    if !sizes.is_empty() {
+        lines.push((FAINT, format!("limits: {}", sizes.join(", "))));
+    }
+    lines
+}
+
+fn runs_on(device: &Device) -> &'static str {
+    if device.software { "the processor" } else { "hardware" }
 }
 
 /// Returns the JSON document, one device a line.
@@ -87,38 +99,6 @@ pub fn json(found: &[Found]) -> String {
     let mut text = to_lines(&document, 0);
     text.push('\n');
     text
-}
-
-enum Row<'a> {
-    There(Vec<String>),
-    Missing(&'a Failure),
-}
-
-impl Row<'_> {
-    /// A row with one cell per column.
-    fn of(found: &Found) -> Row<'_> {
-        let (device, limits) = match &found.outcome {
-            Ok(there) => there,
-            Err(failure) => return Row::Missing(failure),
-        };
-        let number = |limit: Option<u64>| limit.map_or("-".to_string(), |limit| limit.to_string());
-        Row::There(vec![
-            found.backend.to_string(),
-            if found.kind.is_empty() { "-".to_string() } else { found.kind.clone() },
-            device.adapter.clone(),
-            device.driver.clone(),
-            device.version.clone(),
-            runs_on(device).to_string(),
-            number(limits.uniform_block_size),
-            number(limits.storage_block_size),
-            number(limits.push_constant_size),
-            number(limits.image_side),
-        ])
-    }
-}
-
-fn runs_on(device: &Device) -> &'static str {
-    if device.software { "processor" } else { "hardware" }
 }
 
 #[derive(Serialize)]
@@ -173,13 +153,13 @@ impl Entry<'_> {
 
 #[cfg(test)]
 mod tests {
-    use landfall_exec::backend::BackendKind;
+    use landfall_exec::backend::{BackendKind, Failure};
 
     use super::*;
     use landfall_exec::backend::devices::cpu;
 
     #[test]
-    fn columns_line_up_and_what_is_missing_says_why() {
+    fn rows_fit_80_columns_and_what_is_missing_says_why() {
         let missing = |kind: &str| Found {
             backend: BackendKind::Gpu,
             kind: kind.to_string(),
@@ -187,19 +167,26 @@ mod tests {
         };
         let mut gl = cpu();
         (gl.backend, gl.kind) = (BackendKind::Gl, "compat 4.5".to_string());
-        if let Ok((_, limits)) = &mut gl.outcome {
+        if let Ok((device, limits)) = &mut gl.outcome {
+            device.backend = BackendKind::Gl;
+            device.adapter = "llvmpipe (LLVM 15.0.6, 256 bits)".to_string();
             limits.uniform_block_size = Some(65536);
+            limits.storage_block_size = Some(134_217_728);
         }
         let text = table(&[cpu(), gl, missing("vulkan"), missing("")], Paint::Plain);
         let version = env!("CARGO_PKG_VERSION");
         let expected = format!(
             "\
-backend  kind        adapter    driver    version  runs on    uniform block  storage block  push constants  image side
-cpu      -           evaluator  landfall  {version}    processor              -              -               -           -
-gl       compat 4.5  evaluator  landfall  {version}    processor          65536              -               -           -
+backend  kind        adapter
+cpu      -           interpreter
+                     driver landfall {version}, on the processor
+gl       compat 4.5  llvmpipe (LLVM 15.0.6, 256 bits)
+                     driver landfall {version}, on the processor
+                     limits: uniform block 65,536 bytes, storage block
+                     134,217,728 bytes
 gpu      vulkan      missing: no Vulkan adapter
                      loader: nothing
-gpu                  missing: no Vulkan adapter
+gpu      -           missing: no Vulkan adapter
                      loader: nothing
 "
         );

@@ -6,6 +6,9 @@ mod json;
 
 pub mod cost;
 
+use std::ops::Range;
+
+use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
 
 use crate::report::lights::cost::{Found, Light, Report};
@@ -14,6 +17,7 @@ use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
 pub use landfall_layout::format::columns;
+use landfall_layout::format::columns::GAP;
 use landfall_layout::format::diagnostics::human as diagnostics;
 use landfall_layout::format::diagnostics::render::Pen;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
@@ -56,32 +60,42 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     text
 }
 
-const TITLES: [&str; 8] =
-    ["kind", "light", "block", "bytes", "padding", "slots", "array", "block bytes"];
-/// The first column of numbers, which are aligned to the right.
-const NUMBERS: usize = 3;
+const TITLES: [&str; 7] = ["kind", "bytes", "padding", "slots", "array", "block", "light"];
+/// The columns of numbers, which are aligned to the right.
+const NUMBERS: Range<usize> = 1..6;
 
+/// A row for each light, its name last; a name too long for the line continues on the next.
 fn table(lights: &[Light], paint: Paint) -> String {
-    let rows: Vec<[String; 8]> = lights.iter().map(row).collect();
+    let rows: Vec<[String; 7]> = lights.iter().map(row).collect();
     let mut widths = TITLES.map(str::width);
     for row in &rows {
         for (width, cell) in widths.iter_mut().zip(row) {
             *width = (*width).max(cell.width());
         }
     }
-    let mut text = columns::row(&TITLES.map(String::from), &widths, NUMBERS, |_, cell| {
-        paint.text(FAINT, cell)
-    });
+    let indent: usize = widths[..NUMBERS.end].iter().map(|width| width + GAP.len()).sum();
+    let line = |cells: &[String; 7], style: [Style; 2]| {
+        let mut text = String::new();
+        let (name, others) = cells.split_last().expect("a row has cells");
+        for (at, (cell, width)) in others.iter().zip(widths).enumerate() {
+            let space = " ".repeat(width - cell.width());
+            let cell = paint.text(style[0], cell);
+            let cells = if NUMBERS.contains(&at) { [space, cell] } else { [cell, space] };
+            text.push_str(&cells.concat());
+            text.push_str(GAP);
+        }
+        let names = columns::wrapped(name, columns::WIDTH.saturating_sub(indent));
+        let names: Vec<String> = names.iter().map(|part| paint.text(style[1], part)).collect();
+        text + &names.join(&format!("\n{}", " ".repeat(indent))) + "\n"
+    };
+    let mut text = line(&TITLES.map(String::from), [FAINT, FAINT]);
     for row in &rows {
-        let style = |column| if column == 1 { STRONG } else { PLAIN };
-        text.push_str(&columns::row(row, &widths, NUMBERS, |column, cell| {
-            paint.text(style(column), cell)
-        }));
+        text.push_str(&line(row, [PLAIN, STRONG]));
     }
     text
 }
 
-fn row(light: &Light) -> [String; 8] {
+fn row(light: &Light) -> [String; 7] {
     let known = |n: Option<u64>| n.map_or("-".to_string(), number);
     let slots = match (light.is_array, light.slots) {
         (true, Some(slots)) => number(slots),
@@ -94,13 +108,12 @@ fn row(light: &Light) -> [String; 8] {
     };
     [
         light.kind.name().to_string(),
-        name(light),
-        block(light),
         known(light.bytes),
         known(light.padding),
         slots,
         known(array),
         known(light.block_size),
+        name(light),
     ]
 }
 
@@ -131,7 +144,12 @@ fn block(light: &Light) -> String {
 }
 
 fn one(light: &Light, language: Language, paint: Paint) -> String {
-    let mut text = format!("{}\n", paint.text(STRONG, &name(light)));
+    let mut text = match light.form {
+        Form::Block => format!("{}\n", paint.text(STRONG, &block(light))),
+        Form::Structure | Form::Members => {
+            format!("{} in {}\n", paint.text(STRONG, &name(light)), block(light))
+        }
+    };
     let rows: Vec<[String; 4]> = light
         .parts
         .iter()

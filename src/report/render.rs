@@ -50,7 +50,7 @@ pub struct RenderReport {
     pub uploaded: u64,
     /// The time the backend took.
     pub time: Duration,
-    /// The counts of the evaluator, where it ran.
+    /// The counts of the interpreter, where it ran.
     pub tally: Option<Tally>,
     /// The sources of the shader's members.
     pub map: Option<BindingMap>,

@@ -11,7 +11,7 @@ use unicode_width::UnicodeWidthStr;
 use super::device::JsonDevice;
 use super::verify::about;
 pub use landfall_exec::harness::call::report::{GivenObject, function_name, number};
-use landfall_exec::harness::call::{CallReport, Given};
+use landfall_exec::harness::call::{CallReport, ReturnedValue};
 use landfall_ir::module::Direction;
 use landfall_layout::buffer::Datum;
 use landfall_layout::format::SCHEMA_VERSION;
@@ -70,7 +70,7 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
     text
 }
 
-fn push(rows: &mut Vec<Row>, name: &str, given: &Given) {
+fn push(rows: &mut Vec<Row>, name: &str, given: &ReturnedValue) {
     for scalar in &given.scalars {
         let shown = |datum: Datum| match datum.is_nan() {
             true => "nan".to_string(),

@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
+use super::device::adapter;
+use landfall_layout::format::columns::GAP;
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 pub use landfall_layout::text::escape;
@@ -87,7 +89,7 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
             true => format!(", {} samples a second", phrases::number(backend.rate as u64)),
             false => String::new(),
         };
-        let _ = writeln!(text, "  {name}: {}, {}{rate}", device.adapter, version.trim());
+        let _ = writeln!(text, "  {name}: {}, {}{rate}", adapter(device), version.trim());
     }
     if let Some(failure) = &backend.failure {
         let what = if backend.ran() { "stopped" } else { "did not run" };
@@ -129,10 +131,10 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
     }
     let parted = Disagreement { count: backend.parted, cases: Vec::new() };
     let disagreements = [
-        (&backend.not_finite, "not finite where the evaluator is"),
-        (&backend.hidden, "finite where the evaluator is not"),
-        (&backend.apart, "off by more than the threshold where the evaluator is not"),
-        (&parted, "discarded by either the driver or the evaluator, not both"),
+        (&backend.not_finite, "not finite where the interpreter is"),
+        (&backend.hidden, "finite where the interpreter is not"),
+        (&backend.apart, "off by more than the threshold where the interpreter is not"),
+        (&parted, "discarded by either the driver or the interpreter, not both"),
     ];
     for (found, what) in disagreements.iter().filter(|(found, _)| found.count > 0) {
         let _ = writeln!(text, "  {name}: {} {what}", times(found.count));
@@ -182,8 +184,7 @@ pub fn sarif(stressed: &Report) -> String {
 }
 
 fn table(stressed: &Report, paint: Paint, text: &mut String) {
-    let head =
-        ["", "samples", "NaN", "inf", "max ULP", "p99.9", "max rel", "p99.9", "max steps", "p99.9"];
+    let head = ["", "samples", "NaN", "inf", "max", "p99.9", "max", "p99.9", "max", "p99.9"];
     let mut rows: Vec<Vec<String>> = vec![head.map(str::to_string).to_vec()];
     let mut row = |name: &str, tally: &Tally| {
         let mut row = vec![name.to_string(), tally.samples.to_string()];
@@ -198,13 +199,21 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
             row(family.name(), tally);
         }
     }
-    row("all finite inputs", &stressed.total);
+    row("all finite", &stressed.total);
     for backend in stressed.backends.iter().filter(|backend| backend.ran()) {
-        row(&format!("all finite inputs on {}", backend.backend), &backend.tally);
+        row(&format!("finite on {}", backend.backend), &backend.tally);
     }
-    let widths: Vec<usize> = (0..head.len())
+    let mut widths: Vec<usize> = (0..head.len())
         .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
         .collect();
+    // Above the pairs of columns, the measures of error.
+    let mut line = " ".repeat(2 + widths[..4].iter().sum::<usize>() + 3 * GAP.len());
+    for (measure, column) in [("ULP", 4), ("relative", 6), ("1/255 steps", 8)] {
+        let pair = widths[column] + GAP.len() + widths[column + 1];
+        widths[column] += measure.len().saturating_sub(pair);
+        line.push_str(&format!("{GAP}{measure:>0$}", pair.max(measure.len())));
+    }
+    let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     for (nth, row) in rows.iter().enumerate() {
         let mut line = String::from("  ");
         for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {

@@ -9,7 +9,7 @@ use anstyle::Style;
 use serde::Serialize;
 use unicode_width::UnicodeWidthStr;
 
-use super::device::JsonBackend;
+use super::device::{JsonBackend, adapter};
 use landfall_exec::backend::Device;
 use landfall_exec::harness::verify::report::{
     BackendReport, BackendStatus, BlockReport, CompiledRun, ElementReport, Outcome, ShaderReport,
@@ -45,7 +45,7 @@ pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
 }
 
 pub(super) fn about(device: &Device) -> String {
-    let mut text = device.adapter.clone();
+    let mut text = adapter(device).to_string();
     if !device.driver.is_empty() {
         let _ = write!(text, " · {}", device.driver);
     }

@@ -317,10 +317,10 @@ fn mirrors(table: &mut Table) {
 /// An image of six lights, in processor time of all threads.
 fn evaluator(table: &mut Table) {
     let Ok(mut gpu) = Gpu::open(&Choice::default()) else {
-        return table.missing("the evaluator beside a Vulkan driver");
+        return table.missing("the interpreter beside a Vulkan driver");
     };
     if !gpu.device().software {
-        return table.missing("the evaluator beside a Vulkan driver on the processor");
+        return table.missing("the interpreter beside a Vulkan driver on the processor");
     }
     let job = scene::job(&Arc::new(scene::module()), 256);
     let mut cpu = Cpu::new(Settings::default());
@@ -346,5 +346,5 @@ fn evaluator(table: &mut Table) {
         }
     }
     let driver = gpu.device().adapter.split(' ').next().unwrap_or_default().to_string();
-    table.row("the evaluator, 256 x 256 by six lights", &driver, &Ratios::new(pairs));
+    table.row("the interpreter, 256 x 256 by six lights", &driver, &Ratios::new(pairs));
 }

@@ -316,7 +316,7 @@ fn is_known(source: &Source, backend: &str, reason: &str) -> bool {
         "gl" => {
             named(".wgsl")
                 || reason.contains("OpenGL has no")
-                || reason.contains("compiler rejects the text")
+                || reason.contains("compiler rejects the shader")
                     && [
                         "buffer_reference.comp",
                         "small_and_large_scalars.comp",

@@ -12,6 +12,7 @@ mod imports;
 mod paths;
 mod planted;
 mod sizes;
+mod strings;
 mod token;
 mod tree;
 
@@ -38,6 +39,11 @@ fn problems(files: Vec<File>) -> Vec<String> {
 
 /// The files that the checks read, by their paths from the root of the repository.
 fn repository() -> Vec<File> {
+    files(&[".rs", "Cargo.toml"])
+}
+
+/// ARCHITECTURE.md, Cargo.toml and the files of `crates/` and `src/` with these endings.
+fn files(endings: &[&str]) -> Vec<File> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
     for path in ["ARCHITECTURE.md", "Cargo.toml"] {
@@ -46,20 +52,20 @@ fn repository() -> Vec<File> {
         }
     }
     for folder in ["crates", "src"] {
-        collect(root, &root.join(folder), &mut files);
+        collect(root, &root.join(folder), endings, &mut files);
     }
     files.sort_by(|a, b| a.path.cmp(&b.path));
     files
 }
 
-fn collect(root: &Path, folder: &Path, files: &mut Vec<File>) {
+fn collect(root: &Path, folder: &Path, endings: &[&str], files: &mut Vec<File>) {
     for entry in fs::read_dir(folder).expect("the folder exists") {
         let path = entry.expect("the folder can be read").path();
+        let short = path.strip_prefix(root).expect("it is below the root");
+        let short = short.to_str().expect("names are ASCII").replace('\\', "/");
         if path.is_dir() {
-            collect(root, &path, files);
-        } else if path.extension().is_some_and(|e| e == "rs") || path.ends_with("Cargo.toml") {
-            let short = path.strip_prefix(root).expect("it is below the root");
-            let short = short.to_str().expect("names are ASCII").replace('\\', "/");
+            collect(root, &path, endings, files);
+        } else if endings.iter().any(|ending| short.ends_with(ending)) {
             let text = fs::read_to_string(&path).expect("the file can be read");
             files.push(File { path: short, text });
         }
@@ -81,4 +87,14 @@ fn the_tree_is_as_architecture_md_shows_it() {
 #[ignore = "prints the blocks as they are"]
 fn print_blocks() {
     print!("{}", document::blocks(&Tree::new(&repository())));
+}
+
+/// Prints every string that a user can see, each with its file and line:
+/// `cargo test --test house strings -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints the strings that users see"]
+fn print_strings() {
+    for string in strings::visible(&files(&[".rs", ".json"])) {
+        println!("{string}");
+    }
 }

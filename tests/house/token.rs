@@ -34,7 +34,7 @@ pub fn tokens(text: &str) -> Vec<Token<'_>> {
 }
 
 /// Where the token, comment, literal or white space that begins at a byte ends.
-fn token_end(text: &str, at: usize) -> usize {
+pub fn token_end(text: &str, at: usize) -> usize {
     let bytes = text.as_bytes();
     let rest = &text[at..];
     if rest.starts_with("//") {
@@ -121,24 +121,36 @@ fn char_end(rest: &str) -> Option<usize> {
 /// Tokens without the items under `#[cfg(test)]`, and the modules in files of their own that
 /// are such items.
 pub fn without_tests<'t>(tokens: &[Token<'t>]) -> (Vec<Token<'t>>, Vec<&'t str>) {
-    const MARK: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let mut kept = Vec::new();
     let mut modules = Vec::new();
     let mut at = 0;
-    while at < tokens.len() {
-        if !starts_with(&tokens[at..], &MARK) {
-            kept.push(tokens[at]);
-            at += 1;
-            continue;
-        }
-        let item = item(tokens, at + MARK.len());
+    for item in test_items(tokens) {
+        kept.extend_from_slice(&tokens[at..item.start]);
         let own = &tokens[item.clone()];
         if let Some(name) = own.iter().position(|t| t.text == "mod").and_then(|i| own.get(i + 1)) {
             modules.push(name.text);
         }
         at = item.end;
     }
+    kept.extend_from_slice(&tokens[at..]);
     (kept, modules)
+}
+
+/// The items under `#[cfg(test)]`, each with its attributes.
+pub fn test_items(tokens: &[Token<'_>]) -> Vec<Range<usize>> {
+    const MARK: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        if starts_with(&tokens[at..], &MARK) {
+            let end = item(tokens, at + MARK.len()).end;
+            found.push(at..end);
+            at = end;
+        } else {
+            at += 1;
+        }
+    }
+    found
 }
 
 fn starts_with(tokens: &[Token<'_>], texts: &[&str]) -> bool {

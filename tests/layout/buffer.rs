@@ -192,9 +192,12 @@ fn a_wrong_path_is_refused_with_what_would_be_right() {
     assert!(said("data[].color").contains("lacks the index"));
     assert_eq!(
         said("data"),
-        "`data` is `PointLight[128]`, not a single value\nhelp: go on with an index"
+        "`data` is `PointLight[128]`, not a single value\nhelp: continue the path with an index"
     );
-    assert!(said("data[3]").contains("`PointLight`, not a single value\nhelp: go on with `.pos`,"));
+    assert!(
+        said("data[3]")
+            .contains("`PointLight`, not a single value\nhelp: continue the path with `.pos`,")
+    );
     assert_eq!(
         said("data[3].color[3]"),
         "index 3 in `data[3].color[3]` is out of range: the length is 3"

@@ -108,7 +108,7 @@ fn what_would_move_is_refused_by_name() {
                   float g() { return 1.0; }";
     assert_eq!(
         refused(before, Dialect::Naga),
-        "naga rejects the ported text: a function is called before its body; \
+        "naga rejects the ported shader: a function is called before its body; \
          move it above its callers"
     );
 }

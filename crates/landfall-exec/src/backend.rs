@@ -48,7 +48,7 @@ pub struct StageCode {
     pub stage: Stage,
     /// The name of the entry point in the module; always `main` in GLSL.
     pub entry: String,
-    /// The module for the evaluator and wgpu.
+    /// The module for the interpreter and wgpu.
     pub module: Option<Arc<Module>>,
     /// The GLSL text for OpenGL.
     pub glsl: Option<String>,
@@ -155,7 +155,7 @@ pub struct JobOutput {
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum BackendKind {
-    /// Landfall's evaluator.
+    /// Landfall's interpreter.
     Cpu,
     /// The OpenGL driver.
     Gl,

@@ -1,4 +1,4 @@
-//! The evaluator of naga IR: many invocations at a time, in f32 and f64.
+//! The interpreter of naga IR: many invocations at a time, in f32 and f64.
 //!
 //! A [`Module`] is compiled once to a flat [`Program`] (`compile`), which the `machine` runs over
 //! 64 invocations at a time. `call` runs one function, `stage` an entry point, and [`Cpu`] is the

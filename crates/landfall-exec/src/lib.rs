@@ -1,4 +1,4 @@
-//! Runs shaders on an evaluator, OpenGL or wgpu, and verifies the offsets they read.
+//! Runs shaders on an interpreter, OpenGL or wgpu, and verifies the offsets they read.
 
 pub mod backend;
 pub mod harness;

@@ -48,7 +48,7 @@ use std::sync::Arc;
 
 use crate::layout::BlockLayout;
 use dirty::{Dirty, Mark};
-use grid::{Extent, Grid, language};
+use grid::{ByteExtent, Grid, language};
 use index::Index;
 use resolve::{What, not_a_leaf, resolve};
 use value::Fit;
@@ -86,7 +86,7 @@ pub struct Buffer {
 #[derive(Debug)]
 struct Compiled {
     block: BlockLayout,
-    extent: Extent,
+    extent: ByteExtent,
     index: Index,
 }
 
@@ -97,7 +97,7 @@ impl Buffer {
     /// Loose uniforms; a size that depends on an override without a value; a runtime-sized array at
     /// the end (use [`with_tail`](Buffer::with_tail)).
     pub fn new(block: &BlockLayout) -> Result<Buffer, BufferError> {
-        let extent = Extent::of(block)?;
+        let extent = ByteExtent::of(block)?;
         match extent.tail {
             Some(tail) => {
                 let (block, path) = (block.name.to_string(), format!("{}[]", tail.name));
@@ -116,7 +116,7 @@ impl Buffer {
     /// # Errors
     /// Those of [`new`](Buffer::new), and a block without such an array.
     pub fn with_tail(block: &BlockLayout, elements: usize) -> Result<Buffer, BufferError> {
-        let extent = Extent::of(block)?;
+        let extent = ByteExtent::of(block)?;
         if extent.tail.is_none() {
             return Err(BufferError::NoTail { block: block.name.to_string() });
         }
@@ -129,7 +129,7 @@ impl Buffer {
     /// Those of [`new`](Buffer::new), and bytes whose length is not the block's; a runtime-sized
     /// array has as many elements as fit.
     pub fn from_bytes(block: &BlockLayout, bytes: &[u8]) -> Result<Buffer, BufferError> {
-        let extent = Extent::of(block)?;
+        let extent = ByteExtent::of(block)?;
         let elements = extent.elements(bytes.len());
         if extent.bytes(elements) != Some(bytes.len()) {
             let (wanted, given) = (extent.size as u64, bytes.len() as u64);
@@ -141,7 +141,7 @@ impl Buffer {
         Ok(buffer)
     }
 
-    fn sized(block: &BlockLayout, extent: Extent, tail: usize) -> Result<Buffer, BufferError> {
+    fn sized(block: &BlockLayout, extent: ByteExtent, tail: usize) -> Result<Buffer, BufferError> {
         let bytes = zeroes(block, &extent, tail)?;
         let dirty = Dirty::new(bytes.len());
         let index = Index::of(block);
@@ -321,7 +321,7 @@ impl Buffer {
 }
 
 /// Returns the zeroed bytes of a block with that many elements in its tail.
-fn zeroes(block: &BlockLayout, extent: &Extent, tail: usize) -> Result<Vec<u8>, BufferError> {
+fn zeroes(block: &BlockLayout, extent: &ByteExtent, tail: usize) -> Result<Vec<u8>, BufferError> {
     let too_large = |bytes: usize| {
         let block = block.name.to_string();
         BufferError::TooLarge { block, bytes: bytes as u64 }

@@ -198,7 +198,7 @@ fn place_members(block: &Block, result: &mut BlockLayout) -> Result<(), Vec<Diag
         if let Some(offset) = member.offset {
             check_offset(block, member, offset, placed, before, &mut diagnostics);
         }
-        if let Some(size) = placed.extent.size.filter(|&size| size > 0) {
+        if let Some(size) = placed.type_layout.size.filter(|&size| size > 0) {
             let end = placed.offset + size;
             if let Some(other) = taken.iter().find(|(s, e, _)| placed.offset < *e && *s < end) {
                 // Only an explicit offset, or a member after one, can lie before earlier members.
@@ -253,8 +253,8 @@ fn check_offset(
     before: Option<u64>,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
-    let own = rules::extent(&member.ty, block.rules, placed.matrix_layout)
-        .map_or(Alignment::ONE, |extent| extent.align);
+    let own = rules::type_layout(&member.ty, block.rules, placed.matrix_layout)
+        .map_or(Alignment::ONE, |type_layout| type_layout.align);
     if !own.divides(offset.value) {
         diagnostics.push(
             Diagnostic::error(
@@ -374,8 +374,8 @@ fn member_layout(
     let mut strides = Vec::new();
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
-        let extent = rules::extent(ty, rules, placed.matrix_layout)?;
-        strides.push(extent.array_stride.expect("an array has a stride"));
+        let type_layout = rules::type_layout(ty, rules, placed.matrix_layout)?;
+        strides.push(type_layout.array_stride.expect("an array has a stride"));
         ty = element;
     }
     let members = match ty {
@@ -391,11 +391,11 @@ fn member_layout(
         name: member.name.clone(),
         ty: member.ty.clone(),
         offset: Some(placed.offset),
-        size: placed.extent.size,
-        align: Some(placed.extent.align.bytes()),
+        size: placed.type_layout.size,
+        align: Some(placed.type_layout.align.bytes()),
         dims: member.ty.dims(),
         strides,
-        matrix_stride: placed.extent.matrix_stride,
+        matrix_stride: placed.type_layout.matrix_stride,
         row_major: is_matrix(ty) && placed.matrix_layout == MatrixLayout::Row,
         members,
         span: member.span,

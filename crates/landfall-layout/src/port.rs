@@ -430,7 +430,7 @@ fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(),
     let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
     if problems.is_empty() && (gathered != moved || loose) {
         let message =
-            "the ported text lacks uniforms of the original, or lays them out differently";
+            "the ported shader lacks uniforms of the original, or lays them out differently";
         problems.push(
             Diagnostic::error(Code::NotPortable, Span::default(), message)
                 .with_note("this is a limitation of landfall, not an error in the shader"),

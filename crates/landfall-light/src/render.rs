@@ -2,7 +2,8 @@
 //!
 //! A [`Renderer`] is a compiled shader with its binding map. [`Renderer::light`] lights a list of
 //! fragments with a list of lights, [`Renderer::render`] makes a picture of several such draws, as
-//! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the evaluator's counts.
+//! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the interpreter's
+//! counts.
 
 pub mod planned;
 pub mod tally;

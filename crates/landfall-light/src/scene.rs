@@ -40,7 +40,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// The space in which lighting is computed.
     pub space: Space,
-    /// The shader in the scene's JSON: a path relative to the scene's folder, or an object for the
+    /// The shader in the scene's JSON: a path relative to the scene's directory, or an object for the
     /// renderer.
     pub shader: Option<Value>,
     /// The lighting model of the reference, in the scene's JSON.

@@ -8,7 +8,7 @@ use super::show::bytes;
 use super::walk::{Visit, declared, members};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::occupied;
-use landfall_layout::layout::rules::extent;
+use landfall_layout::layout::rules::type_layout;
 use landfall_layout::shape::{ArrayLen, MatrixLayout, Type};
 
 pub(super) const LINT: Lint = Lint {
@@ -50,12 +50,12 @@ fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
         return None;
     }
     let new = with_last_dimension(&member.ty, &packed)?;
-    let extent = extent(&new, visit.block.rules, MatrixLayout::Column).ok()?;
+    let type_layout = type_layout(&new, visit.block.rules, MatrixLayout::Column).ok()?;
     let language = subject.shader.language;
     let spelled = element.spelled(language);
     let declaration = declared(&member.name, &new, language);
     let read = reading(&member.name, member.dims.len(), new.dims().len(), &packed);
-    let (message, help) = match (member.size, extent.size) {
+    let (message, help) = match (member.size, type_layout.size) {
         (Some(old), Some(new)) if new < old => (
             format!(
                 "`{}` is {}: its elements are {}, {stride} apart",

@@ -53,12 +53,12 @@ struct Shader {
 #[derive(Debug, Deserialize)]
 struct Block {
     name: String,
-    readers: Vec<Reader>,
+    readers: Vec<BackendReads>,
 }
 
 /// What one backend saw of a block.
 #[derive(Debug, Deserialize)]
-struct Reader {
+struct BackendReads {
     /// `gl`, `gpu`, `cpu`.
     reader: String,
     /// The text that was run: `original`, `naga`.
@@ -137,7 +137,7 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
 
 /// What one backend read elsewhere of one leaf.
 struct Elsewhere<'r> {
-    reader: &'r Reader,
+    reader: &'r BackendReads,
     reads: Vec<&'r Read>,
 }
 
@@ -183,7 +183,7 @@ fn finding(
             .with_help(format!("declare `layout({})`", layout.rules.name()));
     }
     if reader.form == "naga" {
-        finding = finding.with_note("the driver ran naga's translation of the text");
+        finding = finding.with_note("the driver ran naga's translation of the shader");
     }
     if elsewhere.reads.len() > 1 {
         let (values, are) = match elsewhere.reads.len() - 1 {

@@ -15,7 +15,7 @@ use super::show::{bytes, full_listing};
 use super::walk::first_few;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::lay_out;
-use landfall_layout::layout::rules::{Cursor, extent};
+use landfall_layout::layout::rules::{Cursor, type_layout};
 use landfall_layout::shape::{AddressSpace, Block, MatrixLayout, Member, Rules, Struct, Type};
 use landfall_layout::source::Span;
 use landfall_layout::syntax as parse;
@@ -219,8 +219,9 @@ fn replace(ty: &Type, structure: &Arc<Struct>, new: &[Member]) -> Type {
 
 /// Returns the size and alignment of a member for the search.
 fn footprint(member: &Member, rules: Rules, inherited: MatrixLayout) -> Option<(u64, u64)> {
-    let extent = extent(&member.ty, rules, member.matrix_layout.unwrap_or(inherited)).ok()?;
-    let align = member.align.map_or(1, |written| written.value).max(extent.align.bytes());
-    let size = extent.size?.max(member.size.map_or(0, |written| written.value));
+    let type_layout =
+        type_layout(&member.ty, rules, member.matrix_layout.unwrap_or(inherited)).ok()?;
+    let align = member.align.map_or(1, |written| written.value).max(type_layout.align.bytes());
+    let size = type_layout.size?.max(member.size.map_or(0, |written| written.value));
     Some((size, align))
 }

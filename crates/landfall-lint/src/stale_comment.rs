@@ -70,7 +70,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 const MOST_FOUND: usize = 500;
 
 /// A claim, and the comment it is made in.
-struct Made {
+struct CommentClaim {
     index: usize,
     comment: Span,
     claim: Claim,
@@ -128,7 +128,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
 /// Returns the findings in the comments of a structure's or block's members.
 #[derive(Default)]
 struct Read {
-    made: Vec<Made>,
+    made: Vec<CommentClaim>,
     header: Option<Vec<Kind>>,
     rows: Vec<Row>,
 }
@@ -172,7 +172,7 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
             }
             let own = claims(text, &member.name, rules(owner));
             let keyword = own.into_iter().filter(|claim| claim.keyword);
-            read.made.extend(keyword.map(|claim| Made { index, comment, claim }));
+            read.made.extend(keyword.map(|claim| CommentClaim { index, comment, claim }));
         }
     }
     read
@@ -218,7 +218,7 @@ fn add(
     let said = claims(text, &member.name, rules(owner));
     // A total next to a member may be of anything up to there.
     let own = said.into_iter().filter(|claim| claim.kind != Kind::Total);
-    read.made.extend(own.map(|claim| Made { index, comment, claim }));
+    read.made.extend(own.map(|claim| CommentClaim { index, comment, claim }));
 }
 
 /// Returns the rules that a structure is laid out by, if they are the same everywhere.

@@ -55,14 +55,14 @@ pub(super) fn members(shader: &ShaderLayout) -> Vec<Visit<'_>> {
     found
 }
 
-type Seen<'a> = FxHashSet<(Span, &'a str, &'static str, bool)>;
+type Visited<'a> = FxHashSet<(Span, &'a str, &'static str, bool)>;
 
 fn descend<'a>(
     block: &'a BlockLayout,
     structure: Option<&'a Arc<str>>,
     siblings: &'a [MemberLayout],
     parent: &str,
-    seen: &mut Seen<'a>,
+    seen: &mut Visited<'a>,
     found: &mut Vec<Visit<'a>>,
 ) {
     for (index, member) in siblings.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Opens backends: the evaluator in this process, each driver in its own.
+//! Opens backends: the interpreter in this process, each driver in its own.
 
 use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::verify::report::BackendStatus;

@@ -92,14 +92,14 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let outcome = diff(&run, pass, &mut cache, streams)?;
         return Ok(left_out.unwrap_or(outcome));
     }
-    let mut mended = fix::Mended::default();
+    let mut applied = fix::AppliedFixes::default();
     if args.fix {
-        (pass, mended) = fix::fix(&run, pass, &mut cache.tree, streams)?;
+        (pass, applied) = fix::fix(&run, pass, &mut cache.tree, streams)?;
         if args.accept {
             pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
         }
     }
-    for error in &mended.refused {
+    for error in &applied.refused {
         let found = Diagnostic { code: Code::Output, ..error.clone().into() };
         pass.no_input.push(found.located(&Files::default()));
     }
@@ -133,7 +133,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
     if args.fix {
-        streams.notes(&fix::summary(&mended));
+        streams.notes(&fix::summary(&applied));
     }
     note_locks(&pass, &basis, args, streams);
     Ok(left_out.unwrap_or(outcome))

@@ -196,8 +196,10 @@ impl Config {
             Some(below) => Ok(lock::path_of(locks, Path::new(&below))),
             None => {
                 let root = slashes(&self.root.shown);
-                let folder = if root.is_empty() { "the current directory" } else { root.as_str() };
-                let message = format!("is not below {folder}, so its lock would have no place");
+                let directory =
+                    if root.is_empty() { "the current directory" } else { root.as_str() };
+                let message =
+                    format!("is not below {directory}, to which the paths of locks are relative");
                 let help = "run it in a directory above the shader, or put a `landfall.toml` there";
                 Err(Error::new(shader.display().to_string(), message).with_help(help))
             }

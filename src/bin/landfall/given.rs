@@ -12,7 +12,7 @@ use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
 
 /// The names of `-O`, and those that some shader has a constant for.
-struct Given {
+struct OverrideNames {
     names: Vec<String>,
     matched: Mutex<Matched>,
 }
@@ -24,13 +24,13 @@ struct Matched {
 }
 
 /// The `-O` options of this process.
-static GIVEN: OnceLock<Given> = OnceLock::new();
+static GIVEN: OnceLock<OverrideNames> = OnceLock::new();
 
 /// Records the `-O` options, and warns about `-I` paths that are not directories.
 pub fn begin(command: &Command, streams: &Streams) {
     let Some(text) = text_of(command) else { return };
     let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
-    let _ = GIVEN.set(Given { names, matched: Mutex::default() });
+    let _ = GIVEN.set(OverrideNames { names, matched: Mutex::default() });
     for folder in text.include_dirs.iter().filter(|folder| !folder.is_dir()) {
         let what = match folder.exists() {
             true => "is not a directory; no include is searched there",

@@ -53,6 +53,10 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let denied = args.deny.map(|sure| sure.certainty());
         tally.denied |= denied.is_some_and(|d| report.hazards.iter().any(|h| h.certainty >= d));
         report.hazards.retain(|hazard| hazard.certainty >= args.least.certainty());
+        if args.format == LightsFormat::Human && streams.is_quiet() {
+            // The hazards that fail the run are errors, the others warnings.
+            report.hazards.retain(|hazard| denied.is_some_and(|d| hazard.certainty >= d));
+        }
         tally.take(&shader, &report, args, streams)?;
     }
     match args.format {

@@ -112,7 +112,7 @@ impl From<Failure> for Stop {
 }
 
 /// A prepared scene with its shader.
-struct Made<'a> {
+struct PreparedScene<'a> {
     scene: &'a Scene,
     /// The values and lights to upload.
     upload: Upload,
@@ -126,7 +126,7 @@ struct Made<'a> {
 const CHECKED: usize = 256;
 
 /// A picture rendered by a backend.
-struct Lighted {
+struct BackendPicture {
     rendered: Rendered,
     device: Device,
     tally: Option<Tally>,
@@ -164,7 +164,7 @@ fn picture(
     let model = request.model.map(|model| (model, true)).or_else(likely);
     let frame = Frame::new(scene, &request.frame);
     let limit = args.limit;
-    let made = Made { scene, upload, frame, renderer, model, limit };
+    let made = PreparedScene { scene, upload, frame, renderer, model, limit };
     let mut report = made.report(request);
     let picture = if args.reference {
         let begun = Instant::now();
@@ -232,7 +232,7 @@ fn save(
     writer.write(path, bytes).map(|_| ())
 }
 
-impl Made<'_> {
+impl PreparedScene<'_> {
     /// Renders the reference; without a given model, with the one nearest to `picture`.
     fn truth_near(&self, picture: &Picture) -> Result<(Truth, (Model, bool)), Error> {
         let (mut model, is_given) = self.model()?;
@@ -306,7 +306,7 @@ impl Made<'_> {
         planned: Option<&Planned>,
         args: &RenderArgs,
         streams: &Streams,
-    ) -> Result<Lighted, Stop> {
+    ) -> Result<BackendPicture, Stop> {
         let whole = self.renderer.as_ref().expect("backends render shaders only");
         let renderer = planned.map_or(whole, |planned| &planned.renderer);
         let [directional, point, spot] = self.numbers();
@@ -314,7 +314,7 @@ impl Made<'_> {
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         let plan = planned.map(|planned| &planned.plan);
-        let Made { upload, frame, limit, .. } = self;
+        let PreparedScene { upload, frame, limit, .. } = self;
         let background = self.scene.background;
         let work = Work { upload, frame, background, limit: *limit };
         let total = fragments.len().max(1);
@@ -369,7 +369,7 @@ impl Made<'_> {
                 (rendered, backend.device().clone(), None, time, checked)
             }
         };
-        Ok(Lighted { rendered, device, tally, time, checked })
+        Ok(BackendPicture { rendered, device, tally, time, checked })
     }
 }
 

@@ -5,15 +5,13 @@ use std::fmt::Write as _;
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::Paint;
+use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Severity};
 use landfall_lint::{LINTS, Lint, lint, nearest};
 
 use crate::args::{RuleArgs, RuleFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-
-/// Width of wrapped text in columns.
-const WIDTH: usize = 96;
 
 /// A lint, which may share its code with a hazard, or a hazard without a lint of its code.
 #[derive(Clone, Copy)]
@@ -322,21 +320,4 @@ fn strong(text: &str, paint: Paint) -> String {
         Paint::Plain => text.to_string(),
         Paint::Ansi => format!("\x1b[1m{text}\x1b[0m"),
     }
-}
-
-/// Wraps text to lines of at most `width` characters.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let line = lines.last_mut().expect("never empty");
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
-            lines.push(word.to_string());
-            continue;
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    lines
 }

@@ -27,7 +27,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let mut backend = match args.backend {
-        // The evaluator always runs.
+        // The interpreter always runs.
         BackendName::Cpu => None,
         BackendName::Gl | BackendName::Gpu => {
             let opened = backends::one(args.backend, args.adapter.as_deref());

@@ -131,7 +131,7 @@ fn inputs(args: &StressArgs, source: &Source, options: &Options, request: &Reque
 fn open(args: &StressArgs) -> (Vec<Box<dyn Backend>>, Vec<BackendReport>) {
     let (mut here, mut missing) = (Vec::new(), Vec::new());
     for name in BackendName::ALL {
-        // The evaluator always runs.
+        // The interpreter always runs.
         if name == BackendName::Cpu || !args.backends.contains(&name) {
             continue;
         }

@@ -303,13 +303,3 @@ mod textures {
         }
     }
 }
-
-#[cfg(not(feature = "cli"))]
-#[test]
-fn without_the_feature_a_png_is_refused() {
-    let text = of_mesh("")
-        .replace("{\"obj\": \"\"}", "\"cube\"")
-        .replace("\"diffuse\": 1", "\"diffuse\": {\"png\": \"a.png\"}");
-    let reading = read_with(&text, &[]);
-    assert_eq!(reading.diagnostics[0].code, "png-unsupported");
-}

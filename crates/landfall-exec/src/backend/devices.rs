@@ -27,7 +27,7 @@ impl Found {
     }
 }
 
-/// Returns the entry of the evaluator, which is always available.
+/// Returns the entry of the interpreter, which is always available.
 pub fn cpu() -> Found {
     let device = Device {
         backend: BackendKind::Cpu,

@@ -1,7 +1,7 @@
 //! Calls one function of a shader with arguments and block contents from JSON.
 //!
-//! The evaluator runs the function in `f32` and `f64` side by side, and a driver runs it too if one
-//! is given. The result is a [`CallReport`].
+//! The interpreter runs the function in `f32` and `f64` side by side, and a driver runs it too if
+//! one is given. The result is a [`CallReport`].
 
 mod arguments;
 mod caller;
@@ -24,7 +24,7 @@ use serde_json::Value;
 
 use self::caller::{Caller, CallerInput};
 use self::find::Target;
-pub use self::report::{CallReport, Given, GivenScalar};
+pub use self::report::{CallReport, ReturnedScalar, ReturnedValue};
 use super::access;
 use crate::backend::{Backend, Failure};
 use crate::harness::bindings as bound;
@@ -50,7 +50,7 @@ pub struct Request {
     pub textures: Vec<(String, [f32; 4])>,
     /// Values of the shader's inputs by name; the others are zero.
     pub inputs: Vec<(String, Value)>,
-    /// The precision to which the evaluator rounds floats.
+    /// The precision to which the interpreter rounds floats.
     pub floats: Floats,
     /// The time limit; a backend that exceeds it has failed.
     pub limit: Duration,
@@ -79,7 +79,7 @@ pub struct Refusal {
     pub files: Files,
 }
 
-/// Calls a function on the evaluator, and on `backend` if it is a driver.
+/// Calls a function on the interpreter, and on `backend` if it is a driver.
 ///
 /// # Errors
 /// Fails if the shader does not run, the function or a block does not exist, the arguments do not
@@ -109,7 +109,7 @@ struct Job<'a> {
     module: &'a Module,
 }
 
-/// The evaluator's results.
+/// The interpreter's results.
 struct Evaluated {
     called: Called,
     /// Names of blocks that the call read and that have no values.
@@ -168,7 +168,7 @@ impl Job<'_> {
             let numbers = called.map(|called| &called.result);
             let own = numbers.map(|numbers| first(&numbers.words));
             let words = answered.map(|answered| answered.result.clone()).or(own)?;
-            Some(Given::new(ty, language, &words, numbers))
+            Some(ReturnedValue::new(ty, language, &words, numbers))
         });
         let mut parameters = Vec::new();
         for (at, parameter) in found.signature.parameters.iter().enumerate() {
@@ -180,7 +180,7 @@ impl Job<'_> {
             let words = answered.map(|answered| answered.parameters[at].clone()).or(own);
             let Some(words) = words else { continue };
             let way = found.info.parameters.get(at).map_or(Direction::InOut, |p| p.direction);
-            let given = Given::new(&parameter.ty, language, &words, numbers);
+            let given = ReturnedValue::new(&parameter.ty, language, &words, numbers);
             parameters.push((parameter.name.clone(), way, given));
         }
         let counts = called.map(|called| called.notes.counts.operations());
@@ -198,8 +198,8 @@ impl Job<'_> {
         })
     }
 
-    /// Runs the call on the evaluator. The outer error is a fault of the request; the inner one, a
-    /// fault of the run, may be left to a driver.
+    /// Runs the call on the interpreter. The outer error is a fault of the request; the inner one,
+    /// a fault of the run, may be left to a driver.
     fn evaluate(
         &self,
         caller: &Caller,
@@ -218,7 +218,7 @@ impl Job<'_> {
             Ok(Some(signature)) => signature,
             Ok(None) => return Ok(Err(Failure::refused("a parameter is not a plain value", ""))),
             Err(what) => {
-                let message = format!("the evaluator does not support {what}");
+                let message = format!("the interpreter does not support {what}");
                 return Ok(Err(Failure::refused(message, "")));
             }
         };

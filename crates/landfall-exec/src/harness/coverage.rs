@@ -1,6 +1,6 @@
 //! Coverage: the bytes of its blocks that a shader never reads.
 //!
-//! Bytes that no instruction could load are certain (`loads`); for the others, the evaluator runs
+//! Bytes that no instruction could load are certain (`loads`); for the others, the interpreter runs
 //! the shader's entry points over a small grid, with given or generated block contents, and records
 //! the bytes read. Used by `landfall verify --coverage`.
 

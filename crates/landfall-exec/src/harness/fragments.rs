@@ -3,8 +3,8 @@
 //!
 //! There are no vertices: the fragments are packed into an image in list order, and each pixel
 //! fetches its inputs from a texture of floats. `module` builds that into a module for the
-//! evaluator and wgpu, `text` into the user's GLSL for OpenGL, and `batch` makes and runs the jobs.
-//! Used by `landfall_light`.
+//! interpreter and wgpu, `text` into the user's GLSL for OpenGL, and `batch` makes and runs the
+//! jobs. Used by `landfall_light`.
 
 mod batch;
 mod module;
@@ -95,7 +95,8 @@ impl FragmentShader {
         };
         let whole = Module::new(source, options)?;
         if let Some(image) = whole.handles().iter().find(|h| h.kind == HandleKind::Image) {
-            let message = format!("`{}` is a storage image, which no scene has", image.path);
+            let message =
+                format!("`{}` is a storage image, which a scene does not provide", image.path);
             return Err(vec![Diagnostic::error(
                 Code::CannotRun,
                 landfall_layout::Span::default(),
@@ -105,7 +106,7 @@ impl FragmentShader {
         let fetching = module::fetching(&whole, entry)?;
         if fetching.differences {
             let message = "the shader uses derivatives (`dFdx`, `fwidth`), but fragments \
-                           of a list have no neighbours";
+                           are shaded one by one, without neighbours";
             return Err(vec![Diagnostic::error(
                 Code::CannotRun,
                 landfall_layout::Span::default(),

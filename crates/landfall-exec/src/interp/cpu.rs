@@ -1,4 +1,4 @@
-//! The evaluator as a [`Backend`]: grids of workgroups, pixels and points.
+//! The interpreter as a [`Backend`]: grids of workgroups, pixels and points.
 //!
 //! Takes a [`Job`], compiles its modules once, runs them with [`drive`](super::drive).
 
@@ -20,7 +20,7 @@ use crate::backend::{Backend, Device, Failure, FailureKind, Grid, Job, JobOutput
 use landfall_ir::Module;
 use landfall_layout::source::{Language, Stage, kind_of_path};
 
-/// The evaluator as a [`Backend`].
+/// The interpreter as a [`Backend`].
 #[derive(Debug)]
 pub struct Cpu {
     /// The settings of runs; a job's limit becomes the deadline.
@@ -40,12 +40,12 @@ type Tile = (Numbers, u64);
 const KEPT: usize = 8;
 
 impl Cpu {
-    /// Returns an evaluator with the given settings.
+    /// Returns an interpreter with the given settings.
     pub fn new(settings: Settings) -> Cpu {
         Cpu::rounded(settings, Floats::AsWritten)
     }
 
-    /// Returns an evaluator whose floats are rounded to a lower precision.
+    /// Returns an interpreter whose floats are rounded to a lower precision.
     pub fn rounded(settings: Settings, floats: Floats) -> Cpu {
         let device = Device {
             backend: BackendKind::Cpu,

@@ -250,7 +250,7 @@ impl Program {
             }
             Stopped::Barrier(origin) => (
                 FailureKind::Refused,
-                "the evaluator supports barriers only if a workgroup of at most 64 reaches them \
+                "the interpreter supports barriers only if a workgroup of at most 64 reaches them \
                  together",
                 origin,
             ),

@@ -171,7 +171,8 @@ impl Real for Permitted {
         self.single.same(b.single) && self.span == b.span
     }
     fn half(self) -> Permitted {
-        let nearest = |x: f64| half::f16::from_f32(landfall_layout::buffer::float::odd(x)).to_f64();
+        let nearest =
+            |x: f64| half::f16::from_f32(landfall_layout::buffer::float::round_to_odd(x)).to_f64();
         Permitted { single: self.single.half(), span: self.span.monotone(nearest) }
     }
     fn span(self) -> Option<[f64; 2]> {

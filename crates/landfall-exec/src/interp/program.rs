@@ -8,7 +8,7 @@ use super::interface::{Interface, Port};
 use super::value::ValueType;
 use landfall_layout::source::{Files, Language};
 
-/// A shader compiled for the evaluator: every function and every entry point of a module.
+/// A shader compiled for the interpreter: every function and every entry point of a module.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(super) code: Vec<Inst>,

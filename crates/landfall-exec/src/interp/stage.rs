@@ -203,7 +203,7 @@ pub(super) fn failure(kind: FailureKind, message: String) -> Failure {
 }
 
 pub(super) fn refused_for(why: &str) -> Failure {
-    failure(FailureKind::Refused, format!("the evaluator does not support {why}"))
+    failure(FailureKind::Refused, format!("the interpreter does not support {why}"))
 }
 
 /// Returns each lane's bit of a mask.

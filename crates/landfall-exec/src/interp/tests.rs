@@ -1,4 +1,4 @@
-//! Claims about the evaluator, on modules as users have them.
+//! Tests of the interpreter on modules lowered from GLSL and WGSL.
 
 mod support;
 

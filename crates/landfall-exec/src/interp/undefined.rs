@@ -58,7 +58,7 @@ impl UndefinedKind {
             UndefinedKind::ConversionOutOfRange => "conversion of a number out of range",
             UndefinedKind::IndexOutOfBounds => "index out of bounds",
             UndefinedKind::PastEndOfBuffer => "access past the end of the buffer",
-            UndefinedKind::Uninitialised => "variable read before anything is put into it",
+            UndefinedKind::Uninitialised => "variable read before it is written",
             UndefinedKind::NanFromBuffer => "the buffer holds NaN",
             UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
             UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",

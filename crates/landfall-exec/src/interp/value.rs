@@ -1,4 +1,4 @@
-//! Types and values in the evaluator's API, independent of naga and convertible from and to JSON.
+//! Types and values in the interpreter's API, independent of naga and convertible from and to JSON.
 
 use naga::{ScalarKind as Kind, TypeInner};
 

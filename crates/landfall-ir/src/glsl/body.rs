@@ -273,9 +273,9 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Uint => Literal::U32(value as u32),
             Kind::Float => Literal::F32(value as f32),
             Kind::Double => Literal::F64(value),
-            Kind::Half => {
-                Literal::F16(half::f16::from_f32(landfall_layout::buffer::float::odd(value)))
-            }
+            Kind::Half => Literal::F16(half::f16::from_f32(
+                landfall_layout::buffer::float::round_to_odd(value),
+            )),
             Kind::Short => Literal::I16(value as i16),
             Kind::Ushort => Literal::U16(value as u16),
             Kind::Long => Literal::I64(value as i64),

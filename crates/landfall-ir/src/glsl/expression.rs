@@ -220,7 +220,9 @@ impl<'a> Body<'_, 'a> {
                 }
                 let span = self.span;
                 let init = declaration.names[which].init.as_ref();
-                let Some(init) = init else { return self.refuse(format!("`{name}` has no value")) };
+                let Some(init) = init else {
+                    return self.refuse(format!("the constant `{name}` has no value"));
+                };
                 let value = self.in_prologue(|this| this.initial(init, &ty))?;
                 self.span = span;
                 self.constants.insert(index, value.clone());

@@ -2,7 +2,7 @@
 
 use super::error::BufferError;
 use super::float::narrow;
-use super::grid::{Dim, Extent, Grid};
+use super::grid::{ByteExtent, Dim, Grid};
 use super::resolve::{What, not_a_leaf, resolve};
 use super::value::put_bits;
 use crate::layout::BlockLayout;
@@ -27,7 +27,7 @@ impl Components {
     /// A path that does not exist, does not end at a leaf, has an index out of range or two open
     /// indices; a block of unknown size.
     pub fn of(block: &BlockLayout, path: &str) -> Result<Components, BufferError> {
-        Extent::of(block)?;
+        ByteExtent::of(block)?;
         let mut dims = Vec::new();
         let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
         let What::Leaf(grid) = place.what else {

@@ -10,7 +10,7 @@ use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
 
 use super::error::BufferError;
-use super::grid::{Extent, Grid, language};
+use super::grid::{ByteExtent, Grid, language};
 use super::number::Datum;
 use super::padding::{Finding, Findings, finding, name_at};
 use super::resolve::{Place, What, resolve, size};
@@ -59,7 +59,7 @@ pub struct Element<'r> {
 /// # Errors
 /// A block of unknown size, or fewer bytes than its members need.
 pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>, BufferError> {
-    let extent = Extent::of(block)?;
+    let extent = ByteExtent::of(block)?;
     if bytes.len() < extent.fixed_end {
         let cut = (bytes.len()..extent.fixed_end).find_map(|byte| name_at(block, byte as u64));
         let (wanted, given) = (extent.size as u64, bytes.len() as u64);

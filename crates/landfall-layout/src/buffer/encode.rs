@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use serde_json::{Map, Value};
 
 use super::error::BufferError;
-use super::grid::{Extent, Grid, Tail, language};
+use super::grid::{ByteExtent, Grid, Tail, language};
 use super::json::{EncodeError, kind};
 use super::number::{Unfit, bits};
 use super::resolve::{Place, What, resolve_in, spelled};
@@ -39,7 +39,7 @@ pub fn encode(
     values: &Value,
     missing: Missing,
 ) -> Result<Vec<u8>, EncodeError> {
-    let extent = Extent::of(block).map_err(EncodeError::Block)?;
+    let extent = ByteExtent::of(block).map_err(EncodeError::Block)?;
     let tail = match (&extent.tail, values) {
         (Some(tail), Value::Object(map)) => elements(block, tail, map),
         _ => 0,

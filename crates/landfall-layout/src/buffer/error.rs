@@ -136,7 +136,10 @@ impl fmt::Display for BufferError {
                 }
             }
             BufferError::NotALeaf { path, ty, next } => {
-                write!(f, "`{path}` is `{ty}`, not a single value\nhelp: go on with {next}")
+                write!(
+                    f,
+                    "`{path}` is `{ty}`, not a single value\nhelp: continue the path with {next}"
+                )
             }
             BufferError::NotAnArray { path, ty } => {
                 write!(f, "`{path}` is `{ty}` and takes no further index or component")

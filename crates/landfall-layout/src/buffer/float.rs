@@ -86,7 +86,7 @@ pub(crate) fn narrow(scalar: Scalar, number: f64) -> u64 {
 /// Rounds a number to `f32` by round-to-odd, so that rounding to fewer bits afterwards is as exact
 /// as in one step. `from_f64` of `half` 2.7.1 drops the lower 32 bits instead, so that a number
 /// just above the middle of two rounds the wrong way.
-pub fn odd(number: f64) -> f32 {
+pub fn round_to_odd(number: f64) -> f32 {
     let near = number as f32;
     let bits = near.to_bits();
     match f64::from(near).abs().total_cmp(&number.abs()) {
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(narrow(F16, 2f64.powi(-25) * (1.0 + above)), 1);
         assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) + above), 0x3f81);
         assert_eq!(narrow(BF16, 1.0 + 2f64.powi(-8) - above), 0x3f80);
-        assert_eq!((odd(1e300), odd(f64::INFINITY)), (f32::MAX, f32::INFINITY));
+        assert_eq!((round_to_odd(1e300), round_to_odd(f64::INFINITY)), (f32::MAX, f32::INFINITY));
     }
 
     #[test]
@@ -212,7 +212,7 @@ mod tests {
             // All exponents of a bfloat16 and a few beyond, with all bits of an f64.
             let exponent = random.u64(1023 - 140..1023 + 140) << 52;
             let number = f64::from_bits(random.u64(..) & (1 << 63 | ((1 << 52) - 1)) | exponent);
-            let short = odd(number);
+            let short = round_to_odd(number);
             assert_eq!(narrow(F16, number), u64::from(half::f16::from_f32_const(short).to_bits()));
             assert_eq!(
                 narrow(BF16, number),

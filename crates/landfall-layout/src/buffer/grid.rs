@@ -114,7 +114,7 @@ pub(crate) fn language(block: &BlockLayout) -> Language {
 
 /// The bytes of a block that a buffer can hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Extent {
+pub(crate) struct ByteExtent {
     /// Bytes a buffer must hold; a runtime-sized tail counts as one element.
     pub size: usize,
     /// End of the last member, without a runtime-sized one.
@@ -131,7 +131,7 @@ pub(crate) struct Tail {
     pub stride: usize,
 }
 
-impl Extent {
+impl ByteExtent {
     /// Returns the bytes for that many elements of the tail; `None` on overflow.
     ///
     /// Exactly the larger of [`size`](Self::size) and what the elements need: a shader derives the
@@ -155,7 +155,7 @@ impl Extent {
     ///
     /// # Errors
     /// [`BufferError::NoBytes`], [`BufferError::Unsized`], [`BufferError::TooLarge`].
-    pub fn of(block: &BlockLayout) -> Result<Extent, BufferError> {
+    pub fn of(block: &BlockLayout) -> Result<ByteExtent, BufferError> {
         let name = || block.name.to_string();
         let Some((size, data_size)) = block.size.zip(block.data_size) else {
             return Err(BufferError::NoBytes { block: name() });
@@ -188,6 +188,6 @@ impl Extent {
         if tail.is_none() {
             fixed_end = whole(data_size)?;
         }
-        Ok(Extent { size: whole(size)?, fixed_end, tail })
+        Ok(ByteExtent { size: whole(size)?, fixed_end, tail })
     }
 }

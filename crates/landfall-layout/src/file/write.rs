@@ -1,8 +1,8 @@
 //! Atomic file writes that never overwrite an input.
 //!
-//! A file is written under a temporary name in the same folder and then renamed, so that others
+//! A file is written under a temporary name in the same directory and then renamed, so that others
 //! see either the old text or the new one. Temporary files of a killed process are removed by the
-//! next process that writes to the folder.
+//! next process that writes to the directory.
 
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -174,7 +174,7 @@ impl FileWriter {
         let target = real(path);
         let trees = match &self.tree {
             Some(tree) => vec![tree.clone()],
-            // Links of folders are fine in a path that the user names.
+            // Links of directories are fine in a path that the user names.
             None if !path.is_symlink() => return Ok(()),
             None => vec![real(folder_of(path)), real(Path::new("."))],
         };
@@ -271,7 +271,7 @@ fn partial_name() -> String {
     format!("{PARTIAL_START}{}-{:08x}-{number}{PARTIAL_END}", std::process::id(), *TOKEN)
 }
 
-/// Removes the partial files of killed processes from a folder, once per folder and process.
+/// Removes the partial files of killed processes from a directory, once per directory and process.
 fn sweep(folder: &Path) {
     static SWEPT: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
     let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);

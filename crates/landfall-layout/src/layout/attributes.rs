@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashSet;
 
 use super::rules;
-use super::rules::Extent;
+use super::rules::TypeLayout;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{Block, MatrixLayout, Member, Rules, Struct, Type};
 
@@ -37,17 +37,17 @@ fn check_members(
         if member.ty.leaves() > super::MOST_LEAVES {
             continue;
         }
-        if let Ok(extent) = rules::extent(&member.ty, Rules::Wgsl, MatrixLayout::Column) {
-            check_align(member, extent, diagnostics);
-            check_size(member, extent, diagnostics);
+        if let Ok(type_layout) = rules::type_layout(&member.ty, Rules::Wgsl, MatrixLayout::Column) {
+            check_align(member, type_layout, diagnostics);
+            check_size(member, type_layout, diagnostics);
         }
     }
 }
 
 /// Checks `@align` (§11.1): a power of two, and a multiple of the type's own alignment.
-fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
+fn check_align(member: &Member, type_layout: TypeLayout, diagnostics: &mut Vec<Diagnostic>) {
     let Some(written) = member.align else { return };
-    let own = extent.align.bytes();
+    let own = type_layout.align.bytes();
     let message = if !written.value.is_power_of_two() {
         format!("`@align({})` is not a power of two", written.value)
     } else if written.value < own {
@@ -68,9 +68,9 @@ fn check_align(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic
 }
 
 /// Checks `@size` (§11.10): at least the size of the type, which must not be runtime-sized.
-fn check_size(member: &Member, extent: Extent, diagnostics: &mut Vec<Diagnostic>) {
+fn check_size(member: &Member, type_layout: TypeLayout, diagnostics: &mut Vec<Diagnostic>) {
     let Some(written) = member.size else { return };
-    let diagnostic = match extent.size {
+    let diagnostic = match type_layout.size {
         None => Diagnostic::error(
             Code::InvalidSize,
             written.span,

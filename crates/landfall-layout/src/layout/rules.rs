@@ -41,7 +41,7 @@ impl Alignment {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLarge;
 
-/// The rule an [`Extent`] follows.
+/// The rule that a [`TypeLayout`] follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rule {
@@ -133,7 +133,7 @@ impl Rule {
 /// The alignment, size and strides of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Extent {
+pub struct TypeLayout {
     /// The alignment.
     pub align: Alignment,
     /// Size in bytes: a `vec3` is 12, an array stride × count, a structure is rounded up to its
@@ -143,16 +143,20 @@ pub struct Extent {
     pub array_stride: Option<u64>,
     /// Distance between columns (rows, if row-major) of a matrix or an array of matrices.
     pub matrix_stride: Option<u64>,
-    /// The rule that determines the extent.
+    /// The rule that determines it.
     pub rule: Rule,
 }
 
-/// Returns the extent of a type under `rules`; matrices are stored by `matrix_layout`.
-pub fn extent(ty: &Type, rules: Rules, matrix_layout: MatrixLayout) -> Result<Extent, TooLarge> {
+/// Returns the layout of a type under `rules`; matrices are stored by `matrix_layout`.
+pub fn type_layout(
+    ty: &Type,
+    rules: Rules,
+    matrix_layout: MatrixLayout,
+) -> Result<TypeLayout, TooLarge> {
     match ty {
         // Rule 1; WGSL §14.4.1: a scalar is aligned to its size.
         Type::Scalar(scalar) | Type::Atomic(scalar) => Ok(plain(scalar.width.into(), 1, rules)),
-        Type::Address(_) => Ok(Extent { rule: Rule::Address, ..plain(8, 1, rules) }),
+        Type::Address(_) => Ok(TypeLayout { rule: Rule::Address, ..plain(8, 1, rules) }),
         // Rules 2 and 3; WGSL §14.4.1.
         Type::Vector { scalar, rows } => Ok(plain(scalar.width.into(), *rows, rules)),
         // Rules 5 and 7: a matrix is an array of its columns (or rows); WGSL §14.4.1 likewise.
@@ -163,7 +167,7 @@ pub fn extent(ty: &Type, rules: Rules, matrix_layout: MatrixLayout) -> Result<Ex
             };
             let vector = plain(scalar.width.into(), length, rules);
             let array = array_of(vector, &ArrayLen::Fixed(count.into()), rules, rule)?;
-            Ok(Extent { array_stride: None, matrix_stride: array.array_stride, ..array })
+            Ok(TypeLayout { array_stride: None, matrix_stride: array.array_stride, ..array })
         }
         // Rules 4, 6, 8 and 10; WGSL §14.4.3.
         Type::Array { element, len } => {
@@ -173,7 +177,7 @@ pub fn extent(ty: &Type, rules: Rules, matrix_layout: MatrixLayout) -> Result<Ex
                 (Type::Struct(_), _) => Rule::ArrayOfStructures,
                 _ => Rule::ArrayOfVectors,
             };
-            array_of(extent(element, rules, matrix_layout)?, len, rules, rule)
+            array_of(type_layout(element, rules, matrix_layout)?, len, rules, rule)
         }
         // Rule 9; WGSL §14.4.2.
         Type::Struct(s) => {
@@ -186,8 +190,8 @@ pub fn extent(ty: &Type, rules: Rules, matrix_layout: MatrixLayout) -> Result<Ex
     }
 }
 
-/// Returns the extent of a vector, or of a scalar if `components` is 1.
-fn plain(width: u64, components: u8, rules: Rules) -> Extent {
+/// Returns the layout of a vector, or of a scalar if `components` is 1.
+fn plain(width: u64, components: u8, rules: Rules) -> TypeLayout {
     let (align, rule) = match (rules, components) {
         (_, 1) => (width, Rule::Scalar),
         // GL_EXT_scalar_block_layout: a vector is aligned like its component.
@@ -198,7 +202,7 @@ fn plain(width: u64, components: u8, rules: Rules) -> Extent {
         // Rule 2.
         (_, n) => (u64::from(n) * width, Rule::Vector2Or4),
     };
-    Extent {
+    TypeLayout {
         align: Alignment::new(align).expect("1, 2 or 4 components of 1, 2, 4 or 8 bytes"),
         size: Some(width * u64::from(components)),
         array_stride: None,
@@ -207,8 +211,13 @@ fn plain(width: u64, components: u8, rules: Rules) -> Extent {
     }
 }
 
-/// Returns the extent of an array of elements with extent `element`.
-fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result<Extent, TooLarge> {
+/// Returns the layout of an array of elements with layout `element`.
+fn array_of(
+    element: TypeLayout,
+    len: &ArrayLen,
+    rules: Rules,
+    rule: Rule,
+) -> Result<TypeLayout, TooLarge> {
     // Rule 4: std140 rounds the alignment of every array up to that of a vec4; the others do not.
     let align = match rules {
         Rules::Std140 => element.align.max(Alignment::VEC4),
@@ -229,7 +238,7 @@ fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result
         }
         ArrayLen::Runtime | ArrayLen::Override(_) => None,
     };
-    Ok(Extent {
+    Ok(TypeLayout {
         align,
         size,
         array_stride: Some(stride),
@@ -244,8 +253,8 @@ fn array_of(element: Extent, len: &ArrayLen, rules: Rules, rule: Rule) -> Result
 pub struct Placed {
     /// Offset from the start of the enclosing structure or block.
     pub offset: u64,
-    /// The extent of its type, with `align` and `size` after attributes.
-    pub extent: Extent,
+    /// The layout of its type, with `align` and `size` after attributes.
+    pub type_layout: TypeLayout,
     /// The matrix storage in effect.
     pub matrix_layout: MatrixLayout,
 }
@@ -270,32 +279,32 @@ impl Cursor {
     /// Places the next member. Matrices without a majorness of their own are stored by `inherited`.
     pub fn place(&mut self, member: &Member, inherited: MatrixLayout) -> Result<Placed, TooLarge> {
         let matrix_layout = member.matrix_layout.unwrap_or(inherited);
-        let mut extent = extent(&member.ty, self.rules, matrix_layout)?;
+        let mut type_layout = type_layout(&member.ty, self.rules, matrix_layout)?;
         // GLSL 4.60 §4.4.5 `align`: the greater of it and the type's alignment; WGSL §14.4.2
         // `@align`.
         if let Some(align) = member.align.and_then(|written| Alignment::new(written.value)) {
-            extent.align = extent.align.max(align);
+            type_layout.align = type_layout.align.max(align);
         }
         // WGSL §14.4.2 `@size`.
         if let Some(size) = member.size {
-            extent.size = extent.size.map(|own| own.max(size.value));
+            type_layout.size = type_layout.size.map(|own| own.max(size.value));
         }
         // GLSL 4.60 §4.4.5 `offset`: start there instead of after the preceding member.
         let start = match member.offset {
             Some(written) => written.value,
             None => self.end.unwrap_or(self.furthest),
         };
-        let offset = extent.align.round_up(start)?;
-        let end = match extent.size {
+        let offset = type_layout.align.round_up(start)?;
+        let end = match type_layout.size {
             Some(size) => Some(offset.checked_add(size).ok_or(TooLarge)?),
             None => None,
         };
-        let one_element = extent.array_stride.unwrap_or(0);
+        let one_element = type_layout.array_stride.unwrap_or(0);
         let reach = end.map_or_else(|| offset.checked_add(one_element).ok_or(TooLarge), Ok)?;
         self.end = end;
         self.furthest = self.furthest.max(reach);
-        self.align = self.align.max(extent.align);
-        Ok(Placed { offset, extent, matrix_layout })
+        self.align = self.align.max(type_layout.align);
+        Ok(Placed { offset, type_layout, matrix_layout })
     }
 
     /// The end of the last member placed; `None` after a runtime-sized one.
@@ -308,8 +317,8 @@ impl Cursor {
         self.furthest
     }
 
-    /// Returns the extent of the structure with the members placed so far.
-    pub fn structure(self) -> Result<Extent, TooLarge> {
+    /// Returns the layout of the structure with the members placed so far.
+    pub fn structure(self) -> Result<TypeLayout, TooLarge> {
         // Rule 9: std140 rounds a structure's alignment up to that of a vec4.
         let align = match self.rules {
             Rules::Std140 => self.align.max(Alignment::VEC4),
@@ -323,6 +332,12 @@ impl Cursor {
                 Some(align.round_up(self.furthest)?)
             }
         };
-        Ok(Extent { align, size, array_stride: None, matrix_stride: None, rule: Rule::Structure })
+        Ok(TypeLayout {
+            align,
+            size,
+            array_stride: None,
+            matrix_stride: None,
+            rule: Rule::Structure,
+        })
     }
 }

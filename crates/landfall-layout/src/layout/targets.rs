@@ -36,7 +36,9 @@ pub fn other(target: Target) -> Target {
 pub fn note(assumed: Option<Target>) -> Option<String> {
     let target = assumed?;
     let (this, that) = (name(target), name(other(target)));
-    Some(format!("read as {this}'s, which the text does not say; for {that} its blocks differ"))
+    Some(format!(
+        "read for {this}, because the shader names no API; for {that} its blocks have another layout"
+    ))
 }
 
 /// Returns diagnostics for the blocks laid out differently under the other API, `there`; `None` if
@@ -95,8 +97,6 @@ fn diagnostic(block: &BlockLayout, text: &str, span: Option<Span>, target: Targe
     let (this, that) = (name(target), name(other(target)));
     let message = format!("block `{}` is laid out differently for {that}: {text}", block.name);
     Diagnostic::warning(Code::TargetChangesLayout, span.unwrap_or(block.span), message)
-        .with_note(format!(
-            "read for {this}: the text tests for `VULKAN` and is valid for both APIs"
-        ))
+        .with_note(format!("read for {this}: the shader tests `VULKAN` and is valid for both APIs"))
         .with_help(format!("pass `--target {}` or `--target {}`", key(target), key(other(target))))
 }

@@ -74,7 +74,7 @@ fn check_offset(member: &Member, placed: Placed) -> Option<Diagnostic> {
 fn check_strides(member: &Member) -> Option<Diagnostic> {
     let mut ty = &member.ty;
     while let Type::Array { element, .. } = ty {
-        let stride = rules::extent(ty, Rules::Wgsl, MatrixLayout::Column).ok()?.array_stride?;
+        let stride = rules::type_layout(ty, Rules::Wgsl, MatrixLayout::Column).ok()?.array_stride?;
         if !Alignment::VEC4.divides(stride) {
             let message = format!(
                 "the elements of `{}` are {stride} bytes apart, but in uniform memory their \
@@ -113,7 +113,7 @@ fn check_after_struct(
     placed: Placed,
 ) -> Option<Diagnostic> {
     let Type::Struct(_) = before.ty else { return None };
-    let size = rules::extent(&before.ty, Rules::Wgsl, MatrixLayout::Column).ok()?.size?;
+    let size = rules::type_layout(&before.ty, Rules::Wgsl, MatrixLayout::Column).ok()?.size?;
     let least = Alignment::VEC4.round_up(size).ok()?;
     let distance = placed.offset.saturating_sub(offset);
     if distance >= least {

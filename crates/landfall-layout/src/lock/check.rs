@@ -11,7 +11,7 @@ use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
 
 /// The block whose members are being read.
-pub(super) struct Within<'n> {
+pub(super) struct MemberContext<'n> {
     pub language: Language,
     /// Whether these are loose uniforms, which have no offsets or sizes.
     pub loose: bool,
@@ -66,7 +66,7 @@ pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error>
 pub(super) fn member(
     place: &Place<'_>,
     member: &MemberLayout,
-    within: &Within<'_>,
+    within: &MemberContext<'_>,
 ) -> Result<(), Error> {
     let refuse = |message: String| Err(place.contradiction(member.span.start, &message));
     let name = &member.name;

@@ -80,7 +80,7 @@ fn refused(reason: &str) -> Diagnostic {
         }
         text => text,
     };
-    let message = format!("naga rejects the ported text: {reason}");
+    let message = format!("naga rejects the ported shader: {reason}");
     Diagnostic::error(Code::NotPortable, Span::default(), message)
         .with_note("this is a limit of naga's GLSL front end")
 }

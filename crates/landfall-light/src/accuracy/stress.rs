@@ -56,7 +56,7 @@ pub use report::Report;
 pub use rewrite::Gain;
 pub use verdict::DriverOutcome;
 
-use climb::{Climbs, Whose};
+use climb::{ClimbTarget, Climbs};
 use deadline::Deadline;
 use drivers::Drivers;
 use generate::Generator;
@@ -121,9 +121,9 @@ const MOST_THREADS: usize = 256;
 
 /// Stresses a function; `progress` receives the number of samples run.
 ///
-/// The evaluator runs every sample in `f32` and `f64`; each driver among the backends runs it too,
-/// and its result is compared with that `f64`. A driver that fails runs no further samples, and the
-/// report states why.
+/// The interpreter runs every sample in `f32` and `f64`; each driver among the backends runs it
+/// too, and its result is compared with that `f64`. A driver that fails runs no further samples,
+/// and the report states why.
 ///
 /// # Errors
 /// A shader that does not run; a function that does not exist or cannot be called on its own; a
@@ -201,7 +201,7 @@ pub fn stress(
     drivers.flush();
     // Reported samples are run again one by one, regardless of the time limit.
     let writing = Plan { until: Deadline::default(), ..plan.clone() };
-    Ok(report::report(report::Made {
+    Ok(report::report(report::ReportParts {
         source,
         options,
         request,
@@ -242,7 +242,7 @@ fn worst(
                 generator,
                 plan,
                 start,
-                (height, Whose::Evaluator),
+                (height, ClimbTarget::Interpreter),
                 &mut random,
                 climbs,
             );
@@ -287,7 +287,7 @@ fn worst_on_drivers(
     for driver in 0..climbs.drivers.len() {
         for why in [verdict::Why::Ulp, verdict::Why::Steps] {
             for (start, from) in climbs.drivers.starts(driver, why) {
-                let up = (height(why), Whose::Driver(driver, from));
+                let up = (height(why), ClimbTarget::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
             }
         }

@@ -13,7 +13,7 @@ use super::quantity::{Kind, MaterialPart, Quantity};
 use super::{BindError, BindingMap, Source};
 use crate::Upload;
 use crate::scene::{Lights, Material, Surface};
-use given::{Given, Number, chosen, surface};
+use given::{Number, ValueSources, chosen, surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
 use write::{Write, slots, write};
@@ -157,7 +157,7 @@ impl BlockWriter {
         let all: Vec<u32> = (0..lit.point.len().max(1) as u32).collect();
         let one = [[0, lit.point.len() as u32]];
         let whole = Tiles { size: u32::MAX, columns: 1, tiles: &one, indices: &all };
-        let given = Given { upload, lit, material, tiles: tiles.unwrap_or(&whole) };
+        let given = ValueSources { upload, lit, material, tiles: tiles.unwrap_or(&whole) };
         let mut blocks = self.sized(&given);
         for write in &self.writes {
             let bytes = &mut blocks[write.block];
@@ -176,7 +176,7 @@ impl BlockWriter {
     }
 
     /// Returns zeros for each block, with runtime-sized arrays as long as their contents.
-    fn sized(&self, given: &Given<'_>) -> Vec<Vec<u8>> {
+    fn sized(&self, given: &ValueSources<'_>) -> Vec<Vec<u8>> {
         let each = self.blocks.iter().enumerate().map(|(number, zeros)| {
             if !zeros.is_empty() {
                 return zeros.clone();
@@ -192,7 +192,7 @@ impl BlockWriter {
         each.collect()
     }
 
-    fn number(&self, source: &Source, index: usize, given: &Given<'_>) -> Number {
+    fn number(&self, source: &Source, index: usize, given: &ValueSources<'_>) -> Number {
         match source {
             Source::Unknown => Number::one(0.0),
             Source::Number(numbers) => {

@@ -33,8 +33,8 @@ impl Costs {
         call: 1024,
     };
 
-    /// This crate's evaluator, which interprets the shader on all cores.
-    pub const EVALUATOR: Costs =
+    /// This crate's interpreter, which interprets the shader on all cores.
+    pub const INTERPRETER: Costs =
         Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
 
     /// A driver, where every draw is a job of its own.

@@ -111,7 +111,7 @@ pub const PARTS: &[(&str, &str)] = &[
     ),
     ("cut=VALUE", "cut off each light where it contributes VALUE, such as 5/256; measured"),
     ("below=VALUE", "drop each light that contributes less than VALUE in a region; measured"),
-    ("always", "divide even where that costs more than it saves"),
+    ("always", "apply `tiles` or `clusters` even where they cost more than they save"),
 ];
 
 /// Parses the value of `--skip`: parts separated by commas.
@@ -130,9 +130,11 @@ pub fn parse(text: &str) -> Result<Options, String> {
         options.division = Division::Tiles { size: 8 };
     }
     if options.interpolate.is_some() && options.division != Division::Whole {
-        return Err("`interpolate` divides the frame by itself: remove `tiles`, `clusters`, \
+        return Err(
+            "`interpolate` has its own division of the frame: remove `tiles`, `clusters`, \
                     `budget`, `cut` and `below`"
-            .to_string());
+                .to_string(),
+        );
     }
     Ok(options)
 }

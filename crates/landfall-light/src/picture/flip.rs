@@ -47,7 +47,7 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
             return Err(PictureError::WrongCount { wanted, given });
         }
     }
-    let [a, b] = [reference, test].map(|codes| seen(codes, per_degree));
+    let [a, b] = [reference, test].map(|codes| perceived(codes, per_degree));
     let redistribute = color::Redistribution::new();
     let errors = (0..wanted)
         .map(|i| {
@@ -62,14 +62,14 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
 }
 
 /// The perceived values of one picture.
-struct Seen {
+struct PerceivedImage {
     /// L*, a*, b* after blurring, a* and b* adjusted for lightness (Hunt).
     lab: Vec<[f32; 3]>,
     /// The strength of edges and points.
     features: Vec<[f32; 2]>,
 }
 
-fn seen(codes: &Codes, per_degree: f64) -> Seen {
+fn perceived(codes: &Codes, per_degree: f64) -> PerceivedImage {
     let (width, height) = (codes.width as usize, codes.height as usize);
     let opponent = color::opponent(&codes.pixels);
     let plane =
@@ -84,5 +84,5 @@ fn seen(codes: &Codes, per_degree: f64) -> Seen {
     let lab = (0..codes.pixels.len())
         .map(|i| color::adjusted([0, 1, 2].map(|c| f64::from(blurred[c][i]))).map(|v| v as f32))
         .collect();
-    Seen { lab, features }
+    PerceivedImage { lab, features }
 }

@@ -51,7 +51,9 @@ pub fn read(bytes: &[u8]) -> Result<Picture, PictureError> {
     };
     let scale = word().and_then(|word| word.parse::<f32>().ok());
     let Some(scale) = scale.filter(|scale| scale.is_finite() && *scale != 0.0) else {
-        return Err(broken("its third number, whose sign is the order of bytes, is not one"));
+        return Err(broken(
+            "its third value, the scale whose sign gives the byte order, is not a number",
+        ));
     };
     let wanted = size(width, height)? * channels * 4;
     if rest.len() != wanted {

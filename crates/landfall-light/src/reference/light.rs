@@ -70,7 +70,7 @@ pub struct Shaded {
 
 /// A fragment with everything that does not depend on a light.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct FragmentContext<'a> {
     model: &'a Model,
     upload: &'a Upload,
     texels: Texels,
@@ -115,7 +115,7 @@ pub fn see<'a>(
     upload: &'a Upload,
     fragment: &Fragment,
     texels: &Texels,
-) -> Result<Seen<'a>, Undef> {
+) -> Result<FragmentContext<'a>, Undef> {
     let material = upload.materials.get(fragment.material as usize);
     let material = material.expect("a fragment's material is one of the upload's");
     let position = wide(fragment.position);
@@ -127,7 +127,7 @@ pub fn see<'a>(
         Normal::Unit => 0.0,
         Normal::AsInterpolated => squared_less_one(given),
     };
-    Ok(Seen {
+    Ok(FragmentContext {
         model,
         upload,
         texels: *texels,
@@ -144,7 +144,7 @@ pub fn see<'a>(
     })
 }
 
-impl Seen<'_> {
+impl FragmentContext<'_> {
     /// Returns the light of the fragment.
     ///
     /// # Errors

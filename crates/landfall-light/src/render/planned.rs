@@ -13,7 +13,7 @@ use landfall_exec::backend::Backend;
 
 /// Fragments of one material lit by the same lights, prepared for repeated runs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lot {
+pub struct FragmentGroup {
     /// The indices of the fragments in the frame.
     pub fragments: Vec<u32>,
     /// The bindings.
@@ -24,9 +24,9 @@ pub struct Lot {
     pub walked: u64,
 }
 
-impl Lot {
+impl FragmentGroup {
     /// Returns every `stride`-th of its fragments from `first` on.
-    pub fn every(&self, first: usize, stride: usize) -> Lot {
+    pub fn every(&self, first: usize, stride: usize) -> FragmentGroup {
         let fragments: Vec<u32> =
             self.fragments.iter().copied().skip(first).step_by(stride.max(1)).collect();
         let some = |values: &Vec<[f32; 4]>| {
@@ -35,7 +35,7 @@ impl Lot {
         let inputs = self.prepared.inputs.iter().map(some).collect();
         let count = fragments.len();
         let prepared = Prepared { inputs, count, ..self.prepared.clone() };
-        Lot { fragments, prepared, ..self.clone() }
+        FragmentGroup { fragments, prepared, ..self.clone() }
     }
 }
 
@@ -44,7 +44,11 @@ impl Renderer {
     ///
     /// # Errors
     /// More lights than slots.
-    pub fn lots(&self, work: &Work<'_>, draw: &Draw<'_>) -> Result<Vec<Lot>, RenderError> {
+    pub fn lots(
+        &self,
+        work: &Work<'_>,
+        draw: &Draw<'_>,
+    ) -> Result<Vec<FragmentGroup>, RenderError> {
         let all = &work.frame.fragments;
         let mut numbers = draw.fragments.to_vec();
         // A stable sort keeps the caller's order within a material.
@@ -55,7 +59,7 @@ impl Renderer {
             let found: Vec<&Fragment> = fragments.iter().map(|n| &all[*n as usize]).collect();
             let prepared = self.prepare(work, &found, draw)?;
             let walked = slots.iter().map(|(_, slots)| slots).sum();
-            Ok(Lot { fragments: fragments.to_vec(), prepared, slots, walked })
+            Ok(FragmentGroup { fragments: fragments.to_vec(), prepared, slots, walked })
         });
         each.collect()
     }
@@ -64,7 +68,11 @@ impl Renderer {
     ///
     /// # Errors
     /// More lights than slots.
-    pub fn lots_of_plan(&self, work: &Work<'_>, plan: &Plan) -> Result<Vec<Lot>, RenderError> {
+    pub fn lots_of_plan(
+        &self,
+        work: &Work<'_>,
+        plan: &Plan,
+    ) -> Result<Vec<FragmentGroup>, RenderError> {
         if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
             let mut lots = self.listed(work, plan, lists, |draw| self.lots(work, draw))?;
             let mut listed = vec![0u64; work.frame.fragments.len()];

@@ -1,4 +1,4 @@
-//! Sums of the evaluator's notes over all jobs of a picture.
+//! Sums of the interpreter's notes over all jobs of a picture.
 
 use landfall_exec::interp::{Counts, Notes, Undefined};
 
@@ -7,7 +7,7 @@ use landfall_exec::interp::{Counts, Notes, Undefined};
 pub struct Tally {
     /// The operations.
     pub counts: Counts,
-    /// The operations without a defined value, if the evaluator watched for them.
+    /// The operations without a defined value, if the interpreter watched for them.
     pub undefined: Vec<Undefined>,
 }
 

@@ -55,7 +55,7 @@ impl Reading {
     }
 }
 
-/// Reads a scene from a file; paths in it are relative to its folder.
+/// Reads a scene from a file; paths in it are relative to its directory.
 ///
 /// # Errors
 /// The file cannot be read or is not UTF-8. Errors inside it are among the diagnostics.

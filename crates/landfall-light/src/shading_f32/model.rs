@@ -97,10 +97,12 @@ impl Model {
             Reflectance, SpecularGate, Window,
         };
         if model.normal == Normal::AsInterpolated {
-            return Err("a highlight mirrored at a normal as interpolated has no upper bound");
+            return Err(
+                "a highlight mirrored at a normal that is not normalised has no upper bound",
+            );
         }
         if model.highlight == Highlight::Blinn {
-            return Err("highlights of half vectors are not compiled");
+            return Err("the compiled kernels have no Blinn-Phong highlights");
         }
         let single = match model.array_specular {
             ArraySpecular::Fixed => Terms::Single,
@@ -110,7 +112,9 @@ impl Model {
             Family::Multi => (Terms::Three, false),
             Family::Array => (single, false),
             Family::ViewSpace => (Terms::Single, true),
-            Family::Casters => return Err("a single caster has nothing to skip"),
+            Family::Casters => {
+                return Err("the model `casters` has one light, which cannot be skipped");
+            }
         };
         Ok(Model {
             windowed: model.window == Window::Quartic,

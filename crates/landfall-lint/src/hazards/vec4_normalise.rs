@@ -13,7 +13,7 @@ pub(crate) const LINT: Lint = Lint {
           minus the dot product of normal and translation. Normalised with it, the three others \
           come out too short, by another factor at each vertex, and the interpolated normal bends: \
           by 3 degrees for a camera 2 away, by 14 at 100. Normalising again in the fragment shader \
-          does not mend it.",
+          does not correct it.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; };

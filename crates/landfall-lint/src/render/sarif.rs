@@ -81,7 +81,7 @@ fn rule(lint: &Lint) -> Value {
     json!({
         "id": lint.code,
         "shortDescription": plain(lint.what),
-        "fullDescription": plain(format!("{} {}", lint.what, lint.why).trim()),
+        "fullDescription": plain(format!("{}. {}", lint.what, lint.why).trim()),
         "help": {
             "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
             "markdown": format!("{}\n\n{}\n\n```\n{example}\n```", lint.why, lint.fix),

@@ -123,7 +123,7 @@ impl Reader<'_> {
                 place.line, place.column
             ),
         )
-        .with_help("mend it, or leave it out of the mirrors that are checked")
+        .with_help("correct it, or leave it out of the mirrors that are checked")
     }
 
     /// The items of a file or module.

@@ -75,7 +75,7 @@ pub struct StressArgs {
     /// Vertical input of --map
     #[arg(help_heading = "Maps", long, value_name = "PATH", requires = "map")]
     pub map_y: Option<String>,
-    /// Backends that also run every sample in f32 and are compared with the evaluator's f64: gl,
+    /// Backends that also run every sample in f32 and are compared with the interpreter's f64: gl,
     /// gpu; --max-ulp and --max-step apply to them too
     #[arg(
         help_heading = "Backends",

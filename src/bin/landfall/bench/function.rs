@@ -26,14 +26,14 @@ const FIRST: &str = "as it is";
 
 /// A parsed variant `FILE#NAME:half`, of which any part may be missing.
 #[derive(Debug, PartialEq)]
-struct What {
+struct VariantSpec {
     file: PathBuf,
     function: String,
     floats: Floats,
 }
 
 /// A compiled variant.
-struct Made {
+struct CompiledVariant {
     name: String,
     floats: Floats,
     source: Source,
@@ -43,17 +43,17 @@ struct Made {
     rounded: Option<PureFunction>,
 }
 
-impl Made {
+impl CompiledVariant {
     fn pure(&self) -> &PureFunction {
         self.rounded.as_ref().unwrap_or(&self.exact)
     }
 }
 
 /// A variant with the data that is independent of backends.
-struct Known<'a> {
-    made: &'a Made,
+struct PreparedVariant<'a> {
+    made: &'a CompiledVariant,
     variant: Variant<'a>,
-    /// Errors and work on the evaluator, or the reason for its failure.
+    /// Errors and work on the interpreter, or the reason for its failure.
     evaluated: Result<(Errors, Work), String>,
     permitted: Option<Permitted>,
 }
@@ -107,7 +107,7 @@ pub fn bench(
         let variant = Variant::new(&calls, &first.exact, one.pure());
         let variant =
             variant.map_err(|reason| wrong(&one.name, format!("does not fit: {reason}")))?;
-        variants.push(Known {
+        variants.push(PreparedVariant {
             made: one,
             evaluated: variant.judged(),
             permitted: variant.permitted(one.floats),
@@ -117,7 +117,7 @@ pub fn bench(
     let mut entries = Entries::default();
     for backend in backends::requested(&args.backend) {
         match backend {
-            BackendName::Cpu => on_evaluator(&variants, &mut entries),
+            BackendName::Cpu => on_interpreter(&variants, &mut entries),
             BackendName::Gl | BackendName::Gpu => on_driver(args, backend, &variants, &mut entries),
         }
     }
@@ -136,31 +136,31 @@ pub fn bench(
 }
 
 /// The variants by name; the first one is the function itself.
-fn variants(args: &BenchArgs, name: &str) -> Vec<(String, What)> {
+fn variants(args: &BenchArgs, name: &str) -> Vec<(String, VariantSpec)> {
     let one = |text: &str| what(text, args, name);
     let first = (FIRST.to_string(), one(""));
     let others = args.variants.iter().map(|(name, text)| (name.clone(), one(text)));
     std::iter::once(first).chain(others).collect()
 }
 
-fn what(text: &str, args: &BenchArgs, name: &str) -> What {
+fn what(text: &str, args: &BenchArgs, name: &str) -> VariantSpec {
     let (text, floats) = rounded(text);
     let (file, function) = match text.split_once('#') {
         Some((file, function)) => (file, function),
         None => (text, name),
     };
     let file = if file.is_empty() { args.subject.clone() } else { PathBuf::from(file) };
-    What { file, function: function.to_string(), floats }
+    VariantSpec { file, function: function.to_string(), floats }
 }
 
 fn make(
     name: String,
-    what: What,
+    what: VariantSpec,
     source: Source,
     options: &Options,
     request: &PureRequest,
-) -> Result<Made, Box<Refusal>> {
-    let What { function, floats, .. } = what;
+) -> Result<CompiledVariant, Box<Refusal>> {
+    let VariantSpec { function, floats, .. } = what;
     let request = PureRequest { function, ..request.clone() };
     let exact = PureFunction::new(&source, options, &request)?;
     let rounded = match floats {
@@ -169,7 +169,7 @@ fn make(
             Some(PureFunction::new(&source, options, &PureRequest { floats, ..request })?)
         }
     };
-    Ok(Made { name, floats, source, exact, rounded })
+    Ok(CompiledVariant { name, floats, source, exact, rounded })
 }
 
 fn refused(
@@ -182,7 +182,7 @@ fn refused(
 }
 
 /// Notes the assumed inputs, without duplicates.
-fn notes(made: &[Made], streams: &Streams) {
+fn notes(made: &[CompiledVariant], streams: &Streams) {
     let mut printed: Vec<&String> = Vec::new();
     for note in made.iter().flat_map(|one| &one.exact.notes) {
         if !printed.contains(&note) {
@@ -196,12 +196,12 @@ fn notes(made: &[Made], streams: &Streams) {
 fn on_driver<'a>(
     args: &BenchArgs,
     name: BackendName,
-    variants: &'a [Known<'a>],
+    variants: &'a [PreparedVariant<'a>],
     entries: &mut Entries<'a>,
 ) {
     let Some(shared) = entries.open(args, name, "every function") else { return };
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
-    for Known { made, variant, evaluated, permitted } in variants {
+    for PreparedVariant { made, variant, evaluated, permitted } in variants {
         if made.floats != Floats::AsWritten {
             entries.fail(&made.name, name.name(), NO_HALF);
             continue;
@@ -216,7 +216,7 @@ fn on_driver<'a>(
                 workload: Box::new(driven),
                 errors,
                 permitted: *permitted,
-                // Counted on the evaluator for every backend.
+                // Counted on the interpreter for every backend.
                 work: evaluated.as_ref().map(|(_, work)| *work).unwrap_or_default(),
             }),
             Err(reason) => entries.fail(&made.name, name.name(), reason),
@@ -224,10 +224,10 @@ fn on_driver<'a>(
     }
 }
 
-/// Adds the variants on the evaluator.
-fn on_evaluator<'a>(variants: &'a [Known<'a>], entries: &mut Entries<'a>) {
+/// Adds the variants on the interpreter.
+fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries<'a>) {
     let runner = Runner::of(Cpu::default().device(), Clock::Processor);
-    for Known { made, variant, evaluated, permitted } in variants {
+    for PreparedVariant { made, variant, evaluated, permitted } in variants {
         match evaluated {
             Ok((errors, work)) => entries.measured.push(Entry {
                 variant: made.name.clone(),

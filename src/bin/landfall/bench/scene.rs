@@ -29,7 +29,7 @@ use crate::render::request::{RenderRequest, Wanted, load, model, model_json};
 use crate::{backends, read, write};
 
 /// The kind of a variant.
-enum What {
+enum VariantKind {
     /// A shader file or the scene's shader, its precision, and a plan.
     Shader(Option<PathBuf>, Floats, Option<culling::Options>),
     /// A compiled kernel, with the specular threshold.
@@ -74,7 +74,7 @@ pub fn bench(
         let json = own_model.map(|(_, text)| model_json("--model-of", text)).transpose()?;
         models.push(json.map(|json| model("--model-of", json)).transpose()?);
         renderers.push(match what {
-            What::Shader(file, ..) => {
+            VariantKind::Shader(file, ..) => {
                 let request = match file {
                     Some(file) => &own.with_shader(sources.read(file, &args.read)?),
                     None => &own,
@@ -92,14 +92,14 @@ pub fn bench(
                     }
                 }
             }
-            What::Rust(..) | What::Plan(_) => None,
+            VariantKind::Rust(..) | VariantKind::Plan(_) => None,
         });
     }
     let likely = || renderers.iter().flatten().next().map(|renderer| truth::likely(&renderer.map));
     let model: Model = own.model.or_else(likely).unwrap_or_default();
     let plans = variants.iter().any(|(_, what)| match what {
-        What::Plan(_) | What::Shader(_, _, Some(_)) => true,
-        What::Rust(..) | What::Shader(_, _, None) => false,
+        VariantKind::Plan(_) | VariantKind::Shader(_, _, Some(_)) => true,
+        VariantKind::Rust(..) | VariantKind::Shader(_, _, None) => false,
     });
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
@@ -128,8 +128,10 @@ pub fn bench(
     let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
         let renderer = r.as_ref()?;
         Some(match what {
-            What::Shader(_, _, Some(plan)) => Uploaded::by_plan(stage, renderer, args.limit, plan),
-            What::Shader(_, _, None) | What::Rust(..) | What::Plan(_) => {
+            VariantKind::Shader(_, _, Some(plan)) => {
+                Uploaded::by_plan(stage, renderer, args.limit, plan)
+            }
+            VariantKind::Shader(_, _, None) | VariantKind::Rust(..) | VariantKind::Plan(_) => {
                 Uploaded::new(stage, renderer, args.limit)
             }
         })
@@ -140,11 +142,11 @@ pub fn bench(
 }
 
 /// The given variants, or by default the scene's shader and the compiled kernels.
-fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>, Failure> {
-    let rust = |gates, least| What::Rust(Form::Robust(gates), least);
+fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, VariantKind)>, Failure> {
+    let rust = |gates, least| VariantKind::Rust(Form::Robust(gates), least);
     if args.variants.is_empty() {
         let mut all = vec![
-            ("seed".to_string(), What::Rust(Form::Seed, 0.0)),
+            ("seed".to_string(), VariantKind::Rust(Form::Seed, 0.0)),
             ("robust".to_string(), rust(Gates::NONE, 0.0)),
             ("robust, exact gates".to_string(), rust(Gates::ALL, 0.0)),
             ("robust, powers from 2^-24".to_string(), rust(Gates::ALL, 2f64.powi(-24))),
@@ -152,7 +154,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>
             ("robust, powers from 1/8 step".to_string(), rust(Gates::ALL, 1.0 / 8.0 / 255.0)),
         ];
         if let Some(shader) = &own.shader {
-            all.push((shader.path.clone(), What::Shader(None, Floats::AsWritten, None)));
+            all.push((shader.path.clone(), VariantKind::Shader(None, Floats::AsWritten, None)));
         }
         return Ok(all);
     }
@@ -161,7 +163,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>
             culling::parse(options).map_err(|error| wrong(name, format!("is not a plan: {error}")))
         };
         let what = match what.split_once(':') {
-            Some(("rust", "seed")) => What::Rust(Form::Seed, 0.0),
+            Some(("rust", "seed")) => VariantKind::Rust(Form::Seed, 0.0),
             Some(("rust", "ungated")) => rust(Gates::NONE, 0.0),
             Some(("rust", "robust")) => rust(Gates::ALL, 0.0),
             Some(("rust", form)) => {
@@ -173,7 +175,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>
                 })?;
                 rust(Gates::ALL, least)
             }
-            Some(("plan", options)) => What::Plan(plan(options)?),
+            Some(("plan", options)) => VariantKind::Plan(plan(options)?),
             _ => {
                 let (what, floats) = rounded(what);
                 let (file, plan) = match what.split_once("+plan:") {
@@ -182,7 +184,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>
                 };
                 // The scene's shader, rounded.
                 let file = (!file.is_empty()).then(|| PathBuf::from(file));
-                What::Shader(file, floats, plan)
+                VariantKind::Shader(file, floats, plan)
             }
         };
         Ok((name.clone(), what))
@@ -193,16 +195,16 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, What)>
 /// The entries to measure with their errors, and the failures.
 fn entries<'a>(
     args: &BenchArgs,
-    variants: &'a [(String, What)],
+    variants: &'a [(String, VariantKind)],
     uploaded: &'a [Option<Result<Uploaded<'a>, String>>],
     stages: &[&'a Stage],
 ) -> Entries<'a> {
     let mut entries = Entries::default();
     for ((name, what), stage) in variants.iter().zip(stages) {
         let made = match what {
-            What::Shader(..) => continue,
-            What::Rust(form, least) => Compiled::new(stage, *form, *least),
-            What::Plan(options) => Compiled::new(stage, Form::Robust(Gates::ALL), 0.0)
+            VariantKind::Shader(..) => continue,
+            VariantKind::Rust(form, least) => Compiled::new(stage, *form, *least),
+            VariantKind::Plan(options) => Compiled::new(stage, Form::Robust(Gates::ALL), 0.0)
                 .map(|compiled| compiled.by_plan(options)),
         };
         match made {
@@ -221,7 +223,7 @@ fn entries<'a>(
     }
     let mut lit = Vec::new();
     for ((name, what), uploaded) in variants.iter().zip(uploaded) {
-        let What::Shader(_, floats, _) = what else { continue };
+        let VariantKind::Shader(_, floats, _) = what else { continue };
         match uploaded {
             Some(Ok(uploaded)) => lit.push(Counted {
                 name,

@@ -27,7 +27,7 @@ const BOM: &str = "\u{feff}";
 
 /// The applied fixes.
 #[derive(Default)]
-pub struct Mended {
+pub struct AppliedFixes {
     pub edits: usize,
     pub files: HashSet<String>,
     /// Errors of files that could not be fixed.
@@ -40,8 +40,8 @@ pub fn fix(
     mut pass: Pass,
     remembered: &mut Option<Remembered>,
     streams: &Streams,
-) -> Result<(Pass, Mended), Failure> {
-    let mut mended = Mended::default();
+) -> Result<(Pass, AppliedFixes), Failure> {
+    let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
     for _ in 0..MOST_ROUNDS {
         let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
@@ -54,7 +54,7 @@ pub fn fix(
                 Ok(()) => written.push(file),
                 Err(error) => {
                     refused.insert(file.path.clone());
-                    mended.refused.push(error);
+                    applied.refused.push(error);
                 }
             }
         }
@@ -64,23 +64,28 @@ pub fn fix(
         let failures = pass.failures();
         pass = run.pass(pass.into_known(), &HashMap::new(), false, streams)?;
         if pass.failures() > failures {
-            revert(&written, run, &mut mended, &mut refused);
+            revert(&written, run, &mut applied, &mut refused);
             pass = run.pass(pass.into_known(), &HashMap::new(), false, streams)?;
             continue;
         }
-        mended.edits += written.iter().map(|file| file.edits).sum::<usize>();
-        mended.files.extend(written.iter().map(|file| file.path.clone()));
+        applied.edits += written.iter().map(|file| file.edits).sum::<usize>();
+        applied.files.extend(written.iter().map(|file| file.path.clone()));
     }
-    Ok((pass, mended))
+    Ok((pass, applied))
 }
 
 /// Reverts edits after which a shader no longer parses.
-fn revert(written: &[&Fixed], run: &Run<'_>, mended: &mut Mended, refused: &mut HashSet<String>) {
+fn revert(
+    written: &[&Fixed],
+    run: &Run<'_>,
+    applied: &mut AppliedFixes,
+    refused: &mut HashSet<String>,
+) {
     for file in written {
         let back =
             Fixed { new: file.old.to_string(), old: Arc::from(&*file.new), ..(*file).clone() };
         refused.insert(file.path.clone());
-        mended.refused.push(match write(&back, run) {
+        applied.refused.push(match write(&back, run) {
             Ok(()) => Error::new(&*file.path, "had an error after its fixes, which were reverted")
                 .with_help("please report it with the file"),
             Err(error) => error,
@@ -132,8 +137,8 @@ pub fn patch(files: &[(String, Arc<str>, String)]) -> String {
 }
 
 /// The summary line: `fixed 2 edits in 1 file`.
-pub fn summary(mended: &Mended) -> String {
-    let (edits, files) = (counted(mended.edits, "edit"), counted(mended.files.len(), "file"));
+pub fn summary(applied: &AppliedFixes) -> String {
+    let (edits, files) = (counted(applied.edits, "edit"), counted(applied.files.len(), "file"));
     format!("fixed {edits} in {files}\n")
 }
 

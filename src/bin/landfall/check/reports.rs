@@ -175,10 +175,10 @@ fn summary(result: &Result<'_>) -> String {
     if parts.is_empty() {
         parts.push("nothing to report".to_string());
     }
-    let mendable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+    let fixable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
     let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));
-    if mendable > 0 {
-        let _ = write!(text, "; {mendable} fixable with --fix");
+    if fixable > 0 {
+        let _ = write!(text, "; {fixable} fixable with --fix");
     }
     text.push('\n');
     text

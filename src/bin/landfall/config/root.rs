@@ -85,7 +85,7 @@ pub fn absolute(current: &Path, path: &Path) -> PathBuf {
     real
 }
 
-/// The way from one folder to another, both from the root of the file system.
+/// The way from one directory to another, both from the root of the file system.
 pub fn way(from: &Path, to: &Path) -> PathBuf {
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     if common == 0 {

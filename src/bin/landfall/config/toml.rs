@@ -255,7 +255,7 @@ impl<'d> Keys<'d> {
         match parse(&text.value) {
             Ok(value) => Some(value),
             Err(cause) => {
-                let message = format!("`{}` is not understood", text.value);
+                let message = format!("`{}` cannot be parsed", text.value);
                 self.add(Diagnostic::error(code, text.span, message).with_help(cause));
                 None
             }

@@ -10,7 +10,7 @@ use landfall_light::picture::difference::{amplification, difference, flip_pictur
 use landfall_light::picture::{Picture, file};
 use landfall_light::reference::Model;
 
-use super::{Made, Stop, transfer};
+use super::{PreparedScene, Stop, transfer};
 use crate::args::{BackendName, RenderArgs};
 use crate::output::Streams;
 use crate::read;
@@ -29,7 +29,7 @@ pub fn needs_shader(what: &[String]) -> bool {
 }
 
 pub fn compare(
-    made: &Made<'_>,
+    made: &PreparedScene<'_>,
     what: &str,
     picture: &Picture,
     args: &RenderArgs,

@@ -10,7 +10,7 @@ use landfall_light::render::{Renderer, Work};
 use landfall_light::shading_f32::Model;
 
 use super::request::RenderRequest;
-use super::{Made, Stop};
+use super::{PreparedScene, Stop};
 use crate::args::{BackendName, RenderArgs};
 
 /// A plan, and the shader compiled for it.
@@ -45,14 +45,14 @@ pub fn broken(checked: &Measured, model: Option<&(reference::Model, bool)>) -> S
 pub fn plan(
     args: &RenderArgs,
     request: &RenderRequest,
-    made: &Made<'_>,
+    made: &PreparedScene<'_>,
 ) -> Result<Option<Planned>, Stop> {
     let (Some(parts), Some(whole)) = (&args.skip, &made.renderer) else { return Ok(None) };
     let mut options = culling::parse(parts).map_err(|why| {
         Error::new("--skip", why).with_help("`landfall render SCENE.json --skip help` lists them")
     })?;
     options.costs = match args.backend {
-        BackendName::Cpu => Costs::EVALUATOR,
+        BackendName::Cpu => Costs::INTERPRETER,
         BackendName::Gl | BackendName::Gpu => Costs::DRIVER,
     };
     if whole.asks_for_tiles() {
@@ -64,7 +64,7 @@ pub fn plan(
     })?;
     let model = Model::of(model)
         .map_err(|why| Error::new("--skip", format!("cannot plan for this model: {why}")))?;
-    let Made { upload, frame, scene, limit, .. } = made;
+    let PreparedScene { upload, frame, scene, limit, .. } = made;
     let work = Work { upload, frame, background: scene.background, limit: *limit };
     let mut plan = whole.plan(&work, &model, &options);
     let mut renderer = whole.clone();

@@ -117,7 +117,7 @@ impl<'c> Bound<'c> {
                     {
                         let names = format!("`{}` and `{}`", other.name, block.name);
                         let message =
-                            format!("{names} are both at binding {} in the text", block.binding);
+                            format!("{names} are both at binding {} in the source", block.binding);
                         return Err(Failure::refused(message, ""));
                     }
                     block.binding

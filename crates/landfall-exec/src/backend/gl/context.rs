@@ -1,6 +1,6 @@
 //! An OpenGL context without a window: EGL loaded at run time, without X or `DISPLAY`.
 //!
-//! The other files of this folder use its current context, entry points and limits.
+//! The other files of this directory use its current context, entry points and limits.
 
 #![allow(unsafe_code, reason = "every call into EGL and OpenGL is unsafe")]
 
@@ -92,7 +92,7 @@ impl Display {
             other => {
                 let other = match other {
                     Some(Err(cause)) => cause.to_string(),
-                    Some(Ok(_)) | None => "there is none".to_string(),
+                    Some(Ok(_)) | None => "no default display".to_string(),
                 };
                 Err(Failure::missing(
                     format!("no OpenGL driver: EGL cannot open a display; {INSTALL}"),

@@ -41,7 +41,7 @@ fn one(context: &Context, uniform: &ActiveUniform, words: &[u32]) -> Result<(), 
         true => Ok(()),
         false => {
             let (name, ty) = (&uniform.name, word(uniform.ty));
-            let message = format!("`{name}` is a `{ty}`, but {count} words were given");
+            let message = format!("`{name}` is a `{ty}`, but {count} 32-bit values were given");
             Err(Failure::refused(message, ""))
         }
     };

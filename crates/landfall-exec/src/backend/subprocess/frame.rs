@@ -92,7 +92,7 @@ fn length(from: &mut impl Read) -> io::Result<u64> {
 fn bytes(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     from.take(length).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 == length { Ok(bytes) } else { Err(invalid("a message broke off")) }
+    if bytes.len() as u64 == length { Ok(bytes) } else { Err(invalid("a message is cut off")) }
 }
 
 pub(super) fn invalid(what: &str) -> io::Error {

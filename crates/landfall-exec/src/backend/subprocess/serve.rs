@@ -155,7 +155,7 @@ impl Server<'_> {
         match self.driver.as_mut() {
             Some(Driver::Gl(gl)) => gl.reflect(sources).map(Reply::Reflected),
             #[cfg(feature = "gpu")]
-            Some(Driver::Gpu(_)) => Err(Failure::refused("only OpenGL says what is active", "")),
+            Some(Driver::Gpu(_)) => Err(Failure::refused("only OpenGL lists active uniforms", "")),
             None => Err(Failure::died("the driver was not opened", "")),
         }
     }

@@ -29,7 +29,7 @@ pub(super) fn lacking(ir: &naga::Module, has: Features) -> Option<Failure> {
     };
     let (_, _, _, what) = used.filter_map(row).next()?;
     let message = format!("the shader uses {what}, which this adapter does not support");
-    Some(Failure::refused(message, "the evaluator supports them: `--backend cpu`"))
+    Some(Failure::refused(message, "the interpreter supports them: `--backend cpu`"))
 }
 
 /// Returns the scalar type of an expression that states it.

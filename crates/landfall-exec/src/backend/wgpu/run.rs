@@ -50,7 +50,10 @@ pub(super) fn run(
             Err(PollError::Timeout) if begun.elapsed() < job.limit => {}
             Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
             Err(cause @ PollError::WrongSubmissionIndex(..)) => {
-                return Err(Failure::died("the device lost track of the job", cause.to_string()));
+                return Err(Failure::died(
+                    "wgpu does not know the submission of the job",
+                    cause.to_string(),
+                ));
             }
         }
     }

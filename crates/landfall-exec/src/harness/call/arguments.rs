@@ -56,14 +56,20 @@ pub(super) fn words(
         }
         ValueType::Struct { members, .. } => {
             let Value::Object(map) = value else {
-                return Err(wrong(ty, "an object of its members", value, at, language));
+                return Err(wrong(
+                    ty,
+                    "an object with a value for each member",
+                    value,
+                    at,
+                    language,
+                ));
             };
             for (name, ty) in members {
                 let Some(value) = map.get(name) else {
                     return Err(Misfit {
                         code: Code::MissingMember,
                         message: format!("`{at}.{name}` is not given"),
-                        help: Some(format!("it is a `{}`", spelled(ty, language))),
+                        help: Some(format!("add a value of type `{}`", spelled(ty, language))),
                     });
                 };
                 words(ty, value, &format!("{at}.{name}"), language, to)?;
@@ -122,7 +128,11 @@ fn list<'v>(
 fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Language) -> Misfit {
     Misfit {
         code: Code::WrongValue,
-        message: format!("`{at}`: `{}` wants {wanted}, not {}", spelled(ty, language), kind(value)),
+        message: format!(
+            "`{at}`: expected {wanted} for a `{}`, found {}",
+            spelled(ty, language),
+            kind(value)
+        ),
         help: None,
     }
 }
@@ -142,7 +152,7 @@ fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u
     })
 }
 
-/// Returns the format of a scalar's word: the evaluator holds every small float as an `f32`.
+/// Returns the format of a scalar's word: the interpreter holds every small float as an `f32`.
 pub(super) fn held_as(scalar: Scalar) -> Scalar {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => Scalar::F64,
@@ -252,12 +262,15 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_said_with_its_place() {
         for (json, message) in [
-            (r#"{"color": [1, 2, "x"], "on": true}"#, "`args[1].color[2]`: `float` wants a number"),
+            (r#"{"color": [1, 2, "x"], "on": true}"#, "`args[1].color[2]`: expected a number"),
             (r#"{"color": [1, 2, 1e39], "on": true}"#, "`args[1].color[2]`: 1e+39 does not fit"),
-            (r#"{"color": [1, 2], "on": true}"#, "`args[1].color`: `vec3` wants an array of 3"),
+            (r#"{"color": [1, 2], "on": true}"#, "`args[1].color`: expected an array of 3"),
             (r#"{"color": [1, 2, 3]}"#, "`args[1].on` is not given"),
             (r#"{"color": [1, 2, 3], "on": 1, "off": 2}"#, "`args[1].off`: `Light` has no member"),
-            ("7", "`args[1]`: `Light` wants an object of its members, not 7"),
+            (
+                "7",
+                "`args[1]`: expected an object with a value for each member for a `Light`, found 7",
+            ),
         ] {
             let found = read(json).expect_err(json);
             assert!(found.starts_with(message), "{found}");

@@ -1,7 +1,7 @@
 //! A module with an added function that calls another as its entry point would: it sets inputs,
 //! initialises global variables, and calls.
 //!
-//! The evaluator runs it for [`call`](super::call()), and drivers run the form that
+//! The interpreter runs it for [`call`](super::call()), and drivers run the form that
 //! [`kernel`](super::kernel) gives it.
 
 use naga::{

@@ -1,6 +1,6 @@
 //! Runs a call on a driver: the function in the form of [`kernel`](super::kernel), over one lane.
 //!
-//! The evaluator needs no such form.
+//! The interpreter needs no such form.
 
 use super::Request;
 use super::arguments::words;

@@ -53,7 +53,7 @@ pub(super) fn find<'m>(
         (_, _) => Err(Misfit {
             code: Code::AmbiguousFunction,
             message: format!("{} functions `{name}` take these arguments", found.len()),
-            help: Some(format!("name one with its types: {}", all_of(&named))),
+            help: Some(format!("select one by its parameter types: {}", all_of(&named))),
         }),
     }
 }
@@ -68,7 +68,7 @@ fn taken<'m>(
     let cannot = |message: String| Misfit { code: Code::CannotCall, message, help: None };
     let signature = program.signature(info.handle.index()).map_err(|what| {
         let shown = shown(info);
-        cannot(format!("`{shown}` cannot be called: the evaluator does not support {what}"))
+        cannot(format!("`{shown}` cannot be called: the interpreter does not support {what}"))
     })?;
     let Some(signature) = signature else {
         let (shown, which) = (shown(info), opaque(info));
@@ -100,7 +100,7 @@ fn taken<'m>(
                     given => format!("{given} were"),
                 }
             ),
-            help: Some(format!("it is `{}`", declared(info))),
+            help: Some(format!("it is declared as `{}`", declared(info))),
         });
     }
     let mut arguments = Vec::with_capacity(all);
@@ -139,7 +139,7 @@ pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Mi
         (_, several) => Err(Misfit {
             code: Code::AmbiguousFunction,
             message: format!("{several} functions are named `{name}`"),
-            help: Some(format!("name one with its types: {}", all_of(&named))),
+            help: Some(format!("select one by its parameter types: {}", all_of(&named))),
         }),
     }
 }
@@ -211,8 +211,8 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
     let all: Vec<String> =
         module.functions().iter().filter(|f| f.name != "main").map(shown).collect();
     let list = match all.is_empty() {
-        true => "it has none that can be called".to_string(),
-        false => format!("it has `{}`", all.join("`, `")),
+        true => "it has no functions but `main`".to_string(),
+        false => format!("its functions are `{}`", all.join("`, `")),
     };
     Misfit {
         code: Code::UnknownFunction,

@@ -1,9 +1,9 @@
 //! Runs a function on a driver over thousands of lanes a job: words in through one storage buffer,
 //! words out through another.
 //!
-//! Takes a [`PureFunction`]; `module` builds an entry point around its caller for the evaluator and
-//! wgpu, `text` adds a `main` to the user's GLSL for OpenGL. Backends cache compiled code, so that
-//! one [`Kernel`] compiles once. Used by `landfall_light::accuracy::stress` and
+//! Takes a [`PureFunction`]; `module` builds an entry point around its caller for the interpreter
+//! and wgpu, `text` adds a `main` to the user's GLSL for OpenGL. Backends cache compiled code, so
+//! that one [`Kernel`] compiles once. Used by `landfall_light::accuracy::stress` and
 //! [`call`](super::call()).
 
 mod builder;

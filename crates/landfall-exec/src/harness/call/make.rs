@@ -174,7 +174,7 @@ fn signature(
         Ok(Some(signature)) => Ok(signature),
         Ok(None) => Err(Obstacle { what: opaque(info), help: "name the function that calls it" }),
         Err(what) => {
-            Err(Obstacle { what: format!("the evaluator does not support {what}"), help: "" })
+            Err(Obstacle { what: format!("the interpreter does not support {what}"), help: "" })
         }
     }
 }

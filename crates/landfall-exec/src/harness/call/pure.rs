@@ -6,7 +6,7 @@
 
 use serde_json::{Map, Value};
 
-use super::report::Given;
+use super::report::ReturnedValue;
 use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
@@ -228,7 +228,8 @@ impl PureFunction {
         for parameter in &self.parameters {
             let words = &words[next..next + parameter.scalars.len()];
             next += parameter.scalars.len();
-            let value = shortest(Given::new(&parameter.ty, self.language, words, None).json());
+            let value =
+                shortest(ReturnedValue::new(&parameter.ty, self.language, words, None).json());
             match &parameter.origin {
                 Origin::Argument(at) => arguments.push((*at, value)),
                 Origin::Input => inputs.push((parameter.path.clone(), value)),

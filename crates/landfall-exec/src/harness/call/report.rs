@@ -26,12 +26,12 @@ pub struct CallReport {
     /// The device that ran it.
     pub backend: Device,
     /// The returned value; `None` if the function returns nothing.
-    pub result: Option<Given>,
+    pub result: Option<ReturnedValue>,
     /// The value of each `out` and `inout` parameter after the call.
-    pub parameters: Vec<(String, Direction, Given)>,
+    pub parameters: Vec<(String, Direction, ReturnedValue)>,
     /// Whether the call executed a `discard`.
     pub discarded: bool,
-    /// Number of operations on the evaluator; `None` if it did not run.
+    /// Number of operations on the interpreter; `None` if it did not run.
     pub operations: Option<u64>,
     /// Operations without a defined value.
     pub undefined: Vec<Undefined>,
@@ -43,22 +43,22 @@ pub struct CallReport {
 
 /// A returned value.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Given {
+pub struct ReturnedValue {
     /// The type, as its language spells it.
     pub ty: String,
     /// The scalars in order.
-    pub scalars: Vec<GivenScalar>,
+    pub scalars: Vec<ReturnedScalar>,
     shape: ValueType,
 }
 
 /// A returned scalar.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GivenScalar {
+pub struct ReturnedScalar {
     /// The path: `.color.x`; empty for a plain scalar.
     pub path: String,
     /// The backend's value.
     pub value: Datum,
-    /// The evaluator's value in `f64`; `None` unless the type is `f32`.
+    /// The interpreter's value in `f64`; `None` unless the type is `f32`.
     pub double: Option<f64>,
     /// The difference of the two in ULPs of an `f32`; `None` if only one of them is finite or a
     /// number.
@@ -98,13 +98,13 @@ fn plain(number: f64) -> String {
     Datum { scalar: Scalar::F64, bits: number.to_bits() }.to_string()
 }
 
-impl Given {
+impl ReturnedValue {
     pub(super) fn new(
         ty: &ValueType,
         language: Language,
         words: &[u64],
         doubles: Option<&Numbers>,
-    ) -> Given {
+    ) -> ReturnedValue {
         let scalars = ty.scalars();
         let paths = paths(ty);
         let given = scalars.iter().zip(paths).zip(words).enumerate().map(|(at, it)| {
@@ -115,9 +115,9 @@ impl Given {
                 numbers.doubles.get(at).and_then(|lanes| lanes.first()).copied()
             });
             let ulp = double.and_then(|double| ulps(f32::from_bits(*word as u32), double));
-            GivenScalar { path, value, double, ulp }
+            ReturnedScalar { path, value, double, ulp }
         });
-        Given { ty: spelled(ty, language), scalars: given.collect(), shape: ty.clone() }
+        ReturnedValue { ty: spelled(ty, language), scalars: given.collect(), shape: ty.clone() }
     }
 
     /// Returns the value as JSON, in the form of arguments.
@@ -208,7 +208,7 @@ pub struct ScalarObject {
 
 impl GivenObject {
     /// Returns the JSON form of a returned value.
-    pub fn of(given: &Given) -> GivenObject {
+    pub fn of(given: &ReturnedValue) -> GivenObject {
         let scalars = given.scalars.iter().map(|scalar| ScalarObject {
             path: scalar.path.clone(),
             value: scalar.value,

@@ -86,7 +86,7 @@ impl FragmentShader {
         let mut from = 0;
         while from < batch.count {
             let count = most.min(batch.count - from);
-            // The evaluator counts operations, so it gets no padding pixels.
+            // The interpreter counts operations, so it gets no padding pixels.
             let width = if whole { count } else { ROW.min(count) };
             let packed = self.pack(batch, from, count, width);
             jobs.put(self, packed);

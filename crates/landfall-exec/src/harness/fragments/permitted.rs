@@ -1,4 +1,4 @@
-//! The results that any conformant device may give for fragments: the evaluator runs the shader
+//! The results that any conformant device may give for fragments: the interpreter runs the shader
 //! with the error bounds of WGSL and Vulkan.
 //!
 //! Packs as [`batch`](super::batch) does; used by [`bench`](mod@landfall_light::accuracy::bench).
@@ -24,7 +24,7 @@ impl FragmentShader {
     /// Runs the shader over fragments and returns all results that conformant devices may give.
     ///
     /// # Errors
-    /// Fails if the batch does not fit the shader, or the evaluator has no bounds for it, as for
+    /// Fails if the batch does not fit the shader, or the interpreter has no bounds for it, as for
     /// `f16`.
     pub fn permitted(&self, batch: &Batch<'_>) -> Result<Permitted, Failure> {
         self.fits(batch)?;

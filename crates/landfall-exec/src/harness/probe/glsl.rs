@@ -1,7 +1,7 @@
 //! Adds a probe to a GLSL shader: the user's text unchanged, then a `main` with the reads.
 //!
 //! Implements a [`Plan`]; the text goes to the OpenGL driver, and through Landfall's front end to
-//! the evaluator and wgpu.
+//! the interpreter and wgpu.
 
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! Adds a probe to a WGSL shader: the user's text unchanged, then an entry point with the reads.
 //!
 //! Implements a [`Plan`]; the text goes through naga, its offsets replaced by Landfall's, to the
-//! evaluator and wgpu.
+//! interpreter and wgpu.
 
 use std::fmt::Write as _;
 

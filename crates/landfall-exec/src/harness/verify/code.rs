@@ -1,5 +1,5 @@
 //! The code of a probe in the form its backend takes: the user's text for OpenGL, ported if it has
-//! loose uniforms, which have no offsets in OpenGL, and a module for the evaluator and wgpu.
+//! loose uniforms, which have no offsets in OpenGL, and a module for the interpreter and wgpu.
 
 use crate::backend::BackendKind;
 use std::borrow::Cow;
@@ -182,7 +182,7 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
         block.leaves.iter().map(|leaf| (leaf.offset, leaf.strides.clone())).collect()
     };
     let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
-        return Err(failure("the ported text has its uniforms at other offsets".to_string()));
+        return Err(failure("the ported shader has its uniforms at other offsets".to_string()));
     };
     let text = glsl::text(&ported.source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &ported.source, &text)?;
@@ -220,7 +220,8 @@ fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
         .blocks()
         .iter()
         .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name));
-    let results = results.ok_or_else(|| failure("the module lost its results".to_string()))?;
+    let results =
+        results.ok_or_else(|| failure("the module lacks the buffer of results".to_string()))?;
     let results = Bound {
         name: results.layout.name.to_string(),
         group: results.group,

@@ -70,7 +70,7 @@ fn compare(
     let module = Module::new(source, &layout).map_err(|found| found[0].message.clone())?;
     let entry = module.entry_points().into_iter().find(|entry| entry.name == "main");
     let Some(entry) = entry else {
-        return Err("the text has no entry point `main`".to_string());
+        return Err("the shader has no entry point `main`".to_string());
     };
     let vertex = partner(&module, &entry)?;
     let grid = match ExecutableStage::of(entry.stage) {

@@ -206,7 +206,7 @@ impl Verifier<'_> {
         let alone = backend.reflect(&[(stage, &text)], self.options.limit);
         if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
             report.outcome = Outcome::Skipped;
-            report.reason = Some("its compiler rejects the text".to_string());
+            report.reason = Some("its compiler rejects the shader".to_string());
             report.log = log;
         }
     }

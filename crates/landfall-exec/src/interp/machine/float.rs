@@ -4,7 +4,7 @@ use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
 use super::super::real::Real;
 use super::kernel::{dear, map1, map2, map3};
 use super::{Column, Machine, column, take};
-use landfall_layout::buffer::float::odd;
+use landfall_layout::buffer::float::round_to_odd;
 
 /// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
 pub(super) fn pow(x: f64, y: f64) -> f64 {
@@ -34,7 +34,7 @@ pub(super) fn transcendental(f: F1, x: f64) -> f64 {
         F1::Degrees => x * (180.0 / std::f64::consts::PI),
         F1::InverseSqrt => 1.0 / x.sqrt(),
         F1::FrexpFract => frexp(x).0,
-        F1::Quantize => half::f16::from_f32(odd(x)).to_f64(),
+        F1::Quantize => half::f16::from_f32(round_to_odd(x)).to_f64(),
         F1::Neg
         | F1::Abs
         | F1::Sign

@@ -1,5 +1,5 @@
-//! Floats: every operator and function against a formula of the specification, written
-//! here in Rust's `f32` where one operation rounds once, in `f64` where it is dear.
+//! Float operators and functions against formulas of the specification, computed in `f32` where
+//! one operation rounds once, and in `f64` where more are needed.
 
 use super::support::{call, floats, program, words};
 

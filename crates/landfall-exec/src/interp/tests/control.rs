@@ -1,4 +1,4 @@
-//! Control flow: each invocation goes its own way, whoever it runs beside.
+//! Control flow: the path of an invocation does not depend on those that run beside it.
 
 use super::support::{floats, program, words};
 

@@ -1,4 +1,4 @@
-//! Images and points: which pixel gets what.
+//! Images and points: the pixel that each invocation writes.
 
 use std::sync::Arc;
 use std::time::Duration;

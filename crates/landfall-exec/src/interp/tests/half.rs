@@ -1,4 +1,4 @@
-//! Floats rounded to `f16` at every operation, as `half` says they are.
+//! Floats rounded to `f16` at each operation, against the crate `half`.
 
 use half::f16;
 

@@ -1,4 +1,4 @@
-//! Integers and changes of type, against Rust's and the tables of WGSL §8.7 and §17.
+//! Integers and conversions against Rust's and the tables of WGSL §8.7 and §17.
 
 use super::support::{call, program, words};
 

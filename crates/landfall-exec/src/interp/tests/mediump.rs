@@ -1,4 +1,4 @@
-//! Floats rounded where a shader of OpenGL ES says it needs no more, and nowhere else.
+//! Rounding of floats that an OpenGL ES shader declares `mediump` or `lowp`, and of no others.
 
 use half::f16;
 

@@ -1,4 +1,4 @@
-//! Buffers by our offsets, workgroup and private variables, tables of constants.
+//! Buffers at Landfall's offsets, workgroup and private variables, constant arrays.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What a run notes: undefined operations, where f32 and f64 part, costs, endless loops.
+//! The report of a run: undefined operations, divergence of f32 and f64, costs, endless loops.
 
 use super::super::{Call, Precision, Settings, UndefinedKind as U};
 use super::support::{program, single};

@@ -1,4 +1,5 @@
-//! What devices may give: the rules by hand, the truth inside, and how wide six lights are.
+//! Permitted results: the rules computed by hand, intervals that hold the exact result, and their
+//! width for six lights.
 
 use super::super::{Call, Called, Floats, Precision, Program, Settings};
 use super::lighting::{fragments, module as six_lights, shade};

@@ -1,5 +1,4 @@
-//! Random programs: what the evaluator computes, alone and in company, against a tree
-//! walked in Rust.
+//! Random programs on the interpreter, alone and in batches, against a tree walker in Rust.
 
 use std::fmt::Write as _;
 

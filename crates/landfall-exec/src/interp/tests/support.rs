@@ -1,4 +1,4 @@
-//! Modules from WGSL, and short ways to call their functions.
+//! Modules from WGSL, and helpers that call their functions.
 
 use super::super::{Call, Called, Program, Settings};
 use landfall_ir::Module;

@@ -124,11 +124,11 @@ pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
 
 pub(super) static DRIVER_NOT_FINITE: HazardInfo = HazardInfo {
     code: "driver-not-finite",
-    name: "driver without a finite number",
+    name: "result not finite on a driver",
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "a driver returns no finite number where the evaluator does",
+    what: "a driver returns no finite number where the interpreter does",
     why: "The operation overflows in this driver's expansion of it, or is less accurate than f32.",
     threshold: None,
     robust: "keep the operands of division, `pow`, `log` and `exp` in the range for which the \
@@ -142,7 +142,7 @@ pub(super) static DRIVER_APART: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "a driver is less accurate than the evaluator",
+    what: "a driver is less accurate than the interpreter",
     why: "The specifications permit larger errors than f32 rounding for `pow`, `exp2` and \
           division.",
     threshold: None,

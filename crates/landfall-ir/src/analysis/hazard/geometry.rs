@@ -127,7 +127,7 @@ pub(super) static SWAPPED_CUT_OFFS: HazardInfo = HazardInfo {
 
 pub(super) static CONE_OUT_OF_RANGE: HazardInfo = HazardInfo {
     code: "cone-out-of-range",
-    name: "angle for a cosine",
+    name: "angle in place of a cosine",
     label: Some("H7"),
     aliases: &["wrong-unit"],
     level: Level::Warn,
@@ -141,11 +141,11 @@ pub(super) static CONE_OUT_OF_RANGE: HazardInfo = HazardInfo {
 
 pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
     code: "zero-width-cone",
-    name: "cone of no width",
+    name: "cone of zero width",
     label: Some("H8"),
     aliases: &["empty-cone"],
     level: Level::Deny,
-    what: "a cone of no width divides by zero, and rounding lights some fragments on its axis",
+    what: "a cone of zero width divides by zero, and rounding lights some fragments on its axis",
     why: "On the axis the rounded cosine is above 1 in 14 of 100 fragments: fully lit sparkles of \
           a cone that lights nothing.",
     threshold: Some(&CONE_WIDTH),

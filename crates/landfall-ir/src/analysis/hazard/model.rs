@@ -89,7 +89,7 @@ pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
 
 pub(super) static UNNORMALISED_NORMAL: HazardInfo = HazardInfo {
     code: "unnormalised-normal",
-    name: "normal of another length than one",
+    name: "normal not of unit length",
     label: Some("H14"),
     aliases: &["normal-not-normalised"],
     level: Level::Warn,

@@ -59,7 +59,7 @@ pub static CONE_WIDTH: Threshold = Threshold {
     of: "difference of cosines the cone divides by",
     why: "a dot product of two normalised f32 vectors is up to 2.4e-7 above 1, and the division \
           multiplies that by the reciprocal of this number: 0.6 of 255 steps at 1e-4, 61 at 1e-6 \
-          and all of them at 1e-7, where a cone of no width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \
+          and all of them at 1e-7, where a cone of zero width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \
           cannot draw narrower ones anyway (`narrow-cone`).",
 };
 
@@ -67,7 +67,7 @@ pub static CONE_WIDTH: Threshold = Threshold {
 pub static COSINE: Threshold = Threshold {
     value: 1.0001,
     of: "absolute value of the cosine",
-    why: "cosines are at most 1, and what is rounded to four digits is still taken for one.",
+    why: "cosines are at most 1, and one rounded to four digits is still accepted.",
 };
 
 /// The largest excess above one that rounding causes in a cosine.
@@ -83,14 +83,14 @@ pub static ABOVE_ONE: Threshold = Threshold {
 pub static CHANGE: Threshold = Threshold {
     value: 1e-3,
     of: "change of the result, as a share of full scale",
-    why: "a quarter of one of 255 steps: below it no 8-bit picture changes but by ties.",
+    why: "a quarter of one of 255 steps: a smaller change alters an 8-bit picture only where a value is halfway between two codes.",
 };
 
 /// Distance from the origin at which coordinates begin to cancel.
 pub static ORIGIN: Threshold = Threshold {
     value: 1e3,
     of: "coordinate",
-    why: "measured of a scene of 3 m at this distance: 0.2 of 255 steps at most (0.45 in view \
+    why: "measured on a scene of 3 m at this distance: 0.2 of 255 steps at most (0.45 in view \
           space); at 1e4 it is 2.9 (5.9). It is the last power of ten below half a step.",
 };
 
@@ -100,7 +100,7 @@ pub static NARROW: Threshold = Threshold {
     of: "cosine of the cone's half angle",
     why: "2.6 degrees: measured, a cone of 12.5 and 15 degrees is 0.006 of 255 steps off by \
           cosines, one of 1 and 2 degrees 0.14, one of 0.5 and 1 degrees 0.53 and one of 0.05 and \
-          0.06 degrees all 255; by the chord none is off by more than 0.1. Of wider cones the \
+          0.06 degrees all 255; by the chord none is off by more than 0.1. For wider cones the \
           chord is hardly better.",
 };
 

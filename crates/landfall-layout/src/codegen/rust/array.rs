@@ -7,7 +7,7 @@ use crate::shape::{ArrayLen, Type};
 
 use super::leaf;
 use super::plan::{Place, Plan};
-use super::types::{Made, Padded, RustType, Sized, Tight};
+use super::types::{GeneratedType, Padded, RustType, Sized, Tight};
 
 /// The type of a member at `place`, without its dimensions before `dim`.
 pub(super) fn member_type(
@@ -39,7 +39,7 @@ pub(super) fn member_type(
         RustType::Array(Box::new(element.ty), 1)
     } else {
         let head = padded(plan, element.clone(), stride).ty;
-        plan.intern(Made::Tight(Tight { element: element.ty, head, len, size }))
+        plan.intern(GeneratedType::Tight(Tight { element: element.ty, head, len, size }))
     };
     Sized { ty, size }
 }
@@ -57,7 +57,7 @@ pub(super) fn padded(plan: &mut Plan, element: Sized, stride: u64) -> Sized {
         return element;
     }
     let padded = Padded { inner: element.ty, size: element.size, stride };
-    Sized { ty: plan.intern(Made::Padded(padded)), size: stride }
+    Sized { ty: plan.intern(GeneratedType::Padded(padded)), size: stride }
 }
 
 /// The bytes of a member, from dimension `dim` on, without padding after its last element.

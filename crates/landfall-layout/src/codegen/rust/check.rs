@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::print::{Printer, WIDTH, call};
-use super::types::Made;
+use super::types::GeneratedType;
 
 pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
     if out.plan.made.is_empty() {
@@ -15,12 +15,12 @@ pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
     for (at, made) in out.plan.made.iter().enumerate() {
         let name = &out.names.made[at];
         match made {
-            Made::Bits(_) => {}
-            Made::Leaf(leaf) => size(out, text, name, leaf.size()),
-            Made::Padded(padded) => size(out, text, name, padded.stride),
-            Made::Tight(tight) => size(out, text, name, tight.size),
-            Made::Mirror(mirror) => {
-                let docs = &out.plan.docs[&super::types::MadeId(at)];
+            GeneratedType::Bits(_) => {}
+            GeneratedType::Leaf(leaf) => size(out, text, name, leaf.size()),
+            GeneratedType::Padded(padded) => size(out, text, name, padded.stride),
+            GeneratedType::Tight(tight) => size(out, text, name, tight.size),
+            GeneratedType::Mirror(mirror) => {
+                let docs = &out.plan.docs[&super::types::GeneratedTypeId(at)];
                 let of = format!("`{}` in {}", docs.shader_name, docs.input);
                 assert(out, text, &size_of(name), mirror.size, &format!("size of {of}"));
                 for field in &mirror.fields {

@@ -8,7 +8,7 @@ use crate::text::escape;
 
 use super::docs::relative;
 use super::print::Printer;
-use super::types::{Made, RustType};
+use super::types::{GeneratedType, RustType};
 use super::{RustOptions, Vectors, leaf};
 
 /// A shader's name in the output: its entry in [`RustOptions::inputs`], or its path.
@@ -55,11 +55,11 @@ fn glam_features(out: &Printer<'_>) -> Vec<&'static str> {
         out.plan.made.iter().any(|made| {
             let mut all = Vec::new();
             match made {
-                Made::Bits(_) => {}
-                Made::Leaf(leaf) => all.extend(leaf::glam_vector(leaf.scalar, 2)),
-                Made::Padded(padded) => all.extend(glam_name(&padded.inner)),
-                Made::Tight(tight) => all.extend(glam_name(&tight.element)),
-                Made::Mirror(mirror) => {
+                GeneratedType::Bits(_) => {}
+                GeneratedType::Leaf(leaf) => all.extend(leaf::glam_vector(leaf.scalar, 2)),
+                GeneratedType::Padded(padded) => all.extend(glam_name(&padded.inner)),
+                GeneratedType::Tight(tight) => all.extend(glam_name(&tight.element)),
+                GeneratedType::Mirror(mirror) => {
                     all.extend(mirror.fields.iter().filter_map(|field| glam_name(&field.ty)));
                     all.extend(mirror.tail.iter().filter_map(|tail| glam_name(&tail.element)));
                 }
@@ -91,7 +91,7 @@ fn glam_name(ty: &RustType) -> Option<&'static str> {
     match ty {
         RustType::Named(name) => Some(name),
         RustType::Array(element, _) => glam_name(element),
-        RustType::Made(_) => None,
+        RustType::GeneratedType(_) => None,
     }
 }
 
@@ -110,10 +110,10 @@ fn long_arrays(out: &Printer<'_>) -> bool {
         false
     };
     out.plan.made.iter().any(|made| match made {
-        Made::Bits(_) | Made::Leaf(_) => false,
-        Made::Padded(padded) => long(&padded.inner) || !plain(padded.stride - padded.size),
-        Made::Tight(tight) => long(&tight.element) || !plain(tight.len - 1),
-        Made::Mirror(mirror) => {
+        GeneratedType::Bits(_) | GeneratedType::Leaf(_) => false,
+        GeneratedType::Padded(padded) => long(&padded.inner) || !plain(padded.stride - padded.size),
+        GeneratedType::Tight(tight) => long(&tight.element) || !plain(tight.len - 1),
+        GeneratedType::Mirror(mirror) => {
             mirror.fields.iter().any(|field| long(&field.ty))
                 || mirror.gaps().iter().flatten().any(|gap| !plain(gap.size))
                 || mirror.tail.as_ref().is_some_and(|tail| long(&tail.element))

@@ -8,7 +8,7 @@ use crate::shape::{Scalar, ScalarKind, Type};
 
 use super::Vectors;
 use super::plan::Plan;
-use super::types::{Component, LeafType, Made, RustType, Shape, Sized, component};
+use super::types::{Component, GeneratedType, LeafType, RustType, Shape, Sized, component};
 
 /// The type of a leaf at a place guaranteed to be aligned to `align` bytes.
 pub(super) fn leaf(
@@ -89,7 +89,7 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     let column = vector(plan, scalar, rows, align);
     match column.ty {
         // One type for the whole matrix instead of an array of small ones.
-        RustType::Made(_) => made(plan, LeafType { scalar, shape, unaligned }, size),
+        RustType::GeneratedType(_) => made(plan, LeafType { scalar, shape, unaligned }, size),
         RustType::Named(_) | RustType::Array(..) => {
             Sized { ty: RustType::Array(Box::new(column.ty), columns.into()), size }
         }
@@ -99,16 +99,16 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
 fn made(plan: &mut Plan, leaf: LeafType, size: u64) -> Sized {
     debug_assert_eq!(leaf.size(), size);
     if let Component::Bits(bits) = component(leaf.scalar) {
-        plan.intern(Made::Bits(bits));
+        plan.intern(GeneratedType::Bits(bits));
     }
-    Sized { ty: plan.intern(Made::Leaf(leaf)), size }
+    Sized { ty: plan.intern(GeneratedType::Leaf(leaf)), size }
 }
 
 /// The Rust type of a component, generated where Rust has none.
 pub(super) fn component_type(plan: &mut Plan, scalar: Scalar) -> RustType {
     match component(scalar) {
         Component::Plain(name) => RustType::Named(name),
-        Component::Bits(bits) => plan.intern(Made::Bits(bits)),
+        Component::Bits(bits) => plan.intern(GeneratedType::Bits(bits)),
     }
 }
 

@@ -7,7 +7,9 @@
 use std::fmt::Write as _;
 
 use super::print::{DERIVES, FieldValue, Printer, assignment, default, doc, literal, signature};
-use super::types::{Bits, Component, Made, MadeId, Mirror, RustType, Shape, component};
+use super::types::{
+    Bits, Component, GeneratedType, GeneratedTypeId, Mirror, RustType, Shape, component,
+};
 use super::{Vectors, leaf, tail};
 
 /// The most parameters of a function that clippy accepts.
@@ -24,7 +26,7 @@ pub(super) fn mirrors(out: &Printer<'_>, text: &mut String) {
     }
 }
 
-fn structure(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) {
+fn structure(out: &Printer<'_>, text: &mut String, id: GeneratedTypeId, mirror: &Mirror) {
     let docs = &out.plan.docs[&id];
     let public = out.visibility();
     doc(text, "", &docs.lines());
@@ -50,7 +52,7 @@ fn structure(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) 
     text.push_str("}\n\n");
 }
 
-fn new(out: &Printer<'_>, text: &mut String, id: MadeId, mirror: &Mirror) {
+fn new(out: &Printer<'_>, text: &mut String, id: GeneratedTypeId, mirror: &Mirror) {
     if mirror.fields.is_empty() {
         return;
     }
@@ -88,15 +90,17 @@ pub(super) fn natural(out: &Printer<'_>, ty: &RustType) -> Option<String> {
     match ty {
         RustType::Named(_) => None,
         RustType::Array(element, len) => natural(out, element).map(|ty| format!("[{ty}; {len}]")),
-        RustType::Made(id) => match out.plan.get(*id) {
-            Made::Mirror(_) => None,
-            Made::Bits(Bits::Bool) => Some("bool".to_string()),
-            Made::Bits(Bits::F16 | Bits::Bf16 | Bits::F8E5m2 | Bits::F8E4m3) => None,
-            Made::Leaf(leaf) => Some(natural_leaf(out, *leaf)),
-            Made::Padded(padded) => {
+        RustType::GeneratedType(id) => match out.plan.get(*id) {
+            GeneratedType::Mirror(_) => None,
+            GeneratedType::Bits(Bits::Bool) => Some("bool".to_string()),
+            GeneratedType::Bits(Bits::F16 | Bits::Bf16 | Bits::F8E5m2 | Bits::F8E4m3) => None,
+            GeneratedType::Leaf(leaf) => Some(natural_leaf(out, *leaf)),
+            GeneratedType::Padded(padded) => {
                 Some(natural(out, &padded.inner).unwrap_or_else(|| out.ty(&padded.inner)))
             }
-            Made::Tight(tight) => Some(format!("[{}; {}]", out.ty(&tight.element), tight.len)),
+            GeneratedType::Tight(tight) => {
+                Some(format!("[{}; {}]", out.ty(&tight.element), tight.len))
+            }
         },
     }
 }
@@ -130,10 +134,10 @@ pub(super) fn conversion(out: &Printer<'_>, ty: &RustType) -> String {
     }
     match ty {
         RustType::Named(_) => String::new(),
-        RustType::Made(_) => ".into()".to_string(),
+        RustType::GeneratedType(_) => ".into()".to_string(),
         RustType::Array(element, _) => match &**element {
             RustType::Array(..) => format!(".map(|x| x{})", conversion(out, element)),
-            RustType::Made(_) | RustType::Named(_) => ".map(Into::into)".to_string(),
+            RustType::GeneratedType(_) | RustType::Named(_) => ".map(Into::into)".to_string(),
         },
     }
 }

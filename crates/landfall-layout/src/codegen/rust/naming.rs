@@ -9,15 +9,15 @@ use rustc_hash::FxHashMap;
 use super::Tables;
 use super::names::{Scope, camel, module};
 use super::plan::Plan;
-use super::types::{LeafType, Made, MadeId, Padded, RustType, Shape};
+use super::types::{GeneratedType, GeneratedTypeId, LeafType, Padded, RustType, Shape};
 use crate::shape::{Scalar, ScalarKind};
 
 /// The names of the output's top-level items.
 pub(super) struct Names {
-    /// The name of each [`Made`], by index.
+    /// The name of each [`GeneratedType`], by index.
     pub(super) made: Vec<String>,
     /// The element type of each runtime-sized tail, by the mirror before it.
-    pub(super) elements: FxHashMap<MadeId, String>,
+    pub(super) elements: FxHashMap<GeneratedTypeId, String>,
     /// The module of each block's table.
     pub(super) tables: Vec<String>,
     pub(super) mismatch: String,
@@ -40,13 +40,13 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
     // Inner types come before the types that contain them, so their names are known.
     for (at, one) in plan.made.iter().enumerate() {
         let wanted = match one {
-            Made::Mirror(_) => continue,
-            Made::Bits(bits) => bits.name().to_string(),
-            Made::Leaf(leaf) => leaf_name(*leaf),
-            Made::Padded(Padded { inner, stride, .. }) => {
+            GeneratedType::Mirror(_) => continue,
+            GeneratedType::Bits(bits) => bits.name().to_string(),
+            GeneratedType::Leaf(leaf) => leaf_name(*leaf),
+            GeneratedType::Padded(Padded { inner, stride, .. }) => {
                 format!("{}Stride{stride}", type_name(inner, &made))
             }
-            Made::Tight(tight) => {
+            GeneratedType::Tight(tight) => {
                 format!("{}Tight{}", type_name(&tight.head, &made), tight.len)
             }
         };
@@ -69,7 +69,7 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
 }
 
 fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
-    let mut by_name: FxHashMap<&str, Vec<MadeId>> = FxHashMap::default();
+    let mut by_name: FxHashMap<&str, Vec<GeneratedTypeId>> = FxHashMap::default();
     for (id, mirror) in plan.mirrors() {
         by_name.entry(&mirror.name).or_default().push(id);
     }
@@ -93,7 +93,7 @@ fn name_mirrors(plan: &Plan<'_>, scope: &mut Scope, made: &mut [String]) {
 
 /// Appends the marks that distinguish mirrors of the same name. The caller numbers names that
 /// stay equal.
-fn marked(plan: &Plan<'_>, name: &str, group: &[MadeId]) -> Vec<String> {
+fn marked(plan: &Plan<'_>, name: &str, group: &[GeneratedTypeId]) -> Vec<String> {
     let mut names = vec![name.to_string(); group.len()];
     for slot in 0..4 {
         let marks: Vec<&str> = group.iter().map(|id| plan.docs[id].marks()[slot]).collect();
@@ -135,7 +135,7 @@ fn type_name(ty: &RustType, made: &[String]) -> String {
     match ty {
         RustType::Named(name) => camel(name.rsplit("::").next().unwrap_or(name)),
         RustType::Array(element, len) => format!("{}X{len}", type_name(element, made)),
-        RustType::Made(id) => made[id.0].clone(),
+        RustType::GeneratedType(id) => made[id.0].clone(),
     }
 }
 

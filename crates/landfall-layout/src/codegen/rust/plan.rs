@@ -13,16 +13,16 @@ use super::Vectors;
 use super::array::{divisor, member_type, padded, reach};
 use super::docs::{MirrorDoc, Origin};
 use super::names::{Scope, camel, snake};
-use super::types::{Field, Made, MadeId, Mirror, RuntimeTail, RustType, Sized};
+use super::types::{Field, GeneratedType, GeneratedTypeId, Mirror, RuntimeTail, RustType, Sized};
 
 /// All types and tables of the output.
 pub(super) struct Plan<'a> {
     pub(super) vectors: Vectors,
     /// The types, each after those it contains.
-    pub(super) made: Vec<Made>,
-    ids: FxHashMap<Made, MadeId>,
+    pub(super) made: Vec<GeneratedType>,
+    ids: FxHashMap<GeneratedType, GeneratedTypeId>,
     /// The documentation of each mirror.
-    pub(super) docs: FxHashMap<MadeId, MirrorDoc>,
+    pub(super) docs: FxHashMap<GeneratedTypeId, MirrorDoc>,
     /// The blocks that get a table.
     pub(super) blocks: Vec<PlannedBlock<'a>>,
     planned: FxHashMap<BlockKey, usize>,
@@ -30,7 +30,7 @@ pub(super) struct Plan<'a> {
 }
 
 /// Blocks with the same mirror, group and binding share a table.
-type BlockKey = (MadeId, Option<u32>, Option<u32>);
+type BlockKey = (GeneratedTypeId, Option<u32>, Option<u32>);
 
 /// A block and its mirror.
 pub(super) struct PlannedBlock<'a> {
@@ -106,7 +106,7 @@ impl<'a> Plan<'a> {
         let id = self.mirror(Mirror { name, fields, size, tail: None }, at.rules, || {
             MirrorDoc::of_structure(s, members, size, at.rules, &origin)
         });
-        Sized { ty: RustType::Made(id), size }
+        Sized { ty: RustType::GeneratedType(id), size }
     }
 
     /// The fields of a structure or block that ends at `end`.
@@ -141,8 +141,13 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn mirror(&mut self, mirror: Mirror, rules: Rules, doc: impl FnOnce() -> MirrorDoc) -> MadeId {
-        let made = Made::Mirror(mirror);
+    fn mirror(
+        &mut self,
+        mirror: Mirror,
+        rules: Rules,
+        doc: impl FnOnce() -> MirrorDoc,
+    ) -> GeneratedTypeId {
+        let made = GeneratedType::Mirror(mirror);
         if let Some(id) = self.ids.get(&made) {
             if let Some(doc) = self.docs.get_mut(id) {
                 doc.also_by(rules);
@@ -155,34 +160,37 @@ impl<'a> Plan<'a> {
     }
 
     /// Interns a type.
-    pub(super) fn intern(&mut self, made: Made) -> RustType {
-        RustType::Made(match self.ids.get(&made) {
+    pub(super) fn intern(&mut self, made: GeneratedType) -> RustType {
+        RustType::GeneratedType(match self.ids.get(&made) {
             Some(id) => *id,
             None => self.push(made),
         })
     }
 
-    fn push(&mut self, made: Made) -> MadeId {
-        let id = MadeId(self.made.len());
+    fn push(&mut self, made: GeneratedType) -> GeneratedTypeId {
+        let id = GeneratedTypeId(self.made.len());
         self.made.push(made.clone());
         self.ids.insert(made, id);
         id
     }
 
     /// The id of a type in the plan.
-    pub(super) fn id(&self, made: &Made) -> Option<MadeId> {
+    pub(super) fn id(&self, made: &GeneratedType) -> Option<GeneratedTypeId> {
         self.ids.get(made).copied()
     }
 
-    pub(super) fn get(&self, id: MadeId) -> &Made {
+    pub(super) fn get(&self, id: GeneratedTypeId) -> &GeneratedType {
         &self.made[id.0]
     }
 
     /// The mirrors, each after those it contains.
-    pub(super) fn mirrors(&self) -> impl Iterator<Item = (MadeId, &Mirror)> {
+    pub(super) fn mirrors(&self) -> impl Iterator<Item = (GeneratedTypeId, &Mirror)> {
         self.made.iter().enumerate().filter_map(|(i, made)| match made {
-            Made::Mirror(mirror) => Some((MadeId(i), mirror)),
-            Made::Bits(_) | Made::Leaf(_) | Made::Padded(_) | Made::Tight(_) => None,
+            GeneratedType::Mirror(mirror) => Some((GeneratedTypeId(i), mirror)),
+            GeneratedType::Bits(_)
+            | GeneratedType::Leaf(_)
+            | GeneratedType::Padded(_)
+            | GeneratedType::Tight(_) => None,
         })
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::naming::Names;
 use super::plan::Plan;
-use super::types::{Component, Made, MadeId, RustType, component};
+use super::types::{Component, GeneratedType, GeneratedTypeId, RustType, component};
 use super::{RustOptions, Visibility};
 
 /// rustfmt's `max_width`.
@@ -41,11 +41,11 @@ impl Printer<'_> {
         match ty {
             RustType::Named(name) => name.to_string(),
             RustType::Array(element, len) => format!("[{}; {len}]", self.ty(element)),
-            RustType::Made(id) => self.name(*id).to_string(),
+            RustType::GeneratedType(id) => self.name(*id).to_string(),
         }
     }
 
-    pub(super) fn name(&self, id: MadeId) -> &str {
+    pub(super) fn name(&self, id: GeneratedTypeId) -> &str {
         &self.names.made[id.0]
     }
 
@@ -54,7 +54,7 @@ impl Printer<'_> {
         match component(scalar) {
             Component::Plain(name) => name,
             Component::Bits(bits) => {
-                let id = self.plan.id(&Made::Bits(bits));
+                let id = self.plan.id(&GeneratedType::Bits(bits));
                 self.name(id.expect("a component is planned with the type made of it"))
             }
         }

@@ -4,19 +4,19 @@
 use std::fmt::Write as _;
 
 use super::print::{DERIVES, Printer, conversion, default, doc, implement};
-use super::types::{Bits, Component, LeafType, Made, Shape, component};
+use super::types::{Bits, Component, GeneratedType, LeafType, Shape, component};
 use super::{Vectors, leaf, strided, tail};
 
 pub(super) fn small_types(out: &Printer<'_>, text: &mut String) {
     for (at, made) in out.plan.made.iter().enumerate() {
         let name = &out.names.made[at];
         match made {
-            Made::Mirror(_) => {}
-            Made::Bits(Bits::Bool) => bool_type(out, text, name),
-            Made::Bits(bits) => bits_type(out, text, name, *bits),
-            Made::Leaf(leaf) => leaf_type(out, text, name, *leaf),
-            Made::Padded(one) => strided::padded(out, text, name, one),
-            Made::Tight(tight) => strided::tight(out, text, name, tight),
+            GeneratedType::Mirror(_) => {}
+            GeneratedType::Bits(Bits::Bool) => bool_type(out, text, name),
+            GeneratedType::Bits(bits) => bits_type(out, text, name, *bits),
+            GeneratedType::Leaf(leaf) => leaf_type(out, text, name, *leaf),
+            GeneratedType::Padded(one) => strided::padded(out, text, name, one),
+            GeneratedType::Tight(tight) => strided::tight(out, text, name, tight),
         }
     }
     if out.plan.mirrors().any(|(_, mirror)| mirror.tail.is_some()) {

@@ -4,12 +4,12 @@
 use std::fmt::Write as _;
 
 use super::print::{Printer, assignment, doc, signature};
-use super::types::{MadeId, Mirror, RuntimeTail};
+use super::types::{GeneratedTypeId, Mirror, RuntimeTail};
 
 pub(super) fn tail(
     out: &Printer<'_>,
     text: &mut String,
-    id: MadeId,
+    id: GeneratedTypeId,
     mirror: &Mirror,
     tail: &RuntimeTail,
 ) {

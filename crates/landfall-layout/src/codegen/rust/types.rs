@@ -1,7 +1,7 @@
 //! The Rust types of mirrors.
 //!
-//! [`super::plan`] makes them, the printers read them. A generated type is a [`Made`], referred
-//! to by its [`MadeId`].
+//! [`super::plan`] makes them, the printers read them. A generated type is a [`GeneratedType`], referred
+//! to by its [`GeneratedTypeId`].
 
 use crate::shape::{Scalar, ScalarKind};
 
@@ -13,12 +13,12 @@ pub(super) enum RustType {
     /// `[T; N]`.
     Array(Box<RustType>, u64),
     /// A generated type.
-    Made(MadeId),
+    GeneratedType(GeneratedTypeId),
 }
 
-/// Index of a [`Made`].
+/// Index of a [`GeneratedType`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct MadeId(pub(super) usize);
+pub(super) struct GeneratedTypeId(pub(super) usize);
 
 /// A type and its size in bytes.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(super) struct Sized {
 
 /// A generated type.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Made {
+pub(super) enum GeneratedType {
     /// A scalar without a Rust type.
     Bits(Bits),
     /// A scalar, vector or matrix that no glam type or plain array fits.

@@ -298,7 +298,8 @@ fn element_of(ty: &Type) -> &Type {
 /// Returns the rule that lays out a type as declared in `member`.
 fn rule_of(ty: &Type, rules: Rules, member: &MemberLayout) -> Rule {
     let matrix_layout = if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
-    rules::extent(ty, rules, matrix_layout).map_or(Rule::Structure, |extent| extent.rule)
+    rules::type_layout(ty, rules, matrix_layout)
+        .map_or(Rule::Structure, |type_layout| type_layout.rule)
 }
 
 /// Returns the alignment of a member's type, ignoring `align = N` or `@align(N)` on the member.
@@ -318,7 +319,8 @@ fn own_align(member: &MemberLayout, rules: Rules) -> u64 {
         | Type::Array { .. } => {
             let matrix_layout =
                 if member.row_major { MatrixLayout::Row } else { MatrixLayout::Column };
-            rules::extent(ty, rules, matrix_layout).map_or(1, |extent| extent.align.bytes())
+            rules::type_layout(ty, rules, matrix_layout)
+                .map_or(1, |type_layout| type_layout.align.bytes())
         }
     };
     own.max(array)

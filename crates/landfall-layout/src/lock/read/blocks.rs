@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
-use crate::lock::check::Within;
+use crate::lock::check::MemberContext;
 use crate::lock::place::{Object, Place, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
 use crate::shape::{
@@ -178,7 +178,7 @@ impl Reader<'_> {
             None => None,
         };
         let leaf_paths = leaf_nodes.map(|nodes| self.leaf_paths(nodes)).transpose()?;
-        let within = Within { language, loose, leaves: leaf_paths.as_deref() };
+        let within = MemberContext { language, loose, leaves: leaf_paths.as_deref() };
         let members = self.members(members, &within, "")?;
         let count = self.count(object)?;
         let opaque = match object.get("opaque") {
@@ -240,7 +240,7 @@ impl Reader<'_> {
     fn members(
         &self,
         nodes: &[Node],
-        within: &Within<'_>,
+        within: &MemberContext<'_>,
         parent: &str,
     ) -> Result<Vec<MemberLayout>, Error> {
         nodes.iter().map(|node| self.member(node, within, parent)).collect()
@@ -249,7 +249,7 @@ impl Reader<'_> {
     fn member(
         &self,
         node: &Node,
-        within: &Within<'_>,
+        within: &MemberContext<'_>,
         parent: &str,
     ) -> Result<MemberLayout, Error> {
         let place = &self.place;

@@ -286,7 +286,7 @@ impl<'a> Lexer<'a> {
 
     /// Skips text up to the next brace or directive.
     pub(crate) fn skip_to_brace(&mut self) -> Stop {
-        let mut seen = Seen { to: self.at, blank: self.line_start };
+        let mut seen = ScannedText { to: self.at, blank: self.line_start };
         self.line_start = false;
         loop {
             let rest = &self.text.as_bytes()[self.at..];
@@ -316,7 +316,7 @@ impl<'a> Lexer<'a> {
                     } else {
                         self.block_comment();
                     }
-                    seen = Seen { to: self.at, blank };
+                    seen = ScannedText { to: self.at, blank };
                 }
                 _ => self.at += 1,
             }
@@ -336,12 +336,12 @@ impl<'a> Lexer<'a> {
 
 /// The extent of skipped text examined so far, and whether its current line is blank except for
 /// comments.
-struct Seen {
+struct ScannedText {
     to: usize,
     blank: bool,
 }
 
-impl Seen {
+impl ScannedText {
     /// Whether only blanks and comments are between the start of the line and `at`.
     fn line_is_blank(&self, text: &str, at: usize) -> bool {
         let before = &text.as_bytes()[self.to..at];

@@ -280,8 +280,8 @@ impl<'a> Preprocessor<'a> {
         self.diagnostics.push(
             Diagnostic::warning(Code::LineContinuation, comment, message)
                 .with_note(format!(
-                    "version {number} has no line continuation: Mesa's compiler reads it so, \
-                     glslang's reads the next line as code"
+                    "GLSL {number} has no line continuation, so compilers differ: Mesa's continues the \
+                     comment, glslang's reads the next line as code"
                 ))
                 .with_help("remove the backslash at the end of the comment"),
         );

@@ -3,7 +3,7 @@
 use super::constants;
 use super::constants::Trouble;
 use super::expressions;
-use super::expressions::Within;
+use super::expressions::ExpressionContext;
 use super::fallback;
 use super::lexer::{Kind, Lexer};
 use super::outline::Item;
@@ -68,7 +68,7 @@ fn argument<'a>(
     name: &str,
 ) -> Result<Written, Refused> {
     lexer.next();
-    let (outcome, span) = expressions::read(reader, lexer, Within::Statement)?;
+    let (outcome, span) = expressions::read(reader, lexer, ExpressionContext::Statement)?;
     lexer.take(b',');
     super::types::expect(reader, lexer, b')', "`)`")?;
     let value = match outcome {

@@ -1,7 +1,7 @@
 //! Module-scope constants and overrides, evaluated when a size depends on them.
 
 use super::expressions;
-use super::expressions::Within;
+use super::expressions::ExpressionContext;
 use super::lexer::Lexer;
 use super::outline::Class;
 use super::reader::{Known, Reader};
@@ -88,7 +88,7 @@ fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
     let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
     types::expect(reader, &mut lexer, b'=', "`=`")?;
-    let (outcome, at) = expressions::read(reader, &mut lexer, Within::Statement)?;
+    let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
     types::expect(reader, &mut lexer, b';', "`;`")?;
     Ok(typed(outcome, kind, at))
 }
@@ -120,7 +120,7 @@ fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refu
             }
         }
     } else if lexer.take(b'=') {
-        let (outcome, at) = expressions::read(reader, &mut lexer, Within::Statement)?;
+        let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
         typed(outcome, kind, at)
     } else {
         Err(Trouble::Valueless(index))

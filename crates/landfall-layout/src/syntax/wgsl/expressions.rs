@@ -15,7 +15,7 @@ use crate::syntax::constant::{Fault, Value};
 
 /// The context of an expression: in a template list `>` ends it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Within {
+pub(super) enum ExpressionContext {
     Template,
     Statement,
 }
@@ -24,7 +24,7 @@ pub(super) enum Within {
 pub(super) fn read<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
-    within: Within,
+    within: ExpressionContext,
 ) -> Result<(Outcome, Span), Refused> {
     let start = lexer.peek().start;
     let (outcome, end) = binary(reader, lexer, within, 0)?;
@@ -37,7 +37,7 @@ type Part = (Outcome, u32);
 fn binary<'a>(
     reader: &mut Reader<'a>,
     lexer: &mut Lexer<'a>,
-    within: Within,
+    within: ExpressionContext,
     weakest: u8,
 ) -> Result<Part, Refused> {
     let start = lexer.peek().start;
@@ -67,12 +67,12 @@ fn binary<'a>(
 }
 
 /// Returns the next binary operator and its precedence.
-fn operator(lexer: &mut Lexer<'_>, within: Within) -> Option<(&'static str, u8)> {
+fn operator(lexer: &mut Lexer<'_>, within: ExpressionContext) -> Option<(&'static str, u8)> {
     let token = lexer.peek();
     let Kind::Sign(first) = token.kind else { return None };
     let second = lexer.text().as_bytes().get(token.end as usize).copied();
     Some(match (first, second) {
-        (b'>', _) if within == Within::Template => return None,
+        (b'>', _) if within == ExpressionContext::Template => return None,
         (b'|', Some(b'|')) => ("||", 1),
         (b'&', Some(b'&')) => ("&&", 2),
         (b'|', _) => ("|", 3),
@@ -130,7 +130,7 @@ fn postfix<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
         } else if lexer.peek().is(b'[') {
             let open = lexer.next();
             let (index, _) = reader.deeper_expression(report::span(open), |reader| {
-                read(reader, lexer, Within::Statement)
+                read(reader, lexer, ExpressionContext::Statement)
             })?;
             end = lexer.peek().end;
             types::expect(reader, lexer, b']', "`]`")?;
@@ -171,8 +171,9 @@ fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
             None => Err(reader.reports.refuse(report::bad_number(lexer, token))),
         },
         Kind::Sign(b'(') => {
-            let (outcome, _) =
-                reader.deeper_expression(at, |reader| read(reader, lexer, Within::Statement))?;
+            let (outcome, _) = reader.deeper_expression(at, |reader| {
+                read(reader, lexer, ExpressionContext::Statement)
+            })?;
             let end = lexer.peek().end;
             types::expect(reader, lexer, b')', "`)`")?;
             Ok((outcome, end))
@@ -245,7 +246,7 @@ fn arguments<'a>(
             return Ok((values, next.end));
         }
         let (outcome, _) = reader.deeper_expression(report::span(next), |reader| {
-            read(reader, lexer, Within::Statement)
+            read(reader, lexer, ExpressionContext::Statement)
         })?;
         values = match (values, outcome) {
             (Ok(mut values), Ok(value)) => {

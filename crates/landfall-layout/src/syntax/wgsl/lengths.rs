@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::constants::Trouble;
 use super::expressions;
-use super::expressions::Within;
+use super::expressions::ExpressionContext;
 use super::lexer::Lexer;
 use super::reader::Reader;
 use super::report::Refused;
@@ -27,7 +27,7 @@ pub(super) struct Length {
 /// Parses a length inside a template list.
 pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Length, Refused> {
     reader.used_override = false;
-    let (outcome, at) = expressions::read(reader, lexer, Within::Template)?;
+    let (outcome, at) = expressions::read(reader, lexer, ExpressionContext::Template)?;
     let overridden = reader.used_override.then_some(at);
     let text = reader.slice(at);
     let count = match outcome {

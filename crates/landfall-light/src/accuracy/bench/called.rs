@@ -1,4 +1,4 @@
-//! A function over the calls of a bench on the evaluator, as a workload.
+//! A function over the calls of a bench on the interpreter, as a workload.
 //!
 //! Takes [`Calls`]; the time subtracted is that of an empty function with the same parameters and
 //! results.
@@ -82,10 +82,10 @@ impl<'a> Variant<'a> {
         (&self.columns, self.calls.count(), self.calls.limit())
     }
 
-    /// Returns the errors of the evaluator's results against the truth, and its work.
+    /// Returns the errors of the interpreter's results against the truth, and its work.
     ///
     /// # Errors
-    /// A call that does not terminate, or code that the evaluator does not support.
+    /// A call that does not terminate, or code that the interpreter does not support.
     pub fn judged(&self) -> Result<(Errors, Work), String> {
         let Variant { calls, pure, kinds, columns, .. } = self;
         let settings = calls.settings(Precision::Single);
@@ -134,7 +134,7 @@ impl<'a> Variant<'a> {
     }
 }
 
-/// A variant on the evaluator.
+/// A variant on the interpreter.
 #[derive(Debug)]
 pub struct Called<'a> {
     variant: &'a Variant<'a>,

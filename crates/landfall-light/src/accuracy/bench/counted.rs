@@ -1,5 +1,5 @@
-//! The work of a shader per fragment, counted by the evaluator for every backend, and the error its
-//! arithmetic permits.
+//! The work of a shader per fragment, counted by the interpreter for every backend, and the error
+//! its arithmetic permits.
 //!
 //! Reads [`Uploaded`]; feeds the rows of [`shader`](super::shader).
 
@@ -7,7 +7,7 @@ use super::report::{Permitted, Work};
 use super::uploaded::Uploaded;
 use crate::accuracy::permitted::off_from;
 use crate::render::Prepared;
-use crate::render::planned::Lot;
+use crate::render::planned::FragmentGroup;
 use crate::render::tally::Tally;
 use landfall_exec::interp::{Cpu, Floats, Settings};
 
@@ -40,7 +40,7 @@ pub fn work(uploaded: &Uploaded<'_>, floats: Floats) -> Work {
 fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
     let (mut tally, mut fragments) = (Tally::default(), 0);
-    for Lot { prepared, .. } in uploaded.some(COUNTED) {
+    for FragmentGroup { prepared, .. } in uploaded.some(COUNTED) {
         let (shader, batch) = (&uploaded.renderer.shader, prepared.batch(uploaded.limit));
         shader.run(&mut cpu, &batch, |cpu, _| tally.add(&cpu.notes)).ok()?;
         fragments += prepared.count;
@@ -53,7 +53,8 @@ fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
 /// colours, or one that does not run.
 fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
-    let slots = |lot: &Lot| lot.slots.iter().map(|(_, slots)| *slots as usize).sum::<usize>();
+    let slots =
+        |lot: &FragmentGroup| lot.slots.iter().map(|(_, slots)| *slots as usize).sum::<usize>();
     let most = uploaded.whole.iter().map(slots).max().unwrap_or(0).max(1);
     let mut run = |prepared: &Prepared| -> Option<Vec<[u32; 4]>> {
         let batch = prepared.batch(uploaded.limit);
@@ -108,7 +109,7 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
     let slots = uploaded.whole.iter().map(|lot| lot.walked).max().unwrap_or(0);
     let about = (LOOKED_AT / slots.max(1) as usize).max(256);
     let (mut steps, mut unsure) = (Vec::new(), 0);
-    for Lot { prepared, fragments, .. } in uploaded.some(about) {
+    for FragmentGroup { prepared, fragments, .. } in uploaded.some(about) {
         let shader = &uploaded.renderer.shader;
         let around = shader.permitted(&prepared.batch(uploaded.limit)).ok()?;
         for ((around, unsure_at), at) in around.colors.iter().zip(&around.unsure).zip(fragments) {

@@ -76,7 +76,7 @@ impl Calls {
         if samples.len() < sampling.calls {
             let (given, wanted) = (samples.len(), sampling.calls);
             let message =
-                format!("the domain leaves {given} of {wanted} samples of a scene: widen it");
+                format!("the domain admits only {given} of {wanted} samples from scenes: widen it");
             return Err(failed(message));
         }
         let mut calls = Calls {
@@ -132,7 +132,7 @@ impl Calls {
         self.limit
     }
 
-    /// Returns the evaluator's settings: one thread, since time is measured.
+    /// Returns the interpreter's settings: one thread, since time is measured.
     pub(super) fn settings(&self, precision: Precision) -> Settings {
         Settings {
             precision,

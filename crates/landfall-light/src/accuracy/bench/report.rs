@@ -99,7 +99,7 @@ pub struct Work {
     pub slots: Option<f64>,
     /// The `pow` operations per fragment.
     pub powers: Option<f64>,
-    /// The evaluator's scalar operations per fragment or call.
+    /// The interpreter's scalar operations per fragment or call.
     pub operations: Option<f64>,
     /// The bytes uploaded per frame: blocks, or arguments of calls.
     pub bytes: Option<u64>,

@@ -13,7 +13,7 @@ use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
 use crate::render::Prepared;
-use crate::render::planned::Lot;
+use crate::render::planned::FragmentGroup;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::fragments::{FragmentShader, Input, InputKind};
 use landfall_layout::Options;
@@ -45,7 +45,7 @@ impl<'a> Shader<'a> {
     pub fn judged(&mut self) -> Result<Errors, String> {
         let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
         let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
-        for Lot { fragments, prepared, .. } in whole {
+        for FragmentGroup { fragments, prepared, .. } in whole {
             let mut backend = self.backend.borrow_mut();
             let shaded = renderer
                 .shader

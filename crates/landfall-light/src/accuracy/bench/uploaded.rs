@@ -10,7 +10,7 @@ use super::scene::Stage;
 use crate::bind::{Lit, OverflowPolicy};
 use crate::culling::Options;
 use crate::render;
-use crate::render::planned::Lot;
+use crate::render::planned::FragmentGroup;
 use crate::render::{Draw, Prepared, Renderer};
 use crate::shading_f32::Model;
 
@@ -20,7 +20,7 @@ pub struct Uploaded<'a> {
     pub(super) renderer: &'a Renderer,
     pub(super) limit: Duration,
     /// Fragments lit together; each is in one lot.
-    pub(super) whole: Vec<Lot>,
+    pub(super) whole: Vec<FragmentGroup>,
     /// The same without lights; `None` for a shader without light counts, which evaluates lights of
     /// zeros, and for a plan, which would differ without lights.
     pub(super) unlit: Option<Vec<Prepared>>,
@@ -78,7 +78,7 @@ impl<'a> Uploaded<'a> {
     }
 
     /// Returns about that many fragments, evenly spaced.
-    pub(super) fn some(&self, about: usize) -> Vec<Lot> {
+    pub(super) fn some(&self, about: usize) -> Vec<FragmentGroup> {
         let stride = self.stage.frame.fragments.len().div_ceil(about.max(1)).max(1);
         let mut before = 0;
         let each = self.whole.iter().map(|lot| {

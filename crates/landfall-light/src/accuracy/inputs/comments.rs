@@ -9,7 +9,7 @@ use super::domain::{Domain, Refused, ValueRange, range};
 use super::input::Input;
 
 /// The ranges in comments, by the enclosing structure or function (empty outside) and by name.
-type Said = FxHashMap<(String, String), ValueRange>;
+type StatedRanges = FxHashMap<(String, String), ValueRange>;
 
 /// Adds the ranges in a shader's comments for the inputs of a function.
 ///
@@ -39,8 +39,8 @@ pub(in crate::accuracy) fn add(
     Ok(())
 }
 
-fn read(text: &str) -> Result<Said, Refused> {
-    let mut said = Said::default();
+fn read(text: &str) -> Result<StatedRanges, Refused> {
+    let mut said = StatedRanges::default();
     // The name of the enclosing structure, or of the function whose parameters are listed.
     let mut owner = String::new();
     let mut depth = 0usize;

@@ -12,7 +12,7 @@ use super::measure::{Off, Outcome, floats};
 use super::permitted::{PermittedAt, Verdict, permitted, verdict};
 use super::plan::{Plan, columns, settings};
 use super::shrink::plausible;
-use super::verdict::{Answered, DriverOutcome, Seen, Why, came};
+use super::verdict::{Answered, DriverOutcome, DriverRecord, Why, came};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::PureFunction;
@@ -20,32 +20,32 @@ use landfall_exec::interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
-/// The results of a driver, compared with the evaluator's.
+/// The results of a driver, compared with the interpreter's.
 #[derive(Clone, Debug)]
 pub struct BackendReport {
     /// `gl` or `gpu`.
     pub backend: BackendKind,
     /// The device; `None` if missing.
     pub device: Option<Device>,
-    /// The statistics of the samples with finite inputs, against the evaluator's `f64`.
+    /// The statistics of the samples with finite inputs, against the interpreter's `f64`.
     pub tally: Tally,
     /// Samples per second of driver time.
     pub rate: f64,
     /// The samples with the largest error in units of the last place, and in steps.
     pub worst: Vec<DriverCase>,
-    /// Samples not finite on the driver but finite on the evaluator.
+    /// Samples not finite on the driver but finite on the interpreter.
     pub not_finite: Disagreement,
-    /// Samples finite on the driver but not on the evaluator.
+    /// Samples finite on the driver but not on the interpreter.
     pub hidden: Disagreement,
-    /// Samples beyond the error limit on the driver but not on the evaluator.
+    /// Samples beyond the error limit on the driver but not on the interpreter.
     pub apart: Disagreement,
-    /// Samples discarded by either the driver or the evaluator, not both.
+    /// Samples discarded by either the driver or the interpreter, not both.
     pub parted: u64,
     /// The reason it did not run, or stopped.
     pub failure: Option<String>,
 }
 
-/// Samples in which a driver and the evaluator disagree.
+/// Samples in which a driver and the interpreter disagree.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreement {
     /// The number of samples.
@@ -149,7 +149,7 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Backe
 }
 
 /// Returns the reason a driver did not run, or stopped.
-fn failure(seen: &Seen) -> Option<String> {
+fn failure(seen: &DriverRecord) -> Option<String> {
     let ran = seen.tally.samples;
     let Some(failure) = &seen.failure else {
         return (seen.cut && ran == 0).then(|| "time ran out before it finished".to_string());
@@ -226,7 +226,7 @@ pub(super) fn on_a_driver(
         case: found.case.clone(),
         condition: found.condition.clone(),
         gain: None,
-        // Whether it is permitted depends on the driver's result, not the evaluator's.
+        // Whether it is permitted depends on the driver's result, not the interpreter's.
         permitted: permitted(pure, sample, plan).map(|p| PermittedAt { any: !wrong, ..p }),
         against: None,
         backends: Vec::new(),

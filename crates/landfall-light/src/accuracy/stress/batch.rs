@@ -1,17 +1,17 @@
-//! Batches of samples with the evaluator's results, for the drivers to repeat.
+//! Batches of samples with the interpreter's results, for the drivers to repeat.
 
 use super::input::Sample;
 use super::measure::Outcome;
 use landfall_exec::harness::call::pure::PureCalled;
 
-/// Samples and their results on the evaluator.
+/// Samples and their results on the interpreter.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Batch {
     /// The words of each scalar, by sample.
     pub columns: Vec<Vec<u64>>,
     /// The `f64` of each float of the results, by sample.
     pub doubles: Vec<Vec<f64>>,
-    /// The outcome of each sample on the evaluator.
+    /// The outcome of each sample on the interpreter.
     pub outcomes: Vec<Outcome>,
     /// Whether the inputs are not finite: such samples do not count.
     pub special: bool,
@@ -20,7 +20,7 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Makes a batch of the evaluator's results.
+    /// Makes a batch of the interpreter's results.
     pub fn of(
         columns: Vec<Vec<u64>>,
         called: PureCalled,

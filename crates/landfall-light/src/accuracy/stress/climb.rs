@@ -30,8 +30,8 @@ pub(super) struct Climbs<'c, 'r> {
 
 /// The backend whose error a climb maximises.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Whose {
-    Evaluator,
+pub(super) enum ClimbTarget {
+    Interpreter,
     /// The driver of that index, with its error at the start.
     Driver(usize, f64),
 }
@@ -42,7 +42,7 @@ pub(super) fn climb(
     generator: &Generator<'_>,
     plan: &Plan,
     start: &Sample,
-    (height, whose): (impl Fn(&Off) -> f64, Whose),
+    (height, whose): (impl Fn(&Off) -> f64, ClimbTarget),
     random: &mut Random,
     climbs: &mut Climbs<'_, '_>,
 ) -> (Sample, Off) {
@@ -58,8 +58,8 @@ pub(super) fn climb(
     }
     let mut best = (start.clone(), Off::default());
     let mut highest = match whose {
-        Whose::Evaluator => 0.0,
-        Whose::Driver(_, height) => height,
+        ClimbTarget::Interpreter => 0.0,
+        ClimbTarget::Driver(_, height) => height,
     };
     let mut idle = 0;
     for round in 0..ROUNDS {
@@ -93,8 +93,8 @@ pub(super) fn climb(
         (0..known).for_each(|_| batch.drop_first());
         outcomes[known..].iter().for_each(|outcome| climbs.tally.add(*outcome));
         match whose {
-            Whose::Evaluator => climbs.drivers.add(batch),
-            Whose::Driver(driver, _) => {
+            ClimbTarget::Interpreter => climbs.drivers.add(batch),
+            ClimbTarget::Driver(driver, _) => {
                 let there = climbs.drivers.climbed(batch).swap_remove(driver);
                 if there.is_empty() {
                     break;

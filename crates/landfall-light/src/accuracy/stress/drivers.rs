@@ -10,7 +10,7 @@ use super::deadline::Deadline;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats};
 use super::plan::{Plan, columns};
-use super::verdict::{Judge, Seen, Why, singles};
+use super::verdict::{DriverRecord, Judge, Why, singles};
 use landfall_exec::backend::{Backend, BackendKind, FailureKind};
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 use landfall_exec::harness::call::pure::PureFunction;
@@ -22,18 +22,18 @@ const LIMIT: Duration = Duration::from_secs(20);
 const OVERTIME: Duration = Duration::from_secs(1);
 
 /// A driver, and its floats by sample or the reason there are none.
-pub(super) type Given = (BackendKind, Result<Vec<Vec<f32>>, String>);
+pub(super) type DriverFloats = (BackendKind, Result<Vec<Vec<f32>>, String>);
 
 /// A driver with its kernel and record.
-struct Seat<'r> {
+struct DriverSlot<'r> {
     backend: &'r mut dyn Backend,
     driven: Option<Kernel<'r>>,
-    seen: Seen,
+    seen: DriverRecord,
 }
 
 /// All requested drivers.
 pub(super) struct Drivers<'r> {
-    seats: Vec<Seat<'r>>,
+    seats: Vec<DriverSlot<'r>>,
     judge: Judge<'r>,
     /// Samples of climbs, collected into larger batches.
     waiting: Batch,
@@ -47,7 +47,7 @@ pub(super) struct Drivers<'r> {
 const WAITING: usize = 1024;
 
 impl<'r> Drivers<'r> {
-    /// Takes the drivers among the backends: the evaluator always runs.
+    /// Takes the drivers among the backends: the interpreter always runs.
     pub fn new(
         pure: &'r PureFunction,
         inputs: &'r [Input],
@@ -61,7 +61,11 @@ impl<'r> Drivers<'r> {
                 Ok(driven) => (Some(driven), None),
                 Err(failure) => (None, Some(failure)),
             };
-            Seat { backend: backend.as_mut(), driven, seen: Seen::new(device, failure) }
+            DriverSlot {
+                backend: backend.as_mut(),
+                driven,
+                seen: DriverRecord::new(device, failure),
+            }
         });
         Drivers {
             seats: seats.collect(),
@@ -145,7 +149,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns each driver's floats for samples, or the reason there are none.
-    pub fn ask(&mut self, samples: &[Sample]) -> Vec<Given> {
+    pub fn ask(&mut self, samples: &[Sample]) -> Vec<DriverFloats> {
         let floats = &self.judge.floats;
         let each = self.seats.iter_mut().map(|seat| {
             let columns = columns(samples);
@@ -162,12 +166,12 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns the records so far.
-    pub fn seen(&self) -> Vec<Seen> {
+    pub fn seen(&self) -> Vec<DriverRecord> {
         self.seats.iter().map(|seat| seat.seen.clone()).collect()
     }
 }
 
-impl Seat<'_> {
+impl DriverSlot<'_> {
     fn call(
         &mut self,
         columns: &[Vec<u64>],

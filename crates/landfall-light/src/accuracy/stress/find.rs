@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rustc_hash::FxHashMap;
 
 use super::classify::{Candidate, Examined, examine};
-use super::climb::{Climbs, Whose, climb};
+use super::climb::{ClimbTarget, Climbs, climb};
 use super::generate::Generator;
 use super::input::Sample;
 use super::kept::{Exemplars, Kept, Why};
@@ -80,7 +80,7 @@ pub(super) fn findings(
                 generator,
                 plan_of_climbs,
                 &kept.sample,
-                (steps, Whose::Evaluator),
+                (steps, ClimbTarget::Interpreter),
                 &mut random,
                 climbs,
             )

@@ -1,6 +1,6 @@
 //! Statistics of samples, and the samples kept for examination.
 //!
-//! Filled by the evaluator's threads ([`worker`](super::worker)) and by the drivers
+//! Filled by the interpreter's threads ([`worker`](super::worker)) and by the drivers
 //! ([`verdict`](super::verdict)); read by [`find`](super::find) and by the report.
 
 use rustc_hash::FxHashMap;

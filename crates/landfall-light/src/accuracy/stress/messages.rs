@@ -21,7 +21,7 @@ impl Found {
             (None, Outcome::Off(off, _)) if self.kind.is_none() => {
                 format!(": {} ULP off", figure(off.ulp))
             }
-            (None, Outcome::Off(..)) => ": not visible in the evaluator's result".to_string(),
+            (None, Outcome::Off(..)) => ": no error in the interpreter's result".to_string(),
             (None, Outcome::Discarded) => String::new(),
         };
         let what = match self.backend {

@@ -15,7 +15,7 @@ pub struct PermittedAt {
     /// The largest error of a conformant device against the `f64`, in steps; infinite where results
     /// are unbounded.
     pub steps: f64,
-    /// Whether the evaluator's `f32` is within it.
+    /// Whether the interpreter's `f32` is within it.
     pub any: bool,
 }
 

@@ -64,7 +64,7 @@ pub struct Report {
     pub files: Files,
 }
 
-pub(super) struct Made<'a> {
+pub(super) struct ReportParts<'a> {
     pub source: &'a Source,
     pub options: &'a Options,
     pub request: &'a Request,
@@ -91,8 +91,8 @@ pub(super) struct Made<'a> {
 /// only counted.
 const EACH: [usize; 2] = [12, 3];
 
-pub(super) fn report(mut made: Made<'_>) -> Report {
-    let Made { pure, inputs, plan, source, .. } = made;
+pub(super) fn report(mut made: ReportParts<'_>) -> Report {
+    let ReportParts { pure, inputs, plan, source, .. } = made;
     let PureRequest { textures, floats, .. } = &made.request.pure;
     let fixed = fixed(source, made.options, textures);
     let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };

@@ -61,7 +61,7 @@ pub(super) fn run(
         vec![work(None)]
     } else {
         std::thread::scope(|scope| {
-            // A bounded channel limits memory if a driver is slower than the evaluator.
+            // A bounded channel limits memory if a driver is slower than the interpreter.
             let (to, from) = sync_channel::<Batch>(threads);
             let work = &work;
             let spawn = |_| {

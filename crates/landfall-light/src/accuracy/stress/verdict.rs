@@ -1,4 +1,4 @@
-//! Compares a driver's results with the evaluator's `f64` of the same inputs.
+//! Compares a driver's results with the interpreter's `f64` of the same inputs.
 //!
 //! Takes results from [`drivers`](super::drivers); keeps the records that
 //! [`backends`](super::backends) reports.
@@ -31,11 +31,11 @@ pub(super) enum Why {
     Ulp,
     /// The largest error in steps.
     Steps,
-    /// Beyond the error limit on the driver but not on the evaluator.
+    /// Beyond the error limit on the driver but not on the interpreter.
     Apart,
-    /// Not finite on the driver but finite on the evaluator.
+    /// Not finite on the driver but finite on the interpreter.
     NotFinite,
-    /// Finite on the driver but not on the evaluator.
+    /// Finite on the driver but not on the interpreter.
     Hidden,
 }
 
@@ -48,7 +48,7 @@ pub(super) type Answered = Kept<(Sample, Vec<f32>)>;
 
 /// The record of one driver.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
+pub(super) struct DriverRecord {
     pub device: Device,
     /// The samples with finite inputs; errors where both results are finite.
     pub tally: Tally,
@@ -56,7 +56,7 @@ pub(super) struct Seen {
     pub counts: [u64; 5],
     /// The worst samples for each [`Why`], with the driver's floats.
     pub tops: [Vec<Answered>; 5],
-    /// The samples discarded by either the driver or the evaluator, not both.
+    /// The samples discarded by either the driver or the interpreter, not both.
     pub parted: u64,
     /// The time spent in the driver.
     pub busy: Duration,
@@ -106,10 +106,10 @@ pub(super) fn came(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> DriverOu
     })
 }
 
-impl Seen {
+impl DriverRecord {
     /// The record of a driver that has run nothing.
-    pub fn new(device: Device, failure: Option<Failure>) -> Seen {
-        Seen {
+    pub fn new(device: Device, failure: Option<Failure>) -> DriverRecord {
+        DriverRecord {
             device,
             tally: Tally::default(),
             counts: [0; 5],

@@ -39,7 +39,7 @@ impl<'a> Worker<'a> {
     /// Runs a chunk.
     ///
     /// # Errors
-    /// Code that the evaluator does not support.
+    /// Code that the interpreter does not support.
     pub fn run(&mut self, number: usize, chunk: &Chunk) -> Result<(), Failure> {
         let watch = matches!(chunk.family, Family::Coincidences | Family::Scenes | Family::Every);
         self.part(number, chunk, 0..chunk.samples.len(), watch)

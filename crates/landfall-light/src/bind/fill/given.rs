@@ -11,7 +11,7 @@ use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
 
 /// The sources of all values.
-pub(super) struct Given<'a> {
+pub(super) struct ValueSources<'a> {
     pub upload: &'a Upload,
     pub lit: &'a Lit<'a>,
     pub material: &'a Material,
@@ -48,7 +48,7 @@ impl Number {
 /// The range of a light without one: far enough that a window is 1 at any distance.
 const ENDLESS: f64 = threshold::COORDINATE.value;
 
-impl Given<'_> {
+impl ValueSources<'_> {
     /// Returns the number of elements of a quantity.
     pub(super) fn count(&self, quantity: Quantity) -> usize {
         match quantity {

@@ -153,7 +153,7 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
     }
     let mut coefficient = |key, default| {
         let Some(at) = object.get(key) else { return Some(default) };
-        let why = "with a negative coefficient light grows without end at some distance";
+        let why = "with a negative coefficient the attenuation divides by zero at some distance";
         walk.not_negative(&at, Code::NegativeAttenuation, why)
     };
     let constant = coefficient("constant", 1.0);

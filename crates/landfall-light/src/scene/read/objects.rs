@@ -50,7 +50,7 @@ pub(super) fn read(
 
 struct Reader<'r> {
     materials: Option<&'r [Material]>,
-    /// The path of the scene, to whose folder file names are relative.
+    /// The path of the scene, to whose directory file names are relative.
     path: &'r str,
     open: &'r Open<'r>,
     /// The files read so far; `None` for an invalid one.

@@ -1,5 +1,5 @@
 //! Adds an entry point to a module that calls the function once per lane, for wgpu and the
-//! evaluator.
+//! interpreter.
 //!
 //! Compute, or a fragment stage if the function needs one (discards, implicit derivatives) or reads
 //! many words.
