@@ -11,6 +11,7 @@ mod constants;
 mod declarations;
 mod directive;
 pub mod evaluate;
+mod globals;
 mod implicit_size;
 mod include;
 mod layout_ids;

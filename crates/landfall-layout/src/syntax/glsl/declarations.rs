@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::ast::{Declaration, Item, Qualifiers, Storage, TypeBase};
 use super::constants::Constants;
 use super::evaluate::kind_of;
-use super::legality::Globals;
+use super::globals::Globals;
 use super::lexer::Token;
 use super::members::TypeName;
 use super::parser::Parser;
