@@ -132,10 +132,10 @@ fn what_does_not_fit_is_said_with_its_place_in_the_json() {
     for (function, arguments, words) in [
         ("direktion", "[]", "did you mean `direction`?"),
         ("direction", "[]", "`direction(vec3)` takes 1 argument, but none was given"),
-        ("direction", "[[1, 2]]", "`args[0]`: expected an array of 3 numbers for a `vec3`"),
+        ("direction", "[[1, 2]]", "`args[0]` is a `vec3`: expected an array of 3 numbers"),
         ("direction", "[[1, 2, 1e99]]", "`args[0][2]`: 1e+99 does not fit `float`"),
         ("direction", "[[1, 2", "`--args` is not JSON"),
-        ("lit", r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#, "`args[0].color[2]`: `float`"),
+        ("lit", r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#, "`args[0].color[2]` is a `float`"),
         ("lit", r#"[{"color": [1, 2, 3], "powr": 1}, 0]"#, "`args[0].power` is not given"),
         ("third", "[1]", "2 functions `third` take these arguments"),
         ("third(bool)", "[1]", "no function `third` has these parameters"),

@@ -135,7 +135,7 @@ fn descriptions(text: &str) -> Vec<(usize, String)> {
         let (_, rest) =
             line.split_once("\"description\":").or_else(|| line.split_once("\"title\":"))?;
         let rest = rest.trim().strip_prefix('"')?;
-        let end = rest.rfind('"')?;
+        let (end, _) = rest.match_indices('"').find(|&(at, _)| !rest[..at].ends_with('\\'))?;
         Some((index + 1, rest[..end].replace("\\\"", "\"")))
     });
     described.collect()
@@ -190,7 +190,7 @@ const LAST: &str = "after the tests";
 
     #[test]
     fn descriptions_of_schemas_are_listed() {
-        let text = "{\n  \"type\": \"object\",\n  \"description\": \"Says \\\"why\\\".\"\n}\n";
+        let text = "{\n  \"type\": \"object\",\n  \"description\": \"Says \\\"why\\\".\", \"a\": \"b\"\n}\n";
         let found = visible(&[file("src/report/schema/a.json", text)]);
         let found: Vec<String> = found.iter().map(Visible::to_string).collect();
         assert_eq!(found, ["src/report/schema/a.json:3: Says \"why\"."]);

@@ -82,7 +82,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
     if !bounded {
         return Err(refused(
             None,
-            "the text is too long or nested too deeply for naga".to_string(),
+            "the shader is too long or nested too deeply for naga".to_string(),
         ));
     }
     let result = panic::catch_unwind(AssertUnwindSafe(|| match source.language {
@@ -105,7 +105,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         }
     }));
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
-    result.unwrap_or_else(|_| Err(refused(None, "naga panicked on this text".to_string())))
+    result.unwrap_or_else(|_| Err(refused(None, "naga panicked on this shader".to_string())))
 }
 
 /// Sets the overrides to the values of `-O`, as their initialisers.

@@ -319,7 +319,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
             let span = Span { file: index as u32, start: 0, end: 0 };
             problems.push(
                 Diagnostic::error(Code::NotPortable, span, message)
-                    .with_help("port the included file's text as part of the shader"),
+                    .with_help("paste the included file into the shader and port the result"),
             );
         }
     }

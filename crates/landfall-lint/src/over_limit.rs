@@ -22,7 +22,7 @@ pub(super) const LINT: Lint = Lint {
           `--target`, because no limit holds everywhere. Sizes are those of the layout, a \
           runtime-sized array at the end counted with one element. Blocks of a WGSL module are \
           counted only if it has one entry point, and in Vulkan and WebGPU only those whose names \
-          the text uses: what an entry point does not use takes no binding there.",
+          the shader uses: what an entry point does not use takes no binding there.",
     example: "#version 330 core\n\
               // Checked with `--target gl33`.\n\
               layout(std140) uniform Bones { mat4 pose[257]; } u_bones;\n\

@@ -28,8 +28,8 @@ pub(super) const LINT: Lint = Lint {
     why: "A `vec3` or a matrix after a lone scalar starts at the next multiple of 16 and leaves a \
           hole. The finding names the smallest order and the bytes it saves, per element for a \
           structure in an array. Allowed by default, because it wastes memory but is correct, and \
-          every copy of the structure has to follow the change. Never reported where the text \
-          states an offset.",
+          every copy of the structure has to follow the change. Never reported where the shader \
+          declares an offset.",
     example: "\
 #version 330 core
 layout(std140) uniform Light {

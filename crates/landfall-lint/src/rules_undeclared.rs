@@ -17,7 +17,7 @@ pub(super) const LINT: Lint = Lint {
           members as it likes, and only a query (glGetActiveUniformsiv) returns where they are. \
           Offsets computed in any other way, by Landfall too, are right by chance only. Vulkan's \
           defaults are std140 and std430, so nothing is reported where `vulkan` is a target and no \
-          OpenGL is, nor in texts of version 4.50 on that Vulkan accepts as they stand: a binding \
+          OpenGL is, nor in shaders of version 4.50 on that Vulkan accepts unchanged: a binding \
           on every block, no loose uniforms. `--fix` writes the qualifier where there was none: \
           host code that queries the driver keeps working, as it receives the new offsets, and \
           host code that does not query must have assumed std140; but every stage of a program has \

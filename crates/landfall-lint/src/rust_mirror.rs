@@ -58,8 +58,8 @@ pub(super) const UNKNOWN: Lint = Lint {
     // Nothing is known to be wrong.
     level: Level::Warn,
     what: "a mirror that could not be compared with its block",
-    why: "A field has a type that Landfall does not know, or no checked shader has the block: the \
-          mirror was asked for but is not checked.",
+    why: "A field has a type that Landfall does not know, or no checked shader has the block, so \
+          that the mirror is not checked.",
     example: "\
 // landfall: mirror(Light)
 #[repr(C)]

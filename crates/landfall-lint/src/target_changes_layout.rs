@@ -8,11 +8,11 @@ use landfall_layout::layout::targets::CODE;
 pub(super) const LINT: Lint = Lint {
     code: CODE,
     level: Level::Warn,
-    what: "a block whose layout depends on whether the text is compiled for OpenGL or Vulkan",
-    why: "A text that tests `#ifdef VULKAN`, and contains nothing else that only one of the two \
+    what: "a block whose layout depends on whether the shader is compiled for OpenGL or Vulkan",
+    why: "A shader that tests `#ifdef VULKAN`, and contains nothing else that only one of the two \
           APIs accepts, is compiled for both. If a block has other members in the two branches, a \
           buffer filled for one API is read at the wrong bytes by the other. Landfall reads such a \
-          text as Vulkan's from version 4.40 and ES 3.10 on, and as OpenGL's below; `--target` \
+          shader as Vulkan's from version 4.40 and ES 3.10 on, and as OpenGL's below; `--target` \
           chooses explicitly.",
     example: "\
 #version 330 core

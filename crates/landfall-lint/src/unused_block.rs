@@ -14,10 +14,10 @@ pub(super) const LINT: Lint = Lint {
     level: Level::Allow,
     what: "a block that no function of the shader reads or writes",
     why: "Drivers remove an unused block: `glGetUniformBlockIndex` does not find it, and a bind \
-          group layout that wgpu derives from the shader lacks its binding. Only detected in texts \
-          that naga accepts unchanged, with an entry point: WGSL, and Vulkan GLSL without `#if`. \
-          Blocks of included files are ignored. Allowed by default, because shared declarations \
-          are often wanted.",
+          group layout that wgpu derives from the shader lacks its binding. Only detected in \
+          shaders that naga accepts unchanged, with an entry point: WGSL, and Vulkan GLSL without \
+          `#if`. Blocks of included files are ignored. Allowed by default, because shared \
+          declarations are often wanted.",
     example: "\
 #version 450
 layout(std140, set = 0, binding = 0) uniform Camera { mat4 view; } camera;

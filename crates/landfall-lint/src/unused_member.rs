@@ -17,7 +17,7 @@ pub(super) const LINT: Lint = Lint {
     level: Level::Allow,
     what: "a member of a block that no function of the shader reads or writes",
     why: "It costs bytes and an upload, and is often a leftover, or a typo that makes the shader \
-          read another member. Only detected in texts that naga accepts unchanged, with an entry \
+          read another member. Only detected in shaders that naga accepts unchanged, with an entry \
           point: WGSL, and Vulkan GLSL without `#if`. A structure that is copied as a whole uses \
           all its members; names that mean padding (`_pad`, `reserved`) are ignored. Allowed by \
           default, because blocks are shared.",

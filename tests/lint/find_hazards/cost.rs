@@ -52,10 +52,10 @@ fn a_light_of_four_members_takes_48_bytes_and_32_in_another_order() {
     // 32 bytes of scalars, 16 of padding. As vec3, float, vec3, float: 32.
     let expected = "\
 a.frag
-kind   light              block                    bytes  padding  slots  array  block bytes
-point  PointLight data[]  uniform Lights (std140)     48       16      8    384          400
+kind   bytes  padding  slots  array  block  light
+point     48       16      8    384    400  PointLight data[]
 
-PointLight data[]
+PointLight data[] in uniform Lights (std140)
   intensity  intensity  float   0
   position   pos        vec3   16
   range      radius     float  28

@@ -137,7 +137,8 @@ impl<'a> Lowerer<'a> {
                 let message =
                     format!("naga cannot represent the layout of block `{}`", layout.name);
                 return Err(refuse(span, message).help(
-                    "a block that naga takes only as an array of words cannot contain 16-bit numbers or atomics",
+                    "naga gets this block as an array of 32-bit words, which cannot hold 16-bit \
+                     numbers or atomics",
                 ));
             }
         };

@@ -162,9 +162,8 @@ pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
 
 /// Returns the bits of `inf`, `-inf`, `nan` or `nan:0x…`.
 fn word_bits(scalar: Scalar, word: &str) -> Result<u64, Unfit> {
-    let kind = Unfit::Kind(
-        "a number, \"inf\", \"-inf\", \"nan\", or \"nan:0x7fc00000\" for a NaN with these bits",
-    );
+    let kind =
+        Unfit::Kind("a number, \"inf\", \"-inf\", \"nan\" or \"nan:0x…\" (a NaN by its bits)");
     let infinite = |number: f64| {
         let bits = narrow(scalar, number);
         if widen(scalar, bits).is_infinite() { Ok(bits) } else { Err(Unfit::Range) }

@@ -129,7 +129,7 @@ fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Langua
     Misfit {
         code: Code::WrongValue,
         message: format!(
-            "`{at}`: expected {wanted} for a `{}`, found {}",
+            "`{at}` is a `{}`: expected {wanted}, found {}",
             spelled(ty, language),
             kind(value)
         ),
@@ -262,14 +262,20 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_said_with_its_place() {
         for (json, message) in [
-            (r#"{"color": [1, 2, "x"], "on": true}"#, "`args[1].color[2]`: expected a number"),
+            (
+                r#"{"color": [1, 2, "x"], "on": true}"#,
+                "`args[1].color[2]` is a `float`: expected a number",
+            ),
             (r#"{"color": [1, 2, 1e39], "on": true}"#, "`args[1].color[2]`: 1e+39 does not fit"),
-            (r#"{"color": [1, 2], "on": true}"#, "`args[1].color`: expected an array of 3"),
+            (
+                r#"{"color": [1, 2], "on": true}"#,
+                "`args[1].color` is a `vec3`: expected an array of 3",
+            ),
             (r#"{"color": [1, 2, 3]}"#, "`args[1].on` is not given"),
             (r#"{"color": [1, 2, 3], "on": 1, "off": 2}"#, "`args[1].off`: `Light` has no member"),
             (
                 "7",
-                "`args[1]`: expected an object with a value for each member for a `Light`, found 7",
+                "`args[1]` is a `Light`: expected an object with a value for each member, found 7",
             ),
         ] {
             let found = read(json).expect_err(json);

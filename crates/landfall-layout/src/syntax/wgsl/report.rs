@@ -55,7 +55,7 @@ pub(super) fn span(token: Token) -> Span {
 /// Returns the diagnostic for an unexpected token.
 pub(super) fn unexpected(lexer: &Lexer<'_>, token: Token, expected: &str) -> Diagnostic {
     let found = match token.kind {
-        Kind::End => "the end of the text".to_string(),
+        Kind::End => "the end of the file".to_string(),
         Kind::Word | Kind::Number | Kind::Sign(_) => format!("`{}`", lexer.text_of(token)),
     };
     let message = format!("expected {expected}, found {found}");
@@ -109,7 +109,7 @@ pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     };
     let span = Span { file: 0, start: token.start, end };
     Diagnostic::error(Code::Preprocessor, span, format!("`{shown}` is not WGSL but {tool}"))
-        .with_note("the declarations are known only after the text is composed")
+        .with_note("the declarations are known only after composition")
         .with_help(format!("compose the shader with {tool} first, and lay out the result"))
 }
 
