@@ -38,6 +38,15 @@ enum VariantKind {
     Plan(culling::Options),
 }
 
+impl VariantKind {
+    fn is_planned(&self) -> bool {
+        match self {
+            VariantKind::Plan(_) | VariantKind::Shader(_, _, Some(_)) => true,
+            VariantKind::Rust(..) | VariantKind::Shader(_, _, None) => false,
+        }
+    }
+}
+
 pub fn bench(
     args: &BenchArgs,
     streams: &Streams,
@@ -97,10 +106,7 @@ pub fn bench(
     }
     let likely = || renderers.iter().flatten().next().map(|renderer| truth::likely(&renderer.map));
     let model: Model = own.model.or_else(likely).unwrap_or_default();
-    let plans = variants.iter().any(|(_, what)| match what {
-        VariantKind::Plan(_) | VariantKind::Shader(_, _, Some(_)) => true,
-        VariantKind::Rust(..) | VariantKind::Shader(_, _, None) => false,
-    });
+    let plans = variants.iter().any(|(_, what)| what.is_planned());
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
     let all = frame.fragments.len();
