@@ -14,8 +14,8 @@ use super::{
 };
 use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind};
 use crate::harness::bindings::kind as buffer_of;
-use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::harness::probe::cause::OtherRules;
+use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::harness::probe::{Got, ProbeResult, cause, results, sentinel};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::{BlockLayout, Leaf};
@@ -57,8 +57,7 @@ impl Verifier<'_> {
             }
             // The same on every backend.
             let left_out = plans.unprobed.into_iter();
-            unprobed =
-                left_out.map(|it| Unprobed { path: it.path, reason: it.reason }).collect();
+            unprobed = left_out.map(|it| Unprobed { path: it.path, reason: it.reason }).collect();
         }
         BlockReport {
             name: self.block.name.to_string(),
