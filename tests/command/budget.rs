@@ -52,7 +52,7 @@ fn folder(name: &str) -> PathBuf {
         put(&format!("tree/{n}.frag"), &shader);
         put(&format!("other/{n}.frag"), &shader.replace("vec4 m7;", "float m7;"));
     }
-    put("big.frag", &block_of(60_000));
+    put("big.frag", &block_of(400_000));
     put("members.frag", &block_of(12_000));
     put("deep.frag", &doubling());
     let face = "f 1 2 3\n".repeat(400_000);
@@ -132,7 +132,7 @@ fn assert_nothing_unfinished(folder: &Path, of: &[&str]) {
 fn ctrl_c_ends_every_command_within_half_a_second() {
     let folder = folder("interrupt");
     fs::write(folder.join("values.json"), "{}").unwrap();
-    fs::write(folder.join("bytes.bin"), vec![0; 16 * 60_000]).unwrap();
+    fs::write(folder.join("bytes.bin"), vec![0; 16 * 400_000]).unwrap();
     for arguments in commands() {
         let mut shortest = Duration::MAX;
         for _ in 0..5 {
@@ -187,7 +187,7 @@ fn an_interrupted_lock_removes_no_lock() {
 fn every_command_ends_at_its_limit_of_time() {
     let folder = folder("time");
     fs::write(folder.join("values.json"), "{}").unwrap();
-    fs::write(folder.join("bytes.bin"), vec![0; 16 * 60_000]).unwrap();
+    fs::write(folder.join("bytes.bin"), vec![0; 16 * 400_000]).unwrap();
     for arguments in commands() {
         let limited: Vec<&str> = [&arguments[..], &["--max-time", "0.05"]].concat();
         let (output, _) = output(start(&folder, &limited)).join().unwrap();
@@ -204,7 +204,7 @@ fn every_command_ends_at_its_limit_of_time() {
 fn every_command_ends_at_its_limit_of_memory() {
     let folder = folder("memory");
     fs::write(folder.join("values.json"), "{}").unwrap();
-    fs::write(folder.join("bytes.bin"), vec![0; 16 * 60_000]).unwrap();
+    fs::write(folder.join("bytes.bin"), vec![0; 16 * 400_000]).unwrap();
     for arguments in commands() {
         let limited: Vec<&str> = [&arguments[..], &["--max-memory", "4"]].concat();
         let (output, _) = output(start(&folder, &limited)).join().unwrap();

@@ -111,3 +111,44 @@ fn texts_of_other_languages_are_named_and_refused() {
         assert!(!read(text, None).has_errors(), "{text}: {:?}", read(text, None).diagnostics);
     }
 }
+
+/// Each text with glslang's answer, and beside it the closest one that compilers take.
+#[test]
+fn members_of_blocks_take_no_qualifier_of_blocks_or_inputs_and_no_value() {
+    let of = |block: &str, member: &str| {
+        format!(
+            "#version 450\nlayout({block}, binding = 0) uniform U {{ {member}; }};\n\
+             void main() {{}}\n"
+        )
+    };
+    for (block, member, right, code) in [
+        ("std140", "layout(std430) vec4 a", "layout(row_major) mat4 a", "layout-qualifier"),
+        ("std140", "layout(std140) vec4 a", "layout(offset = 16) vec4 a", "layout-qualifier"),
+        ("std140", "layout(shared) vec4 a", "layout(align = 32) vec4 a", "layout-qualifier"),
+        ("std140", "layout(binding = 1) vec4 a", "vec4 a", "layout-qualifier"),
+        ("packed", "layout(offset = 16) vec4 a", "vec4 a", "layout-qualifier"),
+        ("shared", "layout(align = 16) vec4 a", "vec4 a", "layout-qualifier"),
+        ("std140, shared, align = 16", "vec4 a", "", "layout-qualifier"),
+        ("std140", "sample vec4 a", "vec4 a", "syntax"),
+        ("std140", "flat vec4 a", "highp vec4 a", "syntax"),
+        ("std140", "centroid vec4 a", "vec4 a", "syntax"),
+        ("std140", "vec4 a = vec4(1.0)", "vec4 a", "syntax"),
+        ("std140", "vec4 a, b = vec4(1.0)", "vec4 a, b", "syntax"),
+    ] {
+        let text = of(block, member);
+        assert!(!is_taken(&text, Client::OpenGl), "{text}");
+        let shader = read(&text, None);
+        assert_eq!(severities(&text, code), [Severity::Error], "{text}: {:?}", shader.diagnostics);
+        let rule = shader.diagnostics.iter().flat_map(|found| &found.notes);
+        assert!(rule.into_iter().any(|note| note.starts_with("GLSL 4.60 §4.")), "{text}");
+        assert!(shader.blocks.is_empty(), "{text}");
+        if right.is_empty() {
+            continue;
+        }
+        let text = of(block, right);
+        // glslang makes SPIR-V, which has no `shared` and no `packed`.
+        assert!(block != "std140" || is_taken(&text, Client::OpenGl), "{text}");
+        assert_eq!(severities(&text, code), [], "{text}");
+        assert_eq!(read(&text, None).blocks.len(), 1, "{text}");
+    }
+}

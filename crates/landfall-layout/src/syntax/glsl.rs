@@ -23,6 +23,7 @@ pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod rejected;
 mod splice;
 mod target;
 pub mod types;
