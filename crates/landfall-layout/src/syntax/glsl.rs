@@ -23,7 +23,6 @@ pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
-mod rejected;
 mod splice;
 mod target;
 pub mod types;

@@ -27,7 +27,6 @@ impl<'a> Reader<'a> {
         if !block.closed {
             return;
         }
-        read.problems.extend(self.rejected(block));
         let mut count = Vec::new();
         if let Some(instance) = &block.instance {
             let token = self.parser.token_of(instance);
