@@ -419,3 +419,38 @@ fn loose_uniforms_are_judged_by_their_names() {
         assert!(out.contains(line), "{line}\n{out}");
     }
 }
+
+/// A killed process leaves the files of its revision; the next one removes them.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_of_killed_processes_are_removed() {
+    let tree = Tree::new("swept");
+    tree.git(&["init", "-q"]);
+    tree.write("a.frag", OLD);
+    tree.git(&["add", "."]);
+    tree.git(&["commit", "-q", "-m", "one"]);
+    let mut ended = Command::new("true").spawn().expect("true runs");
+    ended.wait().expect("it ends");
+    let (dead, alive) = (ended.id(), std::process::id());
+    let temporary = tree.0.join("tmp");
+    let kept = [
+        format!("landfall-diff-{alive}-0"),
+        format!("landfall-diff-{dead}"),
+        format!("landfall-diff-{dead}-x"),
+        format!("my-landfall-diff-{dead}-0"),
+    ];
+    for name in kept.iter().chain([&format!("landfall-diff-{dead}-0")]) {
+        tree.write(&format!("tmp/{name}/shaders/a.frag"), OLD);
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    command.args(["diff", "--rev", "HEAD", "a.frag"]).current_dir(&tree.0);
+    let output = command.env("TMPDIR", &temporary).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let names = fs::read_dir(&temporary).unwrap().flatten();
+    let mut names: Vec<String> =
+        names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    let mut kept = kept.to_vec();
+    kept.sort();
+    assert_eq!(names, kept);
+}

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod budget;
 mod ci_examples;
 mod cli;
 mod cli_bench;

@@ -334,3 +334,24 @@ fn is_known(source: &Source, backend: &str, reason: &str) -> bool {
         _ => named("buffer_reference.comp") || named("small_and_large_scalars.comp"),
     }
 }
+
+/// GLSL 4.60 §4.1.9: the length is the largest constant index plus one. Probes also read by
+/// indices that are known only at run time, which such an array does not take.
+#[test]
+fn arrays_without_a_length_are_read_where_they_are_laid_out() {
+    let text = "#version 450
+layout(std140, binding = 0) uniform U { float a[]; vec4 last; };
+layout(std430, binding = 1) buffer B { vec2 b [ ]; vec4 c; } s;
+layout(location = 0) out vec4 o;
+void main() { o = vec4(a[7] + a[2]) + last + vec4(s.b[3], 0.0, 0.0) + s.c; }
+";
+    let report = verified(&Source::new("open.frag", text), &VerifyOptions::default());
+    let sizes: Vec<(&str, u64)> =
+        report.blocks.iter().map(|block| (&*block.name, block.size)).collect();
+    // 8 elements of 16 bytes, and 4 of 8 bytes, each before 16 bytes.
+    assert_eq!(sizes, [("U", 144), ("B", 48)]);
+    for (block, backend) in each(&report) {
+        assert_eq!(backend.outcome, Outcome::Confirmed, "{block}: {backend:?}");
+        assert!(backend.reads.len() >= 12, "{block}: {} reads", backend.reads.len());
+    }
+}

@@ -294,6 +294,26 @@ fn declarations_stay_outside_conditions() {
     assert_eq!(new.as_deref(), Ok(want));
 }
 
+#[test]
+fn numbers_of_layout_qualifiers_are_constant_expressions() {
+    let new = text(
+        "#version 450\n#define BASE 2\nconst int N = 3;\n\
+         layout(std140, binding = 1 + 1) uniform U { vec4 a; };\n\
+         layout(binding = BASE + N) uniform sampler2D t;\n\
+         layout(location = N - 2) out vec4 c;\nuniform vec4 b;\n\
+         void main() { c = a + b + texture(t, vec2(0.0)); }\n",
+    )
+    .expect("it is portable");
+    for line in [
+        "layout(set = 0, binding = 2, std140) uniform U { vec4 a; };",
+        "layout(set = 0, binding = 5) uniform sampler2D t;",
+        "layout(location = N - 2) out vec4 c;",
+        "layout(set = 0, binding = 0, std140) uniform DefaultBlock {",
+    ] {
+        assert!(new.contains(line), "{line}\n{new}");
+    }
+}
+
 /// Broken text is refused or ported, never a panic.
 #[test]
 fn broken_text_does_no_harm() {

@@ -182,7 +182,7 @@ fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnosti
 fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
     let layouts = Options { read: read.clone(), ..Options::default() };
-    let shader = Shader::new(&ported.source.text, raw::read(&ported.source, &read));
+    let shader = Shader::new(&ported.source, &read);
     let mut problems = Vec::new();
     let text = separate::separate(&shader, &mut ported.bindings, &mut problems);
     if !problems.is_empty() {
@@ -208,7 +208,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
             format!("`{}` is {}, but only GLSL can be ported", source.path, source.language.name());
         return Err(vec![Diagnostic::error(Code::NotPortable, Span::default(), message)]);
     }
-    let shader = Shader::new(&source.text, raw::read(source, &options.read));
+    let shader = Shader::new(source, &options.read);
     let mut problems = readable(source, options, &shader);
     if !problems.is_empty() {
         return Err(problems);
@@ -398,7 +398,7 @@ fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32
 }
 
 fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::Passed> {
-    let shader = Shader::new(&partner.text, raw::read(partner, &options.read));
+    let shader = Shader::new(partner, &options.read);
     let stage = partner.stage.or_else(|| stage_of(&shader));
     let Some(stage) = stage else { return Vec::new() };
     let mut passed = interface::passed(&shader, partner, stage, &options.read);

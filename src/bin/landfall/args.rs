@@ -2,6 +2,7 @@
 
 #[cfg(feature = "exec")]
 mod bench;
+mod budget;
 mod check;
 mod codec;
 mod examples;
@@ -32,6 +33,7 @@ use landfall_layout::shape::DEFAULT_BLOCK;
 
 #[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
+pub use budget::BudgetArgs;
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "exec")]
@@ -63,6 +65,8 @@ pub struct Args {
     /// Print errors only: no warnings, notes or progress
     #[arg(short, long, global = true)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub budget: BudgetArgs,
 }
 
 #[derive(Debug, Subcommand)]

@@ -29,7 +29,7 @@ use landfall_layout::{Diagnostic, Error, Severity, lock};
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::read;
+use crate::{read, watch};
 use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
@@ -87,13 +87,14 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Locks are written after all fixes.
     let accept = args.accept && !args.fix;
     let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
-    let left_out = left_out(args, &run, &pass, streams);
+    let stopped = watch::is_stopped();
+    let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
     if args.diff {
         let outcome = diff(&run, pass, &mut cache, streams)?;
         return Ok(left_out.unwrap_or(outcome));
     }
     let mut applied = fix::AppliedFixes::default();
-    if args.fix {
+    if args.fix && !stopped {
         (pass, applied) = fix::fix(&run, pass, &mut cache.tree, streams)?;
         if args.accept {
             pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
@@ -104,7 +105,8 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         pass.no_input.push(found.located(&Files::default()));
     }
     let findings = match args.shard {
-        // Lints over all shaders run in `merge`.
+        // Lints over all shaders run in `merge`; of an interrupted run they are not all known.
+        _ if stopped => tree::sorted(tree::alone(&pass)),
         Some(_) => tree::sorted(tree::alone(&pass)),
         None => {
             let mismatches = verified::findings(&args.verified, &pass, &basis, &config.root)?;
@@ -113,7 +115,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let is_new =
         pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
-    if has_cache && is_new {
+    if has_cache && is_new && !stopped {
         if let Err(error) = cache.write(&pass) {
             cache_unused(&error, streams);
         }

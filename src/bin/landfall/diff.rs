@@ -13,6 +13,7 @@ use landfall_layout::{Error, ShaderLayout, lock};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::watch;
 use side::{Entry, Reading, Side, nothing};
 
 /// Width in columns without a terminal.
@@ -31,6 +32,10 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         style: streams.style(FindingForm::Human),
     };
     let mut sides = sides(args, &reading)?;
+    // Sides that were not read to their ends would differ.
+    if watch::is_stopped() {
+        return Ok(Outcome::Interrupted);
+    }
     sides.iter_mut().for_each(|(old, new)| agree(old, new));
     let failed = sides.iter().any(|(old, new)| old.failed || new.failed);
     let mut pairs = Vec::new();

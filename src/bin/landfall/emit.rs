@@ -12,7 +12,7 @@ use landfall_layout::{Diagnostic, Error, ShaderLayout};
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{given, read, write};
+use crate::{given, read, watch, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -36,8 +36,12 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             }
         }
     }
+    // The existing file stays unchanged.
+    if watch::is_stopped() {
+        return Ok(Outcome::Interrupted);
+    }
     if failed {
-        return Ok(Outcome::CouldNot); // the existing file stays unchanged
+        return Ok(Outcome::CouldNot);
     }
     let (text, refused) = text(args, &shaders);
     for found in &refused {

@@ -9,6 +9,7 @@ use ignore::{Walk, WalkBuilder};
 use landfall_layout::{Error, other_language, source};
 
 use crate::read::is_stdin;
+use crate::watch;
 
 /// One shader to read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,7 +78,8 @@ impl Iterator for Inputs {
     type Item = Result<Input, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        loop {
+        // After Ctrl-C there are no further inputs.
+        while !watch::is_stopped() {
             if let Some(search) = &mut self.walk {
                 match search.next() {
                     Some(Ok(input)) if !self.is_new(&input.path) => continue,
@@ -95,6 +97,7 @@ impl Iterator for Inputs {
                 return Some(input);
             }
         }
+        None
     }
 }
 

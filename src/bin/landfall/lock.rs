@@ -15,7 +15,7 @@ use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{given, read, work};
+use crate::{given, read, watch, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -44,7 +44,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         |done| tally.take(done, &job, streams),
     )?;
     let excluded = job.excluded.load(Ordering::Relaxed);
-    if tally.is_empty() && excluded > 0 {
+    if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
         let found = config::all_excluded(excluded, &[]);
         let (found, outcome) = match args.paths.is_empty() {
             true => (found, Outcome::CouldNot),
@@ -209,7 +209,8 @@ impl Tally {
 
     /// Reports or removes locks without a shader in the directories that were searched.
     fn orphans(&mut self, job: &Job<'_>, searched: &[String], streams: &Streams) {
-        if self.failed {
+        // Of an interrupted run the shaders are not all known.
+        if self.failed || watch::is_stopped() {
             return;
         }
         let (args, style) = (job.args, job.style);

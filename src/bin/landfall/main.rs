@@ -1,7 +1,8 @@
 //! The `landfall` command: parses the arguments, runs one command, returns an exit code.
 //!
 //! Exit codes: 0: no findings; 1: findings; 2: failure, such as wrong usage, a file that cannot be
-//! read or written, or an error in a shader; 130: interrupted after printing partial results.
+//! read or written, an error in a shader, or an exceeded budget; 130: interrupted after printing
+//! the results so far.
 //! Results go to stdout, findings to stderr.
 
 mod args;
@@ -22,8 +23,6 @@ mod encode;
 mod explain;
 mod given;
 mod inputs;
-#[cfg(feature = "exec")]
-mod interrupt;
 mod layout;
 mod lights;
 mod lock;
@@ -47,6 +46,7 @@ mod stdout;
 mod stress;
 #[cfg(feature = "exec")]
 mod verify;
+mod watch;
 mod work;
 mod write;
 
@@ -58,6 +58,7 @@ use output::{Failure, Streams};
 fn main() -> ExitCode {
     let args = args::parse();
     let streams = Streams::new(args.color, args.quiet);
+    watch::begin(&args.command, &args.budget, &streams);
     given::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
@@ -96,6 +97,11 @@ fn main() -> ExitCode {
         Command::Reader(args) => serve_backend::run(args),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
+        // Its inputs after the interrupt were not read.
+        Ok(_) if watch::is_stopped() => {
+            streams.notes("interrupted: these are the results so far\n");
+            output::Outcome::Interrupted.into()
+        }
         Ok(outcome) => {
             given::finish(&streams);
             outcome.into()

@@ -4,6 +4,7 @@ use landfall_layout::diagnostic::Code;
 use std::cell::RefCell;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anstream::{AutoStream, ColorChoice};
 #[cfg(feature = "exec")]
@@ -29,15 +30,24 @@ pub enum Outcome {
     Interrupted,
 }
 
+/// The exit code of an interrupted command: 128 plus the number of SIGINT, as without a handler.
+pub const INTERRUPTED: u8 = 130;
+
+impl Outcome {
+    /// The exit code.
+    pub fn code(self) -> u8 {
+        match self {
+            Outcome::Clean => 0,
+            Outcome::Findings => 1,
+            Outcome::CouldNot => 2,
+            Outcome::Interrupted => INTERRUPTED,
+        }
+    }
+}
+
 impl From<Outcome> for ExitCode {
     fn from(outcome: Outcome) -> ExitCode {
-        match outcome {
-            Outcome::Clean => ExitCode::SUCCESS,
-            Outcome::Findings => ExitCode::from(1),
-            Outcome::CouldNot => ExitCode::from(2),
-            // 128 plus the number of SIGINT, as for a command without a handler.
-            Outcome::Interrupted => ExitCode::from(130),
-        }
+        ExitCode::from(outcome.code())
     }
 }
 
@@ -97,9 +107,12 @@ impl FindingStyle {
     }
 }
 
+/// Buffered stdout.
+pub type Output = Mutex<BufWriter<Box<dyn Write + Send>>>;
+
 /// The two streams of the process.
 pub struct Streams {
-    stdout: RefCell<BufWriter<Box<dyn Write>>>,
+    stdout: Arc<Output>,
     /// Colours of text on stdout.
     pub paint: Paint,
     /// Colours of findings on stderr.
@@ -124,18 +137,27 @@ impl Streams {
         let stdout = io::stdout();
         let (to_stdout, to_stderr) =
             (AutoStream::choice(&stdout), AutoStream::choice(&io::stderr()));
-        let stdout: Box<dyn Write> = match paint(to_stdout) {
+        let stdout: Box<dyn Write + Send> = match paint(to_stdout) {
             // Plain text needs no filter.
             Paint::Plain => Box::new(stdout),
             Paint::Ansi => Box::new(AutoStream::new(stdout, to_stdout)),
         };
         Streams {
-            stdout: RefCell::new(BufWriter::with_capacity(1 << 16, stdout)),
+            stdout: Arc::new(Mutex::new(BufWriter::with_capacity(1 << 16, stdout))),
             paint: paint(to_stdout),
             finding_paint: paint(to_stderr),
             quiet,
             progress: RefCell::new(false),
         }
+    }
+
+    /// The buffer of stdout, shared with the watch over the process.
+    pub fn output(&self) -> Arc<Output> {
+        Arc::clone(&self.stdout)
+    }
+
+    fn buffer(&self) -> MutexGuard<'_, BufWriter<Box<dyn Write + Send>>> {
+        self.stdout.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Writes text to stdout, with control characters escaped for terminals and logs.
@@ -167,7 +189,7 @@ impl Streams {
             return Ok(());
         }
         open()?;
-        self.stdout.borrow_mut().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
+        self.buffer().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
     }
 
     /// Streams output to stdout unchanged; names in it come from layouts and are escaped.
@@ -176,7 +198,7 @@ impl Streams {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
         open()?;
-        write(&mut *self.stdout.borrow_mut()).map_err(|cause| stdout_failure(&cause))
+        write(&mut *self.buffer()).map_err(|cause| stdout_failure(&cause))
     }
 
     /// Checks that stdout can take binary data.
@@ -204,7 +226,7 @@ impl Streams {
     /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
-        self.stdout.borrow_mut().flush().map_err(|cause| stdout_failure(&cause))
+        self.buffer().flush().map_err(|cause| stdout_failure(&cause))
     }
 
     /// The formatter of findings.

@@ -18,7 +18,7 @@ use landfall_light::accuracy::stress::{BackendReport, MapRequest, Request, error
 use crate::args::{BackendName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
 use crate::run::textures;
-use crate::{backends, data, given, interrupt, read, write};
+use crate::{backends, data, given, read, watch, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -35,7 +35,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let began = Instant::now();
-    let stop = interrupt::watched();
+    let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let shows = streams.shows_progress_first();
     let shown = Mutex::new(Instant::now());

@@ -24,7 +24,7 @@ use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{data, given, read};
+use crate::{data, given, read, watch};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -253,6 +253,9 @@ impl Run<'_> {
     fn finish(self) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
             self.streams.json(print::json_closing(self.counts.shaders))?;
+        }
+        if watch::is_stopped() {
+            return Ok(Outcome::Interrupted);
         }
         if self.counts.blocks == 0 && self.counts.failed == 0 && !self.could_not {
             return self.nothing();

@@ -17,7 +17,8 @@ use crate::backend::{Backend, Failure};
 use crate::harness::access;
 use crate::harness::spirv;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{Source, Stage};
+use landfall_layout::source::{Language, Source, Stage};
+use landfall_layout::syntax::glsl::sized;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout};
 pub use report::{
     BackendReport, BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy,
@@ -66,7 +67,8 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Lays out a shader, its loose uniforms gathered into a block.
+    /// Lays out a shader, its loose uniforms gathered into a block. Arrays that are as long as
+    /// their largest index have that length written, since probes read them by other indices.
     ///
     /// # Errors
     /// The errors that prevent a layout; the layout is returned for its files.
@@ -75,6 +77,9 @@ impl Subject {
         options: &VerifyOptions,
     ) -> Result<Subject, (ShaderLayout, Vec<Diagnostic>)> {
         let options = options.layout.clone().with_gather(true).with_naga(true);
+        let open = source.language == Language::Glsl && source.text.contains('[');
+        let sized = open.then(|| sized(source, &options.read)).flatten();
+        let source = sized.as_ref().unwrap_or(source);
         let shader = layout(source, &options);
         if shader.has_errors() {
             let found = shader.diagnostics.clone();

@@ -241,8 +241,13 @@ impl Program {
             Stopped::Budget(origin) => {
                 (FailureKind::TimedOut, "a loop exceeded the budget of iterations", origin)
             }
+            Stopped::Calls(origin) => (
+                FailureKind::Refused,
+                "one evaluation makes more calls than the evaluator runs",
+                origin,
+            ),
             Stopped::Deadline(origin) => {
-                (FailureKind::TimedOut, "a loop was still running at the time limit", origin)
+                (FailureKind::TimedOut, "the code was still running at the time limit", origin)
             }
             Stopped::Late => {
                 let message = "the time limit was reached before all invocations had run".into();

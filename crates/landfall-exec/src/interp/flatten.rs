@@ -4,9 +4,10 @@
 //! Reads naga's types with Landfall's offsets and strides; used by [`compile`](super::compile).
 
 use std::cell::RefCell;
+use std::rc::Rc;
 
 use naga::proc::TypeResolution;
-use naga::{ArraySize, Handle, ScalarKind, Type, TypeInner, UniqueArena};
+use naga::{ArraySize, Handle, ScalarKind, StructMember, Type, TypeInner, UniqueArena};
 use rustc_hash::FxHashMap;
 
 use super::code::{Class, Stored};
@@ -61,6 +62,9 @@ pub(super) struct Types<'a> {
     pub pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
     /// Memoised counts: a structure may contain another several times, at any depth.
     pub counted: RefCell<FxHashMap<Handle<Type>, Counted>>,
+    /// Memoised numbers of scalars before each member, by the address of a structure's first
+    /// member: code that reads every member looks each of them up.
+    pub before: RefCell<FxHashMap<*const StructMember, Rc<[u32]>>>,
 }
 
 impl<'a> Types<'a> {
@@ -183,11 +187,8 @@ impl<'a> Types<'a> {
     pub fn step(&self, inner: &TypeInner, index: u32) -> Result<Step, String> {
         match inner {
             TypeInner::Struct { members, .. } => {
-                let before = &members[..index as usize];
-                let leaves = before.iter().fold(0u32, |sum, member| {
-                    sum.saturating_add(self.total(&self.arena[member.ty].inner))
-                });
                 let member = &members[index as usize];
+                let leaves = self.before(members)[index as usize];
                 Ok(Step { ty: TypeResolution::Handle(member.ty), leaves, bytes: member.offset })
             }
             _ => {
@@ -199,6 +200,21 @@ impl<'a> Types<'a> {
                 }
             }
         }
+    }
+
+    /// Returns the number of scalars before each member of a structure.
+    fn before(&self, members: &[StructMember]) -> Rc<[u32]> {
+        if let Some(known) = self.before.borrow().get(&members.as_ptr()) {
+            return known.clone();
+        }
+        let before = members.iter().scan(0u32, |sum, member| {
+            let here = *sum;
+            *sum = sum.saturating_add(self.total(&self.arena[member.ty].inner));
+            Some(here)
+        });
+        let before: Rc<[u32]> = before.collect();
+        self.before.borrow_mut().insert(members.as_ptr(), before.clone());
+        before
     }
 
     /// Returns the type and strides of the elements of an array, matrix or vector.

@@ -50,6 +50,8 @@ pub(super) struct Image<'j> {
 pub(super) enum Stopped {
     /// A loop exceeded the budget of iterations.
     Budget(Origin),
+    /// The invocations made too many calls.
+    Calls(Origin),
     /// The deadline passed.
     Deadline(Origin),
     /// The deadline passed between two batches.
@@ -82,6 +84,10 @@ pub(super) struct Machine<'p, 'j, R> {
     /// Loop iterations of each lane, and those of the batch, which no lane exceeds.
     steps: [u32; LANES],
     batch_steps: u32,
+    /// Calls of the batch.
+    batch_calls: u64,
+    /// Instructions, as an estimate, until the deadline is checked again.
+    until_check: u32,
     /// Maximum loop iterations of one invocation.
     pub budget: u32,
     pub deadline: Option<Instant>,
@@ -113,6 +119,8 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             mask_of: 0,
             steps: [0; LANES],
             batch_steps: 0,
+            batch_calls: 0,
+            until_check: CHECKED_EVERY,
             budget: u32::MAX,
             deadline: None,
             barriers: false,
@@ -126,6 +134,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         (self.started, self.killed, self.unsure) = (lanes, 0, 0);
         self.steps = [0; LANES];
         self.batch_steps = 0;
+        self.batch_calls = 0;
         if let Ok(code) = &self.program.start {
             if let Ok(globals) = code.state {
                 self.go(globals, lanes)?;
@@ -211,12 +220,13 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 },
                 Op::Call(function) => {
                     self.tally.calls[function as usize] += self.count;
+                    self.call_tick(this)?;
                     self.frames.push(Frame::call(self.active, pc));
                     pc = program.starts[function as usize] as usize;
                 }
                 Op::Again(target) => {
                     if self.active != 0 {
-                        self.tick(this)?;
+                        self.tick(this, target)?;
                         pc = target as usize;
                     }
                 }
@@ -260,6 +270,12 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         self.wides[reg.number() as usize].as_mut().expect(HELD)
     }
 }
+
+/// Instructions between two checks of the deadline.
+const CHECKED_EVERY: u32 = 1 << 13;
+
+/// Calls of 64 invocations for each loop iteration that one invocation may run.
+const CALLS_PER_STEP: u64 = 1 << 10;
 
 /// The reason why a column exists: only the results of the current instruction are taken out of the
 /// file, and an instruction never reads its own results.

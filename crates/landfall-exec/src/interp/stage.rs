@@ -45,7 +45,8 @@ pub struct Settings {
     pub tolerance: Option<f64>,
     /// With `watch`: whether to record each operation of the first invocation.
     pub trace: bool,
-    /// Maximum loop iterations of one invocation.
+    /// Maximum loop iterations of one invocation; for each of them, 64 invocations together may
+    /// make 1024 calls.
     pub budget: u32,
     /// The time at which the run is given up.
     pub deadline: Option<Instant>,

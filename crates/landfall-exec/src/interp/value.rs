@@ -130,7 +130,8 @@ impl ValueType {
     pub(crate) fn of(module: &Module, ty: naga::Handle<naga::Type>) -> Option<ValueType> {
         let pending = |_| None;
         let counted = Default::default();
-        let types = Types { arena: &module.ir.types, pending: &pending, counted };
+        let before = Default::default();
+        let types = Types { arena: &module.ir.types, pending: &pending, counted, before };
         value_type(&types, &module.ir.types[ty])
     }
 }

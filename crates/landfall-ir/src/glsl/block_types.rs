@@ -55,6 +55,16 @@ pub struct BlockTypeMember {
     pub block_type: Rc<BlockType>,
 }
 
+/// Returns the member of that name, which is the `likely` one unless the orders differ.
+pub fn member_named<'m>(
+    members: &'m [BlockTypeMember],
+    likely: Option<u32>,
+    name: &str,
+) -> Option<&'m BlockTypeMember> {
+    let likely = likely.and_then(|at| members.get(at as usize)).filter(|m| m.name == name);
+    likely.or_else(|| members.iter().find(|member| member.name == name))
+}
+
 /// The use of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {

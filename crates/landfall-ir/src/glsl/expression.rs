@@ -380,13 +380,11 @@ impl<'a> Body<'_, 'a> {
             },
             Operand::Value(value) => match &value.ty {
                 Ty::Struct(structure) => {
-                    let found = super::types::carried(structure).position(|f| f.name == name);
-                    let Some(index) = found else {
+                    let Some(index) = structure.carried_index(name) else {
                         return self.refuse(format!("`{}` has no member `{name}`", value.ty));
                     };
-                    let ty = structure.members.iter().find(|f| f.name == name);
-                    let ty = ty.map_or(Ty::Void, |f| f.ty.clone());
-                    Ok(Operand::Value(Val { expr: self.part(value.expr, index as u32), ty }))
+                    let ty = structure.member(name).map_or(Ty::Void, |f| f.ty.clone());
+                    Ok(Operand::Value(Val { expr: self.part(value.expr, index), ty }))
                 }
                 _ => {
                     let size = value.ty.components().map_or(0, |(_, size)| size);

@@ -236,9 +236,7 @@ impl<'a> Lowerer<'a> {
     pub fn new_structure(&mut self, name: &str, members: Vec<Field>) -> Rc<Structure> {
         let id = self.next_structure;
         self.next_structure += 1;
-        let opaque = members.iter().any(|member| member.ty.has_opaque());
-        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
-        Rc::new(Structure { id, name: name.to_string(), members, opaque, leaves })
+        Rc::new(Structure::new(id, name, members))
     }
 
     /// Returns the structure that the layout refers to.

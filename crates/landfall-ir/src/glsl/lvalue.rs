@@ -7,10 +7,13 @@ use std::rc::Rc;
 
 use naga::{BinaryOperator, Expression, Handle};
 
-use super::block_types::{BlockType, BlockTypeKind};
+use super::block_types::{BlockType, BlockTypeKind, member_named};
 use super::body::{Body, Val};
-use super::types::{Kind, Structure, Ty, carried, vector_size};
+use super::types::{Kind, Structure, Ty, vector_size};
 use super::{Lowerer, R};
+
+/// Why a member that holds values has an index among those that do.
+const CARRIED: &str = "a field that holds values is carried";
 
 /// The storage of a value.
 #[derive(Clone, Debug)]
@@ -138,7 +141,7 @@ impl Body<'_, '_> {
 
     /// Returns a member of a structure.
     pub fn member_of(&mut self, place: &Place, structure: &Structure, name: &str) -> R<Place> {
-        let Some(field) = structure.members.iter().find(|f| f.name == name) else {
+        let Some(field) = structure.member(name) else {
             return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));
         };
         let ty = field.ty.clone();
@@ -151,8 +154,7 @@ impl Body<'_, '_> {
         } else {
             match &place.mem {
                 Mem::Own(pointer) => {
-                    let index = carried(structure).position(|f| f.name == name);
-                    let index = index.expect("a field that holds values is carried") as u32;
+                    let index = structure.carried_index(name).expect(CARRIED);
                     Mem::Own(self.part(*pointer, index))
                 }
                 Mem::BlockType(at, block_type) => {
@@ -161,13 +163,12 @@ impl Body<'_, '_> {
                         let Address::Pointer(pointer) = at else {
                             return self.refuse("expected a structure in the block");
                         };
-                        let index = carried(structure).position(|f| f.name == name);
-                        let index = index.expect("a field that holds values is carried") as u32;
+                        let index = structure.carried_index(name).expect(CARRIED);
                         let mem = Mem::Own(self.part(*pointer, index));
                         return Ok(Place { path, ..place.part(mem, ty) });
                     };
-                    let member = members.iter().find(|m| m.name == name);
-                    let Some(member) = member else {
+                    let likely = structure.carried_index(name);
+                    let Some(member) = member_named(members, likely, name) else {
                         return self.refuse(format!("`{name}` has no offset in its block"));
                     };
                     let at = match at {

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use naga::{BinaryOperator, Expression, Handle, Statement};
 
 use super::R;
-use super::block_types::{BlockType, BlockTypeKind, stored_vector, transposed};
+use super::block_types::{BlockType, BlockTypeKind, member_named, stored_vector, transposed};
 use super::body::{Body, Val};
 use super::lvalue::{Address, Index, Mem, Place};
 use super::types::{Kind, Ty, carried};
@@ -124,8 +124,8 @@ impl Body<'_, '_> {
                     return self.refuse("expected a structure in the block");
                 };
                 let mut components = Vec::new();
-                for field in carried(structure) {
-                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                for (i, field) in (0u32..).zip(carried(structure)) {
+                    let Some(member) = member_named(members, Some(i), &field.name) else {
                         return self.refuse(format!("`{}` has no offset in its block", field.name));
                     };
                     let at = match at {
@@ -342,15 +342,15 @@ impl Body<'_, '_> {
                 let Ty::Struct(structure) = &block_type.ty else {
                     return self.refuse("expected a structure in the block");
                 };
-                for (i, field) in carried(structure).enumerate() {
-                    let Some(member) = members.iter().find(|m| m.name == field.name) else {
+                for (i, field) in (0u32..).zip(carried(structure)) {
+                    let Some(member) = member_named(members, Some(i), &field.name) else {
                         return self.refuse(format!("`{}` has no offset in its block", field.name));
                     };
                     let at = match at {
                         Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
                         words @ Address::Words { .. } => words.further(member.offset),
                     };
-                    let part = self.part(value, i as u32);
+                    let part = self.part(value, i);
                     self.store_host(&at, &member.block_type, part)?;
                 }
                 Ok(())

@@ -4,6 +4,7 @@ use std::fmt;
 use std::rc::Rc;
 
 use naga::{ScalarKind, VectorSize};
+use rustc_hash::FxHashMap;
 
 /// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -44,6 +45,33 @@ pub struct Structure {
     pub opaque: bool,
     /// The number of scalars, vectors, matrices and handles in it, elements of arrays counted each.
     pub leaves: u64,
+    /// By name: the index among all members, and among those that are not handles.
+    indices: FxHashMap<String, (usize, Option<u32>)>,
+}
+
+impl Structure {
+    pub fn new(id: u32, name: &str, members: Vec<Field>) -> Structure {
+        let opaque = members.iter().any(|member| member.ty.has_opaque());
+        let leaves = members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves()));
+        let mut indices = FxHashMap::default();
+        let mut carried = 0;
+        for (index, member) in members.iter().enumerate() {
+            let own = holds_values(&member.ty).then_some(carried);
+            carried += u32::from(own.is_some());
+            indices.entry(member.name.clone()).or_insert((index, own));
+        }
+        Structure { id, name: name.to_string(), members, opaque, leaves, indices }
+    }
+
+    /// Returns the member of that name.
+    pub fn member(&self, name: &str) -> Option<&Field> {
+        self.indices.get(name).map(|(index, _)| &self.members[*index])
+    }
+
+    /// Returns the index of a member among those that are not handles.
+    pub fn carried_index(&self, name: &str) -> Option<u32> {
+        self.indices.get(name)?.1
+    }
 }
 
 #[derive(Clone, Debug)]

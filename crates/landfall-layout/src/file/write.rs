@@ -4,14 +4,14 @@
 //! see either the old text or the new one. Temporary files of a killed process are removed by the
 //! next process that writes to the directory.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsStr;
 use std::fs::{self, Metadata, OpenOptions};
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::reason;
@@ -235,6 +235,7 @@ fn replace(
     let mut attempt = 1;
     loop {
         let partial = folder.join(partial_name());
+        partials().insert(partial.clone());
         let written = fill(&partial, bytes).and_then(|()| {
             // Keep the old file's permissions.
             if let Some(old) = &old {
@@ -242,6 +243,7 @@ fn replace(
             }
             fs::rename(&partial, target)
         });
+        partials().remove(&partial);
         match written {
             Ok(()) => return Ok(()),
             // A process that cannot see this one removed the partial file.
@@ -254,6 +256,21 @@ fn replace(
             }
         }
     }
+}
+
+/// The partial files that this process is writing.
+fn partials() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    static PARTIALS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    PARTIALS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the partial files of this process, and lets it begin no others; to be called at its end.
+pub fn remove_partial() {
+    let partials = partials();
+    for partial in partials.iter() {
+        let _ = fs::remove_file(partial);
+    }
+    std::mem::forget(partials);
 }
 
 /// Creates a new file, failing if anything, such as a link, is in its place.
@@ -290,11 +307,16 @@ fn is_abandoned(entry: &fs::DirEntry) -> bool {
     if process == std::process::id() {
         return token != *TOKEN;
     }
-    if Path::new("/proc/self").exists() {
-        return !Path::new("/proc").join(process.to_string()).exists();
-    }
-    let modified = entry.metadata().and_then(|found| found.modified());
-    modified.is_ok_and(|when| when.elapsed().is_ok_and(|age| age > ABANDONED))
+    !is_running(process).unwrap_or_else(|| {
+        let modified = entry.metadata().and_then(|found| found.modified());
+        !modified.is_ok_and(|when| when.elapsed().is_ok_and(|age| age > ABANDONED))
+    })
+}
+
+/// Whether a process of this identifier runs; `None` if the system does not list processes.
+pub fn is_running(process: u32) -> Option<bool> {
+    let list = Path::new("/proc");
+    list.join("self").exists().then(|| list.join(process.to_string()).exists())
 }
 
 /// The identifier and token of the process that writes a partial file.

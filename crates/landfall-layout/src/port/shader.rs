@@ -6,13 +6,14 @@ use std::ops::Range;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::outline::{self, Token, Tokens};
-use crate::source::Span;
+use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::glsl::ast::{
     Declaration, Dim, FunctionDecl, Item, Qualifiers, StructDecl, TypeBase, TypeSpec,
 };
+use crate::syntax::glsl::layout_numbers;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::is_qualifier;
-use crate::syntax::glsl::raw::RawText;
+use crate::syntax::glsl::raw::{self, RawText};
 use crate::syntax::glsl::types::{Builtin, builtin};
 
 /// A shader to be ported.
@@ -22,17 +23,21 @@ pub(super) struct Shader<'a> {
     /// The active tokens outside directives.
     pub code: Vec<Token<'a>>,
     pub items: Vec<Item<'a>>,
+    /// The values of `KEY = N` in layout qualifiers, by the first byte of the key.
+    pub numbers: FxHashMap<u32, u32>,
     /// Every name in the text, and those created since.
     names: RefCell<FxHashSet<String>>,
 }
 
 impl<'a> Shader<'a> {
-    pub fn new(text: &'a str, raw: RawText) -> Shader<'a> {
+    pub fn new(source: &'a Source, options: &ReadOptions) -> Shader<'a> {
+        let (text, raw) = (&*source.text, raw::read(source, options));
         let code = outline::code(text, &raw);
         let items = outline::declarations(text, &code, qualifier_macros(text, &raw));
         let words = raw.tokens.iter().filter(|token| token.kind == Kind::Name);
         let names = words.map(|token| text[token.start..token.end].to_string()).collect();
-        Shader { text, raw, code, items, names: RefCell::new(names) }
+        let numbers = layout_numbers(source, options);
+        Shader { text, raw, code, items, numbers, names: RefCell::new(names) }
     }
 
     /// The spelling of a raw token.

@@ -214,8 +214,8 @@ fn qualifiers<'i, 'a>(item: &'i Item<'a>) -> Option<&'i Qualifiers<'a>> {
 /// The number N of `KEY = N` in `layout(…)`.
 pub(super) fn number(shader: &Shader<'_>, qualifiers: &Qualifiers<'_>, key: &str) -> Option<u32> {
     let ids = qualifiers.layout.iter().filter(|id| id.name.text.eq_ignore_ascii_case(key));
-    ids.filter(|id| !id.tokens.is_empty())
-        .find_map(|id| shader.code[id.tokens.start].text.parse().ok())
+    let mut found = ids.filter_map(|id| shader.numbers.get(&id.name.span.start).copied());
+    found.next()
 }
 
 /// Assigns bindings to the blocks and handles, in source order.

@@ -29,12 +29,16 @@ pub mod types;
 
 use std::borrow::Cow;
 
+use rustc_hash::FxHashMap;
+
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
 use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::Parsed;
+use ast::Item;
 use declarations::Reader;
+pub use implicit_size::sized;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
 pub use preprocess::Texts;
@@ -111,6 +115,30 @@ pub fn parse<'a>(
     }
     let parsed = shape(&mut reader, source, gather, empty);
     Shader { items, parser: reader.parser, parsed }
+}
+
+/// Returns the values of `KEY = N` in the layout qualifiers of global declarations, by the first
+/// byte of each key in the shader's own text.
+pub(crate) fn layout_numbers(source: &Source, options: &ReadOptions) -> FxHashMap<u32, u32> {
+    let texts = Texts::new();
+    let mut reader = reader(source, options, &texts, Bodies::Skip);
+    let mut items = Vec::new();
+    reader.read(|_, item| items.push(item));
+    let mut numbers = FxHashMap::default();
+    for item in &items {
+        let qualifiers = match item {
+            Item::Block(block) | Item::Interface(block) => &block.qualifiers,
+            Item::Variables(variables) => &variables.qualifiers,
+            Item::Defaults(qualifiers) | Item::Requalified(qualifiers, _) => qualifiers,
+            Item::Function(_) | Item::Precision(_) | Item::Other(_) => continue,
+        };
+        for id in qualifiers.layout.iter().filter(|id| !id.tokens.is_empty()) {
+            let number = reader.layout_number(id).ok().and_then(|n| u32::try_from(n).ok());
+            let own = id.name.span.file == 0;
+            numbers.extend(number.filter(|_| own).map(|number| (id.name.span.start, number)));
+        }
+    }
+    numbers
 }
 
 fn reader<'a>(

@@ -33,7 +33,7 @@ mod worker;
 
 use landfall_layout::diagnostic::Code;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -114,7 +114,7 @@ impl Default for Request {
 }
 
 /// The time to examine findings after a stop.
-const GRACE: Duration = Duration::from_secs(1);
+const GRACE: Duration = Duration::from_millis(200);
 
 /// The most threads.
 const MOST_THREADS: usize = 256;
@@ -173,6 +173,14 @@ pub fn stress(
     let mut sampled = sampled.map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
+    let stopped = request.stop.load(Ordering::Relaxed);
+    if let Some(time) = request.time.filter(|_| ran == 0 && sampled.stopped && !stopped) {
+        let seconds = time.as_secs_f64();
+        let message = format!("no sample ended within the time limit of {seconds} s");
+        let help = Some("raise the limit, or call the function with fewer calls and iterations");
+        let found = Diagnostic::about(Code::CannotRun, message, help.map(String::from), "--time");
+        return Err(refused(found));
+    }
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
     let until = Deadline::after(Some(more), &request.stop).with_grace(GRACE);
     let after = Plan { until: until.clone(), ..plan.clone() };

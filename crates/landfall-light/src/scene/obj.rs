@@ -75,6 +75,9 @@ const PASSED_OVER: &[&str] = &[
 /// The statements read.
 const READ: &[&str] = &["v", "vt", "vn", "f"];
 
+/// The most triangles of a mesh and of a scene: each takes up to 400 bytes while a picture is made.
+pub const MOST_TRIANGLES: usize = 1 << 20;
+
 /// The most errors reported for one file.
 const MOST_FAULTS: usize = 20;
 
@@ -92,7 +95,8 @@ pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
         start += line.len();
         if let Err(fault) = reader.line(&words) {
             faults.push(fault);
-            if faults.len() == MOST_FAULTS {
+            // The rest of a mesh that is too large would still fill the memory.
+            if faults.len() == MOST_FAULTS || reader.read.triangles > MOST_TRIANGLES {
                 return Err(faults);
             }
         }
@@ -192,6 +196,10 @@ impl Reader {
         for pair in corners[1..].windows(2) {
             let triangle = [corners[0], pair[0], pair[1]];
             self.read.triangles += 1;
+            if self.read.triangles > MOST_TRIANGLES {
+                let message = format!("exceeds the limit of {MOST_TRIANGLES} triangles in a mesh");
+                return Err(keyword.fault(message));
+            }
             if triangle.iter().all(|corner| corner.2.is_some()) {
                 let triangle = triangle.map(|corner| self.shared(corner));
                 self.read.mesh.triangles.push(triangle);

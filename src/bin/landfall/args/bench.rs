@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 
+use super::budget::seconds;
 use super::render::size;
-use super::verify::seconds;
 use super::{BackendName, ReadArgs, setting};
 
 /// The exit codes, as the help states them.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 
-use super::verify::seconds;
+use super::budget::seconds;
 use super::{BackendName, FloatsArgs, ReadArgs, setting};
 
 #[derive(Debug, clap::Args)]

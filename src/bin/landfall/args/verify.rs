@@ -7,6 +7,7 @@ use std::time::Duration;
 use clap::ValueEnum;
 use landfall_layout::Stage;
 
+use super::budget::seconds;
 use super::read::stage;
 use super::{ConfigArgs, ReadArgs};
 
@@ -109,16 +110,4 @@ pub enum VerifyFormat {
     Human,
     /// JSON, described by `landfall schema verify`
     Json,
-}
-
-/// The longest time limit, about thirty years: clocks can add it without overflow.
-const LONGEST: Duration = Duration::from_secs(1_000_000_000);
-
-/// Parses a time limit in seconds.
-pub fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "a limit is a number of seconds".to_string())?;
-    match Duration::try_from_secs_f64(seconds) {
-        Ok(limit) if !limit.is_zero() && limit <= LONGEST => Ok(limit),
-        Ok(_) | Err(_) => Err(format!("a limit is above 0 and up to {} s", LONGEST.as_secs())),
-    }
 }

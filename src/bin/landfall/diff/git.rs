@@ -10,8 +10,10 @@ use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use landfall_layout::Error;
-use landfall_layout::file::reason;
+use landfall_layout::file::{is_running, reason};
 use landfall_layout::source::kind_of_path;
+
+use crate::watch;
 
 /// A path at a revision, as spelt in the argument.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,6 +57,7 @@ pub struct Tree {
 
 impl Drop for Tree {
     fn drop(&mut self) {
+        watch::forget(&self.root);
         let _ = fs::remove_dir_all(&self.root);
     }
 }
@@ -265,17 +268,42 @@ impl Drop for Batch {
     }
 }
 
-/// Creates a temporary directory of this process.
+/// The start of the names of temporary directories: `landfall-diff-PID-N`.
+const SCRATCH: &str = "landfall-diff-";
+
+/// Creates a temporary directory of this process, and removes those of killed processes.
 fn scratch() -> std::io::Result<PathBuf> {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let base = fs::canonicalize(std::env::temp_dir())?;
+    sweep(&base);
     loop {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let dir = base.join(format!("landfall-{}-{number}", std::process::id()));
+        let dir = base.join(format!("{SCRATCH}{}-{number}", std::process::id()));
         match fs::create_dir(&dir) {
-            Ok(()) => return Ok(dir),
+            Ok(()) => {
+                watch::remember(&dir);
+                return Ok(dir);
+            }
             Err(cause) if cause.kind() == std::io::ErrorKind::AlreadyExists => {}
             Err(cause) => return Err(cause),
         }
     }
+}
+
+/// Removes the temporary directories of processes that no longer run.
+fn sweep(base: &Path) {
+    for entry in fs::read_dir(base).into_iter().flatten().flatten() {
+        let owner = owner(&entry.file_name().to_string_lossy());
+        let is_dir = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_dir && owner.is_some_and(|process| is_running(process) == Some(false)) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// The process of a temporary directory's name.
+fn owner(name: &str) -> Option<u32> {
+    let (process, number) = name.strip_prefix(SCRATCH)?.split_once('-')?;
+    number.parse::<u32>().ok()?;
+    process.parse().ok()
 }

@@ -12,7 +12,7 @@ use landfall_layout::{Diagnostic, Error, Severity};
 
 use super::Done;
 use crate::args::LayoutArgs;
-use crate::{read, write};
+use crate::{read, watch, write};
 use landfall_layout::file::FileWriter;
 
 use crate::output::{Failure, FindingStyle, Outcome, Streams};
@@ -161,7 +161,8 @@ impl<'a> Writer<'a> {
             }
             self.streams.product(emit::closing(self.emit, self.written))?;
         }
-        if self.written > 0 || self.outcome == Outcome::CouldNot {
+        let known = self.written > 0 || self.outcome == Outcome::CouldNot;
+        if known || watch::is_stopped() {
             return Ok(self.outcome);
         }
         let (found, outcome) = match &self.args.block {

@@ -3,6 +3,8 @@
 //! Fits offset and strides to the bytes a leaf was read from, and compares the fit with other
 //! layout rules, other matrix orders and naga's layout.
 
+use rustc_hash::FxHashMap;
+
 use super::results::{Got, ProbeResult};
 use landfall_layout::layout::{BlockLayout, Leaf, lay_out};
 use landfall_layout::shape::{Block, MatrixLayout, Member, OffsetOrder, Rules};
@@ -17,9 +19,27 @@ struct Place {
     row: Option<i64>,
 }
 
+/// The leaves of a block under the rules it does not have, by path.
+pub struct OtherRules {
+    layouts: Vec<(Rules, FxHashMap<String, Leaf>)>,
+}
+
+impl OtherRules {
+    /// Lays out the block's members by each of the other rules.
+    pub fn of(block: &BlockLayout) -> OtherRules {
+        let others = [Rules::Std140, Rules::Std430, Rules::Scalar];
+        let others = others.into_iter().filter(|rules| *rules != block.rules);
+        let by_path = |layout: BlockLayout| {
+            layout.leaves.into_iter().map(|leaf| (leaf.path.clone(), leaf)).collect()
+        };
+        let layouts = others.filter_map(|rules| Some((rules, by_path(under(block, rules)?))));
+        OtherRules { layouts: layouts.collect() }
+    }
+}
+
 /// Returns the likely cause of one leaf's deviations; `None` if nothing fits.
 pub fn cause(
-    block: &BlockLayout,
+    others: &OtherRules,
     expected: &Leaf,
     probe_results: &[&ProbeResult],
 ) -> Option<String> {
@@ -29,7 +49,7 @@ pub fn cause(
         return None;
     }
     let mut parts = Vec::new();
-    if let Some(words) = known(block, expected, &place) {
+    if let Some(words) = known(others, expected, &place) {
         parts.push(words);
     }
     if place.offset != meant.offset {
@@ -141,7 +161,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<Place> {
 }
 
 /// Names a known error that gives exactly this placement.
-fn known(block: &BlockLayout, leaf: &Leaf, place: &Place) -> Option<String> {
+fn known(others: &OtherRules, leaf: &Leaf, place: &Place) -> Option<String> {
     if let Some(naga) = &leaf.naga {
         let strides: Vec<i64> = naga.strides.iter().map(|stride| *stride as i64).collect();
         let known: Vec<i64> = place.strides.iter().copied().flatten().collect();
@@ -149,13 +169,8 @@ fn known(block: &BlockLayout, leaf: &Leaf, place: &Place) -> Option<String> {
             return Some("this is its offset in naga's layout".to_string());
         }
     }
-    for rules in [Rules::Std140, Rules::Std430, Rules::Scalar] {
-        if rules == block.rules {
-            continue;
-        }
-        let Some(other) = under(block, rules) else { continue };
-        let same = other.leaves.iter().find(|other| other.path == leaf.path);
-        if same.is_some_and(|same| of_leaf(same, place) == *place) {
+    for (rules, leaves) in &others.layouts {
+        if leaves.get(&leaf.path).is_some_and(|same| of_leaf(same, place) == *place) {
             return Some(format!("this is its offset in {}", rules.name()));
         }
     }

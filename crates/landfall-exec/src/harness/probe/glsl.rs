@@ -5,7 +5,9 @@
 
 use std::fmt::Write as _;
 
-use super::plan::{Plan, Read, Way, top_member};
+use rustc_hash::FxHashMap;
+
+use super::plan::{Plan, Read, Way, members, top_name};
 use super::sentinel;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
@@ -194,22 +196,22 @@ pub(super) struct Group<'a> {
 /// Returns the reads of a plan grouped by the copy they need.
 pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
+    let members = members(block);
+    let mut known: FxHashMap<(Way, Option<&str>, Vec<u32>), usize> = FxHashMap::default();
     for read in &plan.reads {
         let (member, start) = match read.way {
             Way::Copied | Way::Passed => {
-                let member = top_member(block, &block.leaves[read.leaf]);
+                let name = top_name(&block.leaves[read.leaf]);
+                let member = name.and_then(|name| members.get(name).copied());
                 let structure = member.is_some_and(is_structure);
                 let own = if structure { member.map_or(0, |m| m.dims.len()) } else { 0 };
                 (member, read.element[..own].to_vec())
             }
             Way::Constant | Way::Dynamic | Way::Written => (None, Vec::new()),
         };
-        let name = member.map(|member| member.name.clone());
-        let same = groups.iter_mut().find(|group| {
-            let other = group.member.map(|member| member.name.clone());
-            (group.way, &other, &group.start) == (read.way, &name, &start)
-        });
-        match same {
+        let key = (read.way, member.map(|member| &*member.name), start.clone());
+        let at = *known.entry(key).or_insert(groups.len());
+        match groups.get_mut(at) {
             Some(group) => group.reads.push(read),
             None => groups.push(Group { way: read.way, member, start, reads: vec![read] }),
         }
@@ -268,7 +270,7 @@ pub(super) fn path(
 
 /// Returns an index as a literal, or as a read of the words the results begin with.
 pub(super) fn subscript(index: u32, way: Way, plan: &Plan) -> String {
-    let slot = plan.indices.iter().position(|known| *known == index);
+    let slot = plan.indices.binary_search(&index).ok();
     match (way, slot) {
         (Way::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),
         (Way::Dynamic | Way::Constant | Way::Copied | Way::Passed | Way::Written, _) => {

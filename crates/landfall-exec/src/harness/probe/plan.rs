@@ -6,14 +6,23 @@
 
 use std::collections::BTreeMap;
 
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::backend::BackendKind;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Struct, Type};
 
 /// Number of elements of a runtime-sized tail.
 pub const TAIL: u32 = 3;
 
-/// Maximum number of words one probe returns; longer probes are slow to compile.
-const MOST_WORDS: u32 = 250;
+/// Maximum number of words one probe of a driver returns: the time of its compiler grows faster
+/// than the length of a function.
+const DRIVER_WORDS: u32 = 250;
+
+/// Minimum and maximum of the words one probe of the interpreter returns. Every probe holds the
+/// whole shader, so that their number must not grow with it; a word takes some registers of 256
+/// bytes.
+const INTERPRETER_WORDS: [u32; 2] = [1 << 14, 1 << 17];
 
 /// Maximum number of elements of an array that is copied as a whole.
 const LARGEST_COPY: u64 = 64;
@@ -76,7 +85,7 @@ pub struct Read {
 pub struct Plan {
     /// The reads; their slots follow [`Plan::indices`].
     pub reads: Vec<Read>,
-    /// The index values of dynamic reads, which are the first words of the results.
+    /// The index values of dynamic reads, ascending, which are the first words of the results.
     pub indices: Vec<u32>,
     /// The number of words of the results, indices included.
     pub words: u32,
@@ -111,10 +120,24 @@ pub struct Access {
     pub write: bool,
 }
 
-/// Plans the reads and writes of a block with the given access to its members. The expected bytes
-/// are those of `expected`, whose leaves have the same paths.
-pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> Plans {
+/// Plans the reads and writes of a block with the given access to its members on a backend. The
+/// expected bytes are those of `expected`, whose leaves have the same paths.
+pub fn plans(
+    block: &BlockLayout,
+    expected: &BlockLayout,
+    access: &[Access],
+    backend: BackendKind,
+) -> Plans {
     let mut plans = Plans::default();
+    let most = match backend {
+        BackendKind::Cpu => {
+            let [least, most] = INTERPRETER_WORDS;
+            u32::try_from(block.leaves.len()).unwrap_or(most).clamp(least, most)
+        }
+        BackendKind::Gl | BackendKind::Gpu => DRIVER_WORDS,
+    };
+    let tops: FxHashMap<&str, usize> =
+        block.members.iter().enumerate().map(|(at, m)| (&*m.name, at)).collect();
     let by_path: BTreeMap<&str, &Leaf> =
         expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
     let mut batches: BTreeMap<bool, Batch> = BTreeMap::new();
@@ -137,8 +160,8 @@ pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> 
             plans.leave_out(leaf, "the size of its array is not known");
             continue;
         };
-        let top = top_member(block, leaf);
-        let at = top.and_then(|top| block.members.iter().position(|m| std::ptr::eq(m, top)));
+        let at = top_name(leaf).and_then(|name| tops.get(name).copied());
+        let top = at.map(|at| &block.members[at]);
         let none = Access { read: false, write: false };
         let access = at.and_then(|at| access.get(at)).copied().unwrap_or(none);
         if access == none {
@@ -167,7 +190,7 @@ pub fn plans(block: &BlockLayout, expected: &BlockLayout, access: &[Access]) -> 
                     };
                     let writes = way == Way::Written;
                     let batch = batches.entry(writes).or_default();
-                    let full = batch.add(read);
+                    let full = batch.add(read, most);
                     if full {
                         let plan = std::mem::take(batch).finish();
                         if writes { &mut plans.writes } else { &mut plans.reads }.push(plan);
@@ -200,24 +223,26 @@ struct Batch {
 }
 
 impl Batch {
-    /// Adds a read and returns whether the batch is full.
-    fn add(&mut self, read: Read) -> bool {
+    /// Adds a read and returns whether the batch has `most` words.
+    fn add(&mut self, read: Read, most: u32) -> bool {
         self.words += words_of(read.scalar);
         self.reads.push(read);
-        self.words >= MOST_WORDS
+        self.words >= most
     }
 
     fn finish(mut self) -> Plan {
         let mut indices: Vec<u32> = Vec::new();
+        let mut known = FxHashSet::default();
         let used = self.reads.iter().flat_map(|read| {
             let (column, row) = (read.column.map(u32::from), read.row.map(u32::from));
             read.element.iter().copied().chain(column).chain(row)
         });
         for index in used {
-            if !indices.contains(&index) {
+            if known.insert(index) {
                 indices.push(index);
             }
         }
+        indices.sort_unstable();
         let mut slot = indices.len() as u32;
         for read in &mut self.reads {
             read.slot = slot;
@@ -322,10 +347,14 @@ pub fn byte_of(
     byte.checked_add(inside)
 }
 
-/// Returns the member of the block that contains a leaf.
-pub fn top_member<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Option<&'a MemberLayout> {
-    let name = leaf.path.split(['.', '[']).next()?;
-    block.members.iter().find(|member| &*member.name == name)
+/// Returns the block's members by name.
+pub fn members(block: &BlockLayout) -> FxHashMap<&str, &MemberLayout> {
+    block.members.iter().map(|member| (&*member.name, member)).collect()
+}
+
+/// Returns the name of the block's member that contains a leaf.
+pub fn top_name(leaf: &Leaf) -> Option<&str> {
+    leaf.path.split(['.', '[']).next()
 }
 
 fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Access) -> Vec<Way> {

@@ -3,6 +3,8 @@
 //!
 //! Reads a [`Reflection`] of the unchanged text.
 
+use rustc_hash::FxHashMap;
+
 use super::report::ElementReport;
 use crate::backend::reflection::{ReflectedBlock, ReflectedMember, Reflection};
 use crate::harness::probe::plan::byte_of;
@@ -16,7 +18,8 @@ pub(super) fn elements(
     reflection: &Reflection,
 ) -> Vec<ElementReport> {
     let Some(listed) = listed(block, reflection) else { return Vec::new() };
-    listed.members.iter().flat_map(|member| of_member(member, expected)).collect()
+    let leaves = by_path(expected);
+    listed.members.iter().flat_map(|member| of_member(member, &leaves)).collect()
 }
 
 /// Returns the reflected block of that name.
@@ -33,6 +36,10 @@ fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r Ref
     listed.iter().find(|other| named(&other.name))
 }
 
+fn by_path(block: &BlockLayout) -> FxHashMap<&str, &Leaf> {
+    block.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect()
+}
+
 /// Returns the second column and the second row of every listed matrix.
 pub(super) fn matrices(
     block: &BlockLayout,
@@ -40,9 +47,10 @@ pub(super) fn matrices(
     reflection: &Reflection,
 ) -> Vec<ElementReport> {
     let Some(listed) = listed(block, reflection) else { return Vec::new() };
+    let leaves = by_path(expected);
     let steps = |member: &ReflectedMember| {
         let (name, indices) = pattern(&member.name);
-        let leaf = expected.leaves.iter().find(|leaf| leaf.path == name)?;
+        let leaf = leaves.get(name.as_str())?;
         let Type::Matrix { scalar, .. } = leaf.ty else { return None };
         let mut element: Vec<u32> = indices.iter().map(|index| *index as u32).collect();
         element.resize(leaf.strides.len(), 0);
@@ -63,9 +71,9 @@ pub(super) fn matrices(
 }
 
 /// Returns the offset of a listed element, and of the next one by the listed stride.
-fn of_member(member: &ReflectedMember, expected: &BlockLayout) -> Vec<ElementReport> {
+fn of_member(member: &ReflectedMember, leaves: &FxHashMap<&str, &Leaf>) -> Vec<ElementReport> {
     let (pattern, indices) = pattern(&member.name);
-    let find = |pattern: &str| expected.leaves.iter().find(|leaf| leaf.path == pattern);
+    let find = |pattern: &str| leaves.get(pattern).copied();
     // An array of scalars is listed by its first element, with or without `[0]`.
     let found = find(&pattern).or_else(|| find(&format!("{pattern}[]")));
     let Some(leaf) = found.filter(|leaf| leaf.offset.is_some()) else { return Vec::new() };

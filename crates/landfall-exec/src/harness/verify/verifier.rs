@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use rustc_hash::FxHashMap;
+
 use super::code;
 use super::code::{Code, Need};
 use super::{
@@ -12,10 +14,11 @@ use super::{
 };
 use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind};
 use crate::harness::bindings::kind as buffer_of;
+use crate::harness::probe::cause::OtherRules;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::harness::probe::{Got, ProbeResult, cause, results, sentinel};
 use landfall_layout::buffer::Buffer;
-use landfall_layout::layout::BlockLayout;
+use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Source, Stage};
 
@@ -35,14 +38,16 @@ pub(super) struct Verifier<'a> {
 
 impl Verifier<'_> {
     pub fn block(&self, backends: &mut [Box<dyn Backend>], is_given: bool) -> BlockReport {
-        let plans = plans(self.block, self.expected, &self.access);
         let buffer = self.buffer();
         let refusal = self.refusal(is_given, &buffer);
         let own = [self.source.stage.unwrap_or(Stage::Fragment)];
         let stages: &[Stage] =
             if self.options.stages.is_empty() { &own } else { &self.options.stages };
         let mut reports = Vec::new();
+        let mut unprobed = Vec::new();
         for backend in backends {
+            let kind = backend.device().backend;
+            let plans = plans(self.block, self.expected, &self.access, kind);
             for &stage in stages {
                 reports.push(match (&refusal, &buffer) {
                     (None, Ok(buffer)) => self.backend(backend.as_mut(), stage, &plans, *buffer),
@@ -50,8 +55,10 @@ impl Verifier<'_> {
                     (None, Err(reason)) => skipped(backend.as_ref(), stage, reason),
                 });
             }
+            // The same on every backend.
+            let left_out = plans.unprobed.into_iter();
+            unprobed = left_out.map(|it| Unprobed { path: it.path, reason: it.reason }).collect();
         }
-        let unprobed = plans.unprobed.into_iter();
         BlockReport {
             name: self.block.name.to_string(),
             instance: self.block.instance.as_ref().map(ToString::to_string),
@@ -59,7 +66,7 @@ impl Verifier<'_> {
             size: self.block.size.unwrap_or(0),
             leaves: self.block.leaves.len(),
             backends: reports,
-            unprobed: unprobed.map(|it| Unprobed { path: it.path, reason: it.reason }).collect(),
+            unprobed,
             coverage: None,
         }
     }
@@ -311,10 +318,13 @@ impl Verifier<'_> {
                 seen.push(probe_result);
             }
         }
+        let others = OtherRules::of(self.block);
+        let expected: FxHashMap<&str, &Leaf> =
+            self.expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
         for (leaf, seen) in wrong {
             let path = &self.block.leaves[leaf].path;
-            let expected = self.expected.leaves.iter().find(|leaf| leaf.path == *path);
-            let cause = expected.and_then(|leaf| cause::cause(self.block, leaf, &seen));
+            let leaf = expected.get(path.as_str());
+            let cause = leaf.and_then(|leaf| cause::cause(&others, leaf, &seen));
             if let Some(cause) = cause {
                 report.causes.push(Cause { leaf: path.clone(), cause });
             }

@@ -64,7 +64,12 @@ impl<'a> Builder<'a> {
         Builder {
             ir,
             info,
-            types: Types { arena: &ir.types, pending, counted: RefCell::default() },
+            types: Types {
+                arena: &ir.types,
+                pending,
+                counted: RefCell::default(),
+                before: RefCell::default(),
+            },
             overrides,
             locals: Locals::Zeros,
             floats,

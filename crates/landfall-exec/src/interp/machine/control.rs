@@ -1,8 +1,10 @@
 //! Control flow of many invocations, by masks of active lanes.
 
+use std::time::Instant;
+
 use super::super::code::{LANES, Op};
 use super::super::real::Real;
-use super::{HELD, Machine, Stopped};
+use super::{CALLS_PER_STEP, CHECKED_EVERY, HELD, Machine, Stopped};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -28,6 +30,9 @@ impl Frame {
         Frame { kind: Kind::Call, first: lanes, second: back as u64 }
     }
 }
+
+/// Instructions that a call counts for.
+const CALL: u32 = 16;
 
 const INSIDE: &str = "constructs are closed in the order they were opened";
 
@@ -163,8 +168,31 @@ impl<R: Real> Machine<'_, '_, R> {
         })
     }
 
-    /// Counts one loop iteration, and checks the budget and the deadline.
-    pub(super) fn tick(&mut self, pc: usize) -> Result<(), Stopped> {
+    /// Counts one call, and checks the limit of calls and the deadline.
+    pub(super) fn call_tick(&mut self, pc: usize) -> Result<(), Stopped> {
+        self.batch_calls += 1;
+        if self.batch_calls > u64::from(self.budget) * CALLS_PER_STEP {
+            return Err(Stopped::Calls(self.program.origins[pc]));
+        }
+        self.check_deadline(pc, CALL)
+    }
+
+    /// Checks the deadline if about [`CHECKED_EVERY`] instructions ran since the last check.
+    fn check_deadline(&mut self, pc: usize, instructions: u32) -> Result<(), Stopped> {
+        if let Some(left) = self.until_check.checked_sub(instructions) {
+            self.until_check = left;
+            return Ok(());
+        }
+        self.until_check = CHECKED_EVERY;
+        match self.deadline.is_some_and(|deadline| Instant::now() > deadline) {
+            true => Err(Stopped::Deadline(self.program.origins[pc])),
+            false => Ok(()),
+        }
+    }
+
+    /// Counts one loop iteration, and checks the budget and the deadline; `start` is the first
+    /// instruction of the loop.
+    pub(super) fn tick(&mut self, pc: usize, start: u32) -> Result<(), Stopped> {
         self.batch_steps = self.batch_steps.saturating_add(1);
         if self.active == u64::MAX {
             self.steps.iter_mut().for_each(|n| *n = n.wrapping_add(1));
@@ -176,13 +204,6 @@ impl<R: Real> Machine<'_, '_, R> {
         if self.batch_steps >= self.budget && self.steps.iter().any(|&n| n >= self.budget) {
             return Err(Stopped::Budget(self.program.origins[pc]));
         }
-        if self.batch_steps.is_multiple_of(1024) {
-            if let Some(deadline) = self.deadline {
-                if std::time::Instant::now() > deadline {
-                    return Err(Stopped::Deadline(self.program.origins[pc]));
-                }
-            }
-        }
-        Ok(())
+        self.check_deadline(pc, u32::try_from(pc).unwrap_or(u32::MAX).saturating_sub(start))
     }
 }

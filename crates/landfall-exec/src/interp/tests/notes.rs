@@ -185,6 +185,27 @@ fn a_loop_without_an_end_is_named() {
 }
 
 #[test]
+fn calls_that_double_are_refused_at_their_limit() {
+    let functions: String = (1..=11)
+        .map(|n| {
+            let before = n - 1;
+            format!("fn f{n}(a: f32) -> f32 {{ return f{before}(a) + f{before}(a); }}\n")
+        })
+        .collect();
+    let p = program(&format!("fn f0(a: f32) -> f32 {{ return a; }}\n{functions}"));
+    let call = |function, budget| {
+        let arguments = vec![bits(&[1.0])];
+        let call = Call { function, lanes: 1, arguments, resources: &[] };
+        p.call(&call, &Settings { budget, ..single() })
+    };
+    // f9 makes 2 + 4 + … + 512 = 1022 calls, f10 1024 more.
+    assert!(call("f9", 1).is_ok() && call("f10", 2).is_ok());
+    let failure = call("f10", 1).expect_err("it makes more than 1024 calls");
+    assert_eq!(failure.kind, FailureKind::Refused);
+    assert!(failure.message.contains("more calls than the evaluator runs"), "{}", failure.message);
+}
+
+#[test]
 fn what_is_not_known_is_refused_by_name_where_it_is_run() {
     let p = program(
         "@group(0) @binding(0) var t: texture_cube<f32>;

@@ -28,7 +28,7 @@ impl Threshold {
 pub static LENGTH: Threshold = Threshold {
     value: 1e-15,
     of: "length of the vector",
-    why: "its square, 1e-30, is 8e7 times the smallest normal f32 (1.2e-38), so that the squares \
+    why: "its square, 1e-30, is 8.5e7 times the smallest normal f32 (1.2e-38), so that the squares \
           of the components keep their digits where subnormals are flushed; without a guard \
           errors begin at lengths of 1e-20 and lengths below 1.1e-19 vanish on devices that flush. \
           No two points of a scene in f32 coordinates above 1e-7 are so near without being equal.",

@@ -65,6 +65,8 @@ pub(super) struct Unsized<'a> {
     pub name: &'a str,
     /// The place of the name in its declaration.
     pub span: Span,
+    /// The place of its `[]`.
+    pub brackets: Span,
 }
 
 /// Why a length cannot be told.

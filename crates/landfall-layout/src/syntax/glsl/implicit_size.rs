@@ -5,6 +5,31 @@
 
 use super::declarations::{Lengths, Reader, Unknown, Unsized};
 use super::lexer::{Kind, Token};
+use super::parser::Bodies;
+use super::preprocess::Texts;
+use crate::source::{ReadOptions, Source};
+
+/// Returns a shader with the lengths of such members written into their declarations, which then
+/// also take indices known only at run time; `None` if its own text has no such member.
+pub fn sized(source: &Source, options: &ReadOptions) -> Option<Source> {
+    let texts = Texts::new();
+    let mut reader = super::reader(source, options, &texts, Bodies::Keep);
+    reader.read(|_, _| ());
+    let members = std::mem::take(&mut reader.unsized_members);
+    let found = lengths(&mut reader, &members);
+    let mut text = source.text.to_string();
+    let mut written = false;
+    for member in members.iter().rev().filter(|member| member.brackets.file == 0) {
+        let place = member.brackets.start as usize..member.brackets.end as usize;
+        let Some(Ok(length)) = found.get(member.name) else { continue };
+        // The brackets may be those of a macro.
+        if source.text.get(place.clone()).is_some_and(|text| text.starts_with('[')) {
+            text.replace_range(place, &format!("[{length}]"));
+            written = true;
+        }
+    }
+    written.then(|| Source { text: text.into(), ..source.clone() })
+}
 
 /// Returns the lengths of members, from a reader that has kept the function bodies.
 pub(super) fn lengths<'a>(reader: &mut Reader<'a>, members: &[Unsized<'a>]) -> Lengths<'a> {

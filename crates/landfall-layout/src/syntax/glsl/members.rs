@@ -276,7 +276,8 @@ impl<'a> Reader<'a> {
                 Err(error.with_label(at, "so its length is not taken from its uses"))
             }
             None => {
-                self.unsized_members.push(Unsized { name: name.text, span: name.span });
+                let member = Unsized { name: name.text, span: name.span, brackets: span };
+                self.unsized_members.push(member);
                 Err(error.with_note(ONLY_TAILS))
             }
         }

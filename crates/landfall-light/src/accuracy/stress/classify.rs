@@ -6,6 +6,8 @@
 
 mod look;
 
+use std::time::Duration;
+
 use super::blame::Graph;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats, outcome};
@@ -60,6 +62,9 @@ pub(super) struct Examined {
     pub trace: Box<Trace>,
 }
 
+/// The time that running one sample may always take.
+const LONGEST: Duration = Duration::from_secs(1);
+
 /// Runs a sample and returns the hazards it meets.
 pub(super) fn examine(
     pure: &PureFunction,
@@ -67,7 +72,9 @@ pub(super) fn examine(
     sample: &Sample,
     plan: &Plan,
 ) -> Result<Examined, Failure> {
-    let settings = Settings { trace: true, deadline: None, ..settings(plan, true) };
+    // One that began in time may end after it.
+    let deadline = Some(plan.until.end_with(LONGEST));
+    let settings = Settings { trace: true, deadline, ..settings(plan, true) };
     let mut called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings)?;
     let trace = called.called.notes.trace.take().unwrap_or_default();
     let floats = floats(pure);

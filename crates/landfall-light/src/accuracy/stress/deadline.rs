@@ -56,6 +56,12 @@ impl Deadline {
         [self.at, end].into_iter().flatten().min()
     }
 
+    /// Returns the end time, but at least that time from now.
+    pub fn end_with(&self, least: Duration) -> Instant {
+        let latest = Instant::now() + least;
+        self.end().map_or(latest, |end| end.max(latest))
+    }
+
     /// Whether a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)

@@ -3,6 +3,8 @@
 //! A light below the horizon has no highlight; the length of a normal has no effect; a cut-off
 //! given as an angle lights too much. Used by the report beside [`find`](super::find).
 
+use std::time::{Duration, Instant};
+
 use super::blame::Graph;
 use super::classify::{Candidate, Examined, Performed, examine};
 use super::domain::ValueRange;
@@ -24,6 +26,9 @@ use landfall_ir::analysis::hazard::threshold::CHANGE;
 /// The scenes each rule is tested on.
 const SCENES: usize = 48;
 
+/// The time that the rules may always take.
+const LEAST: Duration = Duration::from_secs(1);
+
 /// Returns the samples that break a rule.
 pub(super) fn findings(
     pure: &PureFunction,
@@ -31,7 +36,7 @@ pub(super) fn findings(
     plan: &Plan,
     seed: u64,
 ) -> Vec<Raw> {
-    let check = Check { pure, generator, plan };
+    let check = Check { pure, generator, plan, end: plan.until.end_with(LEAST) };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
     all.extend(check.behind(&mut random));
@@ -44,6 +49,8 @@ struct Check<'a> {
     pure: &'a PureFunction,
     generator: &'a Generator<'a>,
     plan: &'a Plan,
+    /// The time at which the rules are given up.
+    end: Instant,
 }
 
 impl Check<'_> {
@@ -62,6 +69,9 @@ impl Check<'_> {
     }
 
     fn examine(&self, sample: &Sample) -> Option<Examined> {
+        if self.plan.until.is_stopped() || Instant::now() > self.end {
+            return None;
+        }
         examine(self.pure, self.inputs(), sample, self.plan).ok()
     }
 

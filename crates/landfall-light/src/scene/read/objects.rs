@@ -9,15 +9,12 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::Open;
 use super::walk::{At, Object as Members, Walk, short};
-use crate::scene::LARGEST;
+use crate::scene::{LARGEST, MOST_TRIANGLES};
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Span, decode};
 use landfall_layout::text::edit_distance::nearest;
 pub use landfall_layout::text::json::Value;
-
-/// The most triangles of a scene.
-const MOST_TRIANGLES: usize = 1 << 22;
 
 pub(super) fn read(
     walk: &mut Walk,

@@ -1,0 +1,32 @@
+//! Options of every command that limit its time and memory.
+
+use std::time::Duration;
+
+use crate::watch::MEMORY;
+
+/// The budget of a command.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Budget")]
+pub struct BudgetArgs {
+    /// End with exit code 2 after this time, in seconds [default: 3600; for `stress` at least twice
+    /// its --time]
+    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(hide_short_help = true)]
+    pub max_time: Option<Duration>,
+    /// End with exit code 2 if this process needs more memory, in MiB (Linux)
+    #[arg(long, global = true, value_name = "MIB", default_value_t = MEMORY)]
+    #[arg(hide_short_help = true)]
+    pub max_memory: u64,
+}
+
+/// The longest time limit, about thirty years: clocks can add it without overflow.
+const LONGEST: Duration = Duration::from_secs(1_000_000_000);
+
+/// Parses a time limit in seconds.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "a limit is a number of seconds".to_string())?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(limit) if !limit.is_zero() && limit <= LONGEST => Ok(limit),
+        Ok(_) | Err(_) => Err(format!("a limit is above 0 and up to {} s", LONGEST.as_secs())),
+    }
+}

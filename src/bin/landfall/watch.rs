@@ -1,0 +1,175 @@
+//! Ends the process from outside its work: on Ctrl-C, and past the budget of time and memory.
+//!
+//! A thread looks at the interrupt flag, the clock and the memory of the process. Commands that
+//! process many files stop after the current one; others are ended where they are. Either way
+//! unfinished files are removed and finished output is printed.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use landfall_layout::diagnostic::Code;
+use landfall_layout::file::remove_partial;
+use landfall_layout::source::Files;
+use landfall_layout::{Diagnostic, Error};
+use signal_hook::consts::SIGINT;
+use signal_hook::{flag, low_level};
+
+use crate::args::{BudgetArgs, Command};
+use crate::output::{FindingForm, FindingStyle, INTERRUPTED, Outcome, Output, Streams};
+
+/// Time between two looks.
+const INTERVAL: Duration = Duration::from_millis(20);
+
+/// Looks between two readings of the memory.
+const MEMORY_EVERY: u32 = 3;
+
+/// Time that a command has to end on its own after Ctrl-C.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// Time that `stress` has to write the report of its samples after Ctrl-C.
+const REPORT_PATIENCE: Duration = Duration::from_secs(5);
+
+/// Time that the output collected so far has to reach its reader.
+const FLUSH: Duration = Duration::from_millis(100);
+
+/// Budget of time without `--max-time`; `stress` has twice its `--time` if that is longer.
+const TIME: Duration = Duration::from_secs(3600);
+
+/// Budget of memory in MiB without `--max-memory`.
+pub const MEMORY: u64 = 8192;
+
+/// Set by the first Ctrl-C; the second ends the process at once.
+static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// Directories to remove when the process is ended.
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// The interrupt flag.
+pub fn flag() -> Arc<AtomicBool> {
+    Arc::clone(STOP.get_or_init(Arc::default))
+}
+
+/// Whether Ctrl-C was pressed.
+pub fn is_stopped() -> bool {
+    STOP.get().is_some_and(|stop| stop.load(Ordering::Relaxed))
+}
+
+/// Removes a directory if the process is ended before [`forget`].
+pub fn remember(directory: &Path) {
+    temporary().push(directory.to_path_buf());
+}
+
+/// Reverts [`remember`].
+pub fn forget(directory: &Path) {
+    temporary().retain(|other| other != directory);
+}
+
+fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
+    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Watches over the command.
+pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
+    // The server of a driver ends with its client.
+    #[cfg(any(feature = "gl", feature = "gpu"))]
+    if matches!(command, Command::Reader(_)) {
+        return;
+    }
+    let stop = flag();
+    // In this order: the second handler checks the flag that the first sets. Without signals,
+    // Ctrl-C ends the process.
+    if flag::register_conditional_default(SIGINT, Arc::clone(&stop)).is_ok() {
+        let _ = flag::register(SIGINT, Arc::clone(&stop));
+    }
+    let (own_time, patience) = match command {
+        #[cfg(feature = "exec")]
+        Command::Stress(args) => (args.time.saturating_mul(2), REPORT_PATIENCE),
+        _ => (Duration::ZERO, PATIENCE),
+    };
+    let watch = Watch {
+        stop,
+        patience,
+        time: budget.max_time.unwrap_or(TIME.max(own_time)),
+        memory: budget.max_memory.saturating_mul(1 << 20),
+        style: streams.style(FindingForm::Human),
+        output: streams.output(),
+    };
+    // Without a thread the process runs unwatched; Ctrl-C pressed twice still ends it.
+    let _ = thread::Builder::new().name("watch".to_string()).spawn(move || watch.run());
+}
+
+struct Watch {
+    stop: Arc<AtomicBool>,
+    patience: Duration,
+    time: Duration,
+    /// In bytes.
+    memory: u64,
+    style: FindingStyle,
+    output: Arc<Output>,
+}
+
+impl Watch {
+    fn run(&self) {
+        let began = Instant::now();
+        for look in 1u32.. {
+            thread::sleep(INTERVAL);
+            if self.stop.load(Ordering::Relaxed) {
+                thread::sleep(self.patience);
+                self.end(INTERRUPTED);
+            }
+            if began.elapsed() > self.time {
+                let seconds = self.time.as_secs_f64();
+                let message = format!("took longer than the limit of {seconds} s");
+                self.refuse(message, "raise the limit with `--max-time SECONDS`");
+            }
+            if look.is_multiple_of(MEMORY_EVERY) && memory() > self.memory {
+                let message = format!("needs more than the limit of {} MiB", self.memory >> 20);
+                self.refuse(message, "raise the limit with `--max-memory MIB`, or use fewer files");
+            }
+        }
+    }
+
+    /// Ends the process because it exceeds its budget.
+    fn refuse(&self, message: String, help: &str) {
+        let error = Error::new("landfall", message).with_help(help);
+        let found = Diagnostic { code: Code::TooLarge, ..error.into() };
+        let text = self.style.text(&[found], &Files::default());
+        let _ = anstream::stderr().write_all(text.as_bytes());
+        self.end(Outcome::CouldNot.code());
+    }
+
+    /// Ends the process: prints the output so far, and removes unfinished files.
+    fn end(&self, code: u8) {
+        let output = Arc::clone(&self.output);
+        let (done, flushed) = mpsc::channel();
+        // A reader that does not read would block the flush.
+        let flush = move || {
+            if let Ok(mut output) = output.try_lock() {
+                let _ = output.flush();
+                // Nothing is written after the end.
+                std::mem::forget(output);
+            }
+            let _ = done.send(());
+        };
+        if thread::Builder::new().spawn(flush).is_ok() {
+            let _ = flushed.recv_timeout(FLUSH);
+        }
+        remove_partial();
+        for directory in temporary().iter() {
+            let _ = std::fs::remove_dir_all(directory);
+        }
+        low_level::exit(i32::from(code));
+    }
+}
+
+/// The memory of this process in bytes (`VmRSS`); 0 if the system does not report it.
+fn memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kib = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    kib.unwrap_or(0).saturating_mul(1024)
+}
