@@ -1,10 +1,11 @@
 //! The examples for CI in the book and the hooks for pre-commit do what they are there for.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use landfall_lint::render::read_json;
+
+use crate::support::command::{Place, Ran};
 
 const CI: &str = include_str!("../../docs/src/ci.md");
 const HOOKS: &str = include_str!("../../.pre-commit-hooks.yaml");
@@ -27,52 +28,40 @@ fn examples() -> Vec<String> {
 }
 
 /// A project with a few shaders and their locks.
-fn project(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("ci-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    let shaders = folder.join("shaders");
-    fs::create_dir_all(&shaders).expect("the target directory can be written");
+fn project(name: &str) -> Place {
+    let project = Place::new(&format!("ci-{name}"));
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/light_arrays");
     for file in ["point_lights_330.frag", "directional_lights_330.frag", "lights.wgsl"] {
-        fs::copy(from.join(file), shaders.join(file)).expect("it can be copied");
+        let text = fs::read(from.join(file)).expect("a shader of this repository");
+        project.write(&format!("shaders/{file}"), text);
     }
-    // The search for a configuration ends here.
-    fs::write(folder.join("landfall.toml"), "").expect("it can be written");
-    let output = run(&folder, "landfall lock shaders");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    folder
+    succeeds(&project, "landfall lock shaders");
+    project
 }
 
-fn run(folder: &Path, command: &str) -> Output {
+fn run(project: &Place, command: &str) -> Ran {
     let words: Vec<&str> = command.split_whitespace().collect();
     assert_eq!(words[0], "landfall");
-    Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(&words[1..])
-        .current_dir(folder)
-        .env_remove("GITHUB_STEP_SUMMARY")
-        .env("LANDFALL_CACHE_KEY", "the key of these tests")
-        .output()
-        .expect("the command of this package")
+    project.run(&words[1..])
 }
 
-fn succeeds(folder: &Path, command: &str) {
-    let output = run(folder, command);
-    let told = [&output.stdout[..], &output.stderr].concat();
-    assert_eq!(output.status.code(), Some(0), "{command}\n{}", String::from_utf8_lossy(&told));
+fn succeeds(project: &Place, command: &str) {
+    let ran = run(project, command);
+    assert_eq!(ran.code, 0, "{command}\n{}{}", ran.out, ran.err);
 }
 
 #[test]
 fn every_example_runs_and_writes_its_reports() {
-    let folder = project("readme");
+    let project = project("readme");
     let examples = examples();
     assert!(examples.len() >= 5, "{examples:?}");
     for example in &examples {
         let shards = if example.contains("matrix.shard") { 1..=4 } else { 1..=1 };
         for shard in shards {
-            succeeds(&folder, &example.replace("${{ matrix.shard }}", &shard.to_string()));
+            succeeds(&project, &example.replace("${{ matrix.shard }}", &shard.to_string()));
         }
     }
-    let written = |name: &str| fs::read_to_string(folder.join(name)).expect("a report");
+    let written = |name: &str| project.read(name);
     for shard in 1..=4 {
         read_json("report.json", &written(&format!("report-{shard}.json"))).expect("a report");
     }
@@ -82,16 +71,15 @@ fn every_example_runs_and_writes_its_reports() {
 
 #[test]
 fn every_hook_succeeds_and_fails_when_a_layout_drifts() {
-    let folder = project("hooks");
+    let project = project("hooks");
     let hooks = commands(HOOKS);
     assert_eq!(hooks.len(), HOOKS.matches("- id: ").count());
-    hooks.iter().for_each(|hook| succeeds(&folder, hook));
-    let file = folder.join("shaders/lights.wgsl");
-    let text = fs::read_to_string(&file).expect("text");
+    hooks.iter().for_each(|hook| succeeds(&project, hook));
+    let text = project.read("shaders/lights.wgsl");
     let drifted = text.replacen("intensity: f32", "intensity: vec4<f32>", 1);
     assert_ne!(text, drifted);
-    fs::write(&file, drifted).expect("it can be written");
+    project.write("shaders/lights.wgsl", drifted);
     for hook in &hooks {
-        assert_eq!(run(&folder, hook).status.code(), Some(1), "{hook}");
+        assert_eq!(run(&project, hook).code, 1, "{hook}");
     }
 }

@@ -1,34 +1,21 @@
 //! `landfall bench`: what it takes, what it writes, and what it refuses.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use landfall_light::accuracy::bench::{Bench, BenchRow};
+use snapbox::data::Inline;
+use snapbox::str;
 
-fn landfall(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.args(arguments).output().expect("the binary was built for this test")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("text")
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
+use crate::support::command::{self, Place};
 
 const SCENE: &str = "shaders/scenes/six_lights.json";
 const SMALL: [&str; 4] = ["--size", "40x30", "--rounds", "3"];
 
 fn bench(arguments: &[&str]) -> Bench {
     let arguments = [&["bench"], arguments, &SMALL, &["--format", "json"]].concat();
-    let output = landfall(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a bench")
+    let output = command::run(&arguments);
+    assert_eq!(output.code, 0, "{}", output.err);
+    serde_json::from_slice(&output.bytes).expect("a bench")
 }
 
 /// The largest error of what gave some number.
@@ -38,8 +25,8 @@ fn steps(row: &BenchRow) -> f64 {
 
 #[test]
 fn a_scene_is_lit_by_what_is_compiled_and_by_shaders() {
-    let folder = folder("scene");
-    let plot = folder.join("six.svg").display().to_string();
+    let folder = Place::new("bench-scene");
+    let plot = folder.path("six.svg");
     let found = bench(&[
         SCENE,
         "--variant",
@@ -130,9 +117,9 @@ fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
     let rust = "rust=plan:tiles";
     let some = ["--size", "24x18", "--rounds", "3", "--format", "json", "--backend", "cpu"];
     let variants = ["--variant", &plain, "--variant", &culled, "--variant", rust];
-    let output = landfall(&[&["bench", scene], &some[..], &variants].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let found: Bench = serde_json::from_slice(&output.stdout).expect("a bench");
+    let output = command::run(&[&["bench", scene], &some[..], &variants].concat());
+    assert_eq!(output.code, 0, "{}", output.err);
+    let found: Bench = serde_json::from_slice(&output.bytes).expect("a bench");
     let row = |variant: &str| found.rows.iter().find(|row| row.variant == variant).unwrap();
     let [plain, culled, rust] = ["plain", "culled", "rust"].map(row);
     assert_eq!(plain.work.slots, Some(1024.0));
@@ -182,41 +169,97 @@ fn few_fragments_of_a_large_scene_are_taken_and_said() {
 
 #[test]
 fn what_cannot_be_measured_is_refused_by_name() {
-    let refused = |arguments: &[&str], wanted: &str| {
-        let output = landfall(&[&["bench"], arguments, &SMALL[2..]].concat());
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
-        assert!(said.contains(wanted), "{arguments:?}\n{said}");
+    let refused = |arguments: &[&str], said: Inline| {
+        let ran = command::run(&[&["bench"], arguments, &SMALL[2..]].concat());
+        ran.code(2).stdout_eq("").stderr_eq(said);
     };
-    refused(&["no_such_scene.json"], "no_such_scene.json");
-    refused(&[SCENE, "--variant", "a=rust:sturdy"], "the kernels are `seed`, `robust`");
-    refused(&[SCENE, "--variant", "a=plan:sometimes"], "sometimes");
-    refused(&[SCENE, "--variant", "a=no_such.frag"], "no_such.frag");
-    refused(&[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"], "`--model-of`");
-    let output = landfall(&["bench", SCENE, "--rounds", "1"]);
-    assert_eq!(output.status.code(), Some(2));
+    refused(
+        &["no_such_scene.json"],
+        str![[r#"
+error[unreadable-file]: `no_such_scene.json` cannot be read: no such file or directory
+
+
+"#]],
+    );
+    refused(
+        &[SCENE, "--variant", "a=rust:sturdy"],
+        str![[r#"
+error[bad-request]: `--variant a` is not a compiled kernel: `sturdy`
+  |
+  = help: the kernels are `seed`, `robust`, `ungated` and `robust=POWER`, POWER < 1
+
+
+"#]],
+    );
+    refused(
+        &[SCENE, "--variant", "a=plan:sometimes"],
+        str![[r#"
+error[bad-request]: `--variant a` is not a plan: `sometimes`: unknown part; expected one of used, slots=N, gates[=STEPS], tiles[=PIXELS], clusters[=CxRxS], budget=STEPS, budget-srgb=STEPS, interpolate[=DIAMETERS[xNODES]], cut=VALUE, below=VALUE, always
+
+
+"#]],
+    );
+    refused(
+        &[SCENE, "--variant", "a=no_such.frag"],
+        str![[r#"
+error[unreadable-file]: `no_such.frag` cannot be read: no such file or directory
+
+
+"#]],
+    );
+    refused(
+        &[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"],
+        str![[r#"
+error[bad-request]: `--variant b` is not a variant, but `--model-of` sets its model
+
+
+"#]],
+    );
+    let output = command::run(&["bench", SCENE, "--rounds", "1"]);
+    assert_eq!(output.code, 2);
     // The name of one would stand for two.
     let twice = ["--variant", "a=rust:seed", "--variant", "a=rust:robust"];
     refused(
         &[&[SCENE][..], &twice].concat(),
-        "`--variant a=rust:robust` repeats the name of `--var",
+        str![[r#"
+error[bad-request]: `--variant a=rust:robust` repeats the name of `--variant a=rust:seed`
+  |
+  = help: give each a distinct name
+
+
+"#]],
     );
     let models = ["--model-of", "a=multi", "--model-of", "a=array"];
-    refused(&[&[SCENE], &twice[..2], &models].concat(), "`--model-of a=array` repeats the name of");
+    refused(
+        &[&[SCENE], &twice[..2], &models].concat(),
+        str![[r#"
+error[bad-request]: `--model-of a=array` repeats the name of `--model-of a=multi`
+  |
+  = help: give each a distinct name
+
+
+"#]],
+    );
     refused(
         &["shaders/six_lights/phong_450.frag"],
-        "measure a function of a shader with `--fn NAME`",
+        str![[r#"
+error[bad-request]: `shaders/six_lights/phong_450.frag` is a shader, not a scene
+  |
+  = help: measure a function of a shader with `--fn NAME`
+
+
+"#]],
     );
 }
 
 #[test]
 fn a_refusal_says_whether_it_is_the_file_or_the_arguments() {
-    let folder = folder("codes");
-    let directory = folder.display().to_string();
+    let folder = Place::new("bench-codes");
+    let directory = folder.0.display().to_string();
     let code = |arguments: &[&str]| {
-        let output = landfall(&[&["bench"], arguments].concat());
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
+        let output = command::run(&[&["bench"], arguments].concat());
+        let said = &output.err;
+        assert_eq!(output.code, 2, "{arguments:?}\n{said}");
         let code = said.strip_prefix("error[").and_then(|rest| rest.split_once(']'));
         code.unwrap_or_else(|| panic!("{said}")).0.to_string()
     };
@@ -229,9 +272,9 @@ fn a_refusal_says_whether_it_is_the_file_or_the_arguments() {
     // As the other commands that run functions say it.
     for command in ["stress", "run"] {
         let more: &[&str] = if command == "run" { &["--args", "[]"] } else { &[] };
-        let output = landfall(&[&[command, "gone.frag", "--fn", "f"], more].concat());
-        assert!(text(&output.stderr).starts_with("error[unreadable-file]"), "{output:?}");
-        assert_eq!(output.status.code(), Some(2));
+        let output = command::run(&[&[command, "gone.frag", "--fn", "f"], more].concat());
+        assert!(output.err.starts_with("error[unreadable-file]"), "{}", output.err);
+        assert_eq!(output.code, 2);
     }
 }
 
@@ -254,10 +297,10 @@ fn options_of_functions_are_refused_for_scenes_and_the_other_way_round() {
         ["--texture", "t=[1,1,1,1]"],
     ];
     let refused = |arguments: &[&str]| {
-        let output = landfall(&[&["bench", SCENE, "--rounds", "3"], arguments].concat());
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let output = command::run(&[&["bench", SCENE, "--rounds", "3"], arguments].concat());
+        assert_eq!(output.code, 2, "{arguments:?}");
         // By the command line, before anything is read.
-        assert!(text(&output.stderr).contains("Usage: "), "{}", text(&output.stderr));
+        assert!(output.err.contains("Usage: "), "{}", output.err);
     };
     for function in &of_functions {
         refused(function);
@@ -272,22 +315,22 @@ fn options_of_functions_are_refused_for_scenes_and_the_other_way_round() {
 
 #[test]
 fn a_reader_that_is_missing_is_no_success_and_no_rows_are_no_plot() {
-    let folder = folder("missing");
-    let plot = folder.join("keep.svg");
+    let folder = Place::new("bench-missing");
+    let plot = folder.0.join("keep.svg");
     std::fs::write(&plot, "kept").unwrap();
     let shown = plot.display().to_string();
     let shader = ["--variant", "s=shaders/six_lights/phong_450.frag", "--adapter", "no such one"];
     let some = [&["bench", SCENE], &SMALL[..], &shader, &["--plot", &shown]].concat();
-    let output = landfall(&[&some[..], &["--backend", "gpu"]].concat());
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let output = command::run(&[&some[..], &["--backend", "gpu"]].concat());
+    let said = &output.out;
+    assert_eq!(output.code, 2, "{said}");
     assert!(said.contains("every shader on gpu: "), "{said}");
     assert!(!said.contains("interleaved rounds"), "{said}");
     assert_eq!(std::fs::read_to_string(&plot).unwrap(), "kept");
     // What there is is printed, and drawn.
-    let output = landfall(&[&some[..], &["--backend", "cpu,gpu"]].concat());
-    let said = text(&output.stdout);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let output = command::run(&[&some[..], &["--backend", "cpu,gpu"]].concat());
+    let said = &output.out;
+    assert_eq!(output.code, 2, "{said}");
     assert!(said.contains("every shader on gpu: ") && said.contains("\n*  s "), "{said}");
     assert!(std::fs::read_to_string(&plot).unwrap().contains("<svg"));
 }
@@ -301,20 +344,20 @@ fn a_reader_that_is_named_twice_measures_once() {
 
 #[test]
 fn what_is_wrong_with_a_scene_is_said_once() {
-    let folder = folder("warned");
+    let folder = Place::new("bench-warned");
     let scene = std::fs::read_to_string(SCENE).unwrap();
     let scene = scene.replace("\"fov\": 45", "\"fov\": 0.8");
     // Textures and shaders are named from where the scene is.
     let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
     let scene = scene.replace("\"../", &format!("\"{}/", base.display()));
-    let path = folder.join("narrow.json").display().to_string();
+    let path = folder.path("narrow.json");
     std::fs::write(&path, scene).unwrap();
     let variants = ["a", "b", "c"].map(|name| format!("{name}=shaders/six_lights/phong_450.frag"));
     let mut arguments = vec!["bench", &path, "--backend", "cpu", "--model-of", "b=multi"];
     variants.iter().for_each(|variant| arguments.extend(["--variant", variant]));
-    let output = landfall(&[&arguments[..], &SMALL].concat());
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let output = command::run(&[&arguments[..], &SMALL].concat());
+    let said = &output.err;
+    assert_eq!(output.code, 0, "{said}");
     assert_eq!(said.matches("suspicious-unit").count(), 1, "{said}");
 }
 
@@ -324,8 +367,8 @@ fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
     let scene = "shaders/scenes/two_of_128.json";
     let more = ["--backend", "cpu", "-D", "POINT_LIGHT_COUNT=128", "--variant"];
     let variant = "s=shaders/seed/light_arrays_450.frag";
-    let output = landfall(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
-    let said = text(&output.stdout);
+    let output = command::run(&[&["bench", scene], &SMALL[..], &more, &[variant]].concat());
+    let said = &output.out;
     // The columns of a variant may take several lines.
     let lines: Vec<&str> = said.lines().filter(|line| line.contains("  s  ")).collect();
     assert!(lines.iter().all(|line| !line.starts_with('*')), "{said}");
@@ -339,10 +382,10 @@ fn a_shader_that_gives_no_number_has_no_error_and_is_not_the_best() {
 
 #[test]
 fn csv_has_a_line_a_variant() {
-    let output = landfall(
+    let output = command::run(
         &[&["bench", SCENE, "--variant", "a=rust:seed", "--format", "csv"], &SMALL[..]].concat(),
     );
-    let text = text(&output.stdout);
+    let text = &output.out;
     assert_eq!(text.lines().count(), 2, "{text}");
     assert!(text.starts_with("variant,reader,device,clock,ns_per_light"), "{text}");
     assert!(text.lines().nth(1).is_some_and(|line| line.starts_with("a,rust,")), "{text}");

@@ -1,47 +1,37 @@
 //! `landfall bench --fn`: functions of any kind on every backend, held against a truth.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use landfall::report::bench::BENCH_SCHEMA;
 use landfall_light::accuracy::bench::{Bench, BenchRow};
+use snapbox::data::Inline;
+use snapbox::str;
 
-fn landfall(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.args(arguments).output().expect("the binary was built for this test")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("text")
-}
+use crate::support::command::{self, Place, Ran};
 
 /// Shaders of a test, each of one file.
-struct Folder(PathBuf);
+struct Folder(Place);
 
 impl Folder {
     fn new(name: &str) -> Folder {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-fn-{name}"));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
+        Folder(Place::new(&format!("bench-fn-{name}")))
     }
 
     /// A shader of some functions; `shade` is called by its `main`, if there is one.
     fn file(&self, name: &str, functions: &str) -> String {
-        let path = self.0.join(name);
         let main = if functions.contains("void shade()") { "shade();" } else { "" };
         let text = format!("#version 450\n{functions}\nvoid main() {{ {main} }}\n");
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
+        self.0.write(name, text);
+        self.0.path(name)
     }
 }
 
 const SMALL: [&str; 6] = ["--rounds", "3", "--samples", "2000", "--format", "json"];
 
 fn bench(arguments: &[&str]) -> Bench {
-    let output = landfall(&[&["bench"], arguments, &SMALL].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let output = command::run(&[&["bench"], arguments, &SMALL].concat());
+    assert_eq!(output.code, 0, "{}", output.err);
+    let value = output.json();
     let schema: serde_json::Value = serde_json::from_str(BENCH_SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
@@ -247,9 +237,10 @@ float g(float x) { return x * u.k * u.m / u.m; }";
     // What no value is there for is refused in words.
     let alone = folder.file("alone.frag", "float f(float x) { return x; }");
     let form = format!("more={file}");
-    let output = landfall(&["bench", &alone, "--fn", "f", "--variant", &form, "--backend", "cpu"]);
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let output =
+        command::run(&["bench", &alone, "--fn", "f", "--variant", &form, "--backend", "cpu"]);
+    let said = &output.err;
+    assert_eq!(output.code, 2, "{said}");
     let wanted = "`--variant more` does not fit: it reads `u.k`, and `f(float)`, which it is";
     assert!(said.contains(wanted), "{said}");
 }
@@ -264,31 +255,162 @@ vec4 sampled(sampler2D image, vec2 at) { return texture(image, at); }
 float f(float x) { return x; }
 float two(float x, int n) { return x + float(n); }
 vec2 pair(float x) { return vec2(x); }";
-    let file = folder.file("all.frag", functions);
-    let refused = |arguments: &[&str], wanted: &str| {
-        let output = landfall(&[&["bench", &file], arguments, &["--backend", "cpu"]].concat());
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
-        assert!(said.contains(wanted), "{arguments:?}\n{said}");
+    folder.file("all.frag", functions);
+    let refused = |arguments: &[&str], said: Inline| {
+        let ran =
+            folder.0.run(&[&["bench", "all.frag"], arguments, &["--backend", "cpu"]].concat());
+        ran.code(2).stdout_eq("").stderr_eq(said);
     };
-    refused(&["--fn", "writes"], "it writes the buffer `Out`");
-    refused(&["--fn", "nothing"], "returns nothing");
-    refused(&["--fn", "sampled"], "`image`");
-    refused(&["--fn", "ff"], "did you mean `f`?");
-    refused(&["--fn", "f", "--variant", "more=#two"], "it reads `n`");
-    refused(&["--fn", "f", "--variant", "more=#pair"], "gives 2 floats, and the truth is 1 floats");
-    refused(&["--fn", "f", "--variant", "more=#fff"], "no function `fff`");
-    refused(&["--fn", "f", "--domain", r#"{"y": "unit"}"#], "has no input `y`");
-    refused(&["--fn", "f", "--domain", r#"{"x": [2, 1]}"#], "inverted");
-    refused(&["--fn", "f", "--truth", "other"], "is not a variant");
-    refused(&["--fn", "f", "--samples", "0"], "a run has 1 to");
+    refused(
+        &["--fn", "writes"],
+        str![[r#"
+error[cannot-call]: `writes(float)` cannot be sampled: it writes the buffer `Out`
+ --> all.frag
+  |
+  = help: name a function that returns the value instead
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "nothing"],
+        str![[r#"
+error[cannot-call]: `nothing(float)` cannot be sampled: it returns nothing
+ --> all.frag
+  |
+  = help: name a function that returns something, has an `out` parameter or writes a global
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "sampled"],
+        str![[r#"
+error[cannot-call]: `sampled(sampler2D, vec2)` cannot be sampled: `image` is a `sampler2D`, which is not a plain value
+ --> all.frag
+  |
+  = help: name the function that calls it
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "ff"],
+        str![[r#"
+error[unknown-function]: the shader has no function `ff`
+ --> all.frag
+  |
+  = help: did you mean `f`? its functions are `writes(float)`, `nothing(float)`, `sampled(sampler2D, vec2)`, `f(float)`, `two(float, int)`, `pair(float)`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--variant", "more=#two"],
+        str![[r#"
+error[bad-request]: `--variant more` does not fit: it reads `n`, and `f(float)`, which it is compared with, reads `x`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--variant", "more=#pair"],
+        str![[r#"
+error[bad-request]: `--variant more` does not fit: `pair(float)` gives 2 floats, and the truth is 1 floats
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--variant", "more=#fff"],
+        str![[r#"
+error[unknown-function]: the shader has no function `fff`
+ --> all.frag
+  |
+  = help: its functions are `writes(float)`, `nothing(float)`, `sampled(sampler2D, vec2)`, `f(float)`, `two(float, int)`, `pair(float)`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--domain", r#"{"y": "unit"}"#],
+        str![[r#"
+error[bad-domain]: the function has no input `y`
+ --> --domain
+  |
+  = help: did you mean `x`?
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--domain", r#"{"x": [2, 1]}"#],
+        str![[r#"
+error[bad-domain]: `x`: the range from 2 to 1 is inverted
+ --> --domain
+  |
+  = help: write `[1, 2]`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--truth", "other"],
+        str![[r#"
+error[bad-request]: `--truth other` is not a variant
+  |
+  = help: the variants are `as it is`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--samples", "0"],
+        str![[r#"
+error: invalid value '0' for '--samples <N>': a run has 1 to 4194304 calls
+
+For more information, try '--help'.
+
+"#]],
+    );
     refused(
         &["--fn", "f", "--variant", "a=#f", "--variant", "a=#two"],
-        "`--variant a=#two` repeats the name of `--variant a=#f`",
+        str![[r#"
+error[bad-request]: `--variant a=#two` repeats the name of `--variant a=#f`
+  |
+  = help: give each a distinct name
+
+
+"#]],
     );
-    refused(&["--fn", "f", "--variant", "as it is=#f"], "is the name of the original function");
-    refused(&["--fn", "f", "--truth", "other"], "error[bad-request]");
-    refused(&["--fn", "f", "--variant", "a=gone.frag"], "error[unreadable-file]");
+    refused(
+        &["--fn", "f", "--variant", "as it is=#f"],
+        str![[r#"
+error[bad-request]: `--variant as it is=#f` is the name of the original function
+  |
+  = help: choose another name
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--truth", "other"],
+        str![[r#"
+error[bad-request]: `--truth other` is not a variant
+  |
+  = help: the variants are `as it is`
+
+
+"#]],
+    );
+    refused(
+        &["--fn", "f", "--variant", "a=gone.frag"],
+        str![[r#"
+error[unreadable-file]: `gone.frag` cannot be read: no such file or directory
+
+
+"#]],
+    );
 }
 
 #[test]
@@ -298,37 +420,21 @@ fn a_driver_that_refuses_says_what_its_compiler_said() {
     let functions = "float rec(float x) { return x < 1.0 ? x : rec(x - 1.0); }
 float f(float x) { return x; }";
     let file = folder.file("rec.frag", functions);
-    let output = landfall(&["bench", &file, "--fn", "f", "--backend", "gl", "--rounds", "3"]);
-    let said = text(&output.stdout);
+    let output = command::run(&["bench", &file, "--fn", "f", "--backend", "gl", "--rounds", "3"]);
+    let said = &output.out;
     let line = said.lines().find(|line| line.starts_with("as it is on gl: "));
-    assert!(line.is_some_and(|line| line.contains("static recursion")), "{said}\n{output:?}");
+    assert!(line.is_some_and(|line| line.contains("static recursion")), "{said}\n{}", output.err);
 }
 
 #[test]
 fn a_shader_on_stdin_is_read_once_for_all_its_variants() {
-    use std::io::Write as _;
-    use std::process::Stdio;
-
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.args([
-        "bench",
-        "-",
-        "--stage",
-        "fragment",
-        "--fn",
-        "f",
-        "--variant",
-        "b=#g",
-        "--backend",
-    ]);
-    command.args(["cpu"]).args(SMALL).stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut running = command.stderr(Stdio::piped()).spawn().unwrap();
-    let text_given = "#version 450\nfloat f(float x) { return x; }
+    let text = "#version 450\nfloat f(float x) { return x; }
 float g(float x) { return x + 1.0; }\nvoid main() {}\n";
-    running.stdin.take().unwrap().write_all(text_given.as_bytes()).unwrap();
-    let output = running.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let found: Bench = serde_json::from_slice(&output.stdout).expect("a bench");
+    let function = ["bench", "-", "--stage", "fragment", "--fn", "f", "--variant", "b=#g"];
+    let command = command::landfall(&[&function[..], &["--backend", "cpu"], &SMALL].concat());
+    let output = command::with_stdin(command, text.as_bytes());
+    assert_eq!(output.code, 0, "{}", output.err);
+    let found: Bench = serde_json::from_slice(&output.bytes).expect("a bench");
     assert_eq!(found.rows.len(), 2);
 }
 
@@ -350,7 +456,7 @@ float endless(float x) {
     return x;
 }";
     let file = folder.file("slow.frag", functions);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
+    let mut command = command::landfall(&[]);
     command.args(["bench", &file, "--fn", "f", "--variant", "endless=#endless", "--variant"]);
     command.args(["again=#f", "--backend", "cpu,gl", "--rounds", "3", "--samples", "131072"]);
     let command = command.args(["--format", "json"]).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -373,14 +479,14 @@ float endless(float x) {
             None => std::thread::sleep(Duration::from_millis(20)),
         }
         if running.try_wait().unwrap().is_some() {
-            let output = running.wait_with_output().unwrap();
-            panic!("nobody killed it: {}", text(&output.stderr));
+            let output = Ran::of(running.wait_with_output().unwrap());
+            panic!("nobody killed it: {}", output.err);
         }
     };
     assert!(Command::new("kill").args(["-ABRT", &stuck]).status().unwrap().success());
-    let output = running.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let found: Bench = serde_json::from_slice(&output.stdout).unwrap();
+    let output = Ran::of(running.wait_with_output().unwrap());
+    assert_eq!(output.code, 0, "{}", output.err);
+    let found: Bench = serde_json::from_slice(&output.bytes).unwrap();
     for backend in ["cpu", "gl"] {
         assert!(row(&found, "again", backend).errors.max_ulp.is_some_and(|ulp| ulp <= 0.5));
     }

@@ -7,18 +7,30 @@ mod place;
 use std::fs;
 use std::process::Stdio;
 
-use place::{LIGHTS, Place, Ran};
+use place::{LIGHTS, place};
 use serde_json::Value;
+use snapbox::str;
+
+use crate::support::command::{Place, Ran};
 
 const TAIL: &str = "#version 430
 layout(std430) buffer B { uint n; float x[]; };
 ";
 
+/// What lies in the folder, by name.
+fn names(place: &Place) -> Vec<String> {
+    let entries = fs::read_dir(&place.0).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
 #[test]
 fn values_land_where_the_layout_says() {
-    let place = Place::new("land");
+    let place = place("land");
     let json = r#"{"data[3].color":[1,2,3],"u_lights.data[3].pos.y":4,"actually_used_count":128}"#;
-    let ran = place.run_with(&["encode", "a.frag"], json);
+    let ran = place.run_with_stdin(&["encode", "a.frag"], json);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
     let mut wanted = vec![0u8; 6160];
     for (at, value) in [(160, 1.0f32), (164, 2.0), (168, 3.0), (148, 4.0)] {
@@ -29,33 +41,29 @@ fn values_land_where_the_layout_says() {
     // The same from a file with a byte-order mark, to a file.
     place.write("v.json", format!("\u{feff}{json}"));
     let ran = place.run(&["encode", "a.frag", "v.json", "-b", "u_lights", "--out", "o/v.bin"]);
-    assert_eq!((ran.code, ran.out(), ran.err.as_str()), (0, "", ""));
-    assert!(place.read("o/v.bin") == wanted);
+    assert_eq!((ran.code, ran.out.as_str(), ran.err.as_str()), (0, "", ""));
+    assert!(place.bytes("o/v.bin") == wanted);
 }
 
 #[test]
 fn a_table_has_a_row_for_each_element() {
-    let place = Place::new("table");
+    let place = place("table");
     place.write("v.json", r#"{"data[3].color":[1,0.1,-3e30],"actually_used_count":-7}"#);
     place.run(&["encode", "a.frag", "v.json", "-o", "v.bin"]);
     let ran = place.run(&["decode", "a.frag", "v.bin"]);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
-    let lines: Vec<&str> = ran.out().lines().collect();
+    let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!(lines.len(), 2 + 128 * 6 + 1);
     assert_eq!(lines[0], "uniform PointLightBlock u_lights · std140 · 6160 bytes");
     assert_eq!(lines[1], "  offset  type   path                 value");
-    assert!(
-        lines.contains(&"     160  vec3   data[3].color        1.0 0.1 -3e30"),
-        "{}",
-        ran.out()
-    );
+    assert!(lines.contains(&"     160  vec3   data[3].color        1.0 0.1 -3e30"), "{}", ran.out);
     assert_eq!(lines[770], "    6144  int    actually_used_count  -7");
-    assert!(place.run(&["decode", "a.frag", "v.bin", "--color", "always"]).out().contains("\x1b["));
+    assert!(place.run(&["decode", "a.frag", "v.bin", "--color", "always"]).out.contains("\x1b["));
 }
 
 #[test]
 fn only_keeps_what_a_path_names_and_what_is_odd_there() {
-    let place = Place::new("only");
+    let place = place("only");
     let mut bytes = vec![0u8; 6160];
     bytes[13] = 1; // padding of data[0]
     bytes[3 * 48 + 44] = 2; // padding of data[3]
@@ -65,25 +73,54 @@ fn only_keeps_what_a_path_names_and_what_is_odd_there() {
         |path, format| place.run(&["decode", "a.frag", "v.bin", "-f", format, "--only", path]);
     let ran = only("data[3]", "table");
     assert_eq!(ran.code, 1);
-    assert_eq!(ran.out().lines().count(), 2 + 6 + 1);
-    assert!(ran.out().ends_with("     188         -- padding         02  <- not zero\n"));
+    assert_eq!(ran.out.lines().count(), 2 + 6 + 1);
+    ran.stdout_eq(str![[r#"
+uniform PointLightBlock u_lights · std140 · 6160 bytes
+  offset  type   path               value
+     144  vec3   data[3].pos        0.0 0.0 0.0
+     160  vec3   data[3].color      0.0 0.0 0.0
+     172  float  data[3].intensity  0.0
+     176  float  data[3].constant   0.0
+     180  float  data[3].linear     0.0
+     184  float  data[3].quadratic  0.0
+     188         -- padding         02  <- not zero
+
+"#]]);
     assert_eq!(ran.err.matches("warning[").count(), 1, "{}", ran.err);
     assert_eq!(only("data[1]", "table").code, 0);
-    assert_eq!(only("data[3].color.y", "table").out().lines().count(), 3);
+    assert_eq!(only("data[3].color.y", "table").out.lines().count(), 3);
     let json = only("data[4]", "json");
     assert_eq!(json.code, 1);
-    let again = place.run_with(&["encode", "a.frag"], &json.bytes);
+    let again = place.run_with_stdin(&["encode", "a.frag"], &json.bytes);
     assert_eq!(again.bytes[4 * 48..5 * 48], bytes[4 * 48..5 * 48]);
-    only("data[128]", "table").refuses("index-out-of-range", "the length is 128");
-    only("data[1].colr", "table").refuses("unknown-member", "did you mean `data[1].color`?");
-    only("data[", "table").refuses("malformed-path", "expected");
+    only("data[128]", "table").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[index-out-of-range]: index 128 in `data[128]` is out of range: the length is 128
+ --> v.bin
+
+
+"#]]);
+    only("data[1].colr", "table").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unknown-member]: no member `colr` in `data[1]` (path `data[1].colr`)
+ --> v.bin
+  |
+  = help: did you mean `data[1].color`?
+
+
+"#]]);
+    only("data[", "table").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[malformed-path]: `data[` is not a path: expected a number at byte 5
+ --> v.bin
+
+
+"#]]);
 }
 
 #[test]
 fn what_looks_wrong_is_flagged_in_its_row_and_on_stderr() {
-    let place = Place::new("odd");
+    let place = place("odd");
     let shader = "layout(std430) uniform B { vec3 a; mat2 m; bool b; float c; };\n";
-    place.write("b.frag", format!("#version 450\n{shader}"));
+    let extension = "#extension GL_EXT_scalar_block_layout : require";
+    place.write("b.frag", format!("#version 450\n{extension}\n{shader}"));
     let mut bytes = vec![0u8; 48];
     bytes[4..8].copy_from_slice(&f32::NAN.to_le_bytes());
     bytes[8..12].copy_from_slice(&f32::NEG_INFINITY.to_le_bytes());
@@ -91,9 +128,9 @@ fn what_looks_wrong_is_flagged_in_its_row_and_on_stderr() {
     bytes[32] = 2;
     bytes[40..48].fill(0xff);
     let arguments = ["decode", "b.frag", "-", "--rules", "std430"];
-    let ran = place.run_with(&arguments, &bytes);
+    let ran = place.run_with_stdin(&arguments, &bytes);
     assert_eq!(ran.code, 1);
-    let rows: Vec<&str> = ran.out().lines().skip(2).collect();
+    let rows: Vec<&str> = ran.out.lines().skip(2).collect();
     assert_eq!(
         rows,
         [
@@ -105,18 +142,27 @@ fn what_looks_wrong_is_flagged_in_its_row_and_on_stderr() {
             "      40         -- padding  ff ff ff ff ff ff ff ff  <- not zero",
         ]
     );
-    for words in [
-        "warning[not-a-number]: `a.y` at byte 4 is not a number: nan\n --> <stdin>",
-        "warning[infinite]: `a.z` at byte 8 is infinite: -inf\n",
-        "warning[nonzero-padding]: padding at byte 15 is not zero: ee, between `a` and `m`\n",
-        "warning[odd-bool]: `b` at byte 32 is a bool, but neither 0 nor 1: 2\n",
-        "warning[nonzero-padding]: padding at byte 40 is not zero",
-    ] {
-        assert!(ran.err.contains(words), "{words}\n{}", ran.err);
-    }
-    let quiet = place.run_with(&["-q", "decode", "b.frag", "-"], &bytes);
+    ran.stderr_eq(str![[r#"
+warning[not-a-number]: `a.y` at byte 4 is not a number: nan
+ --> <stdin>
+
+warning[infinite]: `a.z` at byte 8 is infinite: -inf
+ --> <stdin>
+
+warning[nonzero-padding]: padding at byte 15 is not zero: ee, between `a` and `m`
+ --> <stdin>
+
+warning[odd-bool]: `b` at byte 32 is a bool, but neither 0 nor 1: 2
+ --> <stdin>
+
+warning[nonzero-padding]: padding at byte 40 is not zero: ff ff ff ff ff ff ff ff, after `c`
+ --> <stdin>
+
+
+"#]]);
+    let quiet = place.run_with_stdin(&["-q", "decode", "b.frag", "-"], &bytes);
     assert_eq!((quiet.code, quiet.err.as_str()), (1, ""));
-    let json = place.run_with(&["decode", "b.frag", "-", "-f", "json"], &bytes);
+    let json = place.run_with_stdin(&["decode", "b.frag", "-", "-f", "json"], &bytes);
     assert_eq!(json.code, 1);
     for line in json.err.lines() {
         let found: Value = serde_json::from_str(line).unwrap();
@@ -127,38 +173,38 @@ fn what_looks_wrong_is_flagged_in_its_row_and_on_stderr() {
 
 #[test]
 fn findings_past_what_is_read_are_counted() {
-    let place = Place::new("many");
-    let ran = place.run_with(&["decode", "a.frag", "-"], [0xff; 6160]);
+    let place = place("many");
+    let ran = place.run_with_stdin(&["decode", "a.frag", "-"], [0xff; 6160]);
     assert_eq!(ran.code, 1);
     // 12 components and 2 gaps a light, and the block's tail.
     let all = 128 * 12 - 128 * 2 + 128 * 2 + 1;
     assert_eq!(ran.err.matches("warning[").count(), 100);
     let words = format!("warning[more-findings]: {} more findings in `<stdin>`", all - 99);
     assert!(ran.err.contains(&words), "{words}\n{}", &ran.err[ran.err.len() - 200..]);
-    let json = place.run_with(&["decode", "a.frag", "-", "-f", "json"], [0xff; 6160]);
+    let json = place.run_with_stdin(&["decode", "a.frag", "-", "-f", "json"], [0xff; 6160]);
     assert_eq!(json.err.lines().count(), 1001);
 }
 
 #[test]
 fn hex_names_every_word() {
-    let place = Place::new("hex");
+    let place = place("hex");
     let json = r#"{"data[0].pos":[1,2,3],"actually_used_count":2}"#;
-    let ran = place.run_with(&["encode", "a.frag", "--hex"], json);
+    let ran = place.run_with_stdin(&["encode", "a.frag", "--hex"], json);
     assert_eq!((ran.code, ran.err.as_str()), (0, ""));
-    let lines: Vec<&str> = ran.out().lines().collect();
+    let lines: Vec<&str> = ran.out.lines().collect();
     assert_eq!(lines.len(), 1 + 6160 / 16);
     let wanted =
         "       0  00 00 80 3f  00 00 00 40  00 00 40 40  00 00 00 00  data[0].pos.x  .y  .z  --";
     assert_eq!(lines[1], wanted);
     assert!(lines[385].ends_with("  actually_used_count  --  --  --"), "{}", lines[385]);
-    let to_file = place.run_with(&["encode", "a.frag", "--hex", "--out", "v.txt"], json);
-    assert_eq!((to_file.code, to_file.out()), (0, ""));
-    assert_eq!(place.read("v.txt"), ran.bytes);
+    let to_file = place.run_with_stdin(&["encode", "a.frag", "--hex", "--out", "v.txt"], json);
+    assert_eq!((to_file.code, to_file.out.as_str()), (0, ""));
+    assert_eq!(place.bytes("v.txt"), ran.bytes);
 }
 
 #[test]
 fn the_block_is_asked_for_when_there_are_several() {
-    let place = Place::new("which");
+    let place = place("which");
     place.write("two.frag", format!("{LIGHTS}layout(std140) uniform View {{ vec4 eye; }};\n"));
     place.write("loose.frag", "#version 330\nuniform vec3 eye;\n");
     place.write("none.frag", "#version 330\nvoid main() {}\n");
@@ -166,27 +212,53 @@ fn the_block_is_asked_for_when_there_are_several() {
 @group(0) @binding(0) var<uniform> one: L;
 @group(0) @binding(1) var<uniform> two: L;\n";
     place.write("same.wgsl", same);
-    let run = |arguments: &[&str]| place.run_with(&[&["encode"], arguments, &["-"]].concat(), "{}");
-    run(&["two.frag"])
-        .refuses("which-block", "select one with `--block`: `PointLightBlock`, `View`");
+    let run =
+        |arguments: &[&str]| place.run_with_stdin(&[&["encode"], arguments, &["-"]].concat(), "{}");
+    run(&["two.frag"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[which-block]: `two.frag` has 2 blocks
+  |
+  = help: select one with `--block`: `PointLightBlock`, `View`
+
+
+"#]]);
     assert_eq!(run(&["two.frag", "-b", "View"]).bytes.len(), 16);
-    run(&["two.frag", "-b", "Veiw"])
-        .refuses("unknown-block", "available: `PointLightBlock`, `View`");
-    run(&["loose.frag"]).refuses("no-bytes", "`--gather` lays them out");
+    run(&["two.frag", "-b", "Veiw"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unknown-block]: no block named `Veiw` in `two.frag`
+  |
+  = help: available: `PointLightBlock`, `View`
+
+
+"#]]);
+    run(&["loose.frag"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[no-bytes]: no block of `loose.frag` has any bytes
+  |
+  = help: loose uniforms are uploaded one by one; `--gather` lays them out as a block
+
+
+"#]]);
     assert_eq!(run(&["loose.frag", "--gather"]).bytes.len(), 16);
-    run(&["same.wgsl", "-b", "L"]).refuses("ambiguous-block", "by its instance: `one`, `two`");
+    run(&["same.wgsl", "-b", "L"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[ambiguous-block]: 2 blocks of `same.wgsl` are named `L`
+  |
+  = help: name one by its instance: `one`, `two`
+
+
+"#]]);
     assert_eq!(run(&["same.wgsl", "-b", "two"]).bytes.len(), 16);
     let none = run(&["none.frag"]);
-    assert_eq!((none.code, none.out()), (2, ""));
-    assert!(none.err.contains("error[no-blocks]"), "{}", none.err);
+    none.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[no-blocks]: no blocks and no loose uniforms in `none.frag`
+
+
+"#]]);
 }
 
 #[test]
 fn defines_overrides_and_rules_change_the_bytes() {
-    let place = Place::new("options");
+    let place = place("options");
     place.write("d.frag", "#version 330\nlayout(std140) uniform B { float x[N]; };\n");
     let len = |arguments: &[&str]| {
-        let ran = place.run_with(&[&["encode"], arguments].concat(), "{}");
+        let ran = place.run_with_stdin(&[&["encode"], arguments].concat(), "{}");
         assert_eq!(ran.code, 0, "{}", ran.err);
         ran.bytes.len()
     };
@@ -201,37 +273,181 @@ fn defines_overrides_and_rules_change_the_bytes() {
 
 #[test]
 fn values_that_are_wrong_are_refused_with_their_place() {
-    let place = Place::new("values");
-    for (json, code, words) in [
-        ("", "empty-input", "`<stdin>` is empty"),
-        (" \n", "empty-input", "`{}` sets all of them to zero"),
+    let place = place("values");
+    for (json, code, said) in [
+        (
+            "",
+            "empty-input",
+            str![[r#"
+error[empty-input]: `<stdin>` is empty
+  |
+  = help: write an object of the block's members; `{}` sets all of them to zero
+
+
+"#]],
+        ),
+        (
+            " \n",
+            "empty-input",
+            str![[r#"
+error[empty-input]: `<stdin>` is empty
+  |
+  = help: write an object of the block's members; `{}` sets all of them to zero
+
+
+"#]],
+        ),
         (
             "{\n  \"data\": [1,\n}",
             "json-syntax",
-            "malformed JSON: expected value\n --> <stdin>:3:1\n",
+            str![[r#"
+error[json-syntax]: malformed JSON: expected value
+ --> <stdin>:3:1
+  |
+3 | }
+  | ^
+
+
+"#]],
         ),
-        ("{\"data\": [", "json-syntax", " --> <stdin>:1:10\n"),
-        ("{\"a\":1,\"a\":1}", "json-syntax", "`a` is given twice"),
-        ("[]", "wrong-value", "the block: expected an object of members for `PointLightBlock`"),
-        (r#"{"dta":[]}"#, "unknown-member", "help: did you mean `data`?"),
-        (r#"{"data":[{"colour":1}]}"#, "unknown-member", "did you mean `data[0].color`?"),
-        (r#"{"data[128].pos":1}"#, "index-out-of-range", "index 128 in `data[128].pos`"),
+        (
+            "{\"data\": [",
+            "json-syntax",
+            str![[r#"
+error[json-syntax]: malformed JSON: EOF while parsing a list
+ --> <stdin>:1:10
+  |
+1 | {"data": [
+  |          ^
+
+
+"#]],
+        ),
+        (
+            "{\"a\":1,\"a\":1}",
+            "json-syntax",
+            str![[r#"
+error[json-syntax]: malformed JSON: `a` is given twice
+ --> <stdin>:1:10
+  |
+1 | {"a":1,"a":1}
+  |          ^
+
+
+"#]],
+        ),
+        (
+            "[]",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: the block: expected an object of members for `PointLightBlock`, found an array of 0 values
+ --> <stdin>:1:1
+  |
+1 | []
+  | ^^
+
+
+"#]],
+        ),
+        (
+            r#"{"dta":[]}"#,
+            "unknown-member",
+            str![[r#"
+error[unknown-member]: no member `dta` in the block (path `dta`)
+ --> <stdin>:1:2
+  |
+1 | {"dta":[]}
+  |  ^^^^^
+  |
+  = help: did you mean `data`?
+
+
+"#]],
+        ),
+        (
+            r#"{"data":[{"colour":1}]}"#,
+            "unknown-member",
+            str![[r#"
+error[unknown-member]: no member `colour` in `data[0]` (path `data[0].colour`)
+ --> <stdin>:1:11
+  |
+1 | {"data":[{"colour":1}]}
+  |           ^^^^^^^^
+  |
+  = help: did you mean `data[0].color`?
+
+
+"#]],
+        ),
+        (
+            r#"{"data[128].pos":1}"#,
+            "index-out-of-range",
+            str![[r#"
+error[index-out-of-range]: index 128 in `data[128].pos` is out of range: the length is 128
+ --> <stdin>:1:2
+  |
+1 | {"data[128].pos":1}
+  |  ^^^^^^^^^^^^^^^
+
+
+"#]],
+        ),
         (
             r#"{"data":[{"pos":[1,2]}]}"#,
             "wrong-count",
-            "`data[0].pos`: `vec3` has 3 elements, not 2",
+            str![[r#"
+error[wrong-count]: `data[0].pos`: `vec3` has 3 elements, not 2
+ --> <stdin>:1:17
+  |
+1 | {"data":[{"pos":[1,2]}]}
+  |                 ^^^^^
+
+
+"#]],
         ),
         (
             r#"{"actually_used_count":1.5}"#,
             "wrong-value",
-            "expected an integer for `int`, found 1.5",
+            str![[r#"
+error[wrong-value]: `actually_used_count`: expected an integer for `int`, found 1.5
+ --> <stdin>:1:24
+  |
+1 | {"actually_used_count":1.5}
+  |                        ^^^
+
+
+"#]],
         ),
-        (r#"{"actually_used_count":2147483648}"#, "value-out-of-range", "does not fit `int`"),
-        (r#"{"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}"#, "given-twice", "is given twice"),
+        (
+            r#"{"actually_used_count":2147483648}"#,
+            "value-out-of-range",
+            str![[r#"
+error[value-out-of-range]: `actually_used_count`: 2147483648 does not fit `int`
+ --> <stdin>:1:24
+  |
+1 | {"actually_used_count":2147483648}
+  |                        ^^^^^^^^^^
+
+
+"#]],
+        ),
+        (
+            r#"{"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}"#,
+            "given-twice",
+            str![[r#"
+error[given-twice]: `data[0].pos[0]`: its value is given twice
+ --> <stdin>:1:17
+  |
+1 | {"data[0].pos":[1,2,3],"data":[{"pos.x":1}]}
+  |                 ^
+
+
+"#]],
+        ),
     ] {
-        let ran = place.run_with(&["encode", "a.frag", "--out", "v.bin"], json);
-        ran.refuses(code, words);
-        assert!(ran.err.contains("<stdin>"), "{}", ran.err);
+        let ran = place.run_with_stdin(&["encode", "a.frag", "--out", "v.bin"], json);
+        ran.code(2).stdout_eq("").stderr_eq(said);
+        assert!(ran.err.starts_with(&format!("error[{code}]: ")), "{}", ran.err);
     }
     let places = [
         ("{\n \"dta\": []}", "2:2"),
@@ -243,102 +459,207 @@ fn values_that_are_wrong_are_refused_with_their_place() {
         ("{\"data[200]\": 0}", "1:2"),
     ];
     for (json, at) in places {
-        let ran = place.run_with(&["encode", "a.frag"], json);
+        let ran = place.run_with_stdin(&["encode", "a.frag"], json);
         assert!(ran.err.contains(&format!(" --> <stdin>:{at}\n")), "{at} {}", ran.err);
     }
     let strict = ["encode", "a.frag", "--missing", "error"];
-    place.run_with(&strict, "{}").refuses("missing-member", "`data[0].pos` is missing");
-    place.run_with(&strict, "{}").refuses("missing-member", "with `--missing zero`");
-    place.run_with(&["encode", "a.frag"], b"{\"\xff\"").refuses("unreadable-file", "is not UTF-8");
-    assert_eq!(place.names(), ["a.frag"]);
+    place.run_with_stdin(&strict, "{}").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[missing-member]: `data[0].pos` is missing
+ --> <stdin>
+  |
+  = help: add it, or set missing members to zero with `--missing zero`
+
+
+"#]]);
+    place.run_with_stdin(&["encode", "a.frag"], b"{\"\xff\"").code(2).stdout_eq("").stderr_eq(
+        str![[r#"
+error[unreadable-file]: `<stdin>` is not UTF-8: byte 0xff at line 1, column 3
+  |
+  = help: save the file as UTF-8
+
+
+"#]],
+    );
+    assert_eq!(names(&place), ["a.frag", "landfall.toml"]);
 }
 
 #[test]
 fn bytes_of_the_wrong_length_are_refused_with_both_numbers() {
-    let place = Place::new("length");
+    let place = place("length");
     place.write("tail.comp", TAIL);
     let run = |bytes: &[u8], more: &[&str]| {
-        place.run_with(&[&["decode", "a.frag", "-"], more].concat(), bytes)
+        place.run_with_stdin(&[&["decode", "a.frag", "-"], more].concat(), bytes)
     };
-    let words = "`PointLightBlock` has 6160 bytes, but 160 bytes were given: they end before or in \
-                 `data[3].color`";
-    run(&[0; 160], &[]).refuses("wrong-length", words);
-    run(&[], &[]).refuses("wrong-length", "has 6160 bytes, but 0 bytes were given");
-    run(&[0; 6164], &[]).refuses("wrong-length", "has 6160 bytes, but 6164 bytes were given");
-    run(&[0; 6164], &[]).refuses("wrong-length", "`--offset N` decodes the 6160 bytes from byte N");
+    run(&[0; 160], &[]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[wrong-length]: `PointLightBlock` has 6160 bytes, but 160 bytes were given: they end before or in `data[3].color`
+ --> <stdin>
+
+
+"#]]);
+    run(&[], &[]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[wrong-length]: `PointLightBlock` has 6160 bytes, but 0 bytes were given: they end before or in `data[0].pos`
+ --> <stdin>
+
+
+"#]]);
+    run(&[0; 6164], &[]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[wrong-length]: `PointLightBlock` has 6160 bytes, but 6164 bytes were given
+ --> <stdin>
+  |
+  = help: `--offset N` decodes the 6160 bytes from byte N of a longer dump
+
+
+"#]]);
     let mut dump = vec![0xffu8; 7000];
     dump[256..256 + 6160].fill(0);
     assert_eq!(run(&dump, &["--offset", "0x100"]).code, 0);
     assert_eq!(run(&dump, &["--offset", "257"]).code, 1);
     assert_eq!(run(&dump, &["--offset", "840"]).code, 1);
-    run(&dump, &["--offset", "853"]).refuses("wrong-length", "6147 of them from byte 853 on");
-    run(&dump, &["--offset", "7001"]).refuses("offset-out-of-range", "has 7000 bytes, none at");
+    run(&dump, &["--offset", "853"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[wrong-length]: `PointLightBlock` has 6160 bytes, but 6147 bytes were given: they end before or in `actually_used_count`
+ --> <stdin>
+  |
+  = note: `<stdin>` has 7000 bytes, 6147 of them from byte 853 on
+
+
+"#]]);
+    run(&dump, &["--offset", "7001"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[offset-out-of-range]: `<stdin>` has 7000 bytes, none at offset 7001
+
+
+"#]]);
     // All members, but not what a buffer must hold.
     let short = run(&[0; 6148], &[]);
-    assert_eq!(short.code, 1);
-    assert!(short.err.starts_with("warning[odd-length]: 6148 bytes hold every member"));
-    let tail = place.run_with(&["decode", "tail.comp", "-"], [0; 20]);
-    assert_eq!((tail.code, tail.err.as_str()), (0, ""));
-    assert!(tail.out().ends_with("  20 bytes hold 4 of `x`\n"), "{}", tail.out());
-    let odd = place.run_with(&["decode", "tail.comp", "-"], [0; 21]);
-    assert!(odd.code == 1 && odd.err.contains("1 bytes follow the last whole element of `x`"));
+    short.code(1).stderr_eq(str![[r#"
+warning[odd-length]: 6148 bytes hold every member of `PointLightBlock`, but a buffer for it must hold 6160
+ --> <stdin>
+
+
+"#]]);
+    let tail = place.run_with_stdin(&["decode", "tail.comp", "-"], [0; 20]);
+    tail.code(0).stderr_eq("").stdout_eq(str![[r#"
+storage B · std430 · 8 bytes
+  offset  type   path  value
+       0  uint   n     0
+       4  float  x[0]  0.0
+       8  float  x[1]  0.0
+      12  float  x[2]  0.0
+      16  float  x[3]  0.0
+  20 bytes hold 4 of `x`
+
+"#]]);
+    let odd = place.run_with_stdin(&["decode", "tail.comp", "-"], [0; 21]);
+    odd.code(1).stderr_eq(str![[r#"
+warning[odd-length]: 1 bytes follow the last whole element of `x`
+ --> <stdin>
+
+
+"#]]);
 }
 
 #[test]
 fn files_that_cannot_be_read_are_one_error() {
-    let place = Place::new("unreadable");
+    let place = place("unreadable");
     fs::create_dir(place.0.join("dir")).unwrap();
     for command in ["encode", "decode"] {
         let run = |shader, other| place.run(&[command, shader, other]);
-        run("a.frag", "gone").refuses("unreadable-file", "`gone` cannot be read: no such file");
-        run("a.frag", "dir").refuses("unreadable-file", "`dir` is a directory, not a file");
-        run("gone.frag", "x").refuses("unreadable-file", "`gone.frag` cannot be read");
-        run("-", "-").refuses("output", "`<stdin>` cannot be both the shader and the other input");
+        run("a.frag", "gone").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unreadable-file]: `gone` cannot be read: no such file or directory
+
+
+"#]]);
+        run("a.frag", "dir").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unreadable-file]: `dir` is a directory, not a file
+
+
+"#]]);
+        run("gone.frag", "x").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unreadable-file]: `gone.frag` cannot be read: no such file or directory
+
+
+"#]]);
+        run("-", "-").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `<stdin>` cannot be both the shader and the other input
+  |
+  = help: name a file for one of them
+
+
+"#]]);
     }
     place.write("bad.frag", "#version 330\nuniform B { vec33 x; };\nuniform C { float y; };\n");
-    let ran = place.run_with(&["encode", "bad.frag", "--out", "v.bin", "-b", "C"], "{}");
+    let ran = place.run_with_stdin(&["encode", "bad.frag", "--out", "v.bin", "-b", "C"], "{}");
     assert!(ran.code == 2 && !place.0.join("v.bin").exists(), "{}", ran.err);
-    let ran = place.run_with(&["decode", "bad.frag", "-", "-b", "C"], [0; 16]);
-    assert!(ran.code == 2 && ran.out().contains("float  y     0.0"), "{}", ran.out());
+    let ran = place.run_with_stdin(&["decode", "bad.frag", "-", "-b", "C"], [0; 16]);
+    ran.code(2).stdout_eq(str![[r#"
+uniform C · std140 · rules not declared: the driver's offsets may differ · 16 bytes
+  offset  type   path  value
+       0  float  y     0.0
+
+"#]]);
 }
 
 #[test]
 fn a_place_that_cannot_be_written_is_left_as_it_was() {
-    let place = Place::new("out");
+    let place = place("out");
     place.write("file", "in the way");
     fs::create_dir(place.0.join("dir")).unwrap();
-    for (out, words) in [
-        ("file/v.bin", "`file` cannot be created as a directory"),
-        ("file/deep/v.bin", "cannot be created as a directory"),
-        ("dir", "`dir` cannot be written"),
+    for (out, said) in [
+        (
+            "file/v.bin",
+            str![[r#"
+error[output]: `file` cannot be created as a directory: file exists
+
+
+"#]],
+        ),
+        (
+            "file/deep/v.bin",
+            str![[r#"
+error[output]: `file/deep` cannot be created as a directory: not a directory
+
+
+"#]],
+        ),
+        (
+            "dir",
+            str![[r#"
+error[output]: `dir` cannot be written: is a directory
+
+
+"#]],
+        ),
     ] {
-        let ran = place.run_with(&["encode", "a.frag", "--out", out], "{}");
-        ran.refuses("output", words);
+        let ran = place.run_with_stdin(&["encode", "a.frag", "--out", out], "{}");
+        ran.code(2).stdout_eq("").stderr_eq(said);
     }
-    assert_eq!(place.read("file"), b"in the way");
-    assert_eq!(place.names(), ["a.frag", "dir", "file"]);
+    assert_eq!(place.bytes("file"), b"in the way");
+    assert_eq!(names(&place), ["a.frag", "dir", "file", "landfall.toml"]);
     assert_eq!(fs::read_dir(place.0.join("dir")).unwrap().count(), 0);
 }
 
 #[test]
 #[cfg(target_os = "linux")]
 fn devices_and_links_stay_what_they_are() {
-    let place = Place::new("links");
+    let place = place("links");
     place.write("v.bin", "old");
     std::os::unix::fs::symlink("v.bin", place.0.join("link")).unwrap();
     std::os::unix::fs::symlink("/dev/full", place.0.join("full")).unwrap();
-    let to = |out| place.run_with(&["encode", "a.frag", "--out", out], "{}");
+    let to = |out| place.run_with_stdin(&["encode", "a.frag", "--out", out], "{}");
     assert_eq!(to("link").code, 0);
-    assert!(place.0.join("link").is_symlink() && place.read("v.bin").len() == 6160);
-    to("full").refuses("output", "`full` cannot be written: no space left on device");
+    assert!(place.0.join("link").is_symlink() && place.bytes("v.bin").len() == 6160);
+    to("full").code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `full` cannot be written: no space left on device
+
+
+"#]]);
     assert!(place.0.join("full").is_symlink());
-    assert_eq!(place.names(), ["a.frag", "full", "link", "v.bin"]);
+    assert_eq!(names(&place), ["a.frag", "full", "landfall.toml", "link", "v.bin"]);
 }
 
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_is_one_error_and_a_closed_pipe_is_none() {
-    let place = Place::new("pipe");
+    let place = place("pipe");
     place.write("v.json", "{}");
     place.write("v.bin", vec![0; 6160]);
     let encode: &[&str] = &["encode", "a.frag", "v.json"];
@@ -351,7 +672,11 @@ fn a_full_disk_is_one_error_and_a_closed_pipe_is_none() {
     for arguments in commands {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let ran = Ran::of(place.command(arguments).stdout(full).output().unwrap());
-        ran.refuses("output", "`<stdout>` cannot be written: no space left on device");
+        ran.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `<stdout>` cannot be written: no space left on device
+
+
+"#]]);
         let mut command = place.command(arguments);
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());

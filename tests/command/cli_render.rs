@@ -1,49 +1,32 @@
 //! `landfall render` from outside: files, reports, refusals.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use serde_json::Value;
+use snapbox::str;
 
-fn landfall(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the binary was built for this test")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("it is text")
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("render-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for this test");
-    folder
-}
+use crate::support::command::{self, Place, Ran, golden};
 
 const SCENE: &str = "shaders/scenes/six_lights.json";
 const SHADER: &str = "shaders/six_lights/phong_330.frag";
 
-fn render(more: &[&str]) -> Output {
+fn render(more: &[&str]) -> Ran {
     let mut arguments = vec!["render", SCENE, "--shader", SHADER, "--size", "40x30"];
     arguments.extend(more);
-    landfall(&arguments)
+    command::run(&arguments)
 }
 
 #[test]
 fn pictures_and_their_differences_are_written_and_reported_by_the_schema() {
-    let folder = folder("files");
-    let out = folder.join("six.png");
+    let folder = Place::new("render-files");
+    let out = folder.0.join("six.png");
     let out = out.display().to_string();
     let output = render(&["-o", &out, "--compare", "reference,gl", "--format", "json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let schema = landfall(&["schema", "render"]);
-    let schema: Value = serde_json::from_slice(&schema.stdout).expect("a schema is JSON");
+    assert_eq!(output.code, 0, "{}", output.err);
+    let schema = command::run(&["schema", "render"]);
+    let schema = schema.json();
     let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
-    let report: Value = serde_json::from_slice(&output.stdout).expect("a report is JSON");
+    let report = output.json();
     let errors: Vec<String> = validator.iter_errors(&report).map(|e| e.to_string()).collect();
     assert!(errors.is_empty(), "{errors:#?}");
     let names: Vec<&str> =
@@ -61,49 +44,91 @@ fn pictures_and_their_differences_are_written_and_reported_by_the_schema() {
 
 #[test]
 fn a_picture_of_floats_is_the_same_when_it_is_read_again() {
-    let folder = folder("floats");
+    let folder = Place::new("render-floats");
     for name in ["six.exr", "six.pfm"] {
-        let out = folder.join(name).display().to_string();
+        let out = folder.0.join(name).display().to_string();
         let first = render(&["-o", &out]);
-        assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+        assert_eq!(first.code, 0, "{}", first.err);
         let again = render(&["--compare", &out, "--max-step", "0"]);
-        assert_eq!(again.status.code(), Some(0), "{}{}", text(&again.stdout), text(&again.stderr));
-        assert!(text(&again.stdout).contains("infinite"), "{}", text(&again.stdout));
+        assert_eq!(again.code, 0, "{}{}", again.out, again.err);
+        assert!(again.out.contains("infinite"), "{}", again.out);
     }
     // Another light is another picture.
-    let out = folder.join("six.exr").display().to_string();
+    let out = folder.path("six.exr");
     let bind = r#"{"dirLight.diffuse": [0, 0, 0]}"#;
     let other = render(&["--compare", &out, "--max-step", "0", "--bind", bind]);
-    assert_eq!(other.status.code(), Some(1), "{}", text(&other.stdout));
+    assert_eq!(other.code, 1, "{}", other.out);
 }
 
 #[test]
 fn a_printed_binding_can_be_given_back() {
     let printed = render(&["--print-bind", "--format", "json"]);
-    assert_eq!(printed.status.code(), Some(0), "{}", text(&printed.stderr));
-    let again = render(&["--print-bind", "--format", "json", "--bind", text(&printed.stdout)]);
-    assert_eq!(text(&again.stdout), text(&printed.stdout));
+    assert_eq!(printed.code, 0, "{}", printed.err);
+    let again = render(&["--print-bind", "--format", "json", "--bind", &printed.out]);
+    assert_eq!(again.out, printed.out);
     let table = render(&["--print-bind"]);
-    let table = text(&table.stdout);
-    assert!(table.contains("pointLights[].linear") && table.contains("point[].linear"), "{table}");
+    let table = &table.out;
+    golden().eq(
+        table,
+        str![[r#"
+members
+  viewPos                  camera.position
+  material.shininess       material.shininess
+  dirLight.direction       directional[0].direction
+  dirLight.ambient         directional[0].ambient
+  dirLight.diffuse         directional[0].diffuse
+  dirLight.specular        directional[0].specular
+  pointLights[].position   point[].position
+  pointLights[].ambient    point[].ambient
+  pointLights[].diffuse    point[].diffuse
+  pointLights[].specular   point[].specular
+  pointLights[].constant   point[].constant
+  pointLights[].linear     point[].linear
+  pointLights[].quadratic  point[].quadratic
+  spotLight.position       spot[0].position
+  spotLight.direction      spot[0].direction
+  spotLight.ambient        spot[0].ambient
+  spotLight.diffuse        spot[0].diffuse
+  spotLight.specular       spot[0].specular
+  spotLight.cutOff         spot[0].inner_cos
+  spotLight.outerCutOff    spot[0].outer_cos
+  spotLight.constant       spot[0].constant
+  spotLight.linear         spot[0].linear
+  spotLight.quadratic      spot[0].quadratic
+textures
+  material.diffuse         material.diffuse
+  material.specular        material.specular
+  material.flashlight      material.specular
+inputs
+  FragPos                  position
+  Normal                   normal
+  TexCoords                uv
+
+"#]],
+    );
 }
 
 #[test]
 fn the_reference_needs_no_shader_but_a_model() {
-    let folder = folder("reference");
-    let out = folder.join("truth.exr").display().to_string();
-    let scene = folder.join("scene.json").display().to_string();
+    let folder = Place::new("render-reference");
+    let out = folder.path("truth.exr");
+    let scene = folder.path("scene.json");
     std::fs::write(&scene, unnamed()).expect("it is written");
     let arguments = ["render", &scene, "--size", "40x30", "--reference", "-o", &out];
-    let without = landfall(&arguments);
-    assert_eq!(without.status.code(), Some(2));
-    assert!(text(&without.stderr).contains("--model multi"), "{}", text(&without.stderr));
+    let without = command::run(&arguments);
+    without.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `--reference` needs a lighting model, but neither the scene nor the shader gives one
+  |
+  = help: add `--model multi`, `array`, `view_space` or `casters`
+
+
+"#]]);
     assert!(!Path::new(&out).exists());
     let facing = r#"{"family": "multi", "specular_gate": "facing"}"#;
-    let with = landfall(&[&arguments[..], &["--model", facing]].concat());
-    assert_eq!(with.status.code(), Some(0), "{}", text(&with.stderr));
+    let with = command::run(&[&arguments[..], &["--model", facing]].concat());
+    assert_eq!(with.code, 0, "{}", with.err);
     let near = render(&["--compare", &out, "--max-step", "1"]);
-    assert_eq!(near.status.code(), Some(0), "{}", text(&near.stdout));
+    assert_eq!(near.code, 0, "{}", near.out);
 }
 
 /// The scene without the shader and the model it names.
@@ -117,73 +142,210 @@ fn unnamed() -> String {
 
 #[test]
 fn a_scene_may_name_its_shader_beside_it() {
-    let folder = folder("named");
+    let folder = Place::new("render-named");
     let scene = unnamed();
-    std::fs::copy(SHADER, folder.join("lit.frag")).expect("it is copied");
-    let file = folder.join("scene.json").display().to_string();
+    std::fs::copy(SHADER, folder.0.join("lit.frag")).expect("it is copied");
+    let file = folder.path("scene.json");
     for (shader, code, said) in [
-        ("\"lit.frag\"", 0, "lit.frag"),
-        (r#"{"path": "lit.frag", "normals": "unit", "define": {"X": 1}}"#, 0, "lit.frag"),
-        (r#"{"path": "lit.frag", "normal": "unit"}"#, 2, "the unknown key `shader.normal`"),
-        (r#"{"path": "lit.frag", "normals": "bent"}"#, 2, "`transformed`, `unit`"),
-        ("\"gone.frag\"", 2, "gone.frag"),
+        (
+            "\"lit.frag\"",
+            0,
+            str![[r#"
+six lights  [TMP]/render-named/lit.frag
+  cpu         interpreter · landfall [VERSION]
+  picture     8 by 8, 42 fragments
+  lights      1 directional, 4 point, 1 spot
+  evaluated   252 light evaluations, 6.00 per fragment
+  uploaded    512 bytes of blocks
+  time        [TIME]
+  operations  30669: 25510 arithmetic, 311 transcendental, 4218 loads, 630 texels
+  called      `unit` 168 times
+  called      `power` 228 times
+  called      `highlight` 228 times
+  called      `CalcDirLight` 42 times
+  called      `attenuation` 186 times
+  called      `CalcPointLight` 168 times
+  called      `cone` 42 times
+  called      `CalcSpotLight` 42 times
+  called      `main` 42 times
+
+"#]],
+        ),
+        (
+            r#"{"path": "lit.frag", "normals": "unit", "define": {"X": 1}}"#,
+            0,
+            str![[r#"
+six lights  [TMP]/render-named/lit.frag
+  cpu         interpreter · landfall [VERSION]
+  picture     8 by 8, 42 fragments
+  lights      1 directional, 4 point, 1 spot
+  evaluated   252 light evaluations, 6.00 per fragment
+  uploaded    512 bytes of blocks
+  time        [TIME]
+  operations  30669: 25510 arithmetic, 311 transcendental, 4218 loads, 630 texels
+  called      `unit` 168 times
+  called      `power` 228 times
+  called      `highlight` 228 times
+  called      `CalcDirLight` 42 times
+  called      `attenuation` 186 times
+  called      `CalcPointLight` 168 times
+  called      `cone` 42 times
+  called      `CalcSpotLight` 42 times
+  called      `main` 42 times
+
+"#]],
+        ),
+        (
+            r#"{"path": "lit.frag", "normal": "unit"}"#,
+            2,
+            str![[r#"
+error[output]: `[TMP]/render-named/scene.json` has the unknown key `shader.normal`; the keys are `path`, `entry`, `define`, `normals`
+
+
+"#]],
+        ),
+        (
+            r#"{"path": "lit.frag", "normals": "bent"}"#,
+            2,
+            str![[r#"
+error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` of `bent`; the values are `transformed`, `unit` and `unit_of_four`
+
+
+"#]],
+        ),
+        (
+            "\"gone.frag\"",
+            2,
+            str![[r#"
+error[output]: `[TMP]/render-named/gone.frag` cannot be read: no such file or directory
+
+
+"#]],
+        ),
     ] {
         let with = scene.replacen('{', &format!("{{\"shader\": {shader},"), 1);
         std::fs::write(&file, with).expect("it is written");
-        let output = landfall(&["render", &file, "--size", "8x8"]);
-        let all = format!("{}{}", text(&output.stdout), text(&output.stderr));
-        assert_eq!(output.status.code(), Some(code), "{shader}\n{all}");
-        assert!(all.contains(said), "{shader}\n{all}");
+        let output = command::run(&["render", &file, "--size", "8x8"]);
+        output.code(code);
+        golden().eq(format!("{}{}", output.out, output.err), said);
     }
 }
 
 #[test]
 fn what_cannot_be_rendered_is_named() {
-    let folder = folder("refused");
+    let folder = Place::new("render-refused");
     let scene = std::fs::read_to_string(SCENE).expect("it is there");
-    let bound = folder.join("bound.json");
+    let bound = folder.0.join("bound.json");
     let with = scene.replacen('{', "{\n  \"bind\": {\"viewPoz\": \"camera.position\"},", 1);
     std::fs::write(&bound, with).expect("it is written");
     let bound = bound.display().to_string();
-    let unlit = folder.join("unlit.frag").display().to_string();
+    let unlit = folder.path("unlit.frag");
     std::fs::write(&unlit, "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n")
         .expect("it is written");
-    let nobody = folder.join("nobody.json").display().to_string();
+    let nobody = folder.path("nobody.json");
     std::fs::write(&nobody, unnamed()).expect("it is written");
     let small = ["--size", "8x8"];
-    for (arguments, messages) in [
-        (vec![nobody.as_str()], &["names no shader", "--shader FILE"][..]),
-        (vec![SCENE, "--shader", &unlit], &["no block or uniform of", "unlit.frag", "--bind"]),
+    for (arguments, said) in [
+        (
+            vec![nobody.as_str()],
+            str![[r#"
+error[output]: `[TMP]/render-refused/nobody.json` names no shader
+  |
+  = help: add `--shader FILE`, or `--reference` to render the model alone
+
+
+"#]],
+        ),
+        (
+            vec![SCENE, "--shader", &unlit],
+            str![[r#"
+error[no-lights]: no block or uniform of `[TMP]/render-refused/unlit.frag` holds a light
+ --> shaders/scenes/six_lights.json
+  |
+  = help: bind the members with `--bind`: {"Block.place": "point[0].position"}
+
+
+"#]],
+        ),
         (
             vec![&bound, "--shader", SHADER],
-            &["no member, texture or input `viewPoz`", "did you mean `viewPos`?", "bound.json:2"],
+            str![[r#"
+error[unknown-member]: the shader has no member, texture or input `viewPoz`
+ --> [TMP]/render-refused/bound.json:2:23
+  |
+2 |   "bind": {"viewPoz": "camera.position"},
+  |                       ^^^^^^^^^^^^^^^^^
+  |
+  = help: did you mean `viewPos`?
+
+
+"#]],
         ),
         (
             vec!["shaders/scenes/lights_1024.json", "--shader", SHADER],
-            &["1024 point lights", "slots for 4", "--leave-out", "lights_1024.json:22:25"],
+            str![[r#"
+error[too-many-lights]: the scene has 1024 point lights, but `pointLights[].position` has slots for 4
+  --> shaders/scenes/lights_1024.json:22:25
+   |
+22 |     "lights": {"count": 1024, "height": [0.5, 4], "distances": [7, 13, 20, 32], "gain": 0.6},
+   |                         ^^^^
+   |
+   = help: leave out the lights without a slot with `--leave-out`
+
+
+"#]],
         ),
-        (vec![SCENE, "--shader", SHADER, "--model", "phong"], &["`multi`, `array`"]),
-        (vec![SCENE, "--shader", SHADER, "-o", "a.bmp"], &["a.bmp", "png"]),
-        (vec![SCENE, "--shader", SHADER, "--compare", "gone.png"], &["gone.png"]),
+        (
+            vec![SCENE, "--shader", SHADER, "--model", "phong"],
+            str![[r#"
+error[output]: `--model` names an unknown lighting model: unknown variant `phong`, expected one of `multi`, `array`, `view_space`, `casters`
+  |
+  = help: the models are `multi`, `array`, `view_space` and `casters`
+
+
+"#]],
+        ),
+        (
+            vec![SCENE, "--shader", SHADER, "-o", "a.bmp"],
+            str![[r#"
+error[output]: `a.bmp` `a.bmp` has no known extension; use `.png`, `.exr` or `.pfm`
+
+
+"#]],
+        ),
+        (
+            vec![SCENE, "--shader", SHADER, "--compare", "gone.png"],
+            str![[r#"
+error[output]: `gone.png` cannot be read: no such file or directory
+
+
+"#]],
+        ),
         (
             vec![SCENE, "--shader", SHADER, "--bind", r#"{"viewPos": "camera"}"#],
-            &["`viewPos` is bound to `camera`, which is not a quantity of a scene"],
+            str![[r#"
+error[unknown-quantity]: `viewPos` is bound to `camera`, which is not a quantity of a scene
+ --> shaders/scenes/six_lights.json
+
+
+"#]],
         ),
         (
             vec![SCENE, "--shader", "shaders/six_lights/phong.wgsl", "--backend", "gl"],
-            &["OpenGL does not accept WGSL"],
+            str![[r#"
+error[reader]: OpenGL does not accept WGSL
+ --> shaders/six_lights/phong.wgsl
+
+
+"#]],
         ),
     ] {
         let arguments = [&["render"][..], &arguments, &small].concat();
-        let output = landfall(&arguments);
-        let said = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{said}");
-        for message in messages {
-            assert!(said.contains(message), "{arguments:?}: {message}\n{said}");
-        }
+        let output = command::run(&arguments);
+        output.code(2).stdout_eq("").stderr_eq(said);
     }
     assert!(!Path::new("a.bmp").exists());
-    let left_out = landfall(&[
+    let left_out = command::run(&[
         "render",
         "shaders/scenes/lights_1024.json",
         "--shader",
@@ -192,14 +354,33 @@ fn what_cannot_be_rendered_is_named() {
         "8x8",
         "--leave-out",
     ]);
-    assert_eq!(left_out.status.code(), Some(0), "{}", text(&left_out.stderr));
-    assert!(text(&left_out.stdout).contains("4 point"), "{}", text(&left_out.stdout));
+    left_out.code(0).stdout_eq(str![[r#"
+1,024 lights  shaders/six_lights/phong_330.frag
+  cpu         interpreter · landfall [VERSION]
+  picture     8 by 8, 40 fragments
+  lights      0 directional, 4 point, 0 spot
+  evaluated   240 light evaluations, 6.00 per fragment
+  idle        2 slots without a light are evaluated as zeros
+  uploaded    1024 bytes of blocks
+  time        [TIME]
+  operations  31394: 26392 arithmetic, 362 transcendental, 4040 loads, 600 texels
+  called      `unit` 160 times
+  called      `power` 240 times
+  called      `highlight` 240 times
+  called      `CalcDirLight` 40 times
+  called      `attenuation` 200 times
+  called      `CalcPointLight` 160 times
+  called      `cone` 40 times
+  called      `CalcSpotLight` 40 times
+  called      `main` 40 times
+
+"#]]);
 }
 
 #[test]
 fn a_scene_is_refused_at_the_light_that_has_no_slot() {
-    let folder = folder("slots");
-    let scene = folder.join("five.json").display().to_string();
+    let folder = Place::new("render-slots");
+    let scene = folder.path("five.json");
     let lamps: Vec<String> =
         (0..5).map(|x| format!("{{\"position\": [{x}, 2, 0], \"color\": 1}}")).collect();
     let written = |lamps: &[String]| {
@@ -212,17 +393,21 @@ fn a_scene_is_refused_at_the_light_that_has_no_slot() {
             lamps.join(",\n")
         );
         std::fs::write(&scene, text).expect("it is written");
-        landfall(&["render", &scene, "--shader", SHADER])
+        command::run(&["render", &scene, "--shader", SHADER])
     };
     let refused = written(&lamps);
-    let said = text(&refused.stderr);
-    assert_eq!(refused.status.code(), Some(2), "{said}");
     // The fifth lamp stands in line 9.
-    for part in
-        ["error[too-many-lights]", "5 point lights", "slots for 4", "five.json:9:1", "--leave-out"]
-    {
-        assert!(said.contains(part), "{part}\n{said}");
-    }
+    refused.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[too-many-lights]: the scene has 5 point lights, but `pointLights[].position` has slots for 4
+ --> [TMP]/render-slots/five.json:9:1
+  |
+9 | {"position": [4, 2, 0], "color": 1}
+  | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+  |
+  = help: leave out the lights without a slot with `--leave-out`
+
+
+"#]]);
     let taken = written(&lamps[..4]);
-    assert_eq!(taken.status.code(), Some(0), "{}", text(&taken.stderr));
+    assert_eq!(taken.code, 0, "{}", taken.err);
 }

@@ -1,24 +1,21 @@
 //! `landfall rule` explains every code of a lint or hazard that any command can print.
 
 use std::collections::BTreeSet;
-use std::process::{Command, Output};
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazards::Kind;
 use landfall_light::reference::Undef;
 use landfall_lint::LINTS;
 use landfall_lint::hazards::lint_of;
+use snapbox::str;
+
+use crate::support::command::{self, Ran};
 
 /// The page of the book: an introduction, then what `landfall rule` prints in Markdown.
 const PAGE: &str = include_str!("../../docs/src/lints.md");
 
-fn rule(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.arg("rule").args(arguments).output().expect("the command runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+fn rule(arguments: &[&str]) -> Ran {
+    command::run(&[&["rule"], arguments].concat())
 }
 
 /// The codes of all places that print one.
@@ -42,9 +39,8 @@ fn printed() -> BTreeSet<&'static str> {
 
 #[test]
 fn every_printed_code_is_listed_and_explained() {
-    let list = text(&rule(&[]).stdout);
-    let json: serde_json::Value =
-        serde_json::from_slice(&rule(&["--format", "json"]).stdout).expect("JSON");
+    let list = rule(&[]).out;
+    let json = rule(&["--format", "json"]).json();
     let listed: BTreeSet<&str> = json
         .as_array()
         .expect("an array")
@@ -55,8 +51,8 @@ fn every_printed_code_is_listed_and_explained() {
         assert!(listed.contains(code), "{code} is not in the JSON");
         assert!(list.lines().any(|line| line.split(' ').next() == Some(code)), "{code} in {list}");
         let one = rule(&[code]);
-        let (out, err) = (text(&one.stdout), text(&one.stderr));
-        assert!(one.status.success() && err.is_empty(), "{code}: {err}");
+        let out = &one.out;
+        assert_eq!((one.code, one.err.as_str()), (0, ""), "{code}");
         assert!(out.starts_with(&format!("{code}  (")), "{out}");
         for section in ["\nwhat\n  ", "\nwhy\n  "] {
             assert!(out.contains(section), "{code} has no {section:?} in\n{out}");
@@ -68,7 +64,7 @@ fn every_printed_code_is_listed_and_explained() {
 fn a_hazard_is_explained_with_its_threshold_robust_form_and_source() {
     for hazard in Hazard::ALL {
         let info = hazard.info();
-        let out = text(&rule(&[info.code]).stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+        let out = rule(&[info.code]).out.split_whitespace().collect::<Vec<_>>().join(" ");
         let flat = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         for said in [info.robust, info.citation] {
             assert!(out.contains(&flat(said)), "{said:?} is not in {out}");
@@ -86,11 +82,11 @@ fn labels_and_earlier_spellings_are_found_with_a_note() {
         let info = hazard.info();
         for name in info.aliases.iter().chain(&info.label) {
             let one = rule(&[name]);
-            assert!(text(&one.stdout).starts_with(&format!("{}  (", info.code)), "{name}");
-            assert_eq!(text(&one.stderr), format!("note: `{name}` is called `{}`\n", info.code));
+            assert!(one.out.starts_with(&format!("{}  (", info.code)), "{name}");
+            assert_eq!(one.err, format!("note: `{name}` is called `{}`\n", info.code));
         }
     }
-    let narrow = text(&rule(&["H17"]).stdout);
+    let narrow = rule(&["H17"]).out;
     assert!(narrow.starts_with("narrow-cone  (hazard: narrow cone; warn in `stress`)"), "{narrow}");
 }
 
@@ -115,14 +111,19 @@ fn lints_and_hazards_give_the_same_guards() {
 #[test]
 fn a_code_of_nothing_is_refused_with_the_nearest() {
     let one = rule(&["narow-cone"]);
-    assert_eq!((one.status.code(), one.stdout.is_empty()), (Some(2), true));
-    assert!(text(&one.stderr).contains("did you mean `narrow-cone`?"), "{}", text(&one.stderr));
+    one.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unknown-lint]: there is no lint or hazard `narow-cone`
+  |
+  = help: did you mean `narrow-cone`?
+
+
+"#]]);
 }
 
 #[test]
 fn the_book_lists_and_explains_every_lint_and_hazard() {
-    let tables = text(&rule(&["--format", "md"]).stdout);
-    let explanations = text(&rule(&["--all", "--format", "md"]).stdout);
+    let tables = rule(&["--format", "md"]).out;
+    let explanations = rule(&["--all", "--format", "md"]).out;
     let printed = format!("{tables}\n{explanations}");
     let page = &PAGE[PAGE.find("| code |").expect("the page has a table of lints")..];
     let differ = page.lines().zip(printed.lines()).find(|(book, printed)| book != printed);
@@ -136,13 +137,7 @@ fn the_book_lists_and_explains_every_lint_and_hazard() {
 
 #[test]
 fn lights_gives_each_hazard_the_default_level_of_its_lint() {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    let output = command
-        .args(["lights", "shaders", "--format", "json"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the command runs");
-    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let report = command::run(&["lights", "shaders", "--format", "json"]).json();
     let shaders = report["shaders"].as_array().expect("shaders");
     let hazards = shaders.iter().flat_map(|shader| shader["hazards"].as_array().expect("hazards"));
     let mut levels = BTreeSet::new();

@@ -1,9 +1,9 @@
 //! `landfall run` from outside: what it prints, and what it says about arguments that do not fit.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
 use serde_json::Value;
+use snapbox::str;
+
+use crate::support::command::{self, Place, Ran};
 
 /// One function of each kind of parameter; `gain` is loose, `scale` is initialised by the shader.
 const SHADER: &str = "#version 330
@@ -29,32 +29,29 @@ void main() {
 }
 ";
 
-fn shader(name: &str, text: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_run");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    path
+/// A folder with a shader of that name.
+fn shader(name: &str, text: &str) -> Place {
+    let place = Place::new(&format!("run-{name}"));
+    place.write(name, text);
+    place
 }
 
-fn run(path: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.arg("run").arg(path).args(arguments).env("NO_COLOR", "1");
-    command.output().expect("the binary was built for this test")
+fn run(place: &Place, arguments: &[&str]) -> Ran {
+    let name = place.0.file_name().and_then(|name| name.to_str()).expect("it is text");
+    let file = name.strip_prefix("run-").expect("folders are named after their shader");
+    place.run(&[&["run", file], arguments].concat())
 }
 
-fn ran(path: &Path, arguments: &[&str]) -> String {
-    let output = run(path, arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
-    String::from_utf8(output.stdout).unwrap()
+fn ran(place: &Place, arguments: &[&str]) -> String {
+    let ran = run(place, arguments);
+    ran.code(0);
+    ran.out
 }
 
-fn refused(path: &Path, arguments: &[&str]) -> String {
-    let output = run(path, arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    String::from_utf8(output.stderr).unwrap()
+fn refused(place: &Place, arguments: &[&str]) -> Ran {
+    let ran = run(place, arguments);
+    ran.code(2).stdout_eq("");
+    ran
 }
 
 /// The row of a name: what stands in its columns.
@@ -67,19 +64,19 @@ fn row<'t>(text: &'t str, name: &str) -> Vec<&'t str> {
 
 #[test]
 fn a_third_is_printed_in_both_precisions_with_its_error() {
-    let path = shader("third.frag", SHADER);
-    let text = ran(&path, &["--fn", "third(float)", "--args", "[1]"]);
+    let place = shader("third.frag", SHADER);
+    let text = ran(&place, &["--fn", "third(float)", "--args", "[1]"]);
     // 1/3 in f32 is a third of a unit off, in f64 the shortest digits that read back.
     assert_eq!(row(&text, "result"), ["0.33333334", "0.3333333333333333", "0.33"]);
 }
 
 #[test]
 fn every_reader_gives_back_out_and_inout_parameters() {
-    let path = shader("split.frag", SHADER);
+    let place = shader("split.frag", SHADER);
     for backend in ["cpu", "gl", "gpu"] {
         let data = r#"{"DefaultBlock": {"gain": 2}}"#;
         let arguments = ["--fn", "split", "--args", "[[3, 4, 0], [1, 2, -3]]", "--data", data];
-        let text = ran(&path, &[&arguments[..], &["--backend", backend]].concat());
+        let text = ran(&place, &[&arguments[..], &["--backend", backend]].concat());
         // 3-4-5; and each component times gain 2 times scale 2.5.
         assert_eq!(row(&text, "len")[..2], ["5.0", "5.0"], "{backend}");
         for (name, value) in [("dir.x", "5.0"), ("dir.y", "10.0"), ("dir.z", "-15.0")] {
@@ -90,25 +87,25 @@ fn every_reader_gives_back_out_and_inout_parameters() {
 
 #[test]
 fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
-    let path = shader("assumed.frag", SHADER);
+    let place = shader("assumed.frag", SHADER);
     for backend in ["cpu", "gl", "gpu"] {
         let call = ["--fn", "look", "--args", "[[0, 0]]", "--backend", backend];
-        let text = ran(&path, &call);
+        let text = ran(&place, &call);
         assert_eq!(row(&text, "result.y")[0], "1.0", "{backend}");
         assert!(text.contains("`tex` is white"), "{text}");
-        let text = ran(&path, &[&call[..], &["--texture", "tex=[1, 0.5, 0.25, 1]"]].concat());
+        let text = ran(&place, &[&call[..], &["--texture", "tex=[1, 0.5, 0.25, 1]"]].concat());
         assert_eq!(row(&text, "result.y")[0], "0.5", "{backend}");
         assert!(!text.contains("white"), "{text}");
     }
     let light = r#"[{"color": [1, 2, 3], "power": 2}, [[0, 0], [1, 0]]]"#;
     for backend in ["cpu", "gl", "gpu"] {
-        let text = ran(&path, &["--fn", "lit", "--args", light, "--backend", backend]);
+        let text = ran(&place, &["--fn", "lit", "--args", light, "--backend", backend]);
         assert_eq!(row(&text, "result.z")[0], "6.0", "{backend}");
         assert!(text.contains("`v_normal` defaults to zero"), "{text}");
     }
     for backend in ["cpu", "gl", "gpu"] {
         let input = ["--input", "v_normal=[0, 0, 0.5]", "--backend", backend];
-        let text = ran(&path, &[&["--fn", "lit", "--args", light][..], &input].concat());
+        let text = ran(&place, &[&["--fn", "lit", "--args", light][..], &input].concat());
         assert_eq!(row(&text, "result.z")[0], "6.5", "{backend}");
         assert!(!text.contains("v_normal"), "{text}");
     }
@@ -116,60 +113,191 @@ fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
 
 #[test]
 fn an_undefined_operation_is_named_with_its_place() {
-    let path = shader("zero.frag", SHADER);
-    let output = run(&path, &["--fn", "direction", "--args", "[[0, 0, 0]]"]);
-    assert_eq!(output.status.code(), Some(0));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("normalised zero vector"), "{said}");
-    let line = SHADER.lines().position(|line| line.contains("normalize")).unwrap() + 1;
-    assert!(said.contains(&format!("zero.frag:{line}:12")), "{said}");
-    assert!(said.contains("return normalize(v);"), "{said}");
+    let place = shader("zero.frag", SHADER);
+    // The line of `normalize`.
+    run(&place, &["--fn", "direction", "--args", "[[0, 0, 0]]"])
+        .code(0)
+        .stdout_eq(str![[r#"
+direction(vec3)  zero.frag
+  cpu  interpreter · landfall [VERSION]
+            f32  f64  ulp
+  result.x  nan  nan  0.00
+  result.y  nan  nan  0.00
+  result.z  nan  nan  0.00
+
+"#]])
+        .stderr_eq(str![[r#"
+warning[undefined-operation]: normalised zero vector: of 0.0, 0.0, 0.0
+  --> zero.frag:12:12
+   |
+12 |     return normalize(v);
+   |            ^^^^^^^^^^^^ in `direction`
+
+warning[undefined-operation]: finite numbers gave NaN: of 0.0, 0.0, 0.0
+  --> zero.frag:12:12
+   |
+12 |     return normalize(v);
+   |            ^^^^^^^^^^^^ in `direction`
+   |
+   = note: 3 times in this call
+
+
+"#]]);
 }
 
 #[test]
 fn what_does_not_fit_is_said_with_its_place_in_the_json() {
-    let path = shader("misfits.frag", SHADER);
-    for (function, arguments, words) in [
-        ("direktion", "[]", "did you mean `direction`?"),
-        ("direction", "[]", "`direction(vec3)` takes 1 argument, but none was given"),
-        ("direction", "[[1, 2]]", "`args[0]` is a `vec3`: expected an array of 3 numbers"),
-        ("direction", "[[1, 2, 1e99]]", "`args[0][2]`: 1e+99 does not fit `float`"),
-        ("direction", "[[1, 2", "`--args` is not JSON"),
-        ("lit", r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#, "`args[0].color[2]` is a `float`"),
-        ("lit", r#"[{"color": [1, 2, 3], "powr": 1}, 0]"#, "`args[0].power` is not given"),
-        ("third", "[1]", "2 functions `third` take these arguments"),
-        ("third(bool)", "[1]", "no function `third` has these parameters"),
-        ("with", "[1]", "`t` is a `sampler2D`"),
+    let place = shader("misfits.frag", SHADER);
+    for (function, arguments, said) in [
+        (
+            "direktion",
+            "[]",
+            str![[r#"
+error[unknown-function]: the shader has no function `direktion`
+ --> misfits.frag
+  |
+  = help: did you mean `direction`? its functions are `third(float)`, `third(int)`, `split(vec3, float, vec3)`, `direction(vec3)`, `lit(Light, mat2)`, `look(vec2)`, `with(sampler2D)`
+
+
+"#]],
+        ),
+        (
+            "direction",
+            "[]",
+            str![[r#"
+error[wrong-count]: `direction(vec3)` takes 1 argument, but none was given
+ --> --args
+  |
+  = help: it is declared as `direction(vec3 v)`
+
+
+"#]],
+        ),
+        (
+            "direction",
+            "[[1, 2]]",
+            str![[r#"
+error[wrong-value]: `args[0]`: expected an array of 3 numbers for a `vec3`, found an array of 2 values
+ --> --args
+
+
+"#]],
+        ),
+        (
+            "direction",
+            "[[1, 2, 1e99]]",
+            str![[r#"
+error[value-out-of-range]: `args[0][2]`: 1e+99 does not fit `float`
+ --> --args
+
+
+"#]],
+        ),
+        (
+            "direction",
+            "[[1, 2",
+            str![[r#"
+error[bad-request]: `--args` is not JSON: line 1, column 6: EOF while parsing a list
+
+
+"#]],
+        ),
+        (
+            "lit",
+            r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#,
+            str![[r#"
+error[wrong-value]: `args[0].color[2]`: expected a number, "inf", "-inf", "nan", or "nan:0x7fc00000" for a NaN with these bits for a `float`, found "x"
+ --> --args
+
+
+"#]],
+        ),
+        (
+            "lit",
+            r#"[{"color": [1, 2, 3], "powr": 1}, 0]"#,
+            str![[r#"
+error[missing-member]: `args[0].power` is not given
+ --> --args
+  |
+  = help: add a value of type `float`
+
+
+"#]],
+        ),
+        (
+            "third",
+            "[1]",
+            str![[r#"
+error[ambiguous-function]: 2 functions `third` take these arguments
+ --> misfits.frag
+  |
+  = help: select one by its parameter types: `third(float)`, `third(int)`
+
+
+"#]],
+        ),
+        (
+            "third(bool)",
+            "[1]",
+            str![[r#"
+error[unknown-function]: no function `third` has these parameters
+ --> misfits.frag
+  |
+  = help: there is `third(float)`, `third(int)`
+
+
+"#]],
+        ),
+        (
+            "with",
+            "[1]",
+            str![[r#"
+error[cannot-call]: `with(sampler2D)` cannot be called: `t` is a `sampler2D`, which is not a plain value
+ --> misfits.frag
+  |
+  = help: call the function that calls it
+
+
+"#]],
+        ),
     ] {
-        let said = refused(&path, &["--fn", function, "--args", arguments]);
-        assert!(said.contains(words), "{function} {arguments}: {said}");
+        refused(&place, &["--fn", function, "--args", arguments]).stderr_eq(said);
     }
     let data = r#"{"DefaultBlok": {}}"#;
-    let said = refused(&path, &["--fn", "third(int)", "--args", "[1]", "--data", data]);
-    assert!(said.contains("did you mean `DefaultBlock`?"), "{said}");
+    refused(&place, &["--fn", "third(int)", "--args", "[1]", "--data", data]).stderr_eq(str![[
+        r#"
+error[unknown-block]: no block named `DefaultBlok`
+ --> --data
+  |
+  = help: did you mean `DefaultBlock`?
+
+
+"#
+    ]]);
 }
 
 #[test]
 fn a_loop_without_an_end_is_stopped() {
     let text = "#version 450\nfloat spin(float x) { for (;;) { x += 1.0; if (x < 0.0) break; } \
                 return x; }\nvoid main() { spin(1.0); }\n";
-    let path = shader("spin.frag", text);
-    let said = refused(&path, &["--fn", "spin", "--args", "[1]", "--limit", "2"]);
-    assert!(said.contains("loop"), "{said}");
+    let place = shader("spin.frag", text);
+    refused(&place, &["--fn", "spin", "--args", "[1]", "--limit", "2"]).stderr_eq(str![[r#"
+error[cannot-run]: cpu: a loop was still running at the time limit: in `spin`, spin.frag:2:23
+
+
+"#]]);
 }
 
 #[test]
 fn json_holds_to_its_schema() {
-    let schema = Command::new(env!("CARGO_BIN_EXE_landfall")).args(["schema", "run"]).output();
-    let schema: Value = serde_json::from_slice(&schema.unwrap().stdout).unwrap();
-    let validator = jsonschema::validator_for(&schema).unwrap();
-    let path = shader("json.frag", SHADER);
+    let validator = jsonschema::validator_for(&command::run(&["schema", "run"]).json()).unwrap();
+    let place = shader("json.frag", SHADER);
     for arguments in [
         &["--fn", "direction", "--args", "[[0, 0, 0]]"][..],
         &["--fn", "split", "--args", r#"[["nan", "inf", 0], [1, 2, 3]]"#],
         &["--fn", "third(int)", "--args", "[1]", "--backend", "gl"],
     ] {
-        let text = ran(&path, &[arguments, &["--format", "json"]].concat());
+        let text = ran(&place, &[arguments, &["--format", "json"]].concat());
         let value: Value = serde_json::from_str(&text).unwrap();
         let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
         assert!(errors.is_empty(), "{}\n{text}", errors.join("\n"));
@@ -183,17 +311,22 @@ fn wgsl_pointers_come_back() {
                 fn twice(k: vec2<f32>, to: ptr<function, vec2<f32>>) -> u32 {\n\
                 *to = k * 2.0 * b.gain; return b.n; }\n\
                 @compute @workgroup_size(1) fn main() { var v: vec2<f32>; _ = twice(v, &v); }\n";
-    let path = shader("twice.wgsl", text);
+    let place = shader("twice.wgsl", text);
     let data = r#"{"B": {"n": 7, "gain": 0.5}}"#;
     for backend in ["cpu", "gpu"] {
         let text = ran(
-            &path,
+            &place,
             &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--data", data, "--backend", backend],
         );
         assert_eq!((row(&text, "result")[0], row(&text, "to.y")[0]), ("7", "4.0"), "{backend}");
     }
-    let said = refused(&path, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--backend", "gl"]);
-    assert!(said.contains("OpenGL does not accept WGSL"), "{said}");
+    refused(&place, &["--fn", "twice", "--args", "[[3, 4], [0, 0]]", "--backend", "gl"]).stderr_eq(
+        str![[r#"
+error[cannot-run]: gl: OpenGL does not accept WGSL
+
+
+"#]],
+    );
 }
 
 #[test]
@@ -204,10 +337,10 @@ out vec4 colour;
 float slope(float a, float b) { return dFdx(a) + dFdy(b) + fwidth(uv.x) + 5.0; }
 void main() { colour = vec4(slope(uv.x, uv.y)); }
 ";
-    let path = shader("slope.frag", text);
+    let place = shader("slope.frag", text);
     for backend in ["cpu", "gl", "gpu"] {
         let call = ["--fn", "slope", "--args", "[3, 7]", "--input", "uv=[3, 7]"];
-        let text = ran(&path, &[&call[..], &["--backend", backend]].concat());
+        let text = ran(&place, &[&call[..], &["--backend", backend]].concat());
         assert_eq!(row(&text, "result")[0], "5.0", "{backend}");
     }
 }
@@ -221,18 +354,35 @@ float through(float x) { return 2.0 * again(x); }
 float loose(float x) { return x * undeclared; }
 void main() { colour = vec4(1.0); }
 ";
-    let path = shader("left_out.frag", text);
-    for (function, words) in [
-        ("again", "`again` cannot run: `again` calls itself"),
-        ("through", "`through` cannot run: `again` calls itself"),
-        ("loose", "`loose` cannot run: "),
+    let place = shader("left_out.frag", text);
+    for (function, said) in [
+        (
+            "again",
+            str![[r#"
+error[cannot-call]: `again` cannot run: `again` calls itself, at left_out.frag:3
+
+
+"#]],
+        ),
+        (
+            "through",
+            str![[r#"
+error[cannot-call]: `through` cannot run: `again` calls itself, at left_out.frag:3
+
+
+"#]],
+        ),
+        (
+            "loose",
+            str![[r#"
+error[cannot-call]: `loose` cannot run: there is no variable `undeclared`, at left_out.frag:5
+
+
+"#]],
+        ),
     ] {
-        let said = refused(&path, &["--fn", function, "--args", "[3]"]);
-        assert!(said.contains("error[cannot-call]") && said.contains(words), "{said}");
-        assert!(said.contains("left_out.frag:"), "{said}");
+        refused(&place, &["--fn", function, "--args", "[3]"]).stderr_eq(said);
     }
-    let said = refused(&path, &["--fn", "loose", "--args", "[3]"]);
-    assert!(said.contains("`undeclared`") && said.contains("left_out.frag:5"), "{said}");
 }
 
 #[test]
@@ -244,19 +394,25 @@ out vec4 colour;
 vec4 both(vec2 uv) { return texture(a, uv) + texture(ab, uv); }
 void main() { colour = both(vec2(0)); }
 ";
-    let path = shader("two_textures.frag", text);
-    for command in ["run", "stress"] {
-        let mut landfall = Command::new(env!("CARGO_BIN_EXE_landfall"));
-        landfall.arg(command).arg(&path).args(["--fn", "both", "--texture", "a=[0, 0, 0, 1]"]);
-        match command {
-            "run" => landfall.args(["--args", "[[0, 0]]"]),
-            _ => landfall.args(["--samples", "256"]),
-        };
-        let output = landfall.env("NO_COLOR", "1").output().unwrap();
-        let said =
-            String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-        assert!(said.contains("`ab` is white"), "{command}: {said}");
-    }
+    let place = shader("two_textures.frag", text);
+    let call = ["--fn", "both", "--texture", "a=[0, 0, 0, 1]"];
+    run(&place, &[&call[..], &["--args", "[[0, 0]]"]].concat())
+        .code(0)
+        .stdout_eq(str![[r#"
+both(vec2)  two_textures.frag
+  cpu  interpreter · landfall [VERSION]
+            f32  f64  ulp
+  result.x  1.0  1.0  0.00
+  result.y  1.0  1.0  0.00
+  result.z  1.0  1.0  0.00
+  result.w  2.0  2.0  0.00
+  `ab` is white by default: set a colour with --texture
+
+"#]])
+        .stderr_eq(str![]);
+    let stress = ["stress", "two_textures.frag", "--samples", "256"];
+    let ran = place.run(&[&stress[..], &call].concat());
+    assert!(ran.out.contains("`ab` is white"), "{}\n{}", ran.out, ran.err);
 }
 
 #[test]
@@ -268,14 +424,14 @@ mediump float few(mediump float x) { return x + 1.0; }
 float grown(float x) { return x * 16.0; }
 void main() { colour = vec4(few(1.0), grown(1.0), 0, 1); }
 ";
-    let path = shader("half.frag", text);
+    let place = shader("half.frag", text);
     // 2^-12 is a quarter of a unit in the last place of an f16 at 1: the sum is 1.
     let few = ["--fn", "few", "--args", "[0.000244140625]"];
     for (rounding, sum) in
         [(None, "1.0002441"), (Some("--half"), "1.0"), (Some("--mediump"), "1.0")]
     {
         let call: Vec<&str> = few.into_iter().chain(rounding).collect();
-        assert_eq!(row(&ran(&path, &call), "result")[0], sum, "{rounding:?}");
+        assert_eq!(row(&ran(&place, &call), "result")[0], sum, "{rounding:?}");
     }
     // Above 65,504 an f16 is infinite; `grown` is highp.
     let grown = ["--fn", "grown", "--args", "[5000]"];
@@ -283,10 +439,15 @@ void main() { colour = vec4(few(1.0), grown(1.0), 0, 1); }
         [(None, "80000.0"), (Some("--half"), "inf"), (Some("--mediump"), "80000.0")]
     {
         let call: Vec<&str> = grown.into_iter().chain(rounding).collect();
-        assert_eq!(row(&ran(&path, &call), "result")[0], product, "{rounding:?}");
+        assert_eq!(row(&ran(&place, &call), "result")[0], product, "{rounding:?}");
     }
-    let said = refused(&path, &[&grown[..], &["--half", "--backend", "gl"]].concat());
-    assert!(said.contains("`--backend gl` cannot round to f16"), "{said}");
+    refused(&place, &[&grown[..], &["--half", "--backend", "gl"]].concat()).stderr_eq(str![[r#"
+error[bad-request]: `--backend gl` cannot round to f16: drivers run the source as written
+  |
+  = help: remove --half and --mediump, or use `--backend cpu`
+
+
+"#]]);
 }
 
 #[test]
@@ -298,18 +459,17 @@ out vec4 colour;
 float f(float a) { return a * stage.uv.x + stage.w + 100.0 * bare; }
 void main() { colour = vec4(f(1.0)); }
 ";
-    let path = shader("stage.frag", text);
+    let place = shader("stage.frag", text);
     for backend in ["cpu", "gl", "gpu"] {
         let call = ["--fn", "f", "--args", "[2]", "--backend", backend];
         let given = ["--input", "Stage.uv=[3, 7]", "--input", "Bare.bare=0.5"];
-        let text = ran(&path, &[&call[..], &given].concat());
+        let text = ran(&place, &[&call[..], &given].concat());
         // 2 * 3 + 0 + 100 / 2.
         assert_eq!(row(&text, "result")[0], "56.0", "{backend}");
         assert!(text.contains("`Stage.w` defaults to zero"), "{backend}: {text}");
     }
-    let mut landfall = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    landfall.arg("stress").arg(&path).args(["--fn", "f", "--samples", "64", "--format", "json"]);
-    let report: Value = serde_json::from_slice(&landfall.output().unwrap().stdout).unwrap();
+    let stress = ["stress", "stage.frag", "--fn", "f", "--samples", "64", "--format", "json"];
+    let report = place.run(&stress).json();
     let inputs = report["inputs"].as_array().unwrap().iter().filter_map(|i| i["path"].as_str());
     assert_eq!(inputs.collect::<Vec<_>>(), ["Stage.uv", "Stage.w", "Bare.bare", "a"]);
 }
@@ -329,18 +489,26 @@ void main() { colour = vec4(1.0); }
         .replace("float late[][]", "//")
         .replace("return late[0][0] + late[1][1]", "return v.x + v.y");
     for (name, text) in [("alone.frag", without.as_str()), ("late.frag", text)] {
-        let path = shader(name, text);
+        let place = shader(name, text);
         for backend in ["cpu", "gl", "gpu"] {
             for (function, expected) in [("plain", "8.0"), ("listed", "14.0")] {
                 let call = ["--fn", function, "--args", "[2]", "--input", "v=[4, 5, 6]"];
-                let text = ran(&path, &[&call[..], &["--backend", backend]].concat());
+                let text = ran(&place, &[&call[..], &["--backend", backend]].concat());
                 assert_eq!(row(&text, "result")[0], expected, "{name} {function} {backend}");
             }
         }
     }
-    let path = shader("alone.frag", &without);
-    let said = refused(&path, &["--fn", "plain", "--args", "[2]", "--input", "w=[4, 5, 6]"]);
-    assert!(said.contains("it reads `v`"), "{said}");
+    let place = shader("alone.frag", &without);
+    refused(&place, &["--fn", "plain", "--args", "[2]", "--input", "w=[4, 5, 6]"]).stderr_eq(str![
+        [r#"
+error[unknown-input]: the shader has no input `w`
+ --> --input
+  |
+  = help: it reads `v`
+
+
+"#]
+    ]);
 }
 
 #[test]
@@ -351,12 +519,15 @@ layout(location = 0) out vec4 colour;
 float a(float x) { return q.pc * x + 1.0; }
 void main() { colour = vec4(a(1.0)); }
 ";
-    let path = shader("pushed.frag", text);
+    let place = shader("pushed.frag", text);
     let call = ["--fn", "a", "--args", "[3]", "--data", r#"{"P": {"pc": 2}}"#, "--backend"];
     for backend in ["cpu", "gpu"] {
-        let text = ran(&path, &[&call[..], &[backend]].concat());
+        let text = ran(&place, &[&call[..], &[backend]].concat());
         assert_eq!(row(&text, "result")[0], "7.0", "{backend}");
     }
-    let said = refused(&path, &[&call[..], &["gl"]].concat());
-    assert!(said.contains("no push constants to hold the values of `P`"), "{said}");
+    refused(&place, &[&call[..], &["gl"]].concat()).stderr_eq(str![[r#"
+error[cannot-run]: gl: OpenGL has no push constants to hold the values of `P`
+
+
+"#]]);
 }

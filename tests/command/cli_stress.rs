@@ -2,9 +2,12 @@
 //! stops when it is told to.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
+use snapbox::str;
+
+use crate::support::command::{self, Ran};
 
 /// A function that is exact, one that breaks at zero, and one that is inaccurate near 1.
 const SHADER: &str = "#version 450
@@ -30,16 +33,15 @@ fn written(name: &str, text: &str) -> PathBuf {
 }
 
 /// What a shell makes of a command line that was printed.
-fn repeated(line: &str) -> Output {
+fn repeated(line: &str) -> Ran {
     let binary = Path::new(env!("CARGO_BIN_EXE_landfall")).parent().unwrap();
     let paths = format!("{}:{}", binary.display(), std::env::var("PATH").unwrap());
-    Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap()
+    Ran::of(Command::new("sh").args(["-c", line]).env("PATH", paths).output().unwrap())
 }
 
-fn stress(path: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.arg("stress").arg(path).args(arguments).env("NO_COLOR", "1");
-    command.output().expect("the binary was built for this test")
+fn stress(path: &Path, arguments: &[&str]) -> Ran {
+    let path = path.to_str().expect("it is text");
+    command::run(&[&["stress", path], arguments].concat())
 }
 
 #[test]
@@ -56,13 +58,13 @@ fn it_exits_with_1_past_a_limit_and_on_what_is_not_finite() {
         ("halved", &["--domain", r#"{"x": [1, 0]}"#], 2),
     ] {
         let output = stress(&path, &[&["--fn", function][..], &few, more].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{function} {more:?}: {said}");
-        assert_eq!(output.stdout.is_empty(), code == 2, "{function} {more:?}");
+        let said = &output.err;
+        assert_eq!(output.code, code, "{function} {more:?}: {said}");
+        assert_eq!(output.out.is_empty(), code == 2, "{function} {more:?}");
         assert_eq!(said.contains("error"), code == 2, "{function} {more:?}: {said}");
     }
     let output = stress(&path, &["--fn", "halve"]);
-    assert!(String::from_utf8_lossy(&output.stderr).contains("`halved`"), "the nearest name");
+    assert!(output.err.contains("`halved`"), "the nearest name");
 }
 
 #[test]
@@ -71,28 +73,86 @@ fn a_limit_of_nothing_finds_nothing_in_what_is_exact() {
     let exact = ["--fn", "halved", "--samples", "4000", "--domain", r#"{"x": [1, 2]}"#];
     for limit in ["--max-ulp", "--max-step"] {
         let output = stress(&path, &[&exact[..], &[limit, "0", "--format", "json"]].concat());
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let report = output.json();
         assert_eq!(report["findings"], serde_json::json!([]), "{limit}");
-        assert_eq!(output.status.code(), Some(0), "{limit}");
+        assert_eq!(output.code, 0, "{limit}");
     }
 }
 
 #[test]
 fn options_that_mean_nothing_are_refused() {
     let path = shader("options.frag");
-    for (options, words) in [
-        (&["--max-ulp", "nan"][..], "a finite number of at least 0"),
-        (&["--max-ulp", "inf"], "a finite number of at least 0"),
-        (&["--max-step=-5"], "a finite number of at least 0"),
-        (&["--samples", "0"], "--samples"),
-        (&["--jobs", "100000"], "--jobs"),
-        (&["--map-x", "x"], "--map"),
-        (&["--map", "x.png", "--map-x", "x", "--map-y", "x"], ".svg or .html"),
+    for (options, expected) in [
+        (
+            &["--max-ulp", "nan"][..],
+            str![[r#"
+error: invalid value 'nan' for '--max-ulp <ULP>': a limit is a finite number of at least 0
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--max-ulp", "inf"],
+            str![[r#"
+error: invalid value 'inf' for '--max-ulp <ULP>': a limit is a finite number of at least 0
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--max-step=-5"],
+            str![[r#"
+error: invalid value '-5' for '--max-step <STEPS>': a limit is a finite number of at least 0
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--samples", "0"],
+            str![[r#"
+error: invalid value '0' for '--samples <N>': number would be zero for non-zero type
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--jobs", "100000"],
+            str![[r#"
+error: invalid value '100000' for '--jobs <N>': 100000 is not in 1..=256
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--map-x", "x"],
+            str![[r#"
+error: the following required arguments were not provided:
+  --map-y <PATH>
+  --map <FILE>
+
+Usage: landfall stress --fn <NAME> --map-x <PATH> --map-y <PATH> --map <FILE> <FILE>
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            &["--map", "x.png", "--map-x", "x", "--map-y", "x"],
+            str![[r#"
+error: invalid value 'x.png' for '--map <FILE>': a map is an .svg or .html file
+
+For more information, try '--help'.
+
+"#]],
+        ),
     ] {
         let output = stress(&path, &[&["--fn", "halved"][..], options].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{options:?}: {said}");
-        assert!(said.contains(words), "{options:?}: {said}");
+        output.code(2).stdout_eq("").stderr_eq(expected);
     }
 }
 
@@ -106,15 +166,15 @@ void main() {}
     let run = |domain: &str| stress(&path, &["--fn", "f", "--format", "json", "--domain", domain]);
     // Of all that is tried none divides by zero.
     let output = run(r#"{"a": [-3.5, -0.5], "b": [0.5, 4e10]}"#);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report = output.json();
     assert_eq!(report["findings"], serde_json::json!([]));
     let domains: Vec<&str> =
         report["inputs"].as_array().unwrap().iter().filter_map(|i| i["domain"].as_str()).collect();
     assert_eq!(domains, ["-3..-1", "1..4294967295"]);
     for domain in [r#"{"a": [0.5, 0.6]}"#, r#"{"b": [-5, -1]}"#] {
         let output = run(domain);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{domain}: {said}");
+        let said = &output.err;
+        assert_eq!(output.code, 2, "{domain}: {said}");
         assert!(said.contains("int` is from "), "{domain}: {said}");
     }
 }
@@ -131,8 +191,7 @@ void main() {}
     let run = |arguments: &[&str]| {
         let output =
             stress(&path, &[arguments, &["--samples", "3000", "--format", "json"]].concat());
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        serde_json::from_slice::<Value>(&output.stdout).unwrap_or_else(|_| panic!("{said}"))
+        output.json()
     };
     let report = run(&["--fn", "f", "--domain", r#"{"a": [1, 2]}"#]);
     // Nothing divides by zero, and nothing comes to more than 4.
@@ -158,8 +217,7 @@ void main() {}
     let form = format!("{}#r", path.display());
     let given = ["--fn", "f", "--data", r#"{"B": {"k": 2}}"#, "--against", &form];
     let output = stress(&path, &[&given[..], &["--samples", "2000", "--format", "json"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let report = output.json();
     let found = report["findings"].as_array().unwrap();
     let zero = found.iter().find(|found| found["code"] == "division-by-zero");
     // Divided by 2, and not by 0.
@@ -172,13 +230,13 @@ fn what_is_found_in_f16_is_repeated_in_f16() {
     // 300 squared is past 65504.
     let few = ["--fn", "nearly", "--half", "--samples", "2000", "--format", "json", "--domain"];
     let output = stress(&path, &[&few[..], &[r#"{"x": [300, 400]}"#]].concat());
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report = output.json();
     let found = report["findings"].as_array().unwrap();
     let found = found.iter().find(|found| found["outcome"] == "infinite");
     let line = found.expect("it overflows")["case"]["command"].as_str().unwrap();
     assert!(line.contains(" --half"), "{line}");
     let again = repeated(line);
-    let text = String::from_utf8(again.stdout).unwrap();
+    let text = &again.out;
     assert!(text.contains("result  inf"), "{line}:\n{text}");
 }
 
@@ -188,7 +246,7 @@ fn what_no_text_says_is_found_where_the_function_is_named() {
     let path = written("given.frag", text);
     // What is given is rounded before the function begins.
     let few = ["--fn", "given", "--half", "--samples", "2000", "--format", "json"];
-    let report: Value = serde_json::from_slice(&stress(&path, &few).stdout).unwrap();
+    let report = stress(&path, &few).json();
     let found = report["findings"].as_array().unwrap();
     assert!(!found.is_empty());
     for found in found {
@@ -205,15 +263,14 @@ fn what_is_found_is_repeated_by_the_command_beside_it() {
     let path = shader("repeats.frag");
     let few = ["--fn", "direction", "--samples", "4000", "--time", "3", "--format", "json"];
     let output = stress(&path, &few);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report = output.json();
     let found = report["findings"].as_array().unwrap();
     let zero = found.iter().find(|found| found["code"] == "zero-vector");
     let zero = zero.unwrap_or_else(|| panic!("{found:#?}"));
     assert_eq!(zero["line"], 5, "the line of `normalize`");
     let line = zero["case"]["command"].as_str().unwrap();
     let again = repeated(line);
-    let (text, said) = (String::from_utf8(again.stdout), String::from_utf8(again.stderr));
-    let (text, said) = (text.unwrap(), said.unwrap());
+    let (text, said) = (&again.out, &again.err);
     assert!(text.contains("result.x  nan  nan"), "{line}:\n{text}");
     assert!(said.contains("normalised zero vector") && said.contains(".frag:5:"), "{said}");
 }
@@ -243,15 +300,12 @@ fn a_command_has_the_macros_textures_folders_and_stage_the_function_was_read_wit
     let few = [r#"{"Block": {"k": 0.125}}"#, "--samples", "2000", "--format", "json"];
     let domain = ["--domain", r#"{"at": [0.5, 2]}"#];
     let output = stress(&path, &[&asked[..], &textured, &few, &domain].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let report = output.json();
     let case = &report["worst"][0]["case"];
     let line = case["command"].as_str().expect("some sample is rounded");
     let line = format!("{line} --format json");
     let again = repeated(&line);
-    let said = String::from_utf8_lossy(&again.stderr);
-    let again: Value =
-        serde_json::from_slice(&again.stdout).unwrap_or_else(|_| panic!("{line}: {said}"));
+    let again = again.json();
     let scalar = &again["result"]["scalars"][0];
     assert_eq!(scalar["value"], case["results"][0]["f32"], "{line}: {again}");
     assert_eq!(scalar["double"], case["results"][0]["f64"], "{line}: {again}");
@@ -267,8 +321,8 @@ fn a_time_no_clock_reaches_is_refused_in_words() {
     let path = shader("late.frag");
     for time in ["1e19", "1e300", "inf", "NaN", "0"] {
         let output = stress(&path, &["--fn", "halved", "--samples", "10", "--time", time]);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{time}: {said}");
+        let said = &output.err;
+        assert_eq!(output.code, 2, "{time}: {said}");
         assert!(said.contains("a limit is above 0"), "{time}: {said}");
     }
 }
@@ -290,8 +344,7 @@ void main() {}
         stress(&path, &[&few[..], &[&domain, "--against", &form]].concat())
     };
     let output = against("g");
-    let said = String::from_utf8_lossy(&output.stderr);
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{said}"));
+    let report = output.json();
     // Of a zero vector both give NaN; of what is too large, both give the same.
     let found = report["findings"].as_array().unwrap();
     assert!(!found.is_empty());
@@ -301,8 +354,8 @@ void main() {}
         assert!(m.is_some_and(|m| (1.0..=2.0).contains(&m)), "{found:#}");
     }
     let output = against("h");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
+    let said = &output.err;
+    assert_eq!(output.code, 2, "{said}");
     assert!(said.contains("`h(float, float)` does not fit: it reads `more`, and"), "{said}");
 }
 
@@ -312,7 +365,7 @@ fn an_error_map_is_a_drawing_of_the_two_inputs() {
     let map = path.with_extension("svg");
     let arguments = ["--map", map.to_str().unwrap(), "--map-x", "v.x", "--map-y", "v.y"];
     let few = ["--fn", "direction", "--samples", "2000", "--time", "3"];
-    assert_eq!(stress(&path, &[&few[..], &arguments].concat()).status.code(), Some(1));
+    stress(&path, &[&few[..], &arguments].concat()).code(1);
     let drawing = std::fs::read_to_string(&map).unwrap();
     let document = roxmltree::Document::parse(&drawing).expect("SVG is XML");
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
@@ -321,7 +374,7 @@ fn an_error_map_is_a_drawing_of_the_two_inputs() {
     }
     let twice = ["--map", map.to_str().unwrap(), "--map-x", "v.x", "--map-y", "v.x"];
     let output = stress(&path, &[&few[..], &twice].concat());
-    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(output.code, 2);
     assert_eq!(std::fs::read_to_string(&map).unwrap(), drawing, "it is left as it was");
 }
 
@@ -334,8 +387,7 @@ fn an_interrupt_ends_it_with_what_it_has() {
     use std::time::{Duration, Instant};
 
     let path = shader("interrupt.frag");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .arg("stress")
+    let mut child = command::landfall(&["stress"])
         .arg(&path)
         .args(["--fn", "direction", "--time", "3000", "--samples", "1000000000000"])
         .args(["--format", "json"])

@@ -1,9 +1,11 @@
 //! `landfall verify` from outside: exit codes, locks, coverage, and what a backend may not touch.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::Value;
+use snapbox::str;
+
+use crate::support::command::{Place, Ran};
 
 const GOOD: &str = "#version 450
 layout(std140, binding = 0) uniform B { float time; vec3 wind; float gains[4]; vec4 spare; } u;
@@ -11,71 +13,88 @@ layout(location = 0) out vec4 colour;
 void main() { colour = vec4(u.time + u.gains[1] + u.gains[2]); }
 ";
 
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli_verify").join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    // A project of its own: locks lie below its configuration.
-    std::fs::write(folder.join("landfall.toml"), "").unwrap();
-    folder
-}
-
-fn landfall(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.current_dir(folder).args(arguments).env("NO_COLOR", "1");
-    command.output().expect("the binary was built for this test")
-}
-
-fn shown(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+/// The command where the loaders of drivers have nothing to load.
+fn without_drivers(folder: &Place, arguments: &[&str]) -> Ran {
+    let mut command = folder.command(arguments);
+    for name in [
+        "VK_DRIVER_FILES",
+        "VK_ICD_FILENAMES",
+        "__EGL_VENDOR_LIBRARY_FILENAMES",
+        "LIBGL_DRIVERS_PATH",
+    ] {
+        command.env(name, "/nonexistent");
+    }
+    Ran::of(command.output().expect("the command of this package"))
 }
 
 #[test]
 fn a_required_reader_that_is_missing_is_an_error() {
-    let folder = folder("require");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.current_dir(&folder).args(["verify", "a.frag", "--require", "gpu"]);
-    command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
-    command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent");
-    let output = command.output().unwrap();
-    let said = shown(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("`gpu` is required but did not run"), "{said}");
+    let folder = Place::new("verify-require");
+    folder.write("a.frag", GOOD);
+    without_drivers(&folder, &["verify", "a.frag", "--require", "gpu"]).code(2).stderr_eq(str![[r#"
+error[output]: `gpu` is required but did not run: no Vulkan adapter; the Debian packages `mesa-vulkan-drivers` and `libvulkan1` provide a software driver
+  |
+  = help: `landfall devices` lists the available backends
+
+
+"#]]);
 }
 
 #[test]
 fn a_stale_lock_is_proven_wrong_and_the_leaf_named() {
-    let folder = folder("stale");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    let output = landfall(&folder, &["lock", "a.frag"]);
-    assert_eq!(output.status.code(), Some(0), "{}", shown(&output.stderr));
+    let folder = Place::new("verify-stale");
+    folder.write("a.frag", GOOD);
+    let output = folder.run(&["lock", "a.frag"]);
+    assert_eq!(output.code, 0, "{}", output.err);
     let lock = "layouts/a.frag.json";
     let verify = ["verify", "a.frag", "--backend", "cpu", "--layout", lock];
-    assert_eq!(landfall(&folder, &verify).status.code(), Some(0));
+    folder.run(&verify).code(0);
     // `wind` moves from 16 to 32; `time` stays, and what follows moves with it.
     let changed = GOOD.replace("vec3 wind;", "vec4 fog; vec3 wind;");
-    std::fs::write(folder.join("a.frag"), changed).unwrap();
-    let output = landfall(&folder, &verify);
-    let text = shown(&output.stdout);
-    assert_eq!(output.status.code(), Some(1), "{text}");
-    assert!(text.contains("reads byte 32, expected 16"), "{text}");
-    let elsewhere: Vec<&str> = text.lines().map(str::trim).collect();
-    assert!(elsewhere.contains(&"wind") && elsewhere.contains(&"gains[]"), "{text}");
-    assert!(!elsewhere.contains(&"time"), "{text}");
+    folder.write("a.frag", changed);
+    let output = folder.run(&verify);
+    output.code(1).stdout_eq(str![[r#"
+backends
+  cpu  interpreter · landfall [VERSION]
+
+a.frag
+  B  std140  128 bytes     5 leaves  cpu ✗ 22 of 23 reads from other bytes
+    gains[]
+      cpu gains[0]  reads byte 48, expected 32  constant
+      cpu gains[3]  reads byte 96, expected 80  constant
+      cpu gains[1]  reads byte 64, expected 48  constant
+      cpu gains[0]  reads byte 48, expected 32  dynamic
+      … and 4 more
+      it starts at 48 instead of 32
+    spare
+      cpu spare.x  reads byte 112, expected 96  constant
+      cpu spare.y  reads byte 116, expected 100  constant
+      cpu spare.z  reads byte 120, expected 104  constant
+      cpu spare.w  reads byte 124, expected 108  constant
+      … and 4 more
+      it starts at 112 instead of 96
+    wind
+      cpu wind.x  reads byte 32, expected 16  constant
+      cpu wind.y  reads byte 36, expected 20  constant
+      cpu wind.z  reads byte 40, expected 24  constant
+      cpu wind.x  reads byte 32, expected 16  dynamic
+      … and 2 more
+      this is its offset in std430; it starts at 32 instead of 16
+    not probed: `fog`: the given layout has no such leaf
+
+"#]]);
 }
 
 #[test]
 fn json_with_coverage_holds_to_its_schema() {
-    let folder = folder("schema");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    let schema: Value =
-        serde_json::from_slice(&landfall(&folder, &["schema", "verify"]).stdout).unwrap();
+    let folder = Place::new("verify-schema");
+    folder.write("a.frag", GOOD);
+    let schema = folder.run(&["schema", "verify"]).json();
     let validator = jsonschema::validator_for(&schema).unwrap();
     for more in [&[][..], &["--coverage"]] {
         let arguments = ["verify", "a.frag", "--backend", "cpu", "--format", "json"];
-        let output = landfall(&folder, &[&arguments[..], more].concat());
-        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let output = folder.run(&[&arguments[..], more].concat());
+        let value = output.json();
         let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
         assert!(errors.is_empty(), "{}", errors.join("\n"));
         let block = &value["shaders"][0]["blocks"][0];
@@ -85,7 +104,7 @@ fn json_with_coverage_holds_to_its_schema() {
 
 #[test]
 fn coverage_tells_what_is_never_read_from_what_was_not() {
-    let folder = folder("coverage");
+    let folder = Place::new("verify-coverage");
     let text = "#version 450
 layout(std140, binding = 0) uniform B {
     float time; vec3 wind; float gains[4]; int count; vec4 spare; float rare;
@@ -98,12 +117,12 @@ void main() {
     colour = vec4(sum);
 }
 ";
-    std::fs::write(folder.join("a.frag"), text).unwrap();
+    folder.write("a.frag", text);
     let arguments = ["verify", "a.frag", "--backend", "cpu", "--coverage", "--format", "json"];
     let covered = |more: &[&str]| -> Value {
-        let output = landfall(&folder, &[&arguments[..], more].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", shown(&output.stderr));
-        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let output = folder.run(&[&arguments[..], more].concat());
+        assert_eq!(output.code, 0, "{}", output.err);
+        let value = output.json();
         value["shaders"][0]["blocks"][0]["coverage"].clone()
     };
     let verdicts = |coverage: &Value| -> Vec<(String, String, u64, u64)> {
@@ -137,79 +156,134 @@ void main() {
     // With the count that the branch asks for, `rare` is read.
     let coverage = covered(&["--data", r#"{"B": {"count": 12345}}"#]);
     assert_eq!(verdicts(&coverage)[5], leaf("rare", "read", 4, 0));
-    let output = landfall(&folder, &["verify", "a.frag", "--backend", "cpu", "--coverage"]);
-    assert!(shown(&output.stdout).contains("16 of 144 bytes read"), "{}", shown(&output.stdout));
+    let output = folder.run(&["verify", "a.frag", "--backend", "cpu", "--coverage"]);
+    output.code(0).stdout_eq(str![[r#"
+backends
+  cpu  interpreter · landfall [VERSION]
+
+a.frag
+  B  std140  144 bytes     6 leaves  cpu ✓ 25 reads
+    16 of 144 bytes read, 36 certainly never read
+      time      4  read
+      wind     12  never read (certain)
+      gains[]  16  8 read, in [1..2] of 4 elements; 8 never read (certain)
+      count     4  read
+      spare    16  never read (certain)
+      rare      4  not read in these runs
+
+"#]]);
 }
 
 #[test]
 fn a_broken_shader_leaves_the_others_alone() {
-    let folder = folder("broken");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    std::fs::write(folder.join("b.frag"), "#version 450\nuniform B { vec33 x; };\n").unwrap();
-    std::fs::write(folder.join("c.frag"), GOOD).unwrap();
+    let folder = Place::new("verify-broken");
+    folder.write("a.frag", GOOD);
+    folder.write("b.frag", "#version 450\nuniform B { vec33 x; };\n");
+    folder.write("c.frag", GOOD);
     let arguments = ["verify", "a.frag", "b.frag", "gone.frag", "c.frag", "--backend", "cpu"];
-    let output = landfall(&folder, &arguments);
-    assert_eq!(output.status.code(), Some(2));
-    let (text, said) = (shown(&output.stdout), shown(&output.stderr));
-    assert!(text.contains("a.frag") && text.contains("c.frag"), "{text}");
-    assert_eq!(text.matches('✓').count(), 2, "{text}");
-    assert!(said.contains("vec33") && said.contains("gone.frag"), "{said}");
+    let output = folder.run(&arguments);
+    output
+        .code(2)
+        .stdout_eq(str![[r#"
+backends
+  cpu  interpreter · landfall [VERSION]
+
+a.frag
+  B  std140  112 bytes     4 leaves  cpu ✓ 23 reads
+
+c.frag
+  B  std140  112 bytes     4 leaves  cpu ✓ 23 reads
+
+"#]])
+        .stderr_eq(str![[r#"
+error[unknown-type]: unknown type `vec33`
+ --> b.frag:2:13
+  |
+2 | uniform B { vec33 x; };
+  |             ^^^^^
+  |
+  = help: did you mean `vec3`?
+
+error[unreadable-file]: `gone.frag` cannot be read: no such file or directory
+
+2 shaders, 2 blocks, 46 reads: every byte lands where the shader reads it
+
+"#]]);
 }
 
 #[test]
 fn record_notes_in_the_lock_who_confirmed_it() {
-    let folder = folder("record");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    assert_eq!(landfall(&folder, &["lock", "a.frag"]).status.code(), Some(0));
-    let output = landfall(&folder, &["verify", "a.frag", "--backend", "gl", "--record"]);
-    assert_eq!(output.status.code(), Some(0), "{}", shown(&output.stderr));
-    let lock = std::fs::read_to_string(folder.join("layouts/a.frag.json")).unwrap();
+    let folder = Place::new("verify-record");
+    folder.write("a.frag", GOOD);
+    folder.run(&["lock", "a.frag"]).code(0);
+    let output = folder.run(&["verify", "a.frag", "--backend", "gl", "--record"]);
+    assert_eq!(output.code, 0, "{}", output.err);
+    let lock = folder.read("layouts/a.frag.json");
     let lock: Value = serde_json::from_str(&lock).unwrap();
     assert_eq!(lock["verified"][0]["reader"], "gl", "{lock}");
     assert!(lock["verified"][0]["driver"].as_str().unwrap().starts_with("Mesa"), "{lock}");
-    let output = landfall(
-        &folder,
-        &["verify", "a.frag", "--backend", "cpu", "--layout", "layouts/a.frag.json"],
-    );
-    assert_eq!(output.status.code(), Some(0), "the lock still reads");
+    let output =
+        folder.run(&["verify", "a.frag", "--backend", "cpu", "--layout", "layouts/a.frag.json"]);
+    assert_eq!(output.code, 0, "the lock still reads");
 }
 
 #[test]
 fn the_evaluator_needs_no_driver() {
-    let folder = folder("alone");
-    std::fs::write(folder.join("a.frag"), GOOD).unwrap();
-    for arguments in [
-        &["verify", "a.frag", "--backend", "cpu"][..],
-        &["verify", "a.frag", "--backend", "cpu", "--coverage"],
-    ] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-        command.current_dir(&folder).args(arguments);
-        // A loader that is asked for any of these has nothing to load.
-        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
-        command.env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent");
-        command.env("LIBGL_DRIVERS_PATH", "/nonexistent");
-        let output = command.output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", shown(&output.stderr));
-        assert!(shown(&output.stdout).contains("cpu ✓"));
-    }
+    let folder = Place::new("verify-alone");
+    folder.write("a.frag", GOOD);
+    let verify = ["verify", "a.frag", "--backend", "cpu"];
+    without_drivers(&folder, &verify)
+        .code(0)
+        .stdout_eq(str![[r#"
+backends
+  cpu  interpreter · landfall [VERSION]
+
+a.frag
+  B  std140  112 bytes     4 leaves  cpu ✓ 23 reads
+
+"#]])
+        .stderr_eq(str![[r#"
+1 shader, 1 block, 23 reads: every byte lands where the shader reads it
+
+"#]]);
+    let covered = [&verify[..], &["--coverage"]].concat();
+    without_drivers(&folder, &covered)
+        .code(0)
+        .stdout_eq(str![[r#"
+backends
+  cpu  interpreter · landfall [VERSION]
+
+a.frag
+  B  std140  112 bytes     4 leaves  cpu ✓ 23 reads
+    12 of 112 bytes read, 36 certainly never read
+      time      4  read
+      wind     12  never read (certain)
+      gains[]  16  8 read, in [1..2] of 4 elements; 8 never read (certain)
+      spare    16  never read (certain)
+
+"#]])
+        .stderr_eq(str![[r#"
+1 shader, 1 block, 23 reads: every byte lands where the shader reads it
+
+"#]]);
 }
 
 /// SPIR-V of a text, made by glslang.
-fn compiled(folder: &Path, name: &str, text: &str) -> String {
-    std::fs::write(folder.join(name), text).unwrap();
+fn compiled(folder: &Place, name: &str, text: &str) -> String {
+    folder.write(name, text);
     let output = format!("{name}.spv");
     let made = Command::new("glslangValidator")
-        .current_dir(folder)
+        .current_dir(&folder.0)
         .args(["-V", name, "-o", &output])
         .output()
         .expect("glslangValidator: apt-get install glslang-tools");
-    assert!(made.status.success(), "{}", shown(&made.stdout));
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stdout));
     output
 }
 
 #[test]
 fn decorations_of_a_compilers_module_are_held_against_the_layout() {
-    let folder = folder("spirv");
+    let folder = Place::new("verify-spirv");
     let text = "#version 450
         struct Light { vec3 position; float power; mat3x2 frame; };
         layout(std140, binding = 0) uniform B {
@@ -220,36 +294,39 @@ fn decorations_of_a_compilers_module_are_held_against_the_layout() {
     ";
     let spirv = compiled(&folder, "a.frag", text);
     let verify = ["verify", "a.frag", "--backend", "cpu", "--spirv", &spirv, "--format", "json"];
-    let outcomes = |output: &Output| -> Value {
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let outcomes = |output: &Ran| -> Value {
+        let report = output.json();
         report["shaders"][0]["blocks"][0]["readers"][1].clone()
     };
-    let same = landfall(&folder, &verify);
+    let same = folder.run(&verify);
     let backend = outcomes(&same);
     assert_eq!((&backend["reader"], &backend["outcome"]), (&"spirv".into(), &"confirmed".into()));
     assert!(backend["reads"].as_array().unwrap().len() > 12, "{backend}");
-    assert_eq!(same.status.code(), Some(0), "{}", shown(&same.stderr));
+    assert_eq!(same.code, 0, "{}", same.err);
     // The shader has changed since it was compiled.
     let changed = text.replace("vec3 position; float power;", "vec3 position; vec2 power;");
-    std::fs::write(folder.join("a.frag"), changed).unwrap();
-    let stale = landfall(&folder, &verify);
+    folder.write("a.frag", changed);
+    let stale = folder.run(&verify);
     let backend = outcomes(&stale);
     assert_eq!(backend["outcome"], "disagrees");
     let reads = backend["reads"].as_array().unwrap();
     let power = reads.iter().find(|read| read["path"] == "lights[0].power").unwrap();
     // std140: a float follows a vec3 at 12, a vec2 is aligned to 8; the array starts at 16.
     assert_eq!((&power["byte_read"], &power["expected_byte"]), (&28.into(), &32.into()));
-    assert_eq!(stale.status.code(), Some(1));
+    assert_eq!(stale.code, 1);
     // What is no SPIR-V.
-    std::fs::write(folder.join("junk.spv"), [7u8; 64]).unwrap();
-    let junk = landfall(&folder, &["verify", "a.frag", "--backend", "cpu", "--spirv", "junk.spv"]);
-    assert_eq!(junk.status.code(), Some(2));
-    assert!(shown(&junk.stderr).contains("not SPIR-V"), "{}", shown(&junk.stderr));
+    folder.write("junk.spv", [7u8; 64]);
+    let junk = folder.run(&["verify", "a.frag", "--backend", "cpu", "--spirv", "junk.spv"]);
+    junk.code(2).stderr_eq(str![[r#"
+error[output]: `junk.spv` the file is not SPIR-V: it begins with 0x07070707, not 0x07230203
+
+
+"#]]);
 }
 
 #[test]
 fn a_compilers_module_runs_beside_ours() {
-    let folder = folder("compiled");
+    let folder = Place::new("verify-compiled");
     let text = "#version 450
         struct Light { vec3 position; float power; };
         layout(std140, binding = 0) uniform B { float time; Light lights[3]; int count; } u;
@@ -264,26 +341,44 @@ fn a_compilers_module_runs_beside_ours() {
     ";
     let spirv = compiled(&folder, "a.frag", text);
     let verify = ["verify", "a.frag", "--backend", "gpu", "--spirv", &spirv, "--format", "json"];
-    let run = |output: &Output| -> Value {
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let run = |output: &Ran| -> Value {
+        let report = output.json();
         report["shaders"][0]["compiled"].clone()
     };
-    let same = landfall(&folder, &verify);
+    let same = folder.run(&verify);
     // Three fillings of the buffers, an image of 16 by 16, four words a pixel.
     let expected = serde_json::json!({
         "reader": "gpu", "outcome": "confirmed", "compared": 3 * 16 * 16 * 4, "differing": 0
     });
     assert_eq!(run(&same), expected);
-    assert_eq!(same.status.code(), Some(0), "{}", shown(&same.stderr));
+    assert_eq!(same.code, 0, "{}", same.err);
     // The member the sum begins with has moved since.
     let changed =
         text.replace("float time; Light lights[3]", "vec4 wind; float time; Light lights[3]");
-    std::fs::write(folder.join("a.frag"), changed).unwrap();
-    let stale = landfall(&folder, &verify);
+    folder.write("a.frag", changed);
+    let stale = folder.run(&verify);
     assert_eq!(run(&stale)["outcome"], "disagrees");
-    assert_eq!(stale.status.code(), Some(1));
-    let human = landfall(&folder, &verify[..6]);
-    assert!(shown(&human.stdout).contains("words differ"), "{}", shown(&human.stdout));
+    assert_eq!(stale.code, 1);
+    let human = folder.run(&verify[..6]);
+    human.code(1).stdout_eq(str![[r#"
+backends
+  gpu  [DRIVER] · [DRIVER]
+
+a.frag
+  B  std140  96 bytes     5 leaves  gpu ✓ 50 reads  spirv ✗ 6 of 6 reads from other bytes
+    count
+      spirv count  reads byte 64, expected 80  reported
+    lights[].position
+      spirv lights[0].position  reads byte 16, expected 32  reported
+      spirv lights[1].position  reads byte 32, expected 48  reported
+    lights[].power
+      spirv lights[0].power  reads byte 28, expected 44  reported
+      spirv lights[1].power  reads byte 44, expected 60  reported
+    time
+      spirv time  reads byte 0, expected 16  reported
+  spirv ✗ run on gpu: 1536 of 3,072 words differ from landfall's module
+
+"#]]);
     // What wgpu cannot bind is said, and no failure.
     let textured = "#version 450
         layout(binding = 0) uniform sampler2D t;
@@ -293,7 +388,14 @@ fn a_compilers_module_runs_beside_ours() {
     ";
     let spirv = compiled(&folder, "b.frag", textured);
     let verify = ["verify", "b.frag", "--backend", "gpu", "--spirv", &spirv];
-    let refused = landfall(&folder, &verify);
-    assert_eq!(refused.status.code(), Some(0), "{}", shown(&refused.stderr));
-    assert!(shown(&refused.stdout).contains("combined"), "{}", shown(&refused.stdout));
+    let refused = folder.run(&verify);
+    refused.code(0).stdout_eq(str![[r#"
+backends
+  gpu  [DRIVER] · [DRIVER]
+
+b.frag
+  B  std140  16 bytes     1 leaf    gpu ✓ 8 reads  spirv ✓ 1 reads
+  spirv not run on gpu: wgpu binds textures and samplers separately, but the SPIR-V has a combined one; declare `texture2D` and `sampler`
+
+"#]]);
 }

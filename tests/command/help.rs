@@ -2,7 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
+
+use snapbox::str;
+
+use crate::support::command::{self, Place, Ran, golden};
 
 /// A new directory below the target directory with the repository's shaders, locks and settings.
 fn checkout(name: &str) -> PathBuf {
@@ -28,17 +32,12 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-fn landfall(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.args(arguments).env("COLUMNS", "80").env_remove("CLICOLOR_FORCE");
-    command.output().expect("the command runs")
-}
-
 /// A help text, which must fit 80 columns.
 fn help(arguments: &[&str]) -> String {
-    let output = landfall(arguments);
-    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
-    let text = String::from_utf8(output.stdout).expect("help is UTF-8");
+    let mut command = command::landfall(arguments);
+    let ran = Ran::of(command.env("COLUMNS", "80").output().expect("the command of this package"));
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{arguments:?}");
+    let text = ran.out;
     for line in text.lines() {
         assert!(line.chars().count() <= 80, "{arguments:?}: {line}");
     }
@@ -94,7 +93,56 @@ fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
     let long = help(&["--help"]);
     assert_eq!(long, help(&["help"]));
     assert_eq!(long, help(&["-h"]));
-    assert!(long.contains("\n  check    Check shaders for lint findings and layout changes\n"));
+    golden().eq(
+        &long,
+        str![[r#"
+Computes byte layouts of GLSL and WGSL blocks, generates mirrors, and checks
+them on drivers
+
+Usage: landfall [OPTIONS] <COMMAND>
+
+Lay out:
+  layout   Print the byte layout of every block
+  explain  Explain the offset of a member, or find the member at a byte
+
+Generate:
+  emit     Generate Rust or C structures that mirror blocks
+  port     Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
+  encode   Convert JSON values to the bytes of a block
+  decode   Convert the bytes of a block to a table or JSON, and flag bad values
+  schema   Print the JSON Schema of an output format or of scenes
+
+Guard:
+  lock     Record the layout of every shader in a lock file
+  check    Check shaders for lint findings and layout changes
+  diff     Compare two layouts and classify each change
+  merge    Merge the reports of all shards of a check
+  rule     List the lints and hazards, or explain one of them
+
+Prove:
+  verify   Run shaders to prove that every member is read at its offset
+  run      Call a function of a shader in f32 and f64
+  devices  List the backends and adapters of this machine, with their limits
+
+Light:
+  lights   List light structures, their cost and numerical hazards
+  render   Render a JSON scene of lights with a shader
+
+Measure:
+  stress   Search for inputs at which a function is inaccurate
+  bench    Measure the run time and error of shader variants
+
+Options:
+      --color <WHEN>  When to colour the output [default: auto] [possible
+                      values: auto, always, never]
+  -q, --quiet         Print errors only: no warnings, notes or progress
+  -h, --help          Print help
+  -V, --version       Print version
+
+`landfall COMMAND --help` prints options and examples of a command.
+
+"#]],
+    );
     assert!(!long.contains('\u{1b}'), "no colours outside a terminal");
 }
 
@@ -146,16 +194,9 @@ fn five_commands_take_backend_and_its_former_name() {
     ];
     for (command, subject, more) in commands {
         for option in ["--backend", "--reader"] {
-            let output = Command::new(env!("CARGO_BIN_EXE_landfall"))
-                .arg(command)
-                .args(subject)
-                .args(more)
-                .args([option, "cpu"])
-                .current_dir(&place)
-                .output()
-                .expect("the command runs");
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(0), "{command} {option}: {said}");
+            let ran =
+                Place(place.clone()).run(&[&[command], subject, more, &[option, "cpu"]].concat());
+            assert_eq!(ran.code, 0, "{command} {option}: {}", ran.err);
         }
         let text = help(&[command, "--help"]);
         assert!(text.contains("--backend <BACKEND>") && !text.contains("reader"), "{text}");

@@ -4,8 +4,8 @@
 
 use std::fs;
 
-use crate::cli_check::place::{Place, Ran};
 use crate::support::c::{BOTH, compile};
+use crate::support::command::{Place, Ran};
 use crate::support::rustc;
 use crate::writers::scene;
 

@@ -12,7 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::cli_check::place::{CLEAN, Place};
+use crate::cli_check::place::CLEAN;
+use crate::support::command::Place;
 use crate::writers::{campaign::rounds, files};
 
 /// A command that takes longer than this hangs.

@@ -3,7 +3,10 @@
 
 use std::os::unix::fs::symlink;
 
-use crate::cli_check::place::{CLEAN, Place, Ran};
+use snapbox::{IntoData, str};
+
+use crate::cli_check::place::CLEAN;
+use crate::support::command::{Place, Ran, golden};
 
 const TEXTURED: &str = "#version 450
 layout(constant_id = 3) const int COUNT = 4;
@@ -20,16 +23,29 @@ fn project(name: &str) -> Place {
     place
 }
 
-fn warns(ran: &Ran, code: &str, words: &str) {
-    let start = format!("warning[{code}]");
-    assert!(ran.err.contains(&start) && ran.err.contains(words), "{}", ran.err);
-    assert_eq!(ran.code, 0, "{}", ran.err);
+/// The diagnostics on standard error with this head, each from its line to an empty one.
+#[track_caller]
+fn diagnostics(ran: &Ran, head: &str) -> String {
+    let mut inside = false;
+    let lines = ran.err.split_inclusive('\n').filter(|line| {
+        inside = line.starts_with(head) || inside && !line.trim().is_empty();
+        inside
+    });
+    let found: String = lines.collect();
+    assert!(!found.is_empty(), "no {head} in\n{}", ran.err);
+    found
 }
 
-fn refuses(ran: &Ran, code: &str, words: &str) {
-    let start = format!("error[{code}]");
-    assert!(ran.err.contains(&start) && ran.err.contains(words), "{}", ran.err);
-    assert_eq!(ran.code, 2, "{}", ran.err);
+#[track_caller]
+fn warns(ran: &Ran, code: &str, said: impl IntoData) {
+    ran.code(0);
+    golden().eq(diagnostics(ran, &format!("warning[{code}]")), said);
+}
+
+#[track_caller]
+fn refuses(ran: &Ran, code: &str, said: impl IntoData) {
+    ran.code(2);
+    golden().eq(diagnostics(ran, &format!("error[{code}]")), said);
 }
 
 #[test]
@@ -48,8 +64,26 @@ fn a_value_for_a_constant_that_no_shader_has_is_warned_of() {
     ];
     for command in commands {
         let with = |value: &str| place.run(&[command, &["-O", value]].concat());
-        warns(&with("nope=3"), "unknown-override", "`-O nope` has no effect");
-        warns(&with("33=3"), "unknown-override", "`-O 33` has no effect");
+        warns(
+            &with("nope=3"),
+            "unknown-override",
+            str![[r#"
+warning[unknown-override]: `-O nope` has no effect: no shader has this constant
+  |
+  = help: constants are those of `layout(constant_id = N)` in GLSL and `override` in WGSL, by name or number
+
+"#]],
+        );
+        warns(
+            &with("33=3"),
+            "unknown-override",
+            str![[r#"
+warning[unknown-override]: `-O 33` has no effect: no shader has this constant
+  |
+  = help: constants are those of `layout(constant_id = N)` in GLSL and `override` in WGSL, by name or number
+
+"#]],
+        );
         for value in ["COUNT=3", "3=3"] {
             assert!(!with(value).err.contains("unknown-override"), "{command:?} {value}");
         }
@@ -61,7 +95,16 @@ fn a_value_for_a_constant_that_no_shader_has_is_warned_of() {
     }
     let cached = ["check", "--cache-dir", "c", "-O", "nope=3"];
     for _ in 0..2 {
-        warns(&place.run(&cached), "unknown-override", "nope");
+        warns(
+            &place.run(&cached),
+            "unknown-override",
+            str![[r#"
+warning[unknown-override]: `-O nope` has no effect: no shader has this constant
+  |
+  = help: constants are those of `layout(constant_id = N)` in GLSL and `override` in WGSL, by name or number
+
+"#]],
+        );
     }
 }
 
@@ -71,8 +114,26 @@ fn a_folder_of_includes_that_is_none_is_warned_of() {
     for command in ["layout", "check", "lock", "verify"] {
         let backend = if command == "verify" { &["--backend", "cpu"][..] } else { &[] };
         let with = |folder: &str| place.run(&[&[command, "-I", folder], backend].concat());
-        warns(&with("nodir"), "no-include-dir", "`nodir` does not exist");
-        warns(&with("a.frag"), "no-include-dir", "`a.frag` is not a directory");
+        warns(
+            &with("nodir"),
+            "no-include-dir",
+            str![[r#"
+warning[no-include-dir]: `nodir` does not exist; no include is searched there
+  |
+  = help: `-I DIR` names a directory
+
+"#]],
+        );
+        warns(
+            &with("a.frag"),
+            "no-include-dir",
+            str![[r#"
+warning[no-include-dir]: `a.frag` is not a directory; no include is searched there
+  |
+  = help: `-I DIR` names a directory
+
+"#]],
+        );
         assert!(!with(".").err.contains("no-include-dir"));
     }
 }
@@ -81,10 +142,29 @@ fn a_folder_of_includes_that_is_none_is_warned_of() {
 fn a_lint_level_is_no_macro_and_a_macro_no_lint_level() {
     let place = project("lint");
     let ran = place.run(&["check", "-D", "vec3array"]);
-    refuses(&ran, "unknown-lint", "there is no lint `vec3array`");
-    assert!(ran.err.contains("did you mean `vec3-array`?") && ran.err.contains("--define"));
+    refuses(
+        &ran,
+        "unknown-lint",
+        str![[r#"
+error[unknown-lint]: there is no lint `vec3array`
+  |
+  = note: macros are defined with `--define NAME[=TEXT]`
+  = help: did you mean `vec3-array`?
+
+"#]],
+    );
     assert_eq!(ran.out, "");
-    refuses(&place.run(&["check", "-D", "LIGHTS"]), "unknown-lint", "`LIGHTS`");
+    refuses(
+        &place.run(&["check", "-D", "LIGHTS"]),
+        "unknown-lint",
+        str![[r#"
+error[unknown-lint]: there is no lint `LIGHTS`
+  |
+  = note: macros are defined with `--define NAME[=TEXT]`
+  = help: `landfall rule` lists the lints
+
+"#]],
+    );
     place.write("c.frag", format!("{CLEAN}#ifndef LIGHTS\n#error none\n#endif\n"));
     assert_eq!(place.run(&["check", "c.frag"]).code, 2);
     for define in [&["--define", "LIGHTS"][..], &["--define=LIGHTS=1"]] {
@@ -92,22 +172,84 @@ fn a_lint_level_is_no_macro_and_a_macro_no_lint_level() {
     }
     for level in [&["-D", "LIGHTS=1"][..], &["-DLIGHTS=1"], &["--deny", "LIGHTS=1"]] {
         let ran = place.run(&[&["check", "c.frag"], level].concat());
-        refuses(&ran, "unknown-lint", "there is no lint `LIGHTS=1`");
-        assert!(ran.err.contains("help: define a macro with `--define LIGHTS=1`"), "{}", ran.err);
+        refuses(
+            &ran,
+            "unknown-lint",
+            str![[r#"
+error[unknown-lint]: there is no lint `LIGHTS=1`
+  |
+  = help: define a macro with `--define LIGHTS=1`
+
+"#]],
+        );
     }
 }
 
 #[test]
 fn a_run_that_leaves_every_shader_out_is_an_error() {
     let place = project("exclude");
-    refuses(&place.run(&["check", "--exclude", "*"]), "no-input", "all 2 shaders are excluded");
-    refuses(&place.run(&["check", "a.frag", "--exclude", "a.*"]), "no-input", "the only shader");
+    refuses(
+        &place.run(&["check", "--exclude", "*"]),
+        "no-input",
+        str![[r#"
+error[no-input]: all 2 shaders are excluded: nothing to do
+  |
+  = help: excluded by `--exclude *`
+
+"#]],
+    );
+    refuses(
+        &place.run(&["check", "a.frag", "--exclude", "a.*"]),
+        "no-input",
+        str![[r#"
+error[no-input]: the only shader is excluded: nothing to do
+  |
+  = help: excluded by `--exclude a.*`
+
+"#]],
+    );
     place.write("landfall.toml", "exclude = [\"*.frag\"]\n");
-    refuses(&place.run(&["check"]), "no-input", "`exclude` of the configuration");
-    refuses(&place.run(&["lock"]), "no-input", "all 2 shaders");
+    refuses(
+        &place.run(&["check"]),
+        "no-input",
+        str![[r#"
+error[no-input]: all 2 shaders are excluded: nothing to do
+  |
+  = help: excluded by `exclude` of the configuration
+
+"#]],
+    );
+    refuses(
+        &place.run(&["lock"]),
+        "no-input",
+        str![[r#"
+error[no-input]: all 2 shaders are excluded: nothing to do
+  |
+  = help: excluded by `exclude` of the configuration
+
+"#]],
+    );
     // A hook names what changed, and that may be what the configuration leaves out.
-    warns(&place.run(&["check", "a.frag"]), "no-input", "the only shader is excluded");
-    warns(&place.run(&["lock", "a.frag"]), "no-input", "the only shader is excluded");
+    warns(
+        &place.run(&["check", "a.frag"]),
+        "no-input",
+        str![[r#"
+warning[no-input]: the only shader is excluded: nothing to do
+  |
+  = help: excluded by `exclude` of the configuration
+
+"#]],
+    );
+    warns(
+        &place.run(&["lock", "a.frag"]),
+        "no-input",
+        str![[r#"
+warning[no-input]: the only shader is excluded: nothing to do
+  |
+  = help: excluded by `exclude` of the configuration
+
+"#]],
+    );
     assert_eq!(place.run(&["check", "--shard", "1/2", "-f", "json=r.json"]).code, 0);
 }
 
@@ -124,14 +266,32 @@ fn a_configuration_that_cannot_be_read_is_not_the_same_as_none() {
     std::fs::remove_file(&file).unwrap();
     symlink("nowhere.toml", &file).unwrap();
     for command in commands {
-        refuses(&place.run(command), "output", "is the configuration but a broken link");
+        refuses(
+            &place.run(command),
+            "output",
+            str![[r#"
+error[output]: `landfall.toml` is the configuration but a broken link
+  |
+  = help: remove it, or ignore it with `--no-config`
+
+"#]],
+        );
         let without = [command, &["--no-config"]].concat();
         assert!(place.run(&without).code < 2, "{without:?}");
     }
     std::fs::remove_file(&file).unwrap();
     assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
     for command in commands {
-        refuses(&place.run(command), "output", "is the configuration but not a file");
+        refuses(
+            &place.run(command),
+            "output",
+            str![[r#"
+error[output]: `landfall.toml` is the configuration but not a file
+  |
+  = help: remove it, or ignore it with `--no-config`
+
+"#]],
+        );
     }
 }
 
@@ -140,20 +300,69 @@ fn nothing_to_verify_is_no_proof() {
     let place = project("verify");
     place.write("e/empty.frag", "#version 450\nvoid main() {}\n");
     let ran = place.run(&["verify", "e", "--backend", "cpu"]);
-    warns(&ran, "no-blocks", "no blocks to verify in 1 shader");
-    assert!(!ran.err.contains("every byte lands"));
+    warns(
+        &ran,
+        "no-blocks",
+        str![[r#"
+warning[no-blocks]: no blocks to verify in 1 shader
+
+"#]],
+    );
+    ran.stderr_eq(str![[r#"
+warning[no-blocks]: no blocks to verify in 1 shader
+
+
+"#]]);
     let ran = place.run(&["verify", "a.frag", "--backend", "cpu", "--block", "nope"]);
-    refuses(&ran, "unknown-block", "no block named `nope`");
+    refuses(
+        &ran,
+        "unknown-block",
+        str![[r#"
+error[unknown-block]: no block named `nope` in 1 shader
+
+"#]],
+    );
     let ran = place.run(&["verify", "e", "a.frag", "--backend", "cpu"]);
-    assert!(ran.err.contains("every byte lands") && !ran.err.contains("no-blocks"), "{}", ran.err);
+    ran.stderr_eq(str![[r#"
+2 shaders, 1 block, 9 reads: every byte lands where the shader reads it
+
+"#]]);
 }
 
 #[test]
 fn a_plot_has_a_format_that_it_can_have() {
     let place = project("plot");
-    for file in ["p.png", "p", "p.html"] {
+    for (file, said) in [
+        (
+            "p.png",
+            str![[r#"
+error: invalid value 'p.png' for '--plot <FILE.svg>': a plot is an .svg file
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            "p",
+            str![[r#"
+error: invalid value 'p' for '--plot <FILE.svg>': a plot is an .svg file
+
+For more information, try '--help'.
+
+"#]],
+        ),
+        (
+            "p.html",
+            str![[r#"
+error: invalid value 'p.html' for '--plot <FILE.svg>': a plot is an .svg file
+
+For more information, try '--help'.
+
+"#]],
+        ),
+    ] {
         let ran = place.run(&["bench", "a.frag", "--fn", "f", "--plot", file]);
-        assert!(ran.code == 2 && ran.err.contains("a plot is an .svg file"), "{}", ran.err);
+        ran.code(2).stdout_eq("").stderr_eq(said);
         assert!(!place.has(file));
     }
 }
@@ -168,8 +377,17 @@ fn a_colour_for_a_texture_that_is_not_there_is_refused() {
     for command in [&run[..], &stress, &bench] {
         let with = |texture: &str| place.run(&[command, &["--texture", texture]].concat());
         let ran = with("text=[1, 0, 0, 1]");
-        refuses(&ran, "unknown-texture", "the shader has no texture `text`");
-        assert!(ran.err.contains("did you mean `tex`?"), "{}", ran.err);
+        refuses(
+            &ran,
+            "unknown-texture",
+            str![[r#"
+error[unknown-texture]: the shader has no texture `text`
+ --> --texture
+  |
+  = help: did you mean `tex`?
+
+"#]],
+        );
         assert!(with("tex=[1, 0, 0, 1]").code < 2, "{command:?}");
     }
 }
@@ -181,7 +399,15 @@ fn a_bool_that_is_neither_0_nor_1_is_warned_of() {
         place.write("v.json", values);
         place.run(&["encode", "a.frag", "v.json", "-o", "v.bin"])
     };
-    warns(&with("{\"on\": 2}"), "odd-bool", "`on` at byte 16");
+    warns(
+        &with("{\"on\": 2}"),
+        "odd-bool",
+        str![[r#"
+warning[odd-bool]: `on` at byte 16 is a bool, but neither 0 nor 1: 2
+ --> v.json
+
+"#]],
+    );
     assert_eq!(std::fs::read(place.0.join("v.bin")).unwrap()[16], 2, "it is written all the same");
     for values in ["{\"on\": 1}", "{\"on\": true}", "{}"] {
         assert_eq!(with(values).err, "");

@@ -1,14 +1,19 @@
 //! The commands of the README and the book print what is shown, and their links resolve.
 //!
-//! A block `console` holds commands after `$ ` and below each its standard output. `$ cd DIR`
-//! holds for the rest of the page; a command whose line ends in `# exits with 1` must do so, the
-//! others exit with 0. In the output, `...` on a line of its own stands for any lines and `[..]`
-//! for any characters. With `LANDFALL_BLESS=1` output that differs is written into the page.
+//! A block `console` is a session of trycmd: commands after `$ `, below each `? 1` where it does
+//! not exit with 0, then its standard output and standard error, and an empty line at its end.
+//! `...` on a line of its own stands for any lines and `[..]` for any characters. The sessions run
+//! in the root of the repository, or where the page's `$ cd DIR` leads. `TRYCMD=overwrite` writes
+//! output that differs into the page.
 
-use std::fmt::Write as _;
 use std::fs;
+use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+
+use trycmd::TestCases;
+use trycmd::schema::Bin;
+
+use crate::support::command::{self, Place};
 
 const README: &str = include_str!("../../README.md");
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -59,11 +64,6 @@ fn pages() -> Vec<Page> {
     others.into_iter().chain(chapters()).collect()
 }
 
-/// Whether differing text is written into the pages instead of failing.
-pub fn blesses() -> bool {
-    std::env::var_os("LANDFALL_BLESS").is_some_and(|value| value != "0")
-}
-
 /// The arguments of a command line; single quotes keep one together.
 fn arguments(command: &str) -> Vec<String> {
     let mut found = vec![String::new()];
@@ -78,101 +78,48 @@ fn arguments(command: &str) -> Vec<String> {
     found
 }
 
-/// Runs a command line of landfall; returns its standard output.
-fn run(line: &str, folder: &Path) -> String {
-    let (command, code) = match line.split_once("  # exits with ") {
-        Some((command, code)) => (command, code.parse().expect("an exit code")),
-        None => (line, 0),
-    };
-    let arguments = arguments(command.trim_end());
-    assert_eq!(arguments[0], "landfall", "{command}");
-    let run = Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(&arguments[1..])
-        .current_dir(folder)
-        .env_remove("COLUMNS")
-        .output()
-        .expect("the command of this package");
-    let errors = String::from_utf8_lossy(&run.stderr);
-    assert_eq!(run.status.code(), Some(code), "{command}: {errors}");
-    String::from_utf8(run.stdout).expect("output is UTF-8")
+/// The command lines of a page's sessions.
+fn commands(page: &Page) -> Vec<&str> {
+    let sessions = page.text.split("```console\n").skip(1);
+    let lines = sessions.flat_map(|block| block.lines().take_while(|line| *line != "```"));
+    lines.filter_map(|line| line.strip_prefix("$ ")).collect()
 }
 
-/// Whether a line is what is shown, where `[..]` stands for any characters.
-fn line_fits(shown: &str, printed: &str) -> bool {
-    match shown.split_once("[..]") {
-        None => shown == printed,
-        Some((start, rest)) => printed.strip_prefix(start).is_some_and(|printed| {
-            let mut ends = (0..=printed.len()).filter(|&at| printed.is_char_boundary(at));
-            ends.any(|at| line_fits(rest, &printed[at..]))
-        }),
+/// The directory in which the commands of a page run.
+fn directory(page: &Page) -> PathBuf {
+    let commands = commands(page);
+    let to = commands[0].strip_prefix("cd ");
+    // trycmd leaves out programs that it does not know.
+    for command in &commands[usize::from(to.is_some())..] {
+        assert!(command.starts_with("landfall "), "{}: `{command}`", page.file.display());
     }
+    Path::new(ROOT).join(to.unwrap_or(""))
 }
 
-/// Whether lines are what is shown, where a line `...` stands for any lines.
-fn fits(shown: &[&str], printed: &[&str]) -> bool {
-    match (shown, printed) {
-        (["...", rest @ ..], _) => (0..=printed.len()).any(|at| fits(rest, &printed[at..])),
-        ([one, rest @ ..], [line, more @ ..]) => line_fits(one, line) && fits(rest, more),
-        ([], rest) => rest.is_empty(),
-        ([_, ..], []) => false,
-    }
-}
-
-/// Output without the blank lines at its end.
-fn lines(text: &str) -> Vec<&str> {
-    text.trim_end().lines().map(str::trim_end).collect()
-}
-
-/// The page with what its commands print now, and the commands whose output is not as shown.
-fn rerun(text: &str, commands: &mut usize) -> (String, Vec<String>) {
-    let (mut now, mut differing) = (String::new(), Vec::new());
-    let mut folder = PathBuf::from(ROOT);
-    let mut rest = text;
-    while let Some((before, block)) = rest.split_once("```console\n") {
-        let (block, after) = block.split_once("```").expect("a block ends");
-        writeln!(now, "{before}```console").expect("a string grows");
-        assert!(block.starts_with("$ "), "a command stands before its output:\n{block}");
-        for part in block.strip_prefix("$ ").expect("just seen").split("\n$ ") {
-            let (command, shown) = part.split_once('\n').unwrap_or((part, ""));
-            writeln!(now, "$ {command}").expect("a string grows");
-            if let Some(to) = command.strip_prefix("cd ") {
-                folder = folder.join(to);
-                assert!(folder.is_dir(), "{command}");
-                continue;
-            }
-            *commands += 1;
-            let printed = run(command, &folder);
-            if fits(&lines(shown), &lines(&printed)) {
-                lines(shown).iter().for_each(|line| now.extend([line, "\n"]));
-            } else {
-                lines(&printed).iter().for_each(|line| now.extend([line, "\n"]));
-                differing.push(format!("$ {command}\n{printed}"));
-            }
-        }
-        now.push_str("```");
-        rest = after;
-    }
-    now.push_str(rest);
-    (now, differing)
-}
-
+/// trycmd runs a page in the folder beside it that ends in `.in`, and has no `cd`: each page is
+/// run as a copy, beside which that folder is a link to its directory.
 #[test]
 fn every_command_prints_what_is_shown() {
-    let mut commands = 0;
-    for page in pages() {
-        let (now, differing) = rerun(&page.text, &mut commands);
-        if blesses() && now != page.text {
-            fs::write(&page.file, now).expect("the page can be written");
-            continue;
-        }
-        let place = page.file.display();
-        assert!(
-            differing.is_empty(),
-            "{place}: these print something else (LANDFALL_BLESS=1 writes it there):\n{}",
-            differing.join("\n")
-        );
-        assert_eq!(now, page.text, "{place}: blank lines or spaces at the end of output");
+    let copies = Place::new("pages");
+    let pages: Vec<Page> =
+        pages().into_iter().filter(|page| page.text.contains("```console\n")).collect();
+    let cases = TestCases::new();
+    cases.register_bin("landfall", Path::new(env!("CARGO_BIN_EXE_landfall")));
+    cases.register_bin("cd", Bin::Ignore);
+    for (nth, page) in pages.iter().enumerate() {
+        copies.write(&format!("{nth}.md"), &page.text);
+        symlink(directory(page), copies.0.join(format!("{nth}.in"))).expect("a new name");
+        cases.case(copies.0.join(format!("{nth}.md")));
     }
+    cases.run();
+    for (nth, page) in pages.iter().enumerate() {
+        let now = copies.read(&format!("{nth}.md"));
+        // Only as `TRYCMD=overwrite`: otherwise what differs has failed.
+        if now != page.text {
+            fs::write(&page.file, now).expect("the page can be written");
+        }
+    }
+    let commands: usize = pages.iter().map(|page| commands(page).len()).sum();
     assert!(commands >= 20, "{commands} commands");
 }
 
@@ -198,37 +145,21 @@ fn named(text: &str) -> Vec<String> {
 fn every_command_that_is_named_has_the_options_it_is_named_with() {
     let (mut count, mut wrong) = (0, Vec::new());
     for page in pages().iter().filter(|page| !page.file.ends_with("CHANGELOG.md")) {
-        for command in named(&page.text) {
+        for line in named(&page.text) {
             count += 1;
             // Options before `--help` are parsed; values are not looked at.
-            let words = arguments(&command);
+            let words = arguments(&line);
             let words = words[1..].iter().filter(|word| !word.is_empty());
             let options = words.filter(|word| !word.contains(['…', '|', '>']));
-            let run = Command::new(env!("CARGO_BIN_EXE_landfall"))
-                .args(options)
-                .arg("--help")
-                .output()
-                .expect("the command of this package");
-            let errors = String::from_utf8_lossy(&run.stderr);
-            if !run.status.success() {
-                wrong.push(format!("{}: {command}: {errors}", page.file.display()));
+            let options: Vec<&str> = options.map(String::as_str).chain(["--help"]).collect();
+            let ran = command::run(&options);
+            if ran.code != 0 {
+                wrong.push(format!("{}: {line}: {}", page.file.display(), ran.err));
             }
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(count >= 40, "{count} commands");
-}
-
-#[test]
-fn placeholders_stand_for_any_text_and_nothing_else() {
-    assert!(fits(&["a", "...", "d"], &["a", "b", "c", "d"]));
-    assert!(fits(&["...", "d"], &["d"]));
-    assert!(!fits(&["a", "...", "d"], &["a", "b"]));
-    assert!(!fits(&["a"], &["a", "b"]));
-    assert!(line_fits("time [..] s", "time 0.11 s"));
-    assert!(!line_fits("time [..] s", "time 0.11 ms or so"));
-    let (_, differing) = rerun("```console\n$ landfall --version\nlandfall 0\n```\n", &mut 0);
-    assert_eq!(differing.len(), 1, "a wrong line is found");
 }
 
 #[test]

@@ -1,24 +1,21 @@
-//! The reference chapters of the book are what the command prints. With `LANDFALL_BLESS=1` the
-//! chapter of commands is written.
+//! The reference chapters of the book are what the command prints. `SNAPSHOTS=overwrite` writes
+//! the chapter of commands.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
-use crate::readme::blesses;
+use snapbox::Data;
+
+use crate::support::command::{self, golden};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 fn landfall(arguments: &[&str]) -> String {
-    let run = Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(arguments)
-        .env_remove("COLUMNS")
-        .output()
-        .expect("the command of this package");
-    assert!(run.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&run.stderr));
-    String::from_utf8(run.stdout).expect("output is UTF-8")
+    let ran = command::run(arguments);
+    ran.code(0);
+    ran.out
 }
 
 fn chapter(name: &str) -> String {
@@ -92,14 +89,9 @@ fn reference() -> String {
 
 #[test]
 fn the_chapter_of_commands_is_the_help() {
-    let now = reference();
     assert!(commands().len() >= 15, "{:?}", commands());
-    if blesses() {
-        let file = Path::new(ROOT).join("docs/src/reference/commands.md");
-        fs::write(file, &now).expect("the chapter can be written");
-    }
-    let differs = "LANDFALL_BLESS=1 writes the chapter again";
-    assert_eq!(chapter("commands.md"), now, "{differs}");
+    let file = Path::new(ROOT).join("docs/src/reference/commands.md");
+    golden().eq(reference(), Data::read_from(&file, None).raw());
 }
 
 #[test]

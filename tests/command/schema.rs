@@ -1,21 +1,15 @@
 //! Every JSON output keeps to its published schema.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use serde_json::Value;
 
-fn landfall(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(arguments)
-        .output()
-        .expect("the binary was built for this test")
-}
+use crate::support::command::{self, Place, Ran};
 
 fn validator(of: &str) -> jsonschema::Validator {
-    let schema = landfall(&["schema", of]);
-    assert!(schema.status.success());
-    let schema: Value = serde_json::from_slice(&schema.stdout).expect("a schema is JSON");
+    let schema = command::run(&["schema", of]);
+    assert!(schema.code == 0);
+    let schema = schema.json();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     jsonschema::meta::validate(&schema).expect("a schema is a schema");
     jsonschema::validator_for(&schema).expect("a schema can be used")
@@ -53,32 +47,25 @@ struct View { view: mat4x4<f32>, eye: vec3<f32> }
 @group(0) @binding(0) var<uniform> view: View;
 ";
 
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("schema-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
 #[test]
 fn layouts_keep_to_their_schema() {
-    let folder = folder("layout");
-    let file = folder.join("everything.frag");
+    let folder = Place::new("schema-layout");
+    let file = folder.0.join("everything.frag");
     std::fs::write(&file, EVERYTHING).unwrap();
-    std::fs::write(folder.join("loose.frag"), "uniform vec3 a[2]; uniform sampler2D s;").unwrap();
-    std::fs::write(folder.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
-    std::fs::write(folder.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
+    folder.write("loose.frag", "uniform vec3 a[2]; uniform sampler2D s;");
+    folder.write("nothing.vert", "#version 330\nvoid main() {}\n");
+    folder.write("everything.wgsl", EVERYTHING_IN_WGSL);
     let validator = validator("layout");
-    let folder = folder.display().to_string();
+    let folder = folder.0.display().to_string();
     for more in
         [&[][..], &["--expand"], &["--gather"], &["--rules", "scalar"], &["--block", "Lights"]]
     {
         let mut arguments = vec!["layout", &folder, "--format", "json"];
         arguments.extend(more);
-        let output = landfall(&arguments);
-        let text = String::from_utf8(output.stdout).unwrap();
-        let value = holds(&validator, &text, &arguments.join(" "));
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let output = command::run(&arguments);
+        let text = &output.out;
+        let value = holds(&validator, text, &arguments.join(" "));
+        assert!(output.code == 0, "{}", output.err);
         assert!(!value["shaders"].as_array().unwrap().is_empty());
         assert!(text.ends_with('\n'));
     }
@@ -87,23 +74,23 @@ fn layouts_keep_to_their_schema() {
 #[test]
 fn the_shaders_of_the_repository_keep_to_it_too() {
     let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").display().to_string();
-    let output = landfall(&["layout", &shaders, "--format", "json", "--expand"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
-    holds(&validator("layout"), &text, "shaders");
+    let output = command::run(&["layout", &shaders, "--format", "json", "--expand"]);
+    assert!(output.code == 0, "{}", output.err);
+    let text = &output.out;
+    holds(&validator("layout"), text, "shaders");
 }
 
 #[test]
 fn explanations_keep_to_their_schema() {
-    let folder = folder("explain");
-    let file = folder.join("everything.frag");
+    let folder = Place::new("schema-explain");
+    let file = folder.0.join("everything.frag");
     std::fs::write(&file, EVERYTHING).unwrap();
     let validator = validator("explain");
     for place in ["lights[1][2].turn[1].y", "m[3]", "all", "all[].pos", "@0", "@12", "@60", "@76"] {
         let arguments = ["explain", &file.display().to_string(), place, "--format", "json"];
-        let output = landfall(&arguments);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let value = holds(&validator, &String::from_utf8(output.stdout).unwrap(), place);
+        let output = command::run(&arguments);
+        assert!(output.code == 0, "{}", output.err);
+        let value = holds(&validator, &output.out, place);
         assert!(!value["answers"].as_array().unwrap().is_empty(), "{place}");
     }
 }
@@ -112,15 +99,14 @@ fn explanations_keep_to_their_schema() {
 fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
     let validator = validator("devices");
     for drivers in [None, Some("/nonexistent")] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-        command.args(["devices", "--format", "json"]);
+        let mut command = command::landfall(&["devices", "--format", "json"]);
         if let Some(drivers) = drivers {
             command.env("VK_DRIVER_FILES", drivers).env("__EGL_VENDOR_LIBRARY_FILENAMES", drivers);
         }
-        let output = command.output().expect("the binary was built for this test");
-        assert!(output.status.success() && output.stderr.is_empty());
-        let text = String::from_utf8(output.stdout).unwrap();
-        let value = holds(&validator, &text, "devices");
+        let output = Ran::of(command.output().expect("the command of this package"));
+        assert!(output.code == 0 && output.err.is_empty());
+        let text = &output.out;
+        let value = holds(&validator, text, "devices");
         let backends: Vec<&str> = value["devices"]
             .as_array()
             .unwrap()
@@ -137,8 +123,8 @@ fn devices_keep_to_their_schema_whether_they_are_there_or_not() {
 
 #[test]
 fn findings_keep_to_their_schema() {
-    let folder = folder("diagnostic");
-    let file = folder.join("bad.frag");
+    let folder = Place::new("schema-diagnostic");
+    let file = folder.0.join("bad.frag");
     std::fs::write(&file, "#include \"gone.glsl\"\nuniform B { vec33 x; float y[0]; };\n").unwrap();
     let validator = validator("diagnostic");
     let file = file.display().to_string();
@@ -148,9 +134,9 @@ fn findings_keep_to_their_schema() {
         &["layout", &file, "--format", "json", "--block", "Gone"],
         &["explain", &file, "x", "--format", "json"],
     ] {
-        let output = landfall(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        let text = String::from_utf8(output.stderr).unwrap();
+        let output = command::run(arguments);
+        assert_eq!(output.code, 2, "{arguments:?}");
+        let text = &output.err;
         assert!(!text.is_empty(), "{arguments:?}");
         text.lines().for_each(|line| drop(holds(&validator, line, "a finding")));
     }
@@ -168,17 +154,17 @@ fn the_schema_of_reports_takes_an_empty_one_and_no_other_version() {
 
 #[test]
 fn locks_keep_to_their_schema() {
-    let folder = folder("lock");
-    let shaders = folder.join("shaders");
+    let folder = Place::new("schema-lock");
+    let shaders = folder.0.join("shaders");
     std::fs::create_dir_all(&shaders).unwrap();
     std::fs::write(shaders.join("everything.frag"), EVERYTHING).unwrap();
     std::fs::write(shaders.join("loose.frag"), "uniform vec3 a[2]; uniform sampler2D s;").unwrap();
     std::fs::write(shaders.join("nothing.vert"), "#version 330\nvoid main() {}\n").unwrap();
     std::fs::write(shaders.join("everything.wgsl"), EVERYTHING_IN_WGSL).unwrap();
-    let locks = folder.join("layouts");
-    let config = folder.join("landfall.toml");
+    let locks = folder.0.join("layouts");
+    let config = folder.0.join("landfall.toml");
     std::fs::write(&config, "").unwrap();
-    let output = landfall(&[
+    let output = command::run(&[
         "lock",
         "--config",
         &config.display().to_string(),
@@ -186,7 +172,7 @@ fn locks_keep_to_their_schema() {
         "--locks",
         &locks.display().to_string(),
     ]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.code == 0, "{}", output.err);
     let validator = validator("lock");
     let mut seen = 0;
     let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("layouts");
@@ -214,9 +200,9 @@ fn locks_keep_to_their_schema() {
 
 #[test]
 fn differences_keep_to_their_schema() {
-    let folder = folder("diff");
-    let old = folder.join("old.frag");
-    let new = folder.join("new.frag");
+    let folder = Place::new("schema-diff");
+    let old = folder.0.join("old.frag");
+    let new = folder.0.join("new.frag");
     std::fs::write(&old, EVERYTHING).unwrap();
     let changed = EVERYTHING
         .replace("float radius", "uint radius, more")
@@ -226,11 +212,11 @@ fn differences_keep_to_their_schema() {
     let validator = validator("diff");
     let (old, new) = (old.display().to_string(), new.display().to_string());
     for sides in [[&old, &new], [&new, &old], [&old, &old]] {
-        let output = landfall(&["diff", "--no-config", sides[0], sides[1], "--format", "json"]);
-        let text = String::from_utf8(output.stdout).unwrap();
-        let value = holds(&validator, &text, "diff");
+        let output = command::run(&["diff", "--no-config", sides[0], sides[1], "--format", "json"]);
+        let text = &output.out;
+        let value = holds(&validator, text, "diff");
         assert_eq!(value["shaders"].as_array().unwrap().is_empty(), sides[0] == sides[1]);
-        assert_eq!(output.status.code(), Some(i32::from(sides[0] != sides[1])));
+        assert_eq!(output.code, i32::from(sides[0] != sides[1]));
     }
 }
 
@@ -268,9 +254,9 @@ fn benches_keep_to_their_schema() {
         "--format",
         "json",
     ];
-    let output = landfall(&arguments);
-    let text = String::from_utf8(output.stdout).unwrap();
-    let value = holds(&validator("bench"), &text, "bench");
+    let output = command::run(&arguments);
+    let text = &output.out;
+    let value = holds(&validator("bench"), text, "bench");
     // What is compiled in, and the scene's own shader.
     let rows = value["rows"].as_array().unwrap();
     assert!(rows.iter().any(|row| row["runner"]["reader"] == "rust"), "{text}");
@@ -296,9 +282,9 @@ fn stressed_functions_keep_to_their_schema() {
         let mut arguments = vec!["stress", &lights, "--fn", "attenuation", "--format", "json"];
         arguments.extend(["--samples", "3000", "--time", "3"]);
         arguments.extend(more);
-        let output = landfall(&arguments);
-        assert!(matches!(output.status.code(), Some(0 | 1)), "{more:?}: {output:?}");
-        let value = holds(&validator, &String::from_utf8(output.stdout).unwrap(), "stress");
+        let output = command::run(&arguments);
+        assert!(matches!(output.code, 0 | 1), "{more:?}: {}", output.err);
+        let value = holds(&validator, &output.out, "stress");
         assert!(value["total"]["samples"].as_u64().unwrap() >= 3000, "{more:?}");
     }
 }

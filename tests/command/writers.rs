@@ -8,7 +8,10 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::cli_check::place::{CLEAN, Place, Ran, idle};
+use snapbox::str;
+
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::{Place, Ran};
 
 const LEGACY: &str = "#version 120
 uniform vec3 tint;
@@ -241,10 +244,25 @@ fn a_cache_of_somebody_elses_or_one_that_was_changed_says_nothing() {
     let with =
         |key: &str| Ran::of(place.command(&check).env("LANDFALL_CACHE_KEY", key).output().unwrap());
     let honest = with("the key of whoever checks");
-    assert!(honest.out.contains("stale-comment") && honest.err.contains("laid out 1 of 1"));
+    honest
+        .stdout_eq(str![[r#"
+a.frag:4:27: warning[stale-comment] comment puts `color` at offset 99, but it is at 16
+
+"#]])
+        .stderr_eq(str![[r#"
+checked 1 shader: 1 warning; 1 fixable with --fix
+laid out 1 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     assert!(with("the key of whoever checks").err.contains("laid out 0 of 1"));
     let other = with("the key of somebody else");
-    assert!(other.err.contains("laid out 1 of 1"), "{}", other.err);
+    other.stderr_eq(str![[r#"
+checked 1 shader: 1 warning; 1 fixable with --fix
+laid out 1 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     assert_eq!(other.out, honest.out);
     // Now the cache is theirs; to us it is worth nothing.
     assert!(with("the key of whoever checks").err.contains("laid out 1 of 1"));
@@ -256,8 +274,13 @@ fn a_cache_of_somebody_elses_or_one_that_was_changed_says_nothing() {
     let silenced = format!("{}\"findings\":[]{}", &text[..start], &text[end..]);
     fs::write(&file, silenced).unwrap();
     let after = with("the key of whoever checks");
-    assert_eq!((after.out, after.code), (honest.out, honest.code));
-    assert!(after.err.contains("laid out 1 of 1"), "{}", after.err);
+    after.code(honest.code).stderr_eq(str![[r#"
+checked 1 shader: 1 warning; 1 fixable with --fix
+laid out 1 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
+    assert_eq!(after.out, honest.out);
 }
 
 #[test]
@@ -274,18 +297,18 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
     };
     let cases: [(&str, &str, &str, &[&str]); 8] = [
         ("locks", &away, "layouts", &["lock"]),
-        ("lock", "../../check-writers-outside/new.json", "layouts/a.frag.json", &["lock"]),
+        ("lock", "../../writers-outside/new.json", "layouts/a.frag.json", &["lock"]),
         ("accept", &away, "layouts", &["check", "--accept", "--locks", "layouts/../layouts/x"]),
         (
             "out",
-            "../../check-writers-outside/new.txt",
+            "../../writers-outside/new.txt",
             "o/a.frag.txt",
             &["layout", "a.frag", "--out", "o"],
         ),
         ("deep", &away, "o/s", &["layout", ".", "--out", "o"]),
         (
             "emit",
-            "../check-writers-outside/new.rs",
+            "../writers-outside/new.rs",
             "m.rs",
             &["emit", "a.frag", "--lang", "rust", "-o", "m.rs"],
         ),
@@ -320,7 +343,14 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
     symlink(&away, place.0.join("c")).unwrap();
     place.write("landfall.toml", "cache-dir = \"c\"\n");
     let ran = place.run(&["check"]);
-    assert!(ran.code == 0 && ran.err.contains("the cache is not used"), "{}", ran.err);
+    ran.code(0).stderr_eq(str![[r#"
+the cache is not used: `c/check-[HASH].json` leads through a symbolic link to `[TMP]/writers-outside/check-[HASH].json`, out of `[TMP]/writers-links-cache`
+help: remove the link, or name its target
+checked 1 shader: nothing to report
+laid out 1 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     assert!(files(&outside.0) == before);
 }
 
@@ -380,11 +410,13 @@ fn a_closed_stdout_is_an_error_where_a_product_would_be_lost() {
         "devices -f json",
     ] {
         let ran = closed(command);
-        assert!(
-            ran.code == 2 && ran.err.contains("`<stdout>` is closed"),
-            "{command}: {}",
-            ran.err
-        );
+        ran.code(2).stderr_eq(str![[r#"
+error[output]: `<stdout>` is closed: the output would be lost
+  |
+  = help: redirect it to a file, or to /dev/null to discard it
+
+
+"#]]);
     }
     for command in ["lock s", "emit s/a.frag --lang c -o h.h", "check s -f json=r.json -f short=r"]
     {

@@ -14,6 +14,9 @@ use landfall_light::scene::{
     SpotLight, Surface, Texture,
 };
 use landfall_light::{Fragment, Upload};
+use snapbox::str;
+
+use crate::support::command::golden;
 
 fn shader(source: &Source) -> FragmentShader {
     FragmentShader::new(source, &Options::default(), None)
@@ -292,7 +295,10 @@ fn what_is_said_stands_over_what_is_guessed() {
     }
     let one = said(r#"{"viewPos": "point[].position"}"#).expect("it is a quantity");
     let error = BlockWriter::new(&shader(&source), &one).expect_err("one member, many lights");
-    assert!(error.to_string().contains("is not in an array"), "{error}");
+    golden().eq(
+        error.to_string(),
+        str!["`viewPos` is not in an array, but `point[].position` has a value for each element"],
+    );
 }
 
 fn emission(base: f64) -> Emission {

@@ -14,6 +14,9 @@ use landfall_light::shading_f32::{
     Form, Gates, Lights, Model, Shaded, SpecularTerm, Work, execute, shade_all, surfaces,
 };
 use landfall_light::{Fragment, Frame, FrameOptions, Upload};
+use snapbox::str;
+
+use crate::support::command::golden;
 
 const ROBUST: Form = Form::Robust(Gates::ALL);
 
@@ -281,7 +284,10 @@ fn dark_lights_and_those_without_slot_are_left_out_and_named() {
     let lights = &plan.draws[0].lights;
     assert_eq!(lights.point.len(), 750);
     assert!(lights.point.iter().all(|n| n % 4 != 3 && *n < 1000));
-    assert!(plan.savings.notes[0].contains("the last 24 are left out"), "{:?}", plan.savings.notes);
+    golden().eq(
+        &plan.savings.notes[0],
+        str!["1024 point lights, but the shader's array has 1000 slots: the last 24 are left out"],
+    );
     // Left out, they change no bit.
     lit.upload.lights.point.truncate(1000);
     let (some, all) = (lit.lit(&DEFAULT, &plan), lit.brute(&DEFAULT));
@@ -294,7 +300,10 @@ fn lists_are_not_made_where_they_cost_more_than_they_save() {
     let plan = lit.plan(&DEFAULT, "used,tiles");
     assert_eq!(plan.draws.len(), 1);
     assert_eq!(plan.savings.steps[1].error, Claim::Unused);
-    assert!(plan.savings.steps[1].did.contains("not applied"), "{:?}", plan.savings.steps);
+    golden().eq(
+        &plan.savings.steps[1].did,
+        str!["not applied: estimated 5.21 ms with it, 3.63 ms without"],
+    );
     let forced = lit.plan(&DEFAULT, "used,tiles,always");
     assert!(forced.draws.len() > 1 && forced.evaluations() < plan.evaluations());
     assert!(bits(&lit.lit(&DEFAULT, &forced).colors) == bits(&lit.brute(&DEFAULT).colors));

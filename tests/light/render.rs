@@ -16,6 +16,9 @@ use landfall_light::render::truth::{Truth, likely, nearest, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene::read_file;
 use landfall_light::{Frame, FrameOptions, Scene, Upload};
+use snapbox::str;
+
+use crate::support::command::golden;
 
 fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
@@ -209,9 +212,9 @@ fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
     let renderer = renderer("light_arrays/all_lights_330.frag");
     let error = renderer.lights(&made.upload, OverflowPolicy::Refuse).expect_err("128 slots");
     let message = error.to_string();
-    assert!(
-        message.contains("1024 point lights") && message.contains("slots for 128"),
-        "{message}"
+    golden().eq(
+        &message,
+        str!["the scene has 1024 point lights, but `PointLightBlock.data[].pos` has slots for 128"],
     );
     let unlit = "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }";
     let options = RenderOptions { layout: Options::default(), ..RenderOptions::default() };

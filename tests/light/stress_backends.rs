@@ -5,9 +5,9 @@
 //! `libgl1-mesa-dri`); a missing one fails.
 
 use crate::support::backends;
+use crate::support::command::{self, Place, Ran};
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use landfall_exec::interp::Cpu;
 use landfall_layout::finding::Level;
 use landfall_layout::{Options, Source};
 use landfall_light::accuracy::stress::{BackendReport, Report, Request, Verdict, stress};
-use serde_json::Value;
+use snapbox::str;
 
 fn request(function: &str, domain: &str) -> Request {
     Request {
@@ -298,31 +298,20 @@ fn a_slow_driver_is_waited_for_no_longer_than_was_asked() {
 const POWER: &str = "#version 450\nlayout(location = 0) in float v_x;\n\
                      float f(float n) { return pow(v_x, n); }\nvoid main() { f(v_x); }\n";
 
-fn shader(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stress_backends");
-    std::fs::create_dir_all(&folder).expect("the folder is ours");
-    let path = folder.join(name);
-    std::fs::write(&path, POWER).expect("the folder is ours");
-    path
-}
-
-fn command(path: &Path, arguments: &[&str]) -> Output {
+/// `landfall stress` of that function in a folder of the name.
+fn stressed(name: &str, arguments: &[&str]) -> Ran {
+    let place = Place::new(&format!("stress-backends-{name}"));
     let domain = r#"{"v_x": [0.5, 0.99999], "n": [31, 33]}"#;
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.arg("stress").arg(path).args(["--fn", "f", "--domain", domain, "--samples", "20000"]);
-    command.args(arguments).env("NO_COLOR", "1").output().expect("the binary was built")
+    let function = ["stress", "power.frag", "--fn", "f", "--domain", domain, "--samples", "20000"];
+    place.write("power.frag", POWER).run(&[&function[..], arguments].concat())
 }
 
 #[test]
 fn a_limit_holds_on_the_drivers_too() {
-    let path = shader("limit.frag");
-    let said = |output: &Output| String::from_utf8_lossy(&output.stderr).to_string();
-    let alone = command(&path, &["--max-ulp", "3"]);
-    assert_eq!(alone.status.code(), Some(0), "{}", said(&alone));
+    stressed("limit", &["--max-ulp", "3"]).code(0);
     for backend in ["gl", "gpu"] {
-        let output = command(&path, &["--max-ulp", "3", "--backend", backend]);
-        assert_eq!(output.status.code(), Some(1), "{backend}: {}", said(&output));
-        let text = String::from_utf8_lossy(&output.stdout).to_string();
+        let ran = stressed("limit", &["--max-ulp", "3", "--backend", backend]);
+        let text = &ran.code(1).out;
         assert!(text.contains(&format!("finite on {backend}")), "{text}");
         assert!(text.contains("permitted on any conformant adapter"), "{text}");
     }
@@ -330,11 +319,8 @@ fn a_limit_holds_on_the_drivers_too() {
 
 #[test]
 fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
-    let path = shader("json.frag");
-    let output = command(&path, &["--backend", "gl,gpu", "--format", "json"]);
-    let value: Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
-    let schema = Command::new(env!("CARGO_BIN_EXE_landfall")).args(["schema", "stress"]).output();
-    let schema: Value = serde_json::from_slice(&schema.expect("it runs").stdout).expect("JSON");
+    let value = stressed("json", &["--backend", "gl,gpu", "--format", "json"]).json();
+    let schema = command::run(&["schema", "stress"]).json();
     let validator = jsonschema::validator_for(&schema).expect("it is a schema");
     let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
     assert!(errors.is_empty(), "{}", errors.join("\n"));
@@ -354,12 +340,11 @@ fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
             }
         }
         // `--input 'v_x=0.9'` and `--input v_x=0.9` are both one word.
-        let mut run = Command::new(env!("CARGO_BIN_EXE_landfall"));
-        run.args(&words[1..]).args(["--format", "json"]);
-        let again = run.output().expect("the binary was built");
-        let again: Value = serde_json::from_slice(&again.stdout)
-            .unwrap_or_else(|_| panic!("{line}: {}", String::from_utf8_lossy(&again.stderr)));
-        let text = again.to_string();
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stress-backends-json");
+        let mut again = command::landfall(&[]);
+        again.args(&words[1..]).args(["--format", "json"]).current_dir(folder);
+        let again = Ran::of(again.output().expect("the command of this package"));
+        let text = again.json().to_string();
         let given = worst["results"][0].to_string();
         assert!(text.contains(&given), "{name}: {given} is not in {text}");
     }
@@ -367,11 +352,14 @@ fn json_holds_to_its_schema_and_its_command_repeats_the_worst() {
 
 #[test]
 fn a_driver_that_is_not_here_is_said_after_the_report() {
-    let path = shader("missing.frag");
-    let output = command(&path, &["--backend", "gl,gpu", "--adapter", "no such adapter"]);
-    assert_eq!(output.status.code(), Some(2));
-    let text = String::from_utf8_lossy(&output.stdout).to_string();
+    let ran = stressed("missing", &["--backend", "gl,gpu", "--adapter", "no such adapter"]);
+    let text = &ran.code(2).out;
     assert!(text.contains("finite on gl") && text.contains("gpu did not run"), "{text}");
-    let said = String::from_utf8_lossy(&output.stderr).to_string();
-    assert!(said.contains("no GPU adapter matches `no such adapter`"), "{said}");
+    ran.stderr_eq(str![[r#"
+error[cannot-run]: `gpu` did not run: no GPU adapter matches `no such adapter`; there are [DRIVER]
+  |
+  = help: `landfall devices` lists the available backends
+
+
+"#]]);
 }

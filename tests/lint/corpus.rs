@@ -11,6 +11,7 @@ use std::path::Path;
 use std::path::PathBuf;
 
 use landfall_layout::{ArrayLen, Options, Rules, ShaderLayout, Source, layout};
+use support::command::{Place, run};
 use support::driver::{Api, Driver, Stage};
 use support::files::shaders;
 use support::glslang;
@@ -184,15 +185,10 @@ fn the_block_of_128_point_lights_is_where_its_engine_expects_it() {
 #[cfg(feature = "cli")]
 #[test]
 fn the_locks_are_those_of_the_shaders() {
-    let out = std::env::temp_dir().join(format!("landfall-layouts-{}", std::process::id()));
-    let status = std::process::Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(["lock", "shaders", "--quiet", "--locks"])
-        .arg(&out)
-        .status()
-        .expect("the command of this package");
-    assert!(status.success());
-    let (recorded, computed) = (tree(Path::new("layouts")), tree(&out));
-    fs::remove_dir_all(&out).expect("the test's own directory");
+    let place = Place::new("lint-layouts");
+    let out = place.path("layouts");
+    run(&["lock", "shaders", "--quiet", "--locks", &out]).code(0);
+    let (recorded, computed) = (tree(Path::new("layouts")), tree(Path::new(&out)));
     let names = |tree: &[(PathBuf, String)]| tree.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
     assert_eq!(names(&recorded), names(&computed));
     for (old, new) in recorded.iter().zip(&computed) {
@@ -208,16 +204,10 @@ fn the_locks_are_those_of_the_shaders() {
 #[cfg(feature = "cli")]
 #[test]
 fn check_finds_nothing_to_report_in_this_repository() {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_landfall"))
-        .args(["check", "--deny", "warnings"])
-        .output()
-        .expect("the command of this package");
-    let told = String::from_utf8_lossy(&output.stderr);
-    let found = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{found}{told}");
-    assert!(told.contains("nothing to report"), "{told}");
-    let counted = format!("checked {} shaders", shaders().len());
-    assert!(told.contains(&counted), "{told}");
+    let ran = run(&["check", "--deny", "warnings"]);
+    ran.code(0);
+    let told = format!("checked {} shaders: nothing to report\n", shaders().len());
+    assert!(ran.err.contains(&told), "{}", ran.err);
 }
 
 #[cfg(feature = "cli")]

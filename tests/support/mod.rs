@@ -15,6 +15,8 @@
 pub mod backends;
 pub mod blocks;
 pub mod c;
+#[cfg(feature = "full")]
+pub mod command;
 pub mod driver;
 pub mod files;
 pub mod fold;

@@ -33,13 +33,8 @@ fn copy_lights(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// Lights the points x = 0, 1, … of the floor y = 0, whose normal is up.
-@compute @workgroup_size(64)
-fn light_floor(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= arrayLength(&lit) {
-        return;
-    }
-    let place = vec3f(f32(id.x), 0.0, 0.0);
+// The light at a point of the floor y = 0, whose normal is up.
+fn light_at(place: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < min(scene.count, MAX_LIGHTS); i++) {
         let light = scene.lights[i];
@@ -48,5 +43,33 @@ fn light_floor(@builtin(global_invocation_id) id: vec3u) {
         let end = max(1.0 - d2 / (light.radius * light.radius), 0.0);
         sum += light.color * light.intensity * max(path.y, 0.0) * inverseSqrt(d2) * end * end / d2;
     }
-    lit[id.x] = vec4f(sum, 1.0);
+    return sum;
+}
+
+// Lights the points x = 0, 1, … of the floor.
+@compute @workgroup_size(64)
+fn light_floor(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&lit) {
+        return;
+    }
+    lit[id.x] = vec4f(light_at(vec3f(f32(id.x), 0.0, 0.0)), 1.0);
+}
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) place: vec3f,
+}
+
+// A triangle over the whole window, which shows the floor from x = 0 to 64 and z = -8 to 8.
+@vertex
+fn corner(@builtin(vertex_index) index: u32) -> Corner {
+    let at = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return Corner(vec4f(at, 0.0, 1.0), vec3f(32.0 + 32.0 * at.x, 0.0, 8.0 * at.y));
+}
+
+// The light there, compressed to what a screen shows: 100 is half of white.
+@fragment
+fn shade(corner: Corner) -> @location(0) vec4f {
+    let light = light_at(corner.place);
+    return vec4f(light / (100.0 + light), 1.0);
 }

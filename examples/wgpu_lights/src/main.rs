@@ -1,4 +1,5 @@
-//! Lights a floor by 128 point lights with wgpu, without a window.
+//! Lights a floor by 128 point lights with wgpu, without a window unless `--window` asks for one
+//! (`cargo run -p wgpu_lights --features window -- --window`).
 //!
 //! The uniform buffer is the bytes of the mirror that `build.rs` generates. One compute pass
 //! copies the lights that the shader reads into a buffer, a second one lights 64 points; the
@@ -8,6 +9,9 @@
 mod gpu {
     include!(concat!(env!("OUT_DIR"), "/lights.rs"));
 }
+
+#[cfg(feature = "window")]
+mod window;
 
 use std::error::Error;
 
@@ -25,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let upload = bytemuck::bytes_of(&scene);
     println!("uniform buffer: {} bytes, {} lights", upload.len(), scene.count);
 
-    let gpu = Gpu::open()?;
+    let gpu = Gpu::open(&instance(), None)?;
     let (seen, lit) = gpu.run(upload, scene.lights.len())?;
     for (index, (light, seen)) in scene.lights.iter().zip(seen.chunks_exact(FLOATS)).enumerate() {
         let [x, y, z] = light.position.to_array();
@@ -44,7 +48,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err(format!("the floor is lit by {sum}").into());
     }
     println!("floor: {POINTS} points, mean {:.3}", sum / (3 * POINTS) as f32);
-    Ok(())
+    if std::env::args().any(|argument| argument == "--window") { shown(upload) } else { Ok(()) }
+}
+
+/// Shows the floor until the window is closed.
+#[cfg(feature = "window")]
+fn shown(upload: &[u8]) -> Result<(), Box<dyn Error>> {
+    window::show(upload)
+}
+
+#[cfg(not(feature = "window"))]
+fn shown(_: &[u8]) -> Result<(), Box<dyn Error>> {
+    Err("`--window` needs the feature `window`: cargo run --features window -- --window".into())
 }
 
 /// 128 lights in rows above the floor, no two alike.
@@ -60,27 +75,37 @@ fn scene() -> gpu::Lights {
     scene
 }
 
+/// Vulkan, Metal or DX12.
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::PRIMARY,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
+}
+
 struct Gpu {
+    adapter: wgpu::Adapter,
     device: wgpu::Device,
     queue: wgpu::Queue,
 }
 
 impl Gpu {
-    /// Opens the default adapter of Vulkan, Metal or DX12.
-    fn open() -> Result<Gpu, Box<dyn Error>> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            backends: wgpu::Backends::PRIMARY,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        });
-        let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
+    /// Opens the default adapter, or one that can draw to the surface.
+    fn open(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface>,
+    ) -> Result<Gpu, Box<dyn Error>> {
+        let options =
+            wgpu::RequestAdapterOptions { compatible_surface: surface, ..Default::default() };
+        let adapter = pollster::block_on(instance.request_adapter(&options))?;
         println!("adapter: {}", adapter.get_info().name);
         let opened = adapter.request_device(&wgpu::DeviceDescriptor::default());
         let (device, queue) = pollster::block_on(opened)?;
-        Ok(Gpu { device, queue })
+        Ok(Gpu { adapter, device, queue })
     }
 
-    /// Runs both entry points; returns the lights that the shader reads and the lit points.
-    fn run(&self, upload: &[u8], lights: usize) -> Result<(Vec<f32>, Vec<f32>), Box<dyn Error>> {
+    /// The shader, and its uniform buffer with these bytes.
+    fn load(&self, upload: &[u8]) -> (wgpu::ShaderModule, wgpu::Buffer) {
         let module =
             self.device.create_shader_module(wgpu::include_wgsl!("../shaders/lights.wgsl"));
         let uniform = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -88,6 +113,12 @@ impl Gpu {
             contents: upload,
             usage: wgpu::BufferUsages::UNIFORM,
         });
+        (module, uniform)
+    }
+
+    /// Runs both entry points; returns the lights that the shader reads and the lit points.
+    fn run(&self, upload: &[u8], lights: usize) -> Result<(Vec<f32>, Vec<f32>), Box<dyn Error>> {
+        let (module, uniform) = self.load(upload);
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let seen = self.buffer(lights * FLOATS, storage);
         let lit = self.buffer(POINTS * 4, storage);

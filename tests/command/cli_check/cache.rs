@@ -3,7 +3,8 @@
 use std::fs;
 use std::time::SystemTime;
 
-use crate::cli_check::place::{CLEAN, Place, idle};
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::Place;
 
 const WITH: &str = "#version 450
 #include \"light.inc\"
@@ -14,7 +15,7 @@ void main() { color = b.light.color; }
 
 /// Three shaders of which two include one file.
 fn tree(name: &str) -> Place {
-    let place = Place::new(name);
+    let place = Place::new(&format!("check-{name}"));
     place.write("landfall.toml", "include = [\"lib\"]\n");
     place.write("s/a.frag", WITH).write("s/b.frag", WITH).write("s/c.frag", idle());
     place.write("lib/light.inc", "struct Light { vec4 color; };\n");

@@ -2,59 +2,563 @@
 
 use std::fs;
 
-use crate::cli_check::place::{CLEAN, Place, Ran, idle};
+use snapbox::str;
+
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::{Place, Ran};
 
 #[test]
 fn every_fault_of_a_configuration_is_told_with_its_place_and_a_remedy() {
-    let place = Place::new("config-faults");
+    let place = Place::new("check-config-faults");
     place.write("a.frag", CLEAN);
     let table = |rest: &str| format!("[[table]]\nblock = \"Light\"\n{rest}\n");
     let group = |rest: &str| format!("[[mirror-group]]\nname = \"g\"\n{rest}\n");
     let cases = [
-        ("lokcs = \"x\"", "1:1", "unknown-key", "did you mean `locks`?"),
-        ("mirror_group = []", "1:1", "unknown-key", "did you mean `mirror-group`?"),
-        ("colour = 1", "1:1", "unknown-key", "`permutations`"),
-        ("paths = \"shaders\"", "1:9", "wrong-type", "write `paths = [\"shaders\"]`"),
-        ("paths = [1]", "1:10", "wrong-type", "write `\"1\"`"),
-        ("locks = 3", "1:9", "wrong-type", "write `locks = \"3\"`"),
-        ("gather = \"yes\"", "1:10", "wrong-type", "write `gather = true`"),
-        ("exclude = [\"a\", \"b[\"]", "1:17", "bad-glob", "escape"),
-        ("define = [\"3D\"]", "1:11", "wrong-value", "a macro is NAME"),
-        ("override = [\"N\"]", "1:13", "wrong-value", "NAME=VALUE"),
-        ("rules = \"std14O\"", "1:9", "wrong-value", "did you mean `std140`?"),
-        ("api = \"metal\"", "1:7", "wrong-value", "known are `opengl`, `vulkan`"),
-        ("targets = [\"gl33\", \"webgl\"]", "1:20", "unknown-target", "did you mean `webgl2`?"),
-        ("permutations = [\"A\"]", "1:16", "wrong-type", "[[\"SHADOWS=1\"]"),
-        ("permutations = [[\"A=1\", \"=\"]]", "1:25", "wrong-value", "a macro is NAME"),
+        (
+            "lokcs = \"x\"",
+            "1:1",
+            "unknown-key",
+            str![[r#"
+error[unknown-key]: the configuration has no key `lokcs`
+ --> landfall.toml:1:1
+  |
+1 | lokcs = "x"
+  | ^^^^^
+  |
+  = help: did you mean `locks`?
+
+
+"#]],
+        ),
+        (
+            "mirror_group = []",
+            "1:1",
+            "unknown-key",
+            str![[r#"
+error[unknown-key]: the configuration has no key `mirror_group`
+ --> landfall.toml:1:1
+  |
+1 | mirror_group = []
+  | ^^^^^^^^^^^^
+  |
+  = help: did you mean `mirror-group`?
+
+
+"#]],
+        ),
+        (
+            "colour = 1",
+            "1:1",
+            "unknown-key",
+            str![[r#"
+error[unknown-key]: the configuration has no key `colour`
+ --> landfall.toml:1:1
+  |
+1 | colour = 1
+  | ^^^^^^
+  |
+  = help: the configuration has `targets`, `api`, `rules`, `levels`, `permutations`, `mirror-group`, `table`, `rust-mirror`, `paths`, `exclude`, `locks`, `cache-dir`, `define`, `include`, `override`, `gather`
+
+
+"#]],
+        ),
+        (
+            "paths = \"shaders\"",
+            "1:9",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `paths` is a string, not an array of strings
+ --> landfall.toml:1:9
+  |
+1 | paths = "shaders"
+  |         ^^^^^^^^^
+  |
+  = help: write `paths = ["shaders"]`
+
+
+"#]],
+        ),
+        (
+            "paths = [1]",
+            "1:10",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `paths` contains an integer, but takes strings only
+ --> landfall.toml:1:10
+  |
+1 | paths = [1]
+  |          ^
+  |
+  = help: write `"1"`
+
+
+"#]],
+        ),
+        (
+            "locks = 3",
+            "1:9",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `locks` is an integer, not a string
+ --> landfall.toml:1:9
+  |
+1 | locks = 3
+  |         ^
+  |
+  = help: write `locks = "3"`
+
+
+"#]],
+        ),
+        (
+            "gather = \"yes\"",
+            "1:10",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `gather` is a string, not true or false
+ --> landfall.toml:1:10
+  |
+1 | gather = "yes"
+  |          ^^^^^
+  |
+  = help: write `gather = true`
+
+
+"#]],
+        ),
+        (
+            "exclude = [\"a\", \"b[\"]",
+            "1:17",
+            "bad-glob",
+            str![[r#"
+error[bad-glob]: `b[` is not a glob: unclosed character class; missing ']'
+ --> landfall.toml:1:17
+  |
+1 | exclude = ["a", "b["]
+  |                 ^^^^
+  |
+  = help: escape literal `[`, `{`, `*` and `?` with `\`
+
+
+"#]],
+        ),
+        (
+            "define = [\"3D\"]",
+            "1:11",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `3D` cannot be parsed
+ --> landfall.toml:1:11
+  |
+1 | define = ["3D"]
+  |           ^^^^
+  |
+  = help: a macro is NAME or NAME=TEXT; names consist of letters, digits and _
+
+
+"#]],
+        ),
+        (
+            "override = [\"N\"]",
+            "1:13",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `N` cannot be parsed
+ --> landfall.toml:1:13
+  |
+1 | override = ["N"]
+  |             ^^^
+  |
+  = help: expected NAME=VALUE
+
+
+"#]],
+        ),
+        (
+            "rules = \"std14O\"",
+            "1:9",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `std14O` is not a known rules
+ --> landfall.toml:1:9
+  |
+1 | rules = "std14O"
+  |         ^^^^^^^^
+  |
+  = help: did you mean `std140`?
+
+
+"#]],
+        ),
+        (
+            "api = \"metal\"",
+            "1:7",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `metal` is not a known api
+ --> landfall.toml:1:7
+  |
+1 | api = "metal"
+  |       ^^^^^^^
+  |
+  = help: known are `opengl`, `vulkan`
+
+
+"#]],
+        ),
+        (
+            "targets = [\"gl33\", \"webgl\"]",
+            "1:20",
+            "unknown-target",
+            str![[r#"
+error[unknown-target]: `webgl` is not a known target
+ --> landfall.toml:1:20
+  |
+1 | targets = ["gl33", "webgl"]
+  |                    ^^^^^^^
+  |
+  = help: did you mean `webgl2`?
+
+
+"#]],
+        ),
+        (
+            "permutations = [\"A\"]",
+            "1:16",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `permutations` is an array, not an array of arrays of strings
+ --> landfall.toml:1:16
+  |
+1 | permutations = ["A"]
+  |                ^^^^^
+  |
+  = help: write `permutations = [["SHADOWS=1"], ["SHADOWS=2"]]`
+
+
+"#]],
+        ),
+        (
+            "permutations = [[\"A=1\", \"=\"]]",
+            "1:25",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `=` cannot be parsed
+ --> landfall.toml:1:25
+  |
+1 | permutations = [["A=1", "="]]
+  |                         ^^^
+  |
+  = help: a macro is NAME or NAME=TEXT; names consist of letters, digits and _
+
+
+"#]],
+        ),
         (
             "[levels]\nstale-coment = \"warn\"",
             "2:1",
             "unknown-lint",
-            "did you mean `stale-comment`?",
+            str![[r#"
+error[unknown-lint]: there is no lint `stale-coment`
+ --> landfall.toml:2:1
+  |
+2 | stale-coment = "warn"
+  | ^^^^^^^^^^^^
+  |
+  = help: did you mean `stale-comment`?
+
+
+"#]],
         ),
-        ("[levels]\nstale-comment = \"denied\"", "2:17", "wrong-value", "`allow`, `warn`, `deny`"),
-        ("[levels]\nstale-comment = 1", "2:17", "wrong-type", "`\"deny\"`"),
-        ("levels = 1", "1:10", "wrong-type", "write `levels = {"),
-        ("table = 1", "1:9", "wrong-type", "write it under `[[table]]`"),
-        ("[[table]]\nsize = 1", "1:1", "missing-key", "add `block = "),
-        (&table("size = \"48 * x\""), "3:14", "wrong-value", "write arithmetic"),
-        (&table("size = \"4 - 8\""), "3:9", "wrong-value", "write arithmetic"),
-        (&table("size = -1"), "3:8", "wrong-value", "from 0"),
-        (&table("size = 1.5"), "3:8", "wrong-type", "48 * 128 + 4"),
-        (&table("offsets = { \"data[0].pos\" = true }"), "3:29", "wrong-type", "a number"),
-        (&table("file = \"{a\""), "3:8", "bad-glob", "escape"),
-        (&table("sizes = 1"), "3:1", "unknown-key", "did you mean `size`?"),
-        (&group("copies = [{ block = \"a\" }]"), "1:1", "missing-key", "add the other cop"),
-        (&group("copies = [{ file = \"a\" }, { block = \"b\" }]"), "3:11", "missing-key", "`block"),
-        (&group("copies = [\"a\", \"b\"]"), "3:10", "wrong-type", "[[copies]]"),
-        ("[[rust-mirror]]\nfile = \"a.rs\"\nblock = \"A\"", "1:1", "missing-key", "structure"),
-        ("paths = [", "1:10", "syntax", "error"),
-        ("paths = []\npaths = []", "2:1", "syntax", "duplicate key"),
+        (
+            "[levels]\nstale-comment = \"denied\"",
+            "2:17",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `denied` is not a known level
+ --> landfall.toml:2:17
+  |
+2 | stale-comment = "denied"
+  |                 ^^^^^^^^
+  |
+  = help: known are `allow`, `warn`, `deny`
+
+
+"#]],
+        ),
+        (
+            "[levels]\nstale-comment = 1",
+            "2:17",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: the level of `stale-comment` is an integer, not a string
+ --> landfall.toml:2:17
+  |
+2 | stale-comment = 1
+  |                 ^
+  |
+  = help: write `"allow"`, `"warn"` or `"deny"`
+
+
+"#]],
+        ),
+        (
+            "levels = 1",
+            "1:10",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `levels` is an integer, not a table
+ --> landfall.toml:1:10
+  |
+1 | levels = 1
+  |          ^
+  |
+  = help: write `levels = { layout-drift = "deny" }`
+
+
+"#]],
+        ),
+        (
+            "table = 1",
+            "1:9",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `table` is an integer, not an array of tables
+ --> landfall.toml:1:9
+  |
+1 | table = 1
+  |         ^
+  |
+  = help: write it under `[[table]]`
+
+
+"#]],
+        ),
+        (
+            "[[table]]\nsize = 1",
+            "1:1",
+            "missing-key",
+            str![[r#"
+error[missing-key]: `[[table]]` has no `block`
+ --> landfall.toml:1:1
+  |
+1 | [[table]]
+  | ^^^^^^^^^
+  |
+  = help: add `block = "…"`
+
+
+"#]],
+        ),
+        (
+            &table("size = \"48 * x\""),
+            "3:14",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `size` is not a number of bytes: `x` is not a number
+ --> landfall.toml:3:14
+  |
+3 | size = "48 * x"
+  |              ^
+  |
+  = help: write arithmetic such as `48 * 128 + 4`, `+ - * ( )` and hex
+
+
+"#]],
+        ),
+        (
+            &table("size = \"4 - 8\""),
+            "3:9",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `size` is not a number of bytes: `4 - 8` is negative
+ --> landfall.toml:3:9
+  |
+3 | size = "4 - 8"
+  |         ^^^^^
+  |
+  = help: write arithmetic such as `48 * 128 + 4`, `+ - * ( )` and hex
+
+
+"#]],
+        ),
+        (
+            &table("size = -1"),
+            "3:8",
+            "wrong-value",
+            str![[r#"
+error[wrong-value]: `size` is -1, which is not a number of bytes
+ --> landfall.toml:3:8
+  |
+3 | size = -1
+  |        ^^
+  |
+  = help: write a number from 0 to 2^63 - 1
+
+
+"#]],
+        ),
+        (
+            &table("size = 1.5"),
+            "3:8",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `size` is a float, not a number of bytes
+ --> landfall.toml:3:8
+  |
+3 | size = 1.5
+  |        ^^^
+  |
+  = help: write a number, or arithmetic such as `"48 * 128 + 4"`
+
+
+"#]],
+        ),
+        (
+            &table("offsets = { \"data[0].pos\" = true }"),
+            "3:29",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
+ --> landfall.toml:3:29
+  |
+3 | offsets = { "data[0].pos" = true }
+  |                             ^^^^
+  |
+  = help: write a number, or arithmetic such as `"48 * 128 + 4"`
+
+
+"#]],
+        ),
+        (
+            &table("file = \"{a\""),
+            "3:8",
+            "bad-glob",
+            str![[r#"
+error[bad-glob]: `{a` is not a glob: unclosed alternate group; missing '}' (maybe escape '{' with '[{]'?)
+ --> landfall.toml:3:8
+  |
+3 | file = "{a"
+  |        ^^^^
+  |
+  = help: escape literal `[`, `{`, `*` and `?` with `\`
+
+
+"#]],
+        ),
+        (
+            &table("sizes = 1"),
+            "3:1",
+            "unknown-key",
+            str![[r#"
+error[unknown-key]: `[[table]]` has no key `sizes`
+ --> landfall.toml:3:1
+  |
+3 | sizes = 1
+  | ^^^^^
+  |
+  = help: did you mean `size`?
+
+
+"#]],
+        ),
+        (
+            &group("copies = [{ block = \"a\" }]"),
+            "1:1",
+            "missing-key",
+            str![[r#"
+error[missing-key]: a mirror group with fewer than two copies compares nothing
+ --> landfall.toml:1:1
+  |
+1 | [[mirror-group]]
+  | ^^^^^^^^^^^^^^^^
+  |
+  = help: add the other copies to `copies`
+
+
+"#]],
+        ),
+        (
+            &group("copies = [{ file = \"a\" }, { block = \"b\" }]"),
+            "3:11",
+            "missing-key",
+            str![[r#"
+error[missing-key]: `copies` has no `block`
+ --> landfall.toml:3:11
+  |
+3 | copies = [{ file = "a" }, { block = "b" }]
+  |           ^^^^^^^^^^^^^^
+  |
+  = help: add `block = "…"`
+
+
+"#]],
+        ),
+        (
+            &group("copies = [\"a\", \"b\"]"),
+            "3:10",
+            "wrong-type",
+            str![[r#"
+error[wrong-type]: `copies` is an array, not an array of tables
+ --> landfall.toml:3:10
+  |
+3 | copies = ["a", "b"]
+  |          ^^^^^^^^^^
+  |
+  = help: write it under `[[copies]]`
+
+
+"#]],
+        ),
+        (
+            "[[rust-mirror]]\nfile = \"a.rs\"\nblock = \"A\"",
+            "1:1",
+            "missing-key",
+            str![[r#"
+error[missing-key]: `[[rust-mirror]]` has no `structure`
+ --> landfall.toml:1:1
+  |
+1 | [[rust-mirror]]
+  | ^^^^^^^^^^^^^^^
+  |
+  = help: add `structure = "…"`
+
+
+"#]],
+        ),
+        (
+            "paths = [",
+            "1:10",
+            "syntax",
+            str![[r#"
+error[syntax]: unclosed array, expected `]`
+ --> landfall.toml:1:10
+  |
+1 | paths = [
+  |          ^
+
+
+"#]],
+        ),
+        (
+            "paths = []\npaths = []",
+            "2:1",
+            "syntax",
+            str![[r#"
+error[syntax]: duplicate key
+ --> landfall.toml:2:1
+  |
+2 | paths = []
+  | ^^^^^
+
+
+"#]],
+        ),
     ];
-    for (text, at, code, remedy) in cases {
+    for (text, at, code, said) in cases {
         let ran = place.write("landfall.toml", text).run(&["check"]);
-        assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{text}\n{}", ran.err);
-        for words in [&format!("--> landfall.toml:{at}\n"), &format!("error[{code}]"), remedy] {
+        ran.code(2).stdout_eq("").stderr_eq(said);
+        for words in [&format!("--> landfall.toml:{at}\n"), &format!("error[{code}]")] {
             assert!(ran.err.contains(words), "{text}: no {words:?} in\n{}", ran.err);
         }
         assert_eq!(ran.err.matches("error[").count(), 1, "{text}\n{}", ran.err);
@@ -63,7 +567,7 @@ fn every_fault_of_a_configuration_is_told_with_its_place_and_a_remedy() {
 
 #[test]
 fn all_faults_are_told_at_once_and_hostile_files_get_one_answer() {
-    let place = Place::new("config-hostile");
+    let place = Place::new("check-config-hostile");
     place.write("a.frag", CLEAN).write("landfall.toml", "a = 1\nb = 2\ngather = 3\n");
     assert_eq!(place.run(&["check"]).err.matches("error[").count(), 3);
     for text in ["[".repeat(100_000), format!("x = {}", "[".repeat(100_000)), "é\0".to_string()] {
@@ -71,12 +575,18 @@ fn all_faults_are_told_at_once_and_hostile_files_get_one_answer() {
         assert_eq!(ran.code, 2, "{}", ran.err);
     }
     let ran = place.write("landfall.toml", b"\xff\xfea").run(&["check"]);
-    assert!(ran.code == 2 && ran.err.contains("is UTF-16"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `landfall.toml` is UTF-16, but read as UTF-8
+  |
+  = help: save the file as UTF-8
+
+
+"#]]);
 }
 
 #[test]
 fn the_nearest_configuration_above_what_is_checked_holds() {
-    let place = Place::new("config-found");
+    let place = Place::new("check-config-found");
     place.write("landfall.toml", "[levels]\nunused-allow = \"deny\"\n");
     place.write("sub/a.frag", idle()).write("sub/deep/b.frag", idle());
     let code = |arguments: &[&str]| place.run(arguments).code;
@@ -90,16 +600,24 @@ fn the_nearest_configuration_above_what_is_checked_holds() {
     assert_eq!(code(&["check", "--no-config"]), 0);
     assert_eq!(code(&["check", "--config", "sub/.landfall.toml"]), 0);
     let ran = place.write("sub/landfall.toml", "").run(&["check", "sub"]);
-    assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("`sub/landfall.toml` conflicts with `.landfall.toml`"), "{}", ran.err);
-    assert!(ran.err.contains("--config"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `sub/landfall.toml` conflicts with `.landfall.toml`: only one may exist
+  |
+  = help: remove one, or select one with `--config`
+
+
+"#]]);
     let ran = place.run(&["check", "--config", "gone.toml"]);
-    assert!(ran.code == 2 && ran.err.contains("`gone.toml` cannot be read"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `gone.toml` cannot be read: no such file or directory
+
+
+"#]]);
 }
 
 #[test]
 fn paths_are_relative_to_the_configuration_wherever_it_is_run() {
-    let place = Place::new("config-relative");
+    let place = Place::new("check-config-relative");
     place.write("landfall.toml", "paths = [\"shaders\"]\nexclude = [\"vendor\", \"gen/*.frag\"]\n");
     place.write("shaders/a.frag", idle()).write("shaders/vendor/b.frag", idle());
     place.write("other/c.frag", idle()).write("work/d.frag", CLEAN).write("gen/e.frag", idle());
@@ -109,11 +627,20 @@ fn paths_are_relative_to_the_configuration_wherever_it_is_run() {
     assert_eq!(place.found(&["--exclude", "a.*"]), [""; 0]);
     let mut below = place.command(&["check", "-f", "short"]);
     let ran = Ran::of(below.current_dir(place.0.join("work")).output().unwrap());
-    assert!(ran.out.contains("../shaders/a.frag"), "{}\n{}", ran.out, ran.err);
+    ran.stdout_eq(str![[r#"
+../shaders/a.frag:4:36: warning[unused-allow] `allow(stale-comment)` suppresses nothing in line 4
+
+"#]]);
     let spelled = place.0.join("work/../shaders/a.frag").display().to_string();
     assert_eq!(place.found(&[&spelled]), ["unused-allow shaders/a.frag:4"]);
     let ran = place.run(&["check", "--exclude", "a["]);
-    assert!(ran.code == 2 && ran.err.contains("`a[` is not a glob"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `a[` is not a glob: unclosed character class; missing ']'
+  |
+  = help: escape `[`, `{`, `*` and `?` with `\`
+
+
+"#]]);
 }
 
 /// A shader that only some settings can read.
@@ -128,7 +655,7 @@ void main() {}
 
 #[test]
 fn shaders_are_read_as_the_configuration_says_and_flags_hold_over_it() {
-    let place = Place::new("config-read");
+    let place = Place::new("check-config-read");
     place.write("a.frag", ASKS).write("lib/lights.glsl", "struct Light { vec4 a; };\n");
     assert_eq!(place.run(&["check", "a.frag"]).code, 2);
     place.write("landfall.toml", "include = [\"lib\"]\ndefine = [\"LIGHTS=3\"]\n");
@@ -147,7 +674,7 @@ fn shaders_are_read_as_the_configuration_says_and_flags_hold_over_it() {
 
 #[test]
 fn a_target_says_what_glsl_is_read_as() {
-    let place = Place::new("config-target");
+    let place = Place::new("check-config-target");
     let text = "#version 450\n#ifndef VULKAN\n#error not for OpenGL\n#endif\nvoid main() {}\n";
     place.write("a.frag", text);
     let code = |arguments: &[&str]| {
@@ -164,7 +691,7 @@ fn a_target_says_what_glsl_is_read_as() {
 
 #[test]
 fn a_byte_order_mark_and_carriage_returns_do_not_matter() {
-    let place = Place::new("config-crlf");
+    let place = Place::new("check-config-crlf");
     let text = "\u{feff}# bom and carriage returns\r\n[levels]\r\nunused-allow = \"deny\"\r\n";
     place.write("landfall.toml", text).write("a.frag", idle());
     assert_eq!(place.run(&["check"]).code, 1);
@@ -174,7 +701,7 @@ fn a_byte_order_mark_and_carriage_returns_do_not_matter() {
 
 #[test]
 fn the_example_has_every_key_and_is_taken() {
-    let place = Place::new("config-example");
+    let place = Place::new("check-config-example");
     let example = fs::read_to_string("src/bin/landfall/config/example.toml").unwrap();
     place.write("landfall.toml", &example).write("shaders/a.frag", CLEAN);
     place.write("src/lights.rs", "#[repr(C)] struct PointLight { pos: [f32; 4] }\n");

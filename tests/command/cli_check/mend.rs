@@ -2,7 +2,10 @@
 
 use std::fs;
 
-use crate::cli_check::place::{CLEAN, Place, Ran};
+use snapbox::str;
+
+use crate::cli_check::place::CLEAN;
+use crate::support::command::{Place, Ran};
 
 const FLAGS: [&str; 8] =
     ["-A", "all", "-W", "unused-allow", "-W", "stale-comment", "-W", "mat3-padding"];
@@ -24,17 +27,26 @@ fn twins(newline: &str) -> (String, String) {
 fn fix_changes_the_edited_bytes_only_and_does_so_once() {
     for (name, newline, mark) in [("lf", "\n", ""), ("crlf", "\r\n", ""), ("bom", "\n", "\u{feff}")]
     {
-        let place = Place::new(&format!("fix-{name}"));
+        let place = Place::new(&format!("check-fix-{name}"));
         let (bad, good) = twins(newline);
         place.write("a.frag", format!("{mark}{bad}")).write("b.frag", CLEAN);
         let stamp = || fs::metadata(place.0.join("b.frag")).unwrap().modified().unwrap();
         let before = stamp();
         let ran = check(&place, &["--fix"]);
-        assert_eq!((ran.code, ran.out.as_str()), (0, ""), "{}", ran.err);
-        assert!(ran.err.contains("in 1 file\n"), "{}", ran.err);
+        ran.code(0).stdout_eq("").stderr_eq(str![[r#"
+checked 2 shaders: nothing to report
+fixed 3 edits in 1 file
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
         let again = check(&place, &["--fix"]);
-        assert!(again.err.contains("fixed 0 edits in 0 files\n"), "{}", again.err);
+        again.stderr_eq(str![[r#"
+checked 2 shaders: nothing to report
+fixed 0 edits in 0 files
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
         assert_eq!(stamp(), before);
     }
@@ -42,14 +54,30 @@ fn fix_changes_the_edited_bytes_only_and_does_so_once() {
 
 #[test]
 fn diff_shows_what_fix_would_do_and_changes_nothing() {
-    let place = Place::new("diff");
+    let place = Place::new("check-diff");
     let (bad, good) = twins("\n");
     place.write("s/a.frag", &bad).write("s/b.frag", CLEAN);
     let ran = check(&place, &["--diff"]);
     assert_eq!(ran.code, 1, "{}", ran.err);
     assert_eq!(place.read("s/a.frag"), bad);
-    assert!(ran.out.contains("--- a/s/a.frag\n+++ b/s/a.frag\n@@ "), "{}", ran.out);
-    assert!(!ran.out.contains("b.frag"));
+    ran.stdout_eq(str![[r#"
+--- a/s/a.frag
++++ b/s/a.frag
+@@ -1,10 +1,10 @@
+ #version 450
+ layout(std140, binding = 0) uniform Light {
+     vec4 position;
+-    vec4 color; // landfall: allow(stale-comment)
++    vec4 color;
+ } light;
+ layout(location = 0) out vec4 color;
+-/* é */ // landfall: allow(stale-comment, mat3-padding)
++/* é */
+ void main() {
+     color = light.position + light.color;
+ }
+
+"#]]);
     // The patch, applied by hand: its context and added lines are all in the mended text.
     let kept = ran.out.lines().skip(2).filter_map(|line| line.strip_prefix([' ', '+']));
     kept.for_each(|line| assert!(good.contains(line), "{line}"));
@@ -62,7 +90,7 @@ fn diff_shows_what_fix_would_do_and_changes_nothing() {
 
 #[test]
 fn a_file_that_is_read_only_is_could_not_and_the_others_are_mended() {
-    let place = Place::new("fix-read-only");
+    let place = Place::new("check-fix-read-only");
     let (bad, good) = twins("\n");
     place.write("a.frag", &bad).write("b.frag", &bad);
     let file = place.0.join("a.frag");
@@ -85,7 +113,7 @@ fn a_file_that_is_read_only_is_could_not_and_the_others_are_mended() {
 #[test]
 fn fix_keeps_who_may_read_and_run_a_file() {
     use std::os::unix::fs::PermissionsExt;
-    let place = Place::new("fix-mode");
+    let place = Place::new("check-fix-mode");
     place.write("a.frag", twins("\n").0);
     let file = place.0.join("a.frag");
     fs::set_permissions(&file, fs::Permissions::from_mode(0o750)).unwrap();
@@ -95,7 +123,7 @@ fn fix_keeps_who_may_read_and_run_a_file() {
 
 #[test]
 fn a_misspelt_code_becomes_the_one_it_is_nearest_to() {
-    let place = Place::new("fix-misspelt");
+    let place = Place::new("check-fix-misspelt");
     let text = CLEAN.replace("450", "450 // landfall: allow(mat3-paddng)");
     place.write("a.frag", text);
     assert_eq!(check(&place, &["--fix"]).code, 0);
@@ -105,7 +133,7 @@ fn a_misspelt_code_becomes_the_one_it_is_nearest_to() {
 
 #[test]
 fn includes_are_mended_once_for_all() {
-    let place = Place::new("fix-include");
+    let place = Place::new("check-fix-include");
     let with = "#version 450\n#include \"b.inc\"\nvoid main() {}\n";
     place.write("a.frag", with).write("c.frag", with);
     place.write("b.inc", "struct S { vec4 a; }; // landfall: allow(stale-comment)\n");

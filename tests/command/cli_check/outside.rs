@@ -1,6 +1,9 @@
 //! Findings from beside the shaders: mirrors in Rust files, and what `verify` saw.
 
-use crate::cli_check::place::{CLEAN, Place};
+use snapbox::str;
+
+use crate::cli_check::place::CLEAN;
+use crate::support::command::Place;
 
 const MIRROR: &str = "// landfall: mirror(Light)
 #[repr(C)]
@@ -14,7 +17,7 @@ struct Light {
 const SAID: [&str; 2] = ["rust-mirror src/light.rs:4", "rust-mirror src/light.rs:5"];
 
 fn tree(name: &str) -> Place {
-    let place = Place::new(name);
+    let place = Place::new(&format!("check-{name}"));
     place.write("shaders/a.frag", CLEAN).write("src/light.rs", MIRROR);
     place.write("src/other.rs", "fn nothing() {}\n");
     place
@@ -50,8 +53,13 @@ fn mirrors_named_by_the_configuration_need_no_comment() {
     assert_eq!(found(&place, &["shaders"]), SAID);
     place.write("landfall.toml", said.replace("light.rs", "gone.rs"));
     let ran = place.run(&["check"]);
-    assert!(ran.code == 2 && ran.err.contains("`src/gone.rs` cannot be read"), "{}", ran.err);
-    assert!(ran.err.contains("landfall.toml:1"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[bad-rust]: `src/gone.rs` cannot be read: no such file or directory
+  |
+  = help: `[[rust-mirror]]` names it, landfall.toml:1
+
+
+"#]]);
 }
 
 #[test]
@@ -59,9 +67,13 @@ fn a_rust_file_that_is_no_rust_ends_the_check_with_its_place() {
     let place = tree("rust-broken");
     place.write("src/light.rs", MIRROR.replace("[f32; 3],", "[f32; 3,"));
     let ran = place.run(&["check", "-D", "rust-mirror"]);
-    assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("error[bad-rust]: `src/light.rs`"), "{}", ran.err);
-    assert!(ran.err.contains("it is not valid Rust at line "), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[bad-rust]: `src/light.rs` cannot be read: it is not valid Rust at line 6, column 1: cannot parse string into token stream
+  |
+  = help: correct it, or leave it out of the mirrors that are checked
+
+
+"#]]);
     assert_eq!(place.run(&["check", "-A", "all"]).code, 0, "nobody asks about it");
 }
 
@@ -83,16 +95,18 @@ fn a_changed_rust_file_is_seen_by_caches_and_by_merge() {
     assert_eq!((&merged.out, merged.code), (&whole.out, 1));
     place.write("src/light.rs", MIRROR.replace("[f32; 3]", "[f32; 4]"));
     let stale = place.run(&["merge", "r1.json", "r2.json"]);
-    assert!(
-        stale.code == 2 && stale.err.contains("`src/light.rs` has changed since"),
-        "{}",
-        stale.err
-    );
+    stale.code(2).stderr_eq(str![[r#"
+error[output]: `src/light.rs` has changed since it was checked
+  |
+  = help: merge in a checkout of the commit that the shards checked
+
+
+"#]]);
 }
 
 #[test]
 fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
-    let place = Place::new("verified");
+    let place = Place::new("check-verified");
     place.write("a.frag", CLEAN);
     let report = r#"{"schema_version":1,"tool":{"name":"landfall","version":"0.1.0"},"readers":[],
         "shaders":[{"path":"./a.frag","language":"glsl","blocks":[{"name":"Light",
@@ -103,9 +117,10 @@ fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
     place.write("seen.json", report);
     let ran = place.run(&["check", "--verified", "seen.json", "-f", "short"]);
     assert_eq!(ran.code, 1);
-    let said = "a.frag:4:10: error[driver-disagrees] `gpu` reads `color.y` of block `Light` from byte \
-                24 instead of 20";
-    assert!(ran.out.contains(said), "{}", ran.out);
+    ran.stdout_eq(str![[r#"
+a.frag:4:10: error[driver-disagrees] `gpu` reads `color.y` of block `Light` from byte 24 instead of 20
+
+"#]]);
     let quiet = ["check", "--verified", "seen.json", "-A", "driver-disagrees"];
     assert_eq!(place.run(&quiet).code, 0);
     let allowed = "    // landfall: allow(driver-disagrees)\n    vec4 color;";
@@ -114,6 +129,11 @@ fn what_verify_saw_is_reported_at_the_member_and_obeys_levels_and_comments() {
     assert_eq!(place.run(&["check"]).code, 0, "without a report the comment is not idle");
     place.write("seen.json", &report[..100]);
     let ran = place.run(&["check", "--verified", "seen.json"]);
-    assert!(ran.code == 2 && ran.err.contains("`seen.json` is no"), "{}", ran.err);
-    assert!(ran.err.contains("report of `landfall verify`"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `seen.json` is no report of `landfall verify`: EOF while parsing a string at line 2 column 21
+  |
+  = help: write it again with `landfall verify --format json`
+
+
+"#]]);
 }

@@ -3,19 +3,28 @@
 use std::io::{Read, Write};
 use std::process::Stdio;
 
-use crate::cli_check::place::{CLEAN, Place, Ran, idle};
+use snapbox::str;
+
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::{Place, Ran};
 
 #[test]
 fn exit_codes_tell_clean_from_findings_from_could_not() {
-    let place = Place::new("exit");
+    let place = Place::new("check-exit");
     let clean = place.write("a.frag", CLEAN).run(&["check", "-A", "all"]);
-    assert_eq!(clean.code, 0);
-    assert!(clean.err.starts_with("checked 1 shader: nothing to report\n"), "{}", clean.err);
+    clean.code(0).stderr_eq(str![[r#"
+checked 1 shader: nothing to report
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     place.write("b.frag", idle());
     let warned = place.run(&["check", "-A", "all", "-W", "unused-allow", "-W", "stale-comment"]);
     assert_eq!(warned.code, 0);
-    let sum = "checked 2 shaders: 1 warning; 1 fixable with --fix\n";
-    assert!(warned.err.contains(sum), "{}", warned.err);
+    warned.stderr_eq(str![[r#"
+checked 2 shaders: 1 warning; 1 fixable with --fix
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     let denied = place.run(&["check", "-A", "all", "-D", "unused-allow", "-W", "stale-comment"]);
     assert_eq!(denied.code, 1);
     place.write("c.frag", "#version 450\nuniform B {").write("d.frag", b"\xff\xfe");
@@ -26,12 +35,20 @@ fn exit_codes_tell_clean_from_findings_from_could_not() {
     assert!(err.contains("checked 4 shaders: 2 errors, 1 denied"), "{err}");
     assert_eq!(place.run(&["check", "gone.frag"]).code, 2);
     let empty = place.write("empty/x.txt", "").run(&["check", "empty"]);
-    assert!(empty.code == 2 && empty.out.contains("contains no shader file"), "{}", empty.out);
+    empty.code(2).stdout_eq(str![[r#"
+error[no-input]: `empty` contains no shader file
+ --> empty
+  |
+  = help: shaders are recognised by their extension, such as .frag, .glsl or .wgsl; a file that is named itself is read with any extension
+
+0 shaders: 1 error
+
+"#]]);
 }
 
 #[test]
 fn reports_go_each_to_its_own_file_and_one_to_stdout() {
-    let place = Place::new("formats");
+    let place = Place::new("check-formats");
     place.write("a.frag", idle());
     let mut arguments = vec!["check", "-W", "stale-comment", "-f", "short"];
     let formats = ["human=o/h.txt", "json=o/r.json", "github=g", "sarif=s.sarif", "junit=j.xml"];
@@ -46,20 +63,34 @@ fn reports_go_each_to_its_own_file_and_one_to_stdout() {
     let only = place.run(&["check", "-f", "json=o/r.json"]);
     assert_eq!(only.out, "");
     let twice = place.run(&["check", "-f", "json", "-f", "sarif"]);
-    assert!(twice.code == 2 && twice.err.contains("cannot take two reports"), "{}", twice.err);
+    twice.code(2).stderr_eq(str![[r#"
+error[output]: `<stdout>` cannot take two reports
+  |
+  = help: write all but one to a file: `--format sarif=check.sarif`
+
+
+"#]]);
     let twice = place.run(&["check", "-f", "json=x", "-f", "sarif=x"]);
-    assert!(twice.code == 2 && twice.err.contains("`x` cannot take two"), "{}", twice.err);
+    twice.code(2).stderr_eq(str![[r#"
+error[output]: `x` cannot take two reports
+
+
+"#]]);
     assert!(!place.has("x"));
     for wrong in ["xml", "json=", "=x"] {
         assert_eq!(place.run(&["check", "-f", wrong]).code, 2, "{wrong}");
     }
     let blocked = place.run(&["check", "-f", "json=a.frag/x.json"]);
-    assert!(blocked.code == 2 && blocked.err.contains("a.frag"), "{}", blocked.err);
+    blocked.code(2).stderr_eq(str![[r#"
+error[output]: `a.frag` cannot be created as a directory: file exists
+
+
+"#]]);
 }
 
 #[test]
 fn a_step_summary_is_added_to_for_github_only() {
-    let place = Place::new("summary");
+    let place = Place::new("check-summary");
     place.write("a.frag", idle()).write("summary.md", "before\n");
     let run = |format: &str| {
         let mut command = place.command(&["check", "-W", "stale-comment", "-f", format]);
@@ -74,18 +105,21 @@ fn a_step_summary_is_added_to_for_github_only() {
 
 #[test]
 fn quiet_leaves_warnings_and_the_line_in_sum_out() {
-    let place = Place::new("quiet");
+    let place = Place::new("check-quiet");
     place.write("a.frag", idle());
     let warned = place.run(&["check", "-q", "-W", "stale-comment", "-f", "short"]);
     assert_eq!((warned.code, warned.out.as_str(), warned.err.as_str()), (0, "", ""));
     let denied =
         place.run(&["check", "-q", "-W", "stale-comment", "-D", "unused-allow", "-f", "short"]);
-    assert!(denied.code == 1 && denied.out.contains("unused-allow"), "{}", denied.out);
+    denied.code(1).stdout_eq(str![[r#"
+a.frag:4:36: error[unused-allow] `allow(stale-comment)` suppresses nothing in line 4
+
+"#]]);
 }
 
 #[test]
 fn statistics_count_the_findings_of_each_lint() {
-    let place = Place::new("statistics");
+    let place = Place::new("check-statistics");
     place.write("a.frag", idle()).write("b.frag", idle());
     let ran = place.run(&[
         "check",
@@ -97,12 +131,17 @@ fn statistics_count_the_findings_of_each_lint() {
         "stale-comment",
         "--statistics",
     ]);
-    assert!(ran.err.contains("     2  unused-allow\n"), "{}", ran.err);
+    ran.stderr_eq(str![[r#"
+     2  unused-allow
+checked 2 shaders: 2 warnings; 2 fixable with --fix
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
 }
 
 #[test]
 fn stdin_is_checked_under_the_name_it_is_given() {
-    let place = Place::new("stdin");
+    let place = Place::new("check-stdin");
     let arguments =
         ["check", "-", "--stdin-filename", "x/y.frag", "-W", "stale-comment", "-f", "short"];
     let mut command = place.command(&arguments);
@@ -110,12 +149,15 @@ fn stdin_is_checked_under_the_name_it_is_given() {
     let mut child = command.spawn().unwrap();
     child.stdin.take().unwrap().write_all(idle().as_bytes()).unwrap();
     let ran = Ran::of(child.wait_with_output().unwrap());
-    assert!(ran.out.starts_with("x/y.frag:4:36: "), "{}\n{}", ran.out, ran.err);
+    ran.stdout_eq(str![[r#"
+x/y.frag:4:36: warning[unused-allow] `allow(stale-comment)` suppresses nothing in line 4
+
+"#]]);
 }
 
 #[test]
 fn whoever_stops_reading_is_no_failure_and_files_are_written_all_the_same() {
-    let place = Place::new("pipe");
+    let place = Place::new("check-pipe");
     for i in 0..300 {
         place.write(&format!("s/{i}.frag"), idle());
     }
@@ -133,7 +175,7 @@ fn whoever_stops_reading_is_no_failure_and_files_are_written_all_the_same() {
 
 #[test]
 fn hostile_shaders_get_one_answer_each() {
-    let place = Place::new("hostile");
+    let place = Place::new("check-hostile");
     place.write("a.frag", "{".repeat(1 << 20)).write("b.wgsl", "/*".repeat(1 << 18));
     place.write("c.frag", format!("// landfall: allow({}", "(,".repeat(1 << 16)));
     place.write("d.frag", format!("#version 450\n// landfall: allow({})\n", ",".repeat(2000)));

@@ -2,14 +2,18 @@
 
 use std::fs;
 
-use crate::cli_check::place::{CLEAN, Place, idle};
+use snapbox::data::Inline;
+use snapbox::str;
+
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::{Place, Ran};
 
 const FORMATS: [&str; 6] = ["human", "short", "json", "github", "sarif", "junit"];
 
 /// Shaders with findings of every kind: idle comments, one in an include, drift, a lock without
 /// shader, a copy that differs, one that does not lay out.
 fn tree(name: &str) -> Place {
-    let place = Place::new(name);
+    let place = Place::new(&format!("check-{name}"));
     place.write("landfall.toml", "paths = [\"s\"]\n[levels]\nunused-allow = \"deny\"\n");
     for i in 0..20 {
         let text = CLEAN.replace("Light", &format!("Light{}", i % 7));
@@ -40,7 +44,7 @@ fn parts(place: &Place, count: usize) -> Vec<String> {
         .collect()
 }
 
-fn merge(place: &Place, reports: &[String], more: &[&str]) -> crate::cli_check::place::Ran {
+fn merge(place: &Place, reports: &[String], more: &[&str]) -> Ran {
     let mut arguments = vec!["merge"];
     arguments.extend(reports.iter().map(String::as_str));
     arguments.extend(more);
@@ -100,30 +104,107 @@ fn every_shader_is_in_one_part_wherever_the_check_is_run_from() {
 fn parts_that_do_not_belong_together_are_refused() {
     let place = tree("shards-refused");
     let (two, three) = (parts(&place, 2), parts(&place, 3));
-    let refused = |reports: &[&str], words: &str| {
+    let refused = |reports: &[&str], said: Inline| {
         let reports: Vec<String> = reports.iter().map(|name| name.to_string()).collect();
         let ran = merge(&place, &reports, &["-f", "json=merged.json"]);
-        assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{words}: {}", ran.err);
-        assert!(ran.err.contains(words) && ran.err.contains("help: "), "{words}: {}", ran.err);
-        assert!(!place.has("merged.json"), "{words}");
+        ran.code(2).stdout_eq("").stderr_eq(said);
+        assert!(!place.has("merged.json"), "{reports:?}");
     };
-    refused(&[&three[0], &three[2]], "is incomplete without shard 2/3");
-    refused(&[&three[1]], "is incomplete without shards 1/3, 3/3");
-    refused(&[&three[0], &three[1], &three[1]], "is shard 2 of 3, as is `r/2-of-3.json`");
-    refused(&[&two[0], &three[1]], "is shard 2 of 3, but `r/1-of-2.json` is shard 1 of 2");
+    refused(
+        &[&three[0], &three[2]],
+        str![[r#"
+error[output]: `r/1-of-3.json` is incomplete without shard 2/3
+  |
+  = help: name the reports of all shards
+
+
+"#]],
+    );
+    refused(
+        &[&three[1]],
+        str![[r#"
+error[output]: `r/2-of-3.json` is incomplete without shards 1/3, 3/3
+  |
+  = help: name the reports of all shards
+
+
+"#]],
+    );
+    refused(
+        &[&three[0], &three[1], &three[1]],
+        str![[r#"
+error[output]: `r/2-of-3.json` is shard 2 of 3, as is `r/2-of-3.json`
+  |
+  = help: name the report of each shard once
+
+
+"#]],
+    );
+    refused(
+        &[&two[0], &three[1]],
+        str![[r#"
+error[output]: `r/2-of-3.json` is shard 2 of 3, but `r/1-of-2.json` is shard 1 of 2
+  |
+  = help: merge the shards of one check only
+
+
+"#]],
+    );
     place.run(&["check", "-f", "json=r/whole.json"]);
-    refused(&[&two[0], "r/whole.json"], "is the report of a whole check, not of a shard");
+    refused(
+        &[&two[0], "r/whole.json"],
+        str![[r#"
+error[output]: `r/whole.json` is the report of a whole check, not of a shard
+  |
+  = help: only reports of `landfall check --shard I/N` are merged
+
+
+"#]],
+    );
     place.run(&["check", "--shard", "2/2", "--define", "N=1", "-f", "json=r/other.json"]);
-    refused(&[&two[0], "r/other.json"], "was checked with other settings than `r/1-of-2.json`");
+    refused(
+        &[&two[0], "r/other.json"],
+        str![[r#"
+error[output]: `r/other.json` was checked with other settings than `r/1-of-2.json`
+  |
+  = help: give every shard the same configuration, flags and directory
+
+
+"#]],
+    );
     let newer = place.read(&two[1]).replace("\"version\":\"0.", "\"version\":\"7.");
     place.write("r/newer.json", newer);
-    refused(&[&two[0], "r/newer.json"], "was written by landfall 7.");
+    refused(
+        &[&two[0], "r/newer.json"],
+        str![[r#"
+error[output]: `r/newer.json` was written by landfall 7.1.0, and this is 0.1.0
+  |
+  = help: check and merge with the same version of landfall
+
+
+"#]],
+    );
     let text = place.read(&two[1]);
     place.write("r/cut.json", &text[..text.len() / 2]);
     let cut = merge(&place, &[two[0].clone(), "r/cut.json".to_string()], &[]);
-    assert!(cut.code == 2 && cut.err.contains("r/cut.json"), "{}", cut.err);
+    cut.code(2).stderr_eq(str![[r#"
+error[output]: `r/cut.json` is cut off: its JSON ends in the middle of line 5
+  |
+  = help: run `landfall check --format json` again
+
+
+"#]]);
     place.write("s/0/0.frag", "#version 450\nvoid main() {}\n");
-    refused(&[&two[0], &two[1]], "`s/0/0.frag` has changed since it was checked");
+    refused(
+        &[&two[0], &two[1]],
+        str![[r#"
+error[output]: `s/0/0.frag` has changed since it was checked
+  |
+  = help: merge in a checkout of the commit that the shards checked
+
+
+"#]],
+    );
     assert_eq!(merge(&place, &["gone.json".to_string()], &[]).code, 2);
 }
 
@@ -131,7 +212,13 @@ fn parts_that_do_not_belong_together_are_refused() {
 fn a_part_wants_a_report_that_can_be_merged() {
     let place = tree("shards-json");
     let ran = place.run(&["check", "--shard", "1/2"]);
-    assert!(ran.code == 2 && ran.err.contains("--format json=shard-1.json"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `--shard 1/2` writes no JSON report for `landfall merge`
+  |
+  = help: add `--format json=shard-1.json`
+
+
+"#]]);
     for wrong in ["0/2", "3/2", "1", "a/b"] {
         assert_eq!(place.run(&["check", "--shard", wrong, "-f", "json"]).code, 2, "{wrong}");
     }

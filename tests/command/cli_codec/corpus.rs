@@ -8,7 +8,7 @@ use landfall_layout::buffer::{Finding, decode};
 use landfall_layout::{Options, Source, layout, source};
 use serde_json::Value;
 
-use crate::cli_codec::place::{landfall, with_stdin};
+use crate::support::command::{landfall, with_stdin};
 
 /// The shaders of this repository.
 fn shaders(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -59,7 +59,7 @@ fn every_block_of_our_shaders_comes_back_from_random_bytes() {
             let read = ["decode", path, "-", "-b", name, "-f", "json"];
             let back = with_stdin(landfall(&read), &made.bytes);
             assert!(back.code < 2, "{path}\n{}", back.err);
-            let values: Value = serde_json::from_str(back.out()).unwrap();
+            let values: Value = serde_json::from_str(&back.out).unwrap();
             assert_eq!(values, serde_json::from_str::<Value>(&json).unwrap(), "{path} {name}");
             let again = with_stdin(landfall(&encode), &back.bytes);
             assert!(again.bytes == made.bytes, "{path} {name}");

@@ -9,7 +9,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::{files, scene};
-use crate::cli_check::place::{CLEAN, Place, Ran, idle};
+use crate::cli_check::place::{CLEAN, idle};
+use crate::support::command::{Place, Ran};
 
 /// How often each thing is tried.
 pub fn rounds(usual: u32) -> u32 {

@@ -6,9 +6,11 @@ use landfall_exec::harness::call::{Request, call};
 use landfall_layout::buffer::{EncodeError, Missing, encode, read_json};
 use landfall_layout::{Options, Severity, Source, layout};
 use serde_json::{Value, json};
+use snapbox::str;
 
 use super::scenes::{reading, refused_by, written};
 use super::{list, rows, text};
+use crate::support::command::golden;
 
 /// Rows of which the host refuses a scene.
 const REFUSED: [&str; 11] =
@@ -113,7 +115,7 @@ fn a_member_given_twice_or_never_is_named() {
     };
     let thrice = said(r#"{"constant": 1, "constant": 0.09, "constant": 0.032}"#);
     assert!(matches!(thrice, EncodeError::Syntax { line: 1, .. }), "{thrice}");
-    assert!(thrice.to_string().contains("`constant` is given twice"), "{thrice}");
+    golden().eq(thrice.to_string(), str!["line 1, column 26: `constant` is given twice"]);
     let never = said(r#"{"constant": 0.032}"#);
     assert!(matches!(&never, EncodeError::Missing { path } if path == "linear"), "{never}");
     made(r#"{"constant": 1, "linear": 0.09, "quadratic": 0.032}"#).expect("each is given once");
@@ -133,5 +135,6 @@ fn an_adapter_without_16_bit_floats_refuses_them_by_name() {
     let refusal = call(&source, &Options::default(), &request, Some(&mut gpu))
         .expect_err("there are no 16-bit floats");
     let said = &refusal.found[0].message;
-    assert!(said.contains("16-bit floats, which this adapter does not support"), "{said}");
+    golden()
+        .eq(said, str!["gpu: the shader uses 16-bit floats, which this adapter does not support"]);
 }

@@ -2,8 +2,10 @@
 
 use landfall_light::scene::Reading;
 use landfall_light::{Frame, FrameOptions, Upload};
+use snapbox::str;
 
 use crate::scene::{RIGHT, folder, names, read_alone};
+use crate::support::command::golden;
 
 /// A scene, which must be drawable then, or at least one error.
 fn sound(reading: &Reading) {
@@ -156,5 +158,5 @@ fn a_bare_value_that_nests_too_deep_is_refused() {
     let reading = read_alone(&RIGHT.replace("\"model\": \"phong\",", &deep));
     assert!(reading.scene.is_none());
     assert_eq!(reading.diagnostics.len(), 1);
-    assert!(reading.diagnostics[0].message.contains("`model` is nested too deeply"));
+    golden().eq(&reading.diagnostics[0].message, str!["`model` is nested too deeply"]);
 }

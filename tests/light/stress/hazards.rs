@@ -3,8 +3,10 @@
 use landfall_exec::processor::Stopwatch;
 
 use landfall_ir::analysis::hazard::Hazard;
+use snapbox::str;
 
 use super::{all, domain, line, request, run, shader};
+use crate::support::command::golden;
 
 /// The hazards of a function: its number, and a part of the line it is in.
 fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
@@ -193,5 +195,5 @@ fn errors_are_drawn_over_two_inputs() {
     let svg = map("d").unwrap_or_else(|refusal| panic!("{:?}", refusal.found));
     assert!(svg.starts_with("<svg") && svg.contains("quadratic"), "{}", &svg[..200]);
     let refused = map("dd").expect_err("there is no such input");
-    assert!(refused.found[0].help.as_deref().is_some_and(|help| help.contains("`d`")));
+    golden().eq(refused.found[0].help.as_deref().expect("it is there"), str!["did you mean `d`?"]);
 }

@@ -1,8 +1,10 @@
 //! Functions and domains that cannot be stressed are refused by name.
 
 use landfall_layout::Source;
+use snapbox::str;
 
 use super::{domain, request, run, try_run};
+use crate::support::command::golden;
 
 const SHADER: &str = "#version 450
 layout(std140, binding = 0) uniform Material { vec3 tint; float shininess; } material;
@@ -46,35 +48,72 @@ fn refused(function: &str, json: Option<&str>) -> String {
 #[test]
 fn a_function_that_is_not_there_has_a_nearest_name() {
     let said = refused("scal", None);
-    assert!(said.contains("no function `scal`") && said.contains("`scale`"), "{said}");
+    golden().eq(&said, str!["the shader has no function `scal`; did you mean `scale`? its functions are `scale(float)`, `of_arrays(Light, float[3])`, `adds(float)`, `nothing(float)`, `writes(float, float)`, `endless(int)`, `slopes(float)`, `looks(sampler2D, vec2)`, `samples(vec2)`"]);
 }
 
 #[test]
 fn what_cannot_be_called_by_itself_is_refused_by_name() {
-    for (function, why) in [
-        ("adds", "it writes the buffer `sums`"),
-        ("nothing", "it returns nothing"),
-        ("slopes", "it takes derivatives"),
-        ("looks", "`t` is a `sampler2D`"),
+    for (function, said) in [
+        (
+            "adds",
+            str![
+                "`adds(float)` cannot be sampled: it writes the buffer `sums`; name a function that returns the value instead"
+            ],
+        ),
+        (
+            "nothing",
+            str![
+                "`nothing(float)` cannot be sampled: it returns nothing; name a function that returns something, has an `out` parameter or writes a global"
+            ],
+        ),
+        (
+            "slopes",
+            str![
+                "`slopes(float)` cannot be sampled: it takes derivatives, which samples do not have; name the function whose arguments they depend on"
+            ],
+        ),
+        (
+            "looks",
+            str![
+                "`looks(sampler2D, vec2)` cannot be sampled: `t` is a `sampler2D`, which is not a plain value; name the function that calls it"
+            ],
+        ),
     ] {
-        let said = refused(function, None);
-        assert!(said.contains(why), "{function}: {said}");
+        golden().eq(refused(function, None), said);
     }
 }
 
 #[test]
 fn domains_that_hold_nothing_are_refused_by_path() {
-    for (json, why) in [
-        (r#"{"x": [2, 1]}"#, "`x`: the range from 2 to 1 is inverted"),
-        (r#"{"x": [1e-60, 2e-60]}"#, "the range is empty"),
-        (r#"{"x": "unit"}"#, "`x` is not a vector"),
-        (r#"{"x": "far"}"#, "unknown domain \"far\""),
-        (r#"{"y": [0, 1]}"#, "the function has no input `y`"),
-        (r#"{"no_coincidence": ["x", "z"]}"#, "has no input `z`"),
-        ("[1]", "not an object"),
+    for (json, said) in [
+        (r#"{"x": [2, 1]}"#, str!["`x`: the range from 2 to 1 is inverted; write `[1, 2]`"]),
+        (
+            r#"{"x": [1e-60, 2e-60]}"#,
+            str!["`x`: the range is empty: no `f32` is from 1e-60 to 2e-60; widen it"],
+        ),
+        (
+            r#"{"x": "unit"}"#,
+            str!["`x` is not a vector and cannot be `unit`; write a range: `[-1, 1]`"],
+        ),
+        (
+            r#"{"x": "far"}"#,
+            str![[
+                r#"`x`: unknown domain "far"; write `[lo, hi]`, "unit", "position", "color" or "cos""#
+            ]],
+        ),
+        (r#"{"y": [0, 1]}"#, str!["the function has no input `y`; did you mean `x`?"]),
+        (
+            r#"{"no_coincidence": ["x", "z"]}"#,
+            str!["the function has no input `z`; did you mean `x`?"],
+        ),
+        (
+            "[1]",
+            str![[
+                r#"the domain is not an object of inputs by path; write `{"normal": "unit", "shininess": [1, 256]}`"#
+            ]],
+        ),
     ] {
-        let said = refused("scale", Some(json));
-        assert!(said.contains(why), "{json}: {said}");
+        golden().eq(refused("scale", Some(json)), said);
     }
 }
 

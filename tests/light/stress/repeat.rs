@@ -1,12 +1,10 @@
 //! A finding can be had again: the same numbers for a seed, and the command it prints.
 
-#[cfg(feature = "cli")]
-use std::process::Command;
-
 use landfall_layout::format as emit;
 use landfall_light::accuracy::stress::Outcome;
 
 use super::{request, run, shader};
+use crate::support::command;
 
 #[test]
 fn one_seed_gives_one_report() {
@@ -52,15 +50,9 @@ fn the_command_of_a_finding_gives_the_same_bits() {
     let report = run(&shader(path), &request);
     assert!(report.findings.len() > 5);
     for found in &report.findings {
-        let output = Command::new(env!("CARGO_BIN_EXE_landfall"))
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(&found.case.arguments)
-            .args(["--format", "json"])
-            .output()
-            .expect("the binary was built for this test");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{:?}: {said}", found.case.arguments);
-        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
+        let arguments: Vec<&str> = found.case.arguments.iter().map(String::as_str).collect();
+        let ran = command::run(&[&arguments[..], &["--format", "json"]].concat());
+        let json = ran.code(0).json();
         let scalars = json["result"]["scalars"].as_array().expect("it has a result");
         assert_eq!(scalars.len(), found.case.results.len());
         for (scalar, result) in scalars.iter().zip(&found.case.results) {

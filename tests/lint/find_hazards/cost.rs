@@ -1,8 +1,9 @@
 //! What `landfall lights` says: bytes by hand from std140, the loop's bound, the smaller order.
 
-use std::process::Command;
-
 use serde_json::Value;
+use snapbox::str;
+
+use crate::support::command::{self, Place, Ran};
 
 const TEXT: &str = "\
 #version 330 core
@@ -27,30 +28,18 @@ void main() {
 }
 ";
 
-struct Ran {
-    code: Option<i32>,
-    out: String,
-    err: String,
-}
-
 fn lights(name: &str, text: &str, more: &[&str]) -> Ran {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("lights");
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join(name), text).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.current_dir(&folder).arg("lights").arg(name).args(more);
-    let output = command.output().expect("the binary was built for this test");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-    Ran { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
+    let place = Place::new(&format!("lights-{name}"));
+    place.write(name, text).run(&[&["lights", name], more].concat())
 }
 
 #[test]
 fn a_light_of_four_members_takes_48_bytes_and_32_in_another_order() {
     let ran = lights("a.frag", TEXT, &[]);
-    assert_eq!((ran.code, ran.err.as_str()), (Some(0), ""));
     // std140: intensity 0, pos 16..28, radius 28..32, color 32..44, rounded up to 48:
-    // 32 bytes of scalars, 16 of padding. As vec3, float, vec3, float: 32.
-    let expected = "\
+    // 32 bytes of scalars, 16 of padding. As vec3, float, vec3, float: 32. The block: 8 × 48,
+    // the count at 384, rounded up to 400.
+    ran.code(0).stderr_eq("").stdout_eq(str![[r#"
 a.frag
 kind   bytes  padding  slots  array  block  light
 point     48       16      8    384    400  PointLight data[]
@@ -62,28 +51,33 @@ PointLight data[] in uniform Lights (std140)
   color      color      vec3   32
   count: count of Lights at byte 384
   index: loop to the count, not clamped to the array
-  reordered as ";
-    assert!(ran.out.starts_with(expected), "{}", ran.out);
-    assert!(
-        ran.out.contains(": 32 bytes instead of 48, 128 bytes saved in total\n"),
-        "{}",
-        ran.out
-    );
-    for part in [
-        "warning[unclamped-count]: `count` is not clamped to the 8 slots of `data[]`",
-        "--> a.frag:17:16",
-        "= note: count-past-array, possible",
-        "= note: light-at-fragment, possible",
-        "= help: loop to `min(count, 8)`",
-    ] {
-        assert!(ran.out.contains(part), "{part}\n{}", ran.out);
-    }
+  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128 bytes saved in total
+
+warning[unclamped-count]: `count` is not clamped to the 8 slots of `data[]`
+  --> a.frag:17:16
+   |
+17 |         sum += lights.data[i].color * normalize(lights.data[i].pos - at).z;
+   |                ^^^^^^^^^^^^^^ may be past the end
+   |
+   = note: count-past-array, possible
+   = help: loop to `min(count, 8)`
+
+warning[unguarded-normalize]: a zero vector is normalised where the light's `data[].pos` is at the surface
+  --> a.frag:17:39
+   |
+17 |         sum += lights.data[i].color * normalize(lights.data[i].pos - at).z;
+   |                                       ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ 0 / 0
+   |
+   = note: light-at-fragment, possible
+   = help: write `v * inversesqrt(max(dot(v, v), 1.0e-30))`, which keeps a zero vector zero
+
+
+"#]]);
 }
 
 #[test]
 fn json_keeps_to_its_schema_and_says_the_same() {
-    let schema = Command::new(env!("CARGO_BIN_EXE_landfall")).args(["schema", "lights"]).output();
-    let schema: Value = serde_json::from_slice(&schema.unwrap().stdout).expect("a schema is JSON");
+    let schema = command::run(&["schema", "lights"]).json();
     jsonschema::meta::validate(&schema).expect("a schema is a schema");
     let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
     let loose = TEXT
@@ -97,9 +91,8 @@ fn json_keeps_to_its_schema_and_says_the_same() {
         [("b.frag", TEXT), ("c.frag", &loose), ("d.wgsl", wgsl), ("e.frag", "void main() {}")]
     {
         let ran = lights(name, text, &["--format", "json"]);
-        assert_eq!((ran.code, ran.err.as_str()), (Some(0), ""), "{name}");
-        let value: Value =
-            serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{e}: {}", ran.out));
+        assert_eq!((ran.code, ran.err.as_str()), (0, ""), "{name}");
+        let value: Value = ran.json();
         let errors: Vec<String> =
             validator.iter_errors(&value).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(errors.is_empty(), "{name}: {errors:#?}\n{}", ran.out);
@@ -118,26 +111,52 @@ fn json_keeps_to_its_schema_and_says_the_same() {
 
 #[test]
 fn exit_codes_say_findings_and_could_not() {
-    assert_eq!(lights("f.frag", TEXT, &["--deny", "possible"]).code, Some(1));
-    assert_eq!(lights("g.frag", TEXT, &["--deny", "certain"]).code, Some(0));
+    lights("f.frag", TEXT, &["--deny", "possible"]).code(1);
+    lights("g.frag", TEXT, &["--deny", "certain"]).code(0);
     let least = lights("h.frag", TEXT, &["--least", "certain"]);
-    assert!(!least.out.contains("warning["), "{}", least.out);
+    assert!(!least.code(0).out.contains("warning["), "{}", least.out);
     let broken = lights("i.frag", "uniform Lights {", &[]);
-    assert_eq!(broken.code, Some(2));
-    assert!(broken.err.contains("error["), "{}", broken.err);
+    broken.code(2).stderr_eq(str![[r#"
+error[unclosed-brace]: `{` is never closed
+ --> i.frag:1:16
+  |
+1 | uniform Lights {
+  |                ^
+
+
+"#]]);
     let dark = lights("j.frag", "#version 330\nvoid main() {}\n", &[]);
-    assert_eq!(
-        (dark.code, dark.out.as_str()),
-        (Some(0), "j.frag\nno lights found in structures, blocks or members\n")
-    );
+    dark.code(0).stdout_eq(str![[r#"
+j.frag
+no lights found in structures, blocks or members
+
+"#]]);
 }
 
 #[test]
 fn functions_that_cannot_be_followed_are_told_and_the_cost_all_the_same() {
     let text = TEXT.replace("void main() {", "void main() { gl_Nothing();");
     let ran = lights("k.frag", &text, &[]);
-    assert_eq!(ran.code, Some(0));
-    assert!(ran.out.contains("PointLight data[]"), "{}", ran.out);
-    assert!(ran.out.contains("its functions could not be analysed"), "{}", ran.out);
-    assert!(ran.out.contains("there is no function `gl_Nothing`"), "{}", ran.out);
+    ran.code(0).stdout_eq(str![[r#"
+k.frag
+kind   bytes  padding  slots  array  block  light
+point     48       16      8    384    400  PointLight data[]
+
+PointLight data[] in uniform Lights (std140)
+  intensity  intensity  float   0
+  position   pos        vec3   16
+  range      radius     float  28
+  color      color      vec3   32
+  count: count of Lights at byte 384
+  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128 bytes saved in total
+
+its functions could not be analysed, so loop bounds and hazards are unknown:
+error[unknown-name]: there is no function `gl_Nothing`
+  --> k.frag:14:15
+   |
+14 | void main() { gl_Nothing();
+   |               ^^^^^^^^^^
+
+
+"#]]);
 }

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::Paint;
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
+use snapbox::str;
 
 use crate::findings::{plain, sample};
+use crate::support::command::golden;
 
 #[test]
 fn a_finding_shows_both_places_the_layout_and_the_help() {
@@ -123,16 +125,48 @@ fn a_file_that_is_gone_or_has_changed_is_named_without_an_excerpt() {
     }
     let mut gone = finding;
     gone.labels[0].at.path = "b.frag".into();
-    assert!(shown(gone, text).contains(" --> b.frag:1:14\n"));
+    golden().eq(
+        shown(gone, text),
+        str![[r#"
+warning[x]: moved
+ --> b.frag:1:14
+  |
+  = help: run it again
+
+1 shader: 1 warning
+
+"#]],
+    );
 }
 
 #[test]
 fn line_and_column_are_enough() {
     let place = Place { line: 2, column: 3, end_line: 2, end_column: 5, ..Place::file("a.frag") };
     let text = shown(Finding::of("x", "", place, "it"), "漢\n漢字漢字é\n");
-    assert!(text.contains("2 | 漢字漢字é\n  |     ^^^^\n"), "{text}");
+    golden().eq(
+        &text,
+        str![[r#"
+warning[x]: it
+ --> a.frag:2:3
+  |
+2 | 漢字漢字é
+  |     ^^^^
+
+1 shader: 1 warning
+
+"#]],
+    );
     let past = Place { line: 9, column: 1, end_line: 9, end_column: 2, ..Place::file("a.frag") };
-    assert!(shown(Finding::of("x", "", past, "it"), "a\n").contains(" --> a.frag:9:1\n"));
+    golden().eq(
+        shown(Finding::of("x", "", past, "it"), "a\n"),
+        str![[r#"
+warning[x]: it
+ --> a.frag:9:1
+
+1 shader: 1 warning
+
+"#]],
+    );
 }
 
 #[test]

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use landfall_lint::lint;
+use snapbox::str;
 
 use super::{edited, found_in, messages, only, place};
+use crate::support::command::golden;
 
 const CODE: &str = "stale-comment";
 
@@ -31,7 +33,22 @@ fn the_alignment_of_a_vec3_is_not_12() {
     assert_eq!(finding.related().len(), 1);
     assert_eq!((finding.related()[0].at.line, finding.related()[0].at.column), (7, 24));
     let listing = finding.listing.expect("the block's listing");
-    assert!(listing.contains("PointLight data[4]"), "{listing}");
+    golden().eq(
+        &listing,
+        str![[r#"
+/*            align(16) size(32) */ struct PointLight {
+/* offset( 0) align(16) size(12) */     vec3 pos;
+/* offset(12)           size( 4) */     // -- hole
+/* offset(16) align(16) size(12) */     vec3 color;
+/* offset(28) align( 4) size( 4) */     float intensity;
+/*                               */ };
+
+/*           align(16) size(128)            */ layout(std140) uniform PointLightBlock {
+/* offset(0) align(16) size(128) stride(32) */     PointLight data[4];
+/*                                          */ } u_lights;
+// 128 bytes: 112 used, 16 padding (12.5 %)
+"#]],
+    );
 }
 
 #[test]

@@ -3,8 +3,10 @@
 use landfall_layout::finding::{Finding, Place};
 use landfall_lint::settings::{Figure, Row, Table};
 use landfall_lint::{Settings, lint};
+use snapbox::str;
 
 use super::{found, messages, only};
+use crate::support::command::golden;
 
 const CODE: &str = "buffer-too-small";
 
@@ -99,9 +101,15 @@ fn names_that_lead_nowhere_are_told_with_the_nearest() {
     let rows = vec![row("data[0].colour", 16, 6), row("data[128].pos", 6144, 7)];
     let findings = held("PointLightBlock", None, rows);
     assert_eq!(findings.len(), 2, "{:#?}", messages(&findings));
-    assert!(findings[0].message.contains("has no member `colour`"), "{}", findings[0].message);
+    golden().eq(
+        &findings[0].message,
+        str!["PointLightBlock: `data[0]`, a `PointLight`, has no member `colour`"],
+    );
     assert_eq!(findings[0].help.as_deref(), Some("there is a member `color`"));
-    assert!(findings[1].message.contains("out of range"), "{}", findings[1].message);
+    golden().eq(
+        &findings[1].message,
+        str!["PointLightBlock: `data[128]` is out of range: `data` has 128 elements"],
+    );
 }
 
 #[test]

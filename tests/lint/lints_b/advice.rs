@@ -2,7 +2,10 @@
 //!
 //! Numbers are computed by hand from OpenGL 4.6 §7.6.2.2 and WGSL §14.4.
 
+use snapbox::str;
+
 use crate::lints_b::{found, help, one, said, std140};
+use crate::support::command::golden;
 
 #[test]
 fn a_scalar_in_a_vec3s_slot_is_reported_with_both_offsets() {
@@ -60,10 +63,7 @@ fn a_vec3_array_is_reported_with_both_distances() {
         "3:10 elements of `samples` are 16 bytes apart: packed `vec3`s are 12 apart, and only the \
          first is read correctly"
     );
-    assert!(
-        help(&finding).contains("declare `vec4 samples[7]`: 112 bytes as before"),
-        "{finding:?}"
-    );
+    golden().eq(help(&finding), str!["upload 4 components an element, or declare `vec4 samples[7]`: 112 bytes as before, and the fourth component is free to use"]);
     assert_eq!(found("vec3-array", "a.frag", &std140("    vec4 samples[7];\n    vec3 one;")), []);
 }
 
@@ -82,10 +82,7 @@ void main() {}
 fn an_array_of_vec3_in_wgsl_is_spelled_in_wgsl() {
     let text = "@group(0) @binding(0) var<storage> samples: array<vec3f>;\n";
     let finding = one("vec3-array", "a.wgsl", text);
-    assert!(
-        help(&finding).contains("declare `samples: array<vec4<f32>>`: 16 bytes an element"),
-        "{finding:?}"
-    );
+    golden().eq(help(&finding), str!["upload 4 components an element, or declare `samples: array<vec4<f32>>`: 16 bytes an element as before, and the fourth component is free to use"]);
 }
 
 #[test]
@@ -103,7 +100,10 @@ fn a_padded_matrix_is_reported_with_both_sizes() {
 fn a_row_major_matrix_is_padded_by_rows() {
     // Three columns of two rows, by rows: two vectors of three components.
     let finding = one("mat3-padding", "a.frag", &std140("    layout(row_major) mat3x2 uv;"));
-    assert!(said(&finding).contains("is 2 rows of 12 bytes, 16 apart: 32 bytes"), "{finding:?}");
+    golden().eq(
+        said(&finding),
+        str!["3:30 `uv` is 2 rows of 12 bytes, 16 apart: 32 bytes, where a packed `mat3x2` is 24"],
+    );
 }
 
 #[test]
@@ -127,7 +127,10 @@ fn a_bool_is_reported_with_both_sizes() {
             "4:11 `mask` is a `bvec3` of 12 bytes, where the CPU has 3",
         ]
     );
-    assert!(help(&found_here[1]).contains("declare `uvec3 mask[2]`"));
+    golden().eq(
+        help(&found_here[1]),
+        str!["declare `uvec3 mask[2]`, the same bytes, and compare with 0"],
+    );
     assert_eq!(found("bool-in-block", "a.frag", &std140("    uint on;\n    uvec3 mask[2];")), []);
 }
 

@@ -3,8 +3,10 @@
 use landfall_layout::finding::Finding;
 use landfall_layout::{Options, Source, layout};
 use landfall_lint::driver_disagrees::read;
+use snapbox::str;
 
 use crate::lints_b::said;
+use crate::support::command::golden;
 
 const SHADER: &str = "\
 #version 330 core
@@ -71,7 +73,10 @@ fn a_leaf_read_elsewhere_is_reported_once_with_both_bytes_at_its_member() {
 #[test]
 fn a_leaf_that_is_no_byte_of_the_block_is_said_so() {
     let found = found(&gain("null"));
-    assert!(found[0].message.contains("from no byte of the block; it is at 12"), "{found:?}");
+    golden().eq(
+        &found[0].message,
+        str!["`gl` reads `gain` of block `Light` from no byte of the block; it is at 12"],
+    );
 }
 
 #[test]
@@ -88,9 +93,9 @@ fn values_of_one_leaf_are_one_finding() {
     ];
     let found = found(&report(&reads, ""));
     assert_eq!(found.len(), 1);
-    assert!(
-        found[0].message.contains("`color.y` of block `Light` from byte 8 instead of 4"),
-        "{found:?}"
+    golden().eq(
+        &found[0].message,
+        str!["`gl` reads `color.y` of block `Light` from byte 8 instead of 4"],
     );
     assert!(
         found[0].notes[1].starts_with("1 further value of `color` is read"),
@@ -109,5 +114,5 @@ fn what_is_no_report_is_refused_with_its_place() {
     );
     let newer = whole.replace("\"schema_version\":1", "\"schema_version\":2");
     let newer = read("verify.json", &newer).expect_err("of a newer version");
-    assert!(newer.message.contains("schema version 2; this landfall reads 1"), "{newer}");
+    golden().eq(&newer.message, str!["is a report of schema version 2; this landfall reads 1"]);
 }

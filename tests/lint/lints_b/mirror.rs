@@ -7,9 +7,11 @@ use landfall_layout::{Options, Source, layout};
 use landfall_lint::rust_mirror::{laid_out, readable};
 use landfall_lint::settings::{RustFile, RustMirror};
 use landfall_lint::{Check, Settings, Subject, lint};
+use snapbox::str;
 
 use crate::lints_b::rustc::{Math, crates, run, scratch};
 use crate::lints_b::{help, said};
+use crate::support::command::golden;
 
 fn rust(text: &str) -> RustFile {
     RustFile { path: "src/light.rs".to_string(), text: text.into() }
@@ -113,10 +115,7 @@ fn lengths_are_compared_with_their_constants() {
     let shader = "#version 330\nlayout(std140) uniform Light { vec4 at[8]; };\nvoid main() {}\n";
     assert_eq!(held(&text("LIGHTS"), shader), []);
     let found = held(&text("LIGHTS + 1"), shader);
-    assert!(
-        said(&found[0]).contains("`at` of `Light` has 9 elements, the shader's has 8"),
-        "{found:?}"
-    );
+    golden().eq(said(&found[0]), str!["4:27 `at` of `Light` has 9 elements, the shader's has 8"]);
 }
 
 #[test]
@@ -124,13 +123,7 @@ fn a_packed_mat3_is_reported_with_both_sizes() {
     let wrong = ["normal: glam::Mat3,", "normal: [[f32; 3]; 3],", "normal: cgmath::Matrix3<f32>,"];
     for fields in wrong {
         let found = light(fields, "mat3 normal;");
-        assert!(
-            said(&found[0]).contains(
-                "`normal` of `Light` is 36 bytes with columns 12 apart, the shader's `mat3` is 48 \
-                 with columns 16 apart"
-            ),
-            "{found:?}"
-        );
+        golden().eq(said(&found[0]), str!["4:1 `normal` of `Light` is 36 bytes with columns 12 apart, the shader's `mat3` is 48 with columns 16 apart"]);
         assert_eq!(help(&found[0]), "make it `[[f32; 4]; 3]`");
     }
     for fields in ["normal: glam::Mat3A,", "normal: [[f32; 4]; 3],", "normal: [f32; 12],"] {
@@ -268,10 +261,7 @@ void main() {}
     assert_eq!(held(tail, shader), []);
     let bad = tail.replace("[f32; 4]", "[f32; 3]");
     let found = held(&bad, shader);
-    assert!(
-        said(&found[0]).contains("elements 12 bytes apart, the shader's `Point`s are 16"),
-        "{found:?}"
-    );
+    golden().eq(said(&found[0]), str!["3:54 `data` of `Points` has elements 12 bytes apart, the shader's `Point`s are 16 apart"]);
 }
 
 #[test]
