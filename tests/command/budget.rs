@@ -74,8 +74,8 @@ fn commands() -> Vec<Vec<&'static str>> {
         "decode big.frag bytes.bin",
         "verify tree --backend cpu",
         "verify members.frag --backend cpu",
-        "verify members.frag --backend gl",
-        "verify members.frag --backend gpu",
+        "verify tree --backend gl",
+        "verify tree --backend gpu",
         "run deep.frag --fn f26 --args [1] --backend cpu",
         "stress deep.frag --fn f26",
         "bench deep.frag --fn f26",
@@ -139,11 +139,14 @@ fn ctrl_c_ends_every_command_within_half_a_second() {
             let child = start(&folder, &arguments);
             let process = child.id();
             let ended = output(child);
+            let began = Instant::now();
             loop {
                 // Its output is being waited for, so that it may be gone.
                 let listed = Path::new(&format!("/proc/{process}/stat")).exists();
                 assert!(listed && !ended.is_finished(), "{arguments:?} ends before the signal");
-                if state(process).1 >= Duration::from_millis(200) {
+                // Drivers compute in a process of their own.
+                let waits = began.elapsed() > Duration::from_secs(2);
+                if waits || state(process).1 >= Duration::from_millis(200) {
                     break;
                 }
                 std::thread::sleep(Duration::from_millis(5));

@@ -65,7 +65,15 @@ fn reference() -> String {
         "# Commands\n\n`landfall help COMMAND` prints more of each option. Every command exits \
          with 0 when all is well,\nwith 1 on a finding (a lint at level `deny`, a changed layout, \
          a byte read elsewhere), and with 2\nwhen something could not be done. Products go to \
-         standard output, findings and progress to\nstandard error.\n",
+         standard output, findings and progress to\nstandard error. Ctrl-C ends every command within half \
+         a second with the results so far and exit\ncode 130; unfinished files are removed.\n\n\
+         Every command runs within a budget, and ends with exit code 2 and the name of the limit \
+         beyond it:\n\n| what | limit | option |\n|---|---|---|\n\
+         | time of the command | 3600 s; `stress` at least twice its `--time` | `--max-time SECONDS` |\n\
+         | memory of the process, without its drivers (Linux) | 8192 MiB | `--max-memory MIB` |\n\
+         | size of a shader or an include | 64 MiB | `--max-bytes N` |\n\
+         | one job of a driver or the interpreter | 20 s | `--limit SECONDS` |\n\
+         | triangles of a scene | 1,048,576 | |\n",
     );
     let mut shared: Vec<&str> = Vec::new();
     for (sections, name) in helps.iter().zip(&names) {

@@ -39,9 +39,6 @@ const FLUSH: Duration = Duration::from_millis(100);
 /// Budget of time without `--max-time`; `stress` has twice its `--time` if that is longer.
 const TIME: Duration = Duration::from_secs(3600);
 
-/// Budget of memory in MiB without `--max-memory`.
-pub const MEMORY: u64 = 8192;
-
 /// Set by the first Ctrl-C; the second ends the process at once.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 

@@ -173,12 +173,7 @@ pub fn stress(
     let mut sampled = sampled.map_err(&failed)?;
     let sampling = started.elapsed();
     let ran: u64 = sampled.families.iter().map(|(_, tally)| tally.samples).sum();
-    let stopped = request.stop.load(Ordering::Relaxed);
-    if let Some(time) = request.time.filter(|_| ran == 0 && sampled.stopped && !stopped) {
-        let seconds = time.as_secs_f64();
-        let message = format!("no sample ended within the time limit of {seconds} s");
-        let help = Some("raise the limit, or call the function with fewer calls and iterations");
-        let found = Diagnostic::about(Code::CannotRun, message, help.map(String::from), "--time");
+    if let Some(found) = too_slow(request, ran, sampled.stopped) {
         return Err(refused(found));
     }
     let more = request.time.map_or(Duration::from_secs(60), |time| time / 2);
@@ -229,6 +224,15 @@ pub fn stress(
         threads,
         seconds: began.elapsed().as_secs_f64(),
     }))
+}
+
+/// Returns an error if the time limit passed before any sample ended.
+fn too_slow(request: &Request, ran: u64, late: bool) -> Option<Diagnostic> {
+    let interrupted = request.stop.load(Ordering::Relaxed);
+    let seconds = request.time.filter(|_| ran == 0 && late && !interrupted)?.as_secs_f64();
+    let message = format!("no sample ended within the time limit of {seconds} s");
+    let help = "raise the limit, or call the function with fewer calls and iterations";
+    Some(Diagnostic::about(Code::CannotRun, message, Some(help.to_string()), "--time"))
 }
 
 /// Returns the worst finite samples: by units of the last place, and by steps.

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::watch::MEMORY;
+/// Budget of memory in MiB without `--max-memory`.
+const MEMORY: u64 = 8192;
 
 /// The budget of a command.
 #[derive(Clone, Debug, clap::Args)]
@@ -11,11 +12,9 @@ pub struct BudgetArgs {
     /// End with exit code 2 after this time, in seconds [default: 3600; for `stress` at least twice
     /// its --time]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
-    #[arg(hide_short_help = true)]
     pub max_time: Option<Duration>,
     /// End with exit code 2 if this process needs more memory, in MiB (Linux)
     #[arg(long, global = true, value_name = "MIB", default_value_t = MEMORY)]
-    #[arg(hide_short_help = true)]
     pub max_memory: u64,
 }
 
