@@ -391,14 +391,14 @@ fn comments_belong_to_the_member_they_stand_at() {
 
 #[test]
 fn every_error_is_told_with_its_place() {
-    let text = "layout(std140) uniform A { float a[0]; float b[-1]; };
+    let text = "layout(std140) uniform A { float a[0]; float b[-1]; } in_a;
 uniform int n;
-layout(std140) uniform C { float a[n]; Foo b; };
+layout(std140) uniform C { float a[n]; Foo b; } in_c;
 struct S { float x; S next; };
-layout(std140) uniform D { S s; };
+layout(std140) uniform D { S s; } in_d;
 layout(std140) uniform E { vec4 fine; };
 layout(std140) uniform F { sampler2D t; };
-layout(std140) uniform G { float a; float a; };";
+layout(std140) uniform G { float a; float a; } in_g;";
     assert_eq!(
         findings(text),
         [

@@ -127,7 +127,7 @@ fn an_array_sized_by_an_override_without_a_value_is_refused_by_name() {
     let mut shader = laid_out(
         "a.frag",
         "#version 450\nlayout(std140) uniform Sized { float w[4]; };\n\
-         layout(std140) uniform Fine { float w[4]; };\n",
+         layout(std140) uniform Fine { float v[4]; };\n",
     );
     shader.blocks[0].members[0].dims = vec![ArrayLen::Override("COUNT".into())];
     let out = rust(&[&shader], &RustOptions::default());
