@@ -11,7 +11,7 @@ struct Leaf { bool b; float leaf[2]; };
 struct F32Stride16 { float f; float f_[3]; };
 struct light_block { vec4 a; };
 struct LightBlock { vec2 a; };
-layout(std140) uniform self { Option option; float SIZE, binding, lookup[2], LEAVES, core, size; };
+layout(std140) uniform self { Option option; float SIZE, binding, lookup[2], LEAVES, core, size; } of_self;
 layout(std140) uniform core { Vec3 glam; Bool some[2]; Leaf none; F32Stride16 f; } bytemuck;
 layout(std140) uniform Light_Block { light_block a; LightBlock b; int a_a; } std;
 layout(std140, binding = 3) uniform HTTPServer2D { mat4 MVP; float a_b; vec4 aB; struct { float x; } inner; } s;
