@@ -177,7 +177,7 @@ error[wrong-count]: `direction(vec3)` takes 1 argument, but none was given
             "direction",
             "[[1, 2]]",
             str![[r#"
-error[wrong-value]: `args[0]`: expected an array of 3 numbers for a `vec3`, found an array of 2 values
+error[wrong-value]: `args[0]` is a `vec3`: expected an array of 3 numbers, found an array of 2 values
  --> --args
 
 
@@ -206,7 +206,7 @@ error[bad-request]: `--args` is not JSON: line 1, column 6: EOF while parsing a 
             "lit",
             r#"[{"color": [1, 2, "x"], "power": 1}, 0]"#,
             str![[r#"
-error[wrong-value]: `args[0].color[2]`: expected a number, "inf", "-inf", "nan", or "nan:0x7fc00000" for a NaN with these bits for a `float`, found "x"
+error[wrong-value]: `args[0].color[2]` is a `float`: expected a number, "inf", "-inf", "nan" or "nan:0x…" (a NaN by its bits), found "x"
  --> --args
 
 
