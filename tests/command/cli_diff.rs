@@ -814,11 +814,11 @@ b.frag: (loose uniforms): breaking
 #[cfg(target_os = "linux")]
 #[test]
 fn files_of_killed_processes_are_removed() {
-    let tree = Tree::new("swept");
-    tree.git(&["init", "-q"]);
+    let tree = Place::new("diff-swept");
+    git(&tree, &["init", "-q"]);
     tree.write("a.frag", OLD);
-    tree.git(&["add", "."]);
-    tree.git(&["commit", "-q", "-m", "one"]);
+    git(&tree, &["add", "."]);
+    git(&tree, &["commit", "-q", "-m", "one"]);
     let mut ended = Command::new("true").spawn().expect("true runs");
     ended.wait().expect("it ends");
     let (dead, alive) = (ended.id(), std::process::id());
@@ -832,10 +832,8 @@ fn files_of_killed_processes_are_removed() {
     for name in kept.iter().chain([&format!("landfall-diff-{dead}-0")]) {
         tree.write(&format!("tmp/{name}/shaders/a.frag"), OLD);
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
-    command.args(["diff", "--rev", "HEAD", "a.frag"]).current_dir(&tree.0);
-    let output = command.env("TMPDIR", &temporary).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut command = tree.command(&["diff", "--rev", "HEAD", "a.frag"]);
+    Ran::of(command.env("TMPDIR", &temporary).output().unwrap()).code(0);
     let names = fs::read_dir(&temporary).unwrap().flatten();
     let mut names: Vec<String> =
         names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();

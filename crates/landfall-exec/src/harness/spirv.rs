@@ -50,7 +50,7 @@ pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
     let words = bytes.chunks_exact(4);
     if bytes.len() < 20 || !words.remainder().is_empty() {
         return Err(Failure::refused(
-            "the file is too short, or its size is not a multiple of 4 bytes",
+            "is not SPIR-V: it is too short, or its size is not a multiple of 4 bytes",
             "",
         ));
     }
@@ -62,7 +62,7 @@ pub fn words(bytes: &[u8]) -> Result<Vec<u32>, Failure> {
             Ok(words.into_iter().map(u32::swap_bytes).collect())
         }
         other => Err(Failure::refused(
-            format!("the file is not SPIR-V: it begins with 0x{other:08x}, not 0x{MAGIC:08x}"),
+            format!("is not SPIR-V: it begins with 0x{other:08x}, not 0x{MAGIC:08x}"),
             "",
         )),
     }

@@ -73,7 +73,8 @@ pub fn bench(
     let variants = variants(args, &own)?;
     let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
     if let Some((name, _)) = unknown {
-        return Err(wrong(name, "is not a variant, but `--model-of` sets its model").into());
+        let message = format!("sets the model of `{name}`, which is not a variant");
+        return Err(Error::new("--model-of", message).into());
     }
     let mut sources = Sources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();

@@ -173,7 +173,7 @@ fn summary(result: &Result<'_>) -> String {
         parts.push(counted(warned, "warning"));
     }
     if parts.is_empty() {
-        parts.push("nothing to report".to_string());
+        parts.push("no findings".to_string());
     }
     let fixable = result.findings.iter().filter(|finding| !finding.fix.is_empty()).count();
     let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));

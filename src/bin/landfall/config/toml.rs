@@ -237,7 +237,7 @@ impl<'d> Keys<'d> {
 
     /// Reports a string outside its fixed set.
     pub fn unknown(&self, code: Code, what: &str, text: &Text, known: &[&'static str]) {
-        let message = format!("`{}` is not a known {what}", text.value);
+        let message = format!("unknown {what} `{}`", text.value);
         let help = match nearest(&text.value, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("known are {}", quoted(known.iter().copied())),

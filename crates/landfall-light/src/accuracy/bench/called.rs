@@ -16,6 +16,7 @@ use super::rounds::{Part, Workload};
 use crate::accuracy::permitted::farthest;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::{Floats, Precision, Settings};
+use landfall_layout::format::phrases::counted;
 
 /// A function and its arguments, for any backend.
 #[derive(Debug)]
@@ -45,11 +46,13 @@ impl<'a> Variant<'a> {
             let wanted = [truth.floats.len(), truth.wholes.len()];
             if given != wanted {
                 let numbers = |[floats, wholes]: [usize; 2]| match wholes {
-                    0 => format!("{floats} floats"),
-                    wholes => format!("{floats} floats and {wholes} integers or booleans"),
+                    0 => counted(floats, "float"),
+                    wholes => {
+                        format!("{} and {}", counted(floats, "float"), counted(wholes, "integer"))
+                    }
                 };
                 let message = format!(
-                    "`{}` gives {}, and the truth is {}",
+                    "`{}` returns {}, but the reference function {}",
                     pure.shown,
                     numbers(given),
                     numbers(wanted)
