@@ -814,11 +814,11 @@ b.frag: (loose uniforms): breaking
 #[cfg(target_os = "linux")]
 #[test]
 fn files_of_killed_processes_are_removed() {
-    let tree = Tree::new("swept");
-    tree.git(&["init", "-q"]);
+    let tree = Place::new("diff-swept");
+    git(&tree, &["init", "-q"]);
     tree.write("a.frag", OLD);
-    tree.git(&["add", "."]);
-    tree.git(&["commit", "-q", "-m", "one"]);
+    git(&tree, &["add", "."]);
+    git(&tree, &["commit", "-q", "-m", "one"]);
     let mut ended = Command::new("true").spawn().expect("true runs");
     ended.wait().expect("it ends");
     let (dead, alive) = (ended.id(), std::process::id());
