@@ -133,11 +133,16 @@ Measure:
   bench    Measure the run time and error of shader variants
 
 Options:
-      --color <WHEN>  When to colour the output [default: auto] [possible
-                      values: auto, always, never]
-  -q, --quiet         Print errors only: no warnings, notes or progress
-  -h, --help          Print help
-  -V, --version       Print version
+      --color <WHEN>        When to colour the output [default: auto] [possible
+                            values: auto, always, never]
+  -q, --quiet               Print errors only: no warnings, notes or progress
+      --max-time <SECONDS>  End with exit code 2 after this time, in seconds
+                            [default: 3600; for `stress` at least twice its
+                            --time]
+      --max-memory <MIB>    End with exit code 2 if this process needs more
+                            memory, in MiB (Linux) [default: 8192]
+  -h, --help                Print help
+  -V, --version             Print version
 
 `landfall COMMAND --help` prints options and examples of a command.
 
