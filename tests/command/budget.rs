@@ -146,7 +146,7 @@ fn ctrl_c_ends_every_command_within_half_a_second() {
                 assert!(listed && !ended.is_finished(), "{arguments:?} ends before the signal");
                 // Drivers compute in a process of their own.
                 let waits = began.elapsed() > Duration::from_secs(2);
-                if waits || state(process).1 >= Duration::from_millis(200) {
+                if waits || state(process).1 >= Duration::from_millis(100) {
                     break;
                 }
                 std::thread::sleep(Duration::from_millis(5));

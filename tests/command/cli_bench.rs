@@ -210,7 +210,7 @@ error[unreadable-file]: `no_such.frag` cannot be read: no such file or directory
     refused(
         &[SCENE, "--variant", "a=rust:seed", "--model-of", "b=multi"],
         str![[r#"
-error[bad-request]: `--variant b` is not a variant, but `--model-of` sets its model
+error[bad-request]: `--model-of` sets the model of `b`, which is not a variant
 
 
 "#]],

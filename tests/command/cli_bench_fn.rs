@@ -316,7 +316,7 @@ error[bad-request]: `--variant more` does not fit: it reads `n`, and `f(float)`,
     refused(
         &["--fn", "f", "--variant", "more=#pair"],
         str![[r#"
-error[bad-request]: `--variant more` does not fit: `pair(float)` gives 2 floats, and the truth is 1 floats
+error[bad-request]: `--variant more` does not fit: `pair(float)` returns 2 floats, but the reference function 1 float
 
 
 "#]],

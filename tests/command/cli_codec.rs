@@ -550,7 +550,7 @@ storage B · std430 · 8 bytes
 "#]]);
     let odd = place.run_with_stdin(&["decode", "tail.comp", "-"], [0; 21]);
     odd.code(1).stderr_eq(str![[r#"
-warning[odd-length]: 1 bytes follow the last whole element of `x`
+warning[odd-length]: bytes past the last whole element of `x`: 1
  --> <stdin>
 
 

@@ -308,7 +308,7 @@ error[output]: `--model` names an unknown lighting model: unknown variant `phong
         (
             vec![SCENE, "--shader", SHADER, "-o", "a.bmp"],
             str![[r#"
-error[output]: `a.bmp` `a.bmp` has no known extension; use `.png`, `.exr` or `.pfm`
+error[output]: `a.bmp` has no known extension; use `.png`, `.exr` or `.pfm`
 
 
 "#]],

@@ -282,7 +282,7 @@ fn a_loop_without_an_end_is_stopped() {
                 return x; }\nvoid main() { spin(1.0); }\n";
     let place = shader("spin.frag", text);
     refused(&place, &["--fn", "spin", "--args", "[1]", "--limit", "2"]).stderr_eq(str![[r#"
-error[cannot-run]: cpu: a loop was still running at the time limit: in `spin`, spin.frag:2:23
+error[cannot-run]: cpu: the code was still running at the time limit: in `spin`, spin.frag:2:23
 
 
 "#]]);

@@ -318,7 +318,7 @@ fn decorations_of_a_compilers_module_are_held_against_the_layout() {
     folder.write("junk.spv", [7u8; 64]);
     let junk = folder.run(&["verify", "a.frag", "--backend", "cpu", "--spirv", "junk.spv"]);
     junk.code(2).stderr_eq(str![[r#"
-error[output]: `junk.spv` the file is not SPIR-V: it begins with 0x07070707, not 0x07230203
+error[output]: `junk.spv` is not SPIR-V: it begins with 0x07070707, not 0x07230203
 
 
 "#]]);

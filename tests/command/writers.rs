@@ -346,7 +346,7 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
     ran.code(0).stderr_eq(str![[r#"
 the cache is not used: `c/check-[HASH].json` leads through a symbolic link to `[TMP]/writers-outside/check-[HASH].json`, out of `[TMP]/writers-links-cache`
 help: remove the link, or name its target
-checked 1 shader: nothing to report
+checked 1 shader: no findings
 laid out 1 of 1 shader, the rest is unchanged
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 

@@ -179,7 +179,7 @@ error[wrong-value]: `N` cannot be parsed
             "1:9",
             "wrong-value",
             str![[r#"
-error[wrong-value]: `std14O` is not a known rules
+error[wrong-value]: unknown rules `std14O`
  --> landfall.toml:1:9
   |
 1 | rules = "std14O"
@@ -195,7 +195,7 @@ error[wrong-value]: `std14O` is not a known rules
             "1:7",
             "wrong-value",
             str![[r#"
-error[wrong-value]: `metal` is not a known api
+error[wrong-value]: unknown api `metal`
  --> landfall.toml:1:7
   |
 1 | api = "metal"
@@ -211,7 +211,7 @@ error[wrong-value]: `metal` is not a known api
             "1:20",
             "unknown-target",
             str![[r#"
-error[unknown-target]: `webgl` is not a known target
+error[unknown-target]: unknown target `webgl`
  --> landfall.toml:1:20
   |
 1 | targets = ["gl33", "webgl"]
@@ -275,7 +275,7 @@ error[unknown-lint]: there is no lint `stale-coment`
             "2:17",
             "wrong-value",
             str![[r#"
-error[wrong-value]: `denied` is not a known level
+error[wrong-value]: unknown level `denied`
  --> landfall.toml:2:17
   |
 2 | stale-comment = "denied"

@@ -21,7 +21,7 @@ fn locked(name: &str) -> Place {
     place.write("s/a.frag", CLEAN).write("s/deep/b.frag", CLEAN);
     let ran = check(&place, &["--accept"]);
     ran.code(0).stdout_eq("").stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 accepted 2 layouts
 
 "#]]);
@@ -34,7 +34,7 @@ fn without_locks_there_is_one_hint_and_no_finding() {
     place.write("a.frag", CLEAN).write("b.frag", CLEAN);
     let ran = check(&place, &[]);
     ran.code(0).stdout_eq("").stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
@@ -67,7 +67,7 @@ s/a.frag:2:37: error[layout-drift] `Light` differs from its lock: `position` cha
 "#]]);
     let ran = check(&place, &["--accept"]);
     ran.code(0).stdout_eq("").stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 accepted 1 layout
 
 "#]]);
@@ -85,14 +85,14 @@ fn drift_is_remembered_only_with_the_lock_it_was_found_against() {
     assert_eq!(check(&place, &cached).code, 1);
     let ran = check(&place, &["--accept", "--cache-dir", "cache"]);
     ran.code(0).stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 laid out 1 of 2 shaders, the rest is unchanged
 accepted 1 layout
 
 "#]]);
     let ran = check(&place, &cached);
     ran.code(0).stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 laid out 0 of 2 shaders, the rest is unchanged
 
 "#]]);

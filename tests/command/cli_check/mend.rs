@@ -34,7 +34,7 @@ fn fix_changes_the_edited_bytes_only_and_does_so_once() {
         let before = stamp();
         let ran = check(&place, &["--fix"]);
         ran.code(0).stdout_eq("").stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 fixed 3 edits in 1 file
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
@@ -42,7 +42,7 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
         assert_eq!(place.read("a.frag"), format!("{mark}{good}"), "{name}");
         let again = check(&place, &["--fix"]);
         again.stderr_eq(str![[r#"
-checked 2 shaders: nothing to report
+checked 2 shaders: no findings
 fixed 0 edits in 0 files
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 

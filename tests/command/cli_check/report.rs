@@ -13,7 +13,7 @@ fn exit_codes_tell_clean_from_findings_from_could_not() {
     let place = Place::new("check-exit");
     let clean = place.write("a.frag", CLEAN).run(&["check", "-A", "all"]);
     clean.code(0).stderr_eq(str![[r#"
-checked 1 shader: nothing to report
+checked 1 shader: no findings
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
