@@ -262,7 +262,7 @@ fn one_evaluation_of_many_calls_ends_at_the_limit() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{line}: {said}");
         assert!(said.contains(reason), "{line}: {said}");
-        // Alone they take more than 40 s, where the machine has nothing else to do.
+        // Without the limit they take more than 40 s of processor time.
         assert!(began.elapsed() < Duration::from_secs(20), "{line}: {:?}", began.elapsed());
     }
 }

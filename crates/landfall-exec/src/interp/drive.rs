@@ -194,6 +194,7 @@ impl Program {
         machine.images = bound.images.clone();
         machine.budget = settings.budget;
         machine.deadline = settings.deadline;
+        machine.stop = settings.stop.clone();
         if settings.watch {
             let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
             let tracer = settings.trace.then(Box::<Tracer>::default);

@@ -16,6 +16,8 @@ mod unset;
 mod wide;
 
 use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::code::{Class, LANES, Op, Origin, Reg};
@@ -52,7 +54,7 @@ pub(super) enum Stopped {
     Budget(Origin),
     /// The invocations made too many calls.
     Calls(Origin),
-    /// The deadline passed.
+    /// The deadline passed, or the caller gave the run up.
     Deadline(Origin),
     /// The deadline passed between two batches.
     Late,
@@ -91,6 +93,7 @@ pub(super) struct Machine<'p, 'j, R> {
     /// Maximum loop iterations of one invocation.
     pub budget: u32,
     pub deadline: Option<Instant>,
+    pub stop: Option<Arc<AtomicBool>>,
     /// Whether a batch holds all invocations of a workgroup.
     pub barriers: bool,
     pub tally: Tally,
@@ -123,6 +126,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             until_check: CHECKED_EVERY,
             budget: u32::MAX,
             deadline: None,
+            stop: None,
             barriers: false,
             tally: Tally::new(program.functions.len()),
             watch: None,

@@ -3,6 +3,8 @@
 //! [`drive`](super::drive) runs the batches; [`call`](super::call) and [`cpu`](super::cpu) share
 //! the settings and notes.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use super::code::{Cast, Class, Inst, LANES, Op, Reg};
@@ -50,6 +52,8 @@ pub struct Settings {
     pub budget: u32,
     /// The time at which the run is given up.
     pub deadline: Option<Instant>,
+    /// Set by the caller to give the run up at once.
+    pub stop: Option<Arc<AtomicBool>>,
     /// The number of threads; 0 for the available parallelism.
     pub threads: usize,
 }
@@ -63,6 +67,7 @@ impl Default for Settings {
             trace: false,
             budget: 1 << 22,
             deadline: None,
+            stop: None,
             threads: 0,
         }
     }

@@ -1,5 +1,6 @@
 //! Control flow of many invocations, by masks of active lanes.
 
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::super::code::{LANES, Op};
@@ -184,7 +185,8 @@ impl<R: Real> Machine<'_, '_, R> {
             return Ok(());
         }
         self.until_check = CHECKED_EVERY;
-        match self.deadline.is_some_and(|deadline| Instant::now() > deadline) {
+        let is_stopped = self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed));
+        match is_stopped || self.deadline.is_some_and(|deadline| Instant::now() > deadline) {
             true => Err(Stopped::Deadline(self.program.origins[pc])),
             false => Ok(()),
         }

@@ -62,6 +62,11 @@ impl Deadline {
         self.end().map_or(latest, |end| end.max(latest))
     }
 
+    /// Returns the caller's flag, unless started work may be finished after a stop.
+    pub fn flag(&self) -> Option<Arc<AtomicBool>> {
+        self.grace.is_zero().then(|| Arc::clone(&self.stop))
+    }
+
     /// Whether a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)

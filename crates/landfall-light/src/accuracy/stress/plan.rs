@@ -23,6 +23,7 @@ pub(super) fn settings(plan: &Plan, watch: bool) -> Settings {
         watch,
         budget: plan.budget,
         deadline: plan.until.end(),
+        stop: plan.until.flag(),
         threads: 1,
         ..Settings::default()
     }
