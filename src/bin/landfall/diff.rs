@@ -31,11 +31,12 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams,
         style: streams.style(FindingForm::Human),
     };
-    let mut sides = sides(args, &reading)?;
+    let sides = sides(args, &reading);
     // Sides that were not read to their ends would differ.
     if watch::is_stopped() {
         return Ok(Outcome::Interrupted);
     }
+    let mut sides = sides?;
     sides.iter_mut().for_each(|(old, new)| agree(old, new));
     let failed = sides.iter().any(|(old, new)| old.failed || new.failed);
     let mut pairs = Vec::new();
