@@ -107,7 +107,7 @@ fn a_runtime_sized_tail_is_as_long_as_what_is_given() {
     assert_eq!(decode(&block, &[0; 4]).unwrap().tail_len(), 0);
     let longer = [0; 16 + 48 + 5];
     let longer = decode(&block, &longer).unwrap();
-    assert_eq!(longer.notes, ["5 bytes follow the last whole element of `l`"]);
+    assert_eq!(longer.notes, ["bytes past the last whole element of `l`: 5"]);
 }
 
 #[test]
@@ -281,7 +281,7 @@ fn bytes_of_another_length_are_an_error_or_a_note() {
     );
     assert_eq!(
         decode(&block, &bytes).unwrap().notes,
-        ["4 bytes follow the 6160 of `PointLightBlock`"]
+        ["bytes past the 6160 of `PointLightBlock`: 4"]
     );
 }
 

@@ -206,7 +206,7 @@ fn the_locks_are_those_of_the_shaders() {
 fn check_finds_nothing_to_report_in_this_repository() {
     let ran = run(&["check", "--deny", "warnings"]);
     ran.code(0);
-    let told = format!("checked {} shaders: nothing to report\n", shaders().len());
+    let told = format!("checked {} shaders: no findings\n", shaders().len());
     assert!(ran.err.contains(&told), "{}", ran.err);
 }
 

@@ -71,17 +71,17 @@ layout(buffer_reference, std430) buffer Node { Node next; float value; };
 struct Small { uint8_t a; f16vec3 b; int16_t c; };
 struct Odd { double d; float f; bool b; };
 struct Nothing { float f; };
-layout(std430) buffer Mixed { float16_t h; f16vec4 hs; u8vec3 bytes; i64vec2 longs; dmat3 d; dmat2x3 e; dvec4 v; Small s[3]; Node node; };
-layout(scalar) buffer Scalars { Odd odd; float x; Odd odds[3]; uint8_t y; Odd grid[2][2]; dmat3 m; bvec2 bs; layout(row_major) dmat2x4 r; vec4 v4; mat4 m4; Small small[2]; i64vec3 i; };
-layout(std430) buffer Tail { layout(offset = 32) vec3 tail[]; };
-layout(std430) buffer Tail2 { uint count; Small smalls[][2]; };
-layout(scalar) buffer Tail3 { uint8_t count; uint8_t bytes[]; };
-layout(std140) buffer Tail4 { mat3 tail[]; };
-layout(scalar) buffer Tail5 { double d; Odd odd[]; };
-layout(std430) buffer OnlyTail { float w[]; };
-layout(std430, push_constant) uniform Push { layout(offset = 16) vec4 b; layout(offset = 4) float a; };
+layout(std430) buffer Mixed { float16_t h; f16vec4 hs; u8vec3 bytes; i64vec2 longs; dmat3 d; dmat2x3 e; dvec4 v; Small s[3]; Node node; } of_mixed;
+layout(scalar) buffer Scalars { Odd odd; float x; Odd odds[3]; uint8_t y; Odd grid[2][2]; dmat3 m; bvec2 bs; layout(row_major) dmat2x4 r; vec4 v4; mat4 m4; Small small[2]; i64vec3 i; } of_scalars;
+layout(std430) buffer Tail { layout(offset = 32) vec3 tail[]; } of_tail;
+layout(std430) buffer Tail2 { uint count; Small smalls[][2]; } of_tail2;
+layout(scalar) buffer Tail3 { uint8_t count; uint8_t bytes[]; } of_tail3;
+layout(std140) buffer Tail4 { mat3 tail[]; } of_tail4;
+layout(scalar) buffer Tail5 { double d; Odd odd[]; } of_tail5;
+layout(std430) buffer OnlyTail { float w[]; } of_onlytail;
+layout(std430, push_constant) uniform Push { layout(offset = 16) vec4 b; layout(offset = 4) float a; } of_push;
 layout(std140, binding = 4) uniform Many { float w[33]; Nothing n; vec2 pairs[5]; bool flags[3]; uvec2 u[2][3]; float v[2][3][4]; } many[2][3];
-layout(std140) uniform Row { layout(row_major) mat4 a; layout(row_major) mat3 b[2]; layout(row_major) mat2x3 c; layout(row_major) dmat4 d; float e; };
+layout(std140) uniform Row { layout(row_major) mat4 a; layout(row_major) mat3 b[2]; layout(row_major) mat2x3 c; layout(row_major) dmat4 d; float e; } of_row;
 ";
 
 pub const WGSL: &str = "
