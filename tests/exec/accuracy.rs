@@ -535,8 +535,8 @@ fn the_table_marks_who_is_not_beaten_and_names_who_beats() {
     let odd_text = print::text(&odd.clone().ranked(), landfall_layout::format::Paint::Plain);
     let nothing: Vec<&str> = odd_text.lines().filter(|line| line.contains("   seed")).collect();
     assert!(nothing.iter().all(|line| !line.starts_with('*')), "{odd_text}");
-    let cells = nothing.iter().flat_map(|line| line.split_whitespace());
-    assert!(cells.filter(|cell| *cell == "-").count() >= 1, "{odd_text}");
+    let words = nothing.iter().flat_map(|line| line.split_whitespace());
+    assert!(words.filter(|word| *word == "-").count() >= 1, "{odd_text}");
     let csv = print::csv(&odd);
     let read: Vec<Vec<String>> = csv.lines().map(cells).collect();
     let at = read[0].iter().position(|name| name == "err_max_steps").unwrap();
