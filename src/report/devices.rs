@@ -7,7 +7,7 @@ use serde::Serialize;
 use unicode_width::UnicodeWidthStr as _;
 
 use landfall_exec::backend::Device;
-use landfall_exec::backend::devices::{Found, Limits};
+use landfall_exec::backend::devices::{BackendEntry, Limits};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, STRONG};
@@ -20,8 +20,9 @@ const TITLES: [&str; 3] = ["backend", "kind", "adapter"];
 
 /// Returns a table with a row for each device: its adapter, its driver and its limits below each
 /// other.
-pub fn table(found: &[Found], paint: Paint) -> String {
-    let kind = |found: &Found| if found.kind.is_empty() { "-" } else { &found.kind }.to_string();
+pub fn table(found: &[BackendEntry], paint: Paint) -> String {
+    let kind =
+        |found: &BackendEntry| if found.kind.is_empty() { "-" } else { &found.kind }.to_string();
     let starts: Vec<[String; 2]> =
         found.iter().map(|found| [found.backend.to_string(), kind(found)]).collect();
     let mut widths = [TITLES[0].width(), TITLES[1].width()];
@@ -52,7 +53,7 @@ pub fn table(found: &[Found], paint: Paint) -> String {
 }
 
 /// What is known of a device, or the reason it is missing: a line for each, with its style.
-fn described(found: &Found) -> Vec<(Style, String)> {
+fn described(found: &BackendEntry) -> Vec<(Style, String)> {
     let (device, limits) = match &found.outcome {
         Ok(there) => there,
         Err(failure) => {
@@ -90,7 +91,7 @@ fn runs_on(device: &Device) -> &'static str {
 }
 
 /// Returns the JSON document, one device a line.
-pub fn json(found: &[Found]) -> String {
+pub fn json(found: &[BackendEntry]) -> String {
     let document = Document {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
@@ -135,7 +136,7 @@ enum Outcome<'a> {
 }
 
 impl Entry<'_> {
-    fn of(found: &Found) -> Entry<'_> {
+    fn of(found: &BackendEntry) -> Entry<'_> {
         let outcome = match &found.outcome {
             Ok((device, limits)) => Outcome::There {
                 adapter: &device.adapter,
@@ -160,7 +161,7 @@ mod tests {
 
     #[test]
     fn rows_fit_80_columns_and_what_is_missing_says_why() {
-        let missing = |kind: &str| Found {
+        let missing = |kind: &str| BackendEntry {
             backend: BackendKind::Gpu,
             kind: kind.to_string(),
             outcome: Err(Failure::missing("no Vulkan adapter", "loader: nothing\n")),

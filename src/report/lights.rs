@@ -11,7 +11,7 @@ use std::ops::Range;
 use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
 
-use crate::report::lights::cost::{Found, Light, Report};
+use crate::report::lights::cost::{Light, LightHazard, Report};
 use landfall_ir::analysis::hazards::Bound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
@@ -218,7 +218,7 @@ fn bound_text(bound: Bound) -> String {
     }
 }
 
-fn hazards(found: &[Found], files: &Files, paint: Paint) -> String {
+fn hazards(found: &[LightHazard], files: &Files, paint: Paint) -> String {
     let mut pen = Pen::new(files, paint);
     let mut text = String::new();
     for hazard in found {

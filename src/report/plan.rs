@@ -10,7 +10,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
 pub use landfall_layout::format::phrases::number;
-use landfall_light::culling::{Claim, Measured, Plan, Step};
+use landfall_light::culling::{Claim, Measured, OptionEffect, Plan};
 
 pub use crate::report::schema::PLAN_SCHEMA;
 
@@ -228,7 +228,7 @@ impl MeasuredObject {
 }
 
 impl<'a> StepObject<'a> {
-    fn of(step: &'a Step) -> StepObject<'a> {
+    fn of(step: &'a OptionEffect) -> StepObject<'a> {
         let error = match &step.error {
             Claim::Exact(why) => ErrorObject::Exact { why },
             Claim::Proven { steps, by } => ErrorObject::Proven { steps: *steps, by },

@@ -13,7 +13,7 @@ use std::time::Duration;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::{Options, Source};
-use landfall_light::accuracy::stress::{Found, Report, Request, stress};
+use landfall_light::accuracy::stress::{Report, Request, StressFinding, stress};
 use serde_json::Value;
 
 /// A request for a function with few samples.
@@ -46,7 +46,7 @@ fn shader(path: &str) -> Source {
 }
 
 /// The line of a finding.
-fn line<'r>(report: &'r Report, found: &Found) -> &'r str {
+fn line<'r>(report: &'r Report, found: &StressFinding) -> &'r str {
     let at = report.files.locate(found.place.span);
     let file = report.files.get(found.place.span.file).expect("it is in a file");
     file.text.lines().nth(at.line as usize - 1).unwrap_or_default()

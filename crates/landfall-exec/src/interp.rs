@@ -43,8 +43,8 @@ pub use interface::Port;
 pub use numbers::{Numbers, Words};
 pub use program::{Floats, FunctionSignature, Parameter, Program};
 pub use stage::{Invocations, Notes, Outputs, Precision, Settings};
-pub use trace::{Number, Operand, Operation, Source, Step, Trace};
-pub use undefined::{Divergence, Place, Undefined, UndefinedKind};
+pub use trace::{Number, Operand, Operation, Source, Trace, TracedOperation};
+pub use undefined::{Divergence, SourceLocation, Undefined, UndefinedKind};
 pub use value::{Value, ValueType};
 
 use std::path::Path;

@@ -43,7 +43,7 @@ pub struct Build {
 #[derive(Clone, Debug)]
 struct Output {
     content: Content,
-    place: Place,
+    place: OutputBase,
     file: PathBuf,
 }
 
@@ -55,7 +55,7 @@ enum Content {
 
 /// The directory that an output path is relative to.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum OutputBase {
     /// Cargo's `OUT_DIR`.
     OutDir,
     /// The package directory, for files that are checked in.
@@ -154,25 +154,25 @@ impl Build {
 
     /// Writes Rust mirrors of all blocks to `file` in `OUT_DIR`.
     pub fn mirrors(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::RustMirrors, Place::OutDir, file.as_ref())
+        self.output(Content::RustMirrors, OutputBase::OutDir, file.as_ref())
     }
 
     /// Writes Rust mirrors of all blocks to `file` in the package, to be checked in.
     pub fn mirrors_in_package(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::RustMirrors, Place::Package, file.as_ref())
+        self.output(Content::RustMirrors, OutputBase::Package, file.as_ref())
     }
 
     /// Writes a C11 and C++17 header of all blocks to `file` in `OUT_DIR`.
     pub fn c_header(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::CHeader, Place::OutDir, file.as_ref())
+        self.output(Content::CHeader, OutputBase::OutDir, file.as_ref())
     }
 
     /// Writes a C11 and C++17 header of all blocks to `file` in the package, to be checked in.
     pub fn c_header_in_package(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::CHeader, Place::Package, file.as_ref())
+        self.output(Content::CHeader, OutputBase::Package, file.as_ref())
     }
 
-    fn output(mut self, content: Content, place: Place, file: &Path) -> Build {
+    fn output(mut self, content: Content, place: OutputBase, file: &Path) -> Build {
         self.outputs.push(Output { content, place, file: file.to_path_buf() });
         self
     }
@@ -309,8 +309,8 @@ fn one_line(found: &Diagnostic, files: &Files) -> String {
 impl Output {
     fn path(&self) -> Result<PathBuf, BuildError> {
         let variable = match self.place {
-            Place::OutDir => "OUT_DIR",
-            Place::Package => "CARGO_MANIFEST_DIR",
+            OutputBase::OutDir => "OUT_DIR",
+            OutputBase::Package => "CARGO_MANIFEST_DIR",
         };
         match std::env::var_os(variable) {
             Some(dir) => Ok(PathBuf::from(dir).join(&self.file)),

@@ -27,8 +27,8 @@ pub use upload::{Choice, choose};
 use std::collections::HashMap;
 
 pub use crate::plan::{
-    Claim, Compiled, Draw, Grid, LightSet, Measured, Place, Plan, Savings, Setting, Step,
-    TileLists, Value, interpolate,
+    Claim, Compiled, ConstantKind, Draw, Grid, LightSet, Measured, OptionEffect, Plan, Savings,
+    Setting, TileLists, Value, interpolate,
 };
 
 use super::shading_f32::Model;
@@ -143,7 +143,13 @@ impl Job<'_> {
             },
             Cull::Threshold(_) | Cull::Range(_) => Claim::Unmeasured,
         };
-        savings.steps.push(Step { option, did, evaluations: Some([before, after]), error, tests });
+        savings.steps.push(OptionEffect {
+            option,
+            did,
+            evaluations: Some([before, after]),
+            error,
+            tests,
+        });
         plan.draws.retain(|draw| !draw.fragments.is_empty());
         debug_assert!(plan.draws.iter().all(|draw| draw.lights.ambient == ambient));
         Some(plan)
@@ -197,7 +203,13 @@ impl Job<'_> {
             plain * 1e-6
         );
         let error = Claim::Unmeasured;
-        savings.steps.push(Step { option, did, evaluations: Some([before, after]), error, tests });
+        savings.steps.push(OptionEffect {
+            option,
+            did,
+            evaluations: Some([before, after]),
+            error,
+            tests,
+        });
         Some(plan)
     }
 }
@@ -216,13 +228,13 @@ fn set(lights: &[Bounded], places: &[u32], ambient: bool) -> LightSet {
     set
 }
 
-fn unused(option: String, cost: f64, plain: f64, tests: u64) -> Step {
+fn unused(option: String, cost: f64, plain: f64, tests: u64) -> OptionEffect {
     let did = format!(
         "not applied: estimated {:.2} ms with it, {:.2} ms without",
         cost * 1e-6,
         plain * 1e-6
     );
-    Step { option, did, evaluations: None, error: Claim::Unused, tests }
+    OptionEffect { option, did, evaluations: None, error: Claim::Unused, tests }
 }
 
 fn spelled(division: Division, cull: Cull) -> String {

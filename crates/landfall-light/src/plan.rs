@@ -13,7 +13,7 @@ mod settings;
 
 pub use interpolation::interpolate;
 pub(crate) use interpolation::places;
-pub use settings::{Compiled, Place, Setting, Value};
+pub use settings::{Compiled, ConstantKind, Setting, Value};
 
 use crate::Fragment;
 
@@ -118,7 +118,7 @@ pub struct Savings {
     /// The light evaluations of the plan, those at nodes included.
     pub after: u64,
     /// The effect of each option, in the order applied.
-    pub steps: Vec<Step>,
+    pub steps: Vec<OptionEffect>,
     /// The measured difference from the picture with all lights, on the same backend.
     pub checked: Option<Measured>,
     /// The constants the shader was compiled with, as `NAME=VALUE`.
@@ -129,7 +129,7 @@ pub struct Savings {
 
 /// The effect of one option.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct OptionEffect {
     /// The option in the notation of `--skip`.
     pub option: String,
     /// A description of the effect, with numbers.

@@ -27,7 +27,7 @@ pub(super) mod vec4_normalise;
 use messages::{Message, Site};
 
 use super::definition::{Check, Lint, Subject};
-use landfall_ir::analysis::hazards::{Certainty, Found, Kind, Occurrence, find};
+use landfall_ir::analysis::hazards::{Certainty, HazardReport, Kind, Occurrence, find};
 use landfall_ir::analysis::identifier::words as words_of;
 use landfall_ir::analysis::roles::{LightBinding, held};
 use landfall_layout::finding::{Finding, Level, Place};
@@ -62,7 +62,7 @@ const HAZARD_LINTS: &[(&Lint, Write)] = &[
 #[derive(Debug, Default)]
 pub struct Analysis {
     /// The hazards and accesses found, in the order of the text.
-    pub found: Found,
+    pub found: HazardReport,
     /// The errors that prevented following the shader's functions; empty if they were followed.
     pub unfollowed: Vec<Diagnostic>,
 }
@@ -76,7 +76,7 @@ pub fn analyse(
 ) -> Analysis {
     let (mut found, unfollowed) = match find(source, options, lights) {
         Ok(found) => (found, Vec::new()),
-        Err(why) => (Found::default(), why),
+        Err(why) => (HazardReport::default(), why),
     };
     found.hazards.retain_mut(|hazard| weigh(hazard, shader, lights));
     found.hazards.extend(mediump::hazards(shader, lights));

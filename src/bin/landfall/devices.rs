@@ -3,7 +3,7 @@
 
 use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;
-use landfall_exec::backend::devices::{Found, cpu};
+use landfall_exec::backend::devices::{BackendEntry, cpu};
 
 use crate::args::{DevicesArgs, DevicesFormat};
 use crate::output::{Failure, Outcome, Streams};
@@ -19,7 +19,7 @@ pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
-fn drivers() -> Vec<Found> {
+fn drivers() -> Vec<BackendEntry> {
     use landfall_exec::backend::Failure;
     use landfall_exec::backend::subprocess::{DriverKind, Launch, list};
 
@@ -33,7 +33,7 @@ fn drivers() -> Vec<Found> {
             }
         };
         found.unwrap_or_else(|failure| {
-            vec![Found { backend, kind: String::new(), outcome: Err(failure) }]
+            vec![BackendEntry { backend, kind: String::new(), outcome: Err(failure) }]
         })
     };
     [(BackendKind::Gl, DriverKind::Gl), (BackendKind::Gpu, DriverKind::Gpu(None))]
@@ -43,6 +43,6 @@ fn drivers() -> Vec<Found> {
 }
 
 #[cfg(not(any(feature = "gl", feature = "gpu")))]
-fn drivers() -> Vec<Found> {
-    [BackendKind::Gl, BackendKind::Gpu].map(Found::not_built).into()
+fn drivers() -> Vec<BackendEntry> {
+    [BackendKind::Gl, BackendKind::Gpu].map(BackendEntry::not_built).into()
 }

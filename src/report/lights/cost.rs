@@ -22,7 +22,7 @@ pub struct Report {
     /// The lights and arrays of lights, in the order of the blocks.
     pub lights: Vec<Light>,
     /// The hazards in source order.
-    pub hazards: Vec<Found>,
+    pub hazards: Vec<LightHazard>,
     /// Why the functions could not be analysed; if not empty, there are no hazards or loop bounds.
     pub unfollowed: Vec<Diagnostic>,
     /// Whether the analysis stopped early because the functions are too long.
@@ -107,7 +107,7 @@ pub struct Reorder {
 
 /// A hazard with its finding.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct LightHazard {
     /// The hazard.
     pub hazard: Hazard,
     /// How certain it is that some input triggers it.
@@ -125,7 +125,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     let lights = held(&shader.blocks);
     let analysis = analyse(source, options, shader, &lights);
     let found = &analysis.found;
-    let hazards = found.hazards.iter().map(|hazard| Found {
+    let hazards = found.hazards.iter().map(|hazard| LightHazard {
         hazard: hazard.hazard,
         certainty: hazard.certainty,
         finding: finding(hazard, &shader.files, shader.language),

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::SCHEMA_VERSION;
-use crate::report::lights::cost::{Found, Light, Report};
+use crate::report::lights::cost::{Light, LightHazard, Report};
 use landfall_ir::analysis::hazards::Bound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
@@ -170,7 +170,7 @@ impl BoundObject {
 }
 
 impl HazardObject<'_> {
-    fn of(found: &Found) -> HazardObject<'_> {
+    fn of(found: &LightHazard) -> HazardObject<'_> {
         let finding = &found.finding;
         HazardObject {
             id: found.hazard.code(),

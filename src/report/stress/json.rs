@@ -10,8 +10,8 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_light::accuracy::stress::messages::{name, number};
 use landfall_light::accuracy::stress::{
-    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Found, Off,
-    Outcome, Report, Spread, Tally, Verdict, command,
+    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Off, Outcome,
+    Report, Spread, StressFinding, Tally, Verdict, command,
 };
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -375,7 +375,7 @@ fn came_to(outcome: &Outcome) -> &'static str {
     }
 }
 
-fn finding<'a>(stressed: &'a Report, found: &'a Found) -> FoundObject<'a> {
+fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a> {
     let known = !found.place.shown.is_empty();
     let place = known.then(|| stressed.files.locate(found.place.span));
     let pair = |n: &landfall_exec::interp::Number| PairObject {

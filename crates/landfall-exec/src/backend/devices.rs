@@ -8,7 +8,7 @@ use crate::backend::{BackendKind, Device, Failure};
 
 /// A backend, available or missing.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct BackendEntry {
     /// The kind of backend.
     pub backend: BackendKind,
     /// The kind of context or of API, such as `core 4.5` or `vulkan`.
@@ -17,18 +17,18 @@ pub struct Found {
     pub outcome: Result<(Device, Limits), Failure>,
 }
 
-impl Found {
+impl BackendEntry {
     /// Returns the entry of a backend that this build lacks.
-    pub fn not_built(backend: BackendKind) -> Found {
+    pub fn not_built(backend: BackendKind) -> BackendEntry {
         let message = format!(
             "this build has no backend `{backend}`: it lacks the cargo feature `{backend}`"
         );
-        Found { backend, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
+        BackendEntry { backend, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
     }
 }
 
 /// Returns the entry of the interpreter, which is always available.
-pub fn cpu() -> Found {
+pub fn cpu() -> BackendEntry {
     let device = Device {
         backend: BackendKind::Cpu,
         adapter: "evaluator".to_string(),
@@ -36,7 +36,7 @@ pub fn cpu() -> Found {
         version: env!("CARGO_PKG_VERSION").to_string(),
         software: true,
     };
-    Found {
+    BackendEntry {
         backend: BackendKind::Cpu,
         kind: String::new(),
         outcome: Ok((device, Limits::default())),

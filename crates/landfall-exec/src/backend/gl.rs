@@ -22,7 +22,7 @@ use std::rc::Rc;
 
 pub use context::ContextKind;
 
-use super::devices::Found;
+use super::devices::BackendEntry;
 use super::reflection::Reflection;
 use crate::backend::{Backend, Device, Failure, Job, JobOutput};
 use context::{Context, Display};
@@ -67,16 +67,16 @@ impl Gl {
     ///
     /// # Errors
     /// Fails if no driver can be opened at all.
-    pub fn list() -> Result<Vec<Found>, Failure> {
+    pub fn list() -> Result<Vec<BackendEntry>, Failure> {
         let display = Display::open()?;
         let found = ContextKind::ALL.map(|kind| match Context::open(&display, kind) {
             Ok(context) => {
                 let (major, minor) = context.version;
                 let kind = format!("{} {major}.{minor}", kind.name());
                 let outcome = Ok((context.device.clone(), context.limits));
-                Found { backend: BackendKind::Gl, kind, outcome }
+                BackendEntry { backend: BackendKind::Gl, kind, outcome }
             }
-            Err(failure) => Found {
+            Err(failure) => BackendEntry {
                 backend: BackendKind::Gl,
                 kind: kind.name().to_string(),
                 outcome: Err(failure),

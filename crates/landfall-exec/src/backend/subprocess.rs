@@ -20,7 +20,7 @@ use std::time::Duration;
 
 pub use self::serve::{DriverKind, serve};
 
-use super::devices::Found;
+use super::devices::BackendEntry;
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use child::Process;
 use frame::Frame;
@@ -186,7 +186,7 @@ impl Backend for Subprocess {
 ///
 /// # Errors
 /// Fails if there is no driver or the process ended.
-pub fn list(launch: &Launch) -> Result<Vec<Found>, Failure> {
+pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
     let mut session = Session::start(launch)?;
     match session.ask(&Request::List, Frame::default(), launch.opening)?.0 {
         Reply::Listed(found) => {

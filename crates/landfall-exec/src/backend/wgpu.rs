@@ -19,7 +19,7 @@ use std::time::Duration;
 
 pub use adapter::Choice;
 
-use super::devices::{Found, Limits};
+use super::devices::{BackendEntry, Limits};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use device::Open;
 use pipeline::Pipelines;
@@ -67,7 +67,7 @@ impl Gpu {
     }
 
     /// Lists every adapter of every wgpu backend in this build, and each wgpu backend without one.
-    pub fn list() -> Vec<Found> {
+    pub fn list() -> Vec<BackendEntry> {
         adapter::list()
     }
 }

@@ -94,7 +94,7 @@ pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
             size: 0,
             members: Vec::new(),
         };
-        let place = Place { path: String::new(), offset: 0, matrix: (0, false) };
+        let place = BlockPosition { path: String::new(), offset: 0, matrix: (0, false) };
         module.walk(ty, place, 0, &mut block.members)?;
         let storage = class == 12 || module.buffer_blocks.contains_key(&ty);
         if storage { &mut reflection.storage_blocks } else { &mut reflection.uniform_blocks }
@@ -104,7 +104,7 @@ pub fn reflect(words: &[u32]) -> Result<Reflection, Failure> {
 }
 
 /// A position within a block: path, byte, and how a matrix there is stored.
-struct Place {
+struct BlockPosition {
     path: String,
     offset: u64,
     matrix: (u32, bool),
@@ -114,7 +114,7 @@ impl Module {
     fn walk(
         &self,
         ty: u32,
-        at: Place,
+        at: BlockPosition,
         depth: u32,
         members: &mut Vec<ReflectedMember>,
     ) -> Result<(), Failure> {
@@ -128,7 +128,7 @@ impl Module {
                     let name = self.member_names.get(&key).cloned().unwrap_or_default();
                     let dot = if at.path.is_empty() { "" } else { "." };
                     let own = self.offsets.get(&key).copied().unwrap_or(0);
-                    let place = Place {
+                    let place = BlockPosition {
                         path: format!("{}{dot}{name}", at.path),
                         offset: at.offset + u64::from(own),
                         matrix: (
@@ -142,7 +142,7 @@ impl Module {
             Some(Type::Array { element, length }) => {
                 let stride = self.strides.get(&ty).copied().unwrap_or(0);
                 let inner = self.types.get(element);
-                let place = |index: u32| Place {
+                let place = |index: u32| BlockPosition {
                     path: format!("{}[{index}]", at.path),
                     offset: at.offset + u64::from(index) * u64::from(stride),
                     matrix: at.matrix,

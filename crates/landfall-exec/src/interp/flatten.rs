@@ -184,18 +184,22 @@ impl<'a> Types<'a> {
     }
 
     /// Returns the target of an index: its type, and the scalars and bytes before it.
-    pub fn step(&self, inner: &TypeInner, index: u32) -> Result<Step, String> {
+    pub fn step(&self, inner: &TypeInner, index: u32) -> Result<IndexTarget, String> {
         match inner {
             TypeInner::Struct { members, .. } => {
                 let member = &members[index as usize];
                 let leaves = self.before(members)[index as usize];
-                Ok(Step { ty: TypeResolution::Handle(member.ty), leaves, bytes: member.offset })
+                Ok(IndexTarget {
+                    ty: TypeResolution::Handle(member.ty),
+                    leaves,
+                    bytes: member.offset,
+                })
             }
             _ => {
                 let element = self.element(inner)?;
                 let leaves = element.leaves.saturating_mul(index);
                 match element.bytes.checked_mul(index) {
-                    Some(bytes) => Ok(Step { ty: element.ty, leaves, bytes }),
+                    Some(bytes) => Ok(IndexTarget { ty: element.ty, leaves, bytes }),
                     None => Err("a member beyond byte 4294967295".into()),
                 }
             }
@@ -218,19 +222,19 @@ impl<'a> Types<'a> {
     }
 
     /// Returns the type and strides of the elements of an array, matrix or vector.
-    pub fn element(&self, inner: &TypeInner) -> Result<Step, String> {
+    pub fn element(&self, inner: &TypeInner) -> Result<IndexTarget, String> {
         match inner {
-            TypeInner::Array { base, stride, .. } => Ok(Step {
+            TypeInner::Array { base, stride, .. } => Ok(IndexTarget {
                 ty: TypeResolution::Handle(*base),
                 leaves: self.total(&self.arena[*base].inner),
                 bytes: *stride,
             }),
-            TypeInner::Matrix { rows, scalar, .. } => Ok(Step {
+            TypeInner::Matrix { rows, scalar, .. } => Ok(IndexTarget {
                 ty: TypeResolution::Value(TypeInner::Vector { size: *rows, scalar: *scalar }),
                 leaves: *rows as u32,
                 bytes: column_stride(*rows, *scalar),
             }),
-            TypeInner::Vector { scalar, .. } => Ok(Step {
+            TypeInner::Vector { scalar, .. } => Ok(IndexTarget {
                 ty: TypeResolution::Value(TypeInner::Scalar(*scalar)),
                 leaves: 1,
                 bytes: u32::from(scalar.width),
@@ -252,7 +256,7 @@ impl<'a> Types<'a> {
 }
 
 /// The target of an index.
-pub(super) struct Step {
+pub(super) struct IndexTarget {
     pub ty: TypeResolution,
     pub leaves: u32,
     pub bytes: u32,

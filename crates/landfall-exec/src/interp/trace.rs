@@ -5,13 +5,13 @@
 
 use super::code::Origin;
 use super::program::Program;
-use super::undefined::Place;
+use super::undefined::SourceLocation;
 
 /// The operations of one invocation, in execution order.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// The operations, without copies, branches and stores.
-    pub steps: Vec<Step>,
+    pub steps: Vec<TracedOperation>,
     /// The source of each scalar of the result.
     pub results: Vec<Source>,
     /// The source of each scalar left in each parameter.
@@ -22,7 +22,7 @@ pub struct Trace {
 
 /// One operation.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct TracedOperation {
     /// The kind of operation.
     pub operation: Operation,
     /// The operands; for a dot product all of one vector, then all of the other.
@@ -109,7 +109,7 @@ pub enum Operation {
 
 impl Program {
     /// Returns the place of an operation in one of the program's traces.
-    pub fn place_of(&self, step: &Step) -> Place {
+    pub fn place_of(&self, step: &TracedOperation) -> SourceLocation {
         self.place(step.origin)
     }
 }

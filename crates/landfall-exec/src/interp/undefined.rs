@@ -76,7 +76,7 @@ impl fmt::Display for UndefinedKind {
 
 /// A place in a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceLocation {
     /// The function or entry point that contains it.
     pub function: String,
     /// The byte range in the module's files.
@@ -91,7 +91,7 @@ pub struct Undefined {
     /// The kind.
     pub kind: UndefinedKind,
     /// The place.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The number of occurrences over all invocations.
     pub count: u64,
     /// The operands of the first occurrence.
@@ -106,7 +106,7 @@ pub struct Divergence {
     /// The invocation.
     pub lane: usize,
     /// The operation.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The result in `f32`.
     pub single: f32,
     /// The result in `f64`.
@@ -117,7 +117,7 @@ pub struct Divergence {
 
 impl Program {
     /// Returns the place of an instruction.
-    pub(super) fn place(&self, origin: Origin) -> Place {
+    pub(super) fn place(&self, origin: Origin) -> SourceLocation {
         let function = self.functions.get(origin.function as usize);
         let function = function.map_or_else(String::new, |f| f.name.clone());
         let file = self.bases.iter().rposition(|&base| base <= origin.start).unwrap_or(0);
@@ -131,6 +131,6 @@ impl Program {
         } else {
             String::new()
         };
-        Place { function, span, shown }
+        SourceLocation { function, span, shown }
     }
 }

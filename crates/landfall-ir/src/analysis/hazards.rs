@@ -173,7 +173,7 @@ pub struct Access {
 
 /// The results of [`find`].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct HazardReport {
     /// Hazards in the order of the text, each place once.
     pub hazards: Vec<Occurrence>,
     /// Accesses to arrays of lights in the order of evaluation, each place once.
@@ -190,7 +190,7 @@ pub fn find(
     source: &Source,
     options: &Options,
     lights: &[LightBinding<'_>],
-) -> Result<Found, Vec<Diagnostic>> {
+) -> Result<HazardReport, Vec<Diagnostic>> {
     let module = Module::unchecked(source, options)?;
     let precise = source.language == Language::Glsl
         && source.text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "precise");

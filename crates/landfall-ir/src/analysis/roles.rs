@@ -13,7 +13,7 @@ mod tests;
 use std::sync::Arc;
 
 use self::count::{count_of, counts};
-use self::evidence::{Evidence, Found, classify};
+use self::evidence::{Evidence, RoleEvidence, classify};
 use self::names::{is_about_something_else, is_light};
 use super::identifier::words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
@@ -244,7 +244,7 @@ pub fn of_struct(structure: &Struct) -> Option<Roles> {
     if leaves > MOST_LEAVES {
         return None;
     }
-    let mut found = Found::default();
+    let mut found = RoleEvidence::default();
     found.descend(&mut structure.members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
     if found.holds_lights() {
         return None;
@@ -305,7 +305,7 @@ fn whole_block(block: &BlockLayout) -> Option<LightBinding<'_>> {
     if block.leaves.len() as u64 > MOST_LEAVES {
         return None;
     }
-    let mut found = Found::default();
+    let mut found = RoleEvidence::default();
     found.descend(&mut block.members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
     let roles = classify(&block.name, found, block.span, Evidence::Block)?;
     let (path, dims) = (String::new(), Vec::new());
@@ -322,7 +322,7 @@ fn members_alone(block: &BlockLayout) -> Option<LightBinding<'_>> {
     members.retain(|m| role(&m.name, m.ty.innermost()).is_some_and(|role| role != Role::Kind));
     let dims = members.first()?.dims.clone();
     members.retain(|m| m.dims == dims);
-    let mut found = Found::default();
+    let mut found = RoleEvidence::default();
     found.descend(&mut members.iter().map(|m| (&*m.name, &m.ty, m.span)), "");
     let span = members.first()?.span;
     let roles = classify("", found, span, Evidence::Members)?;

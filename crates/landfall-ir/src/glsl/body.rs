@@ -7,7 +7,7 @@ use naga::{Expression, Handle, Literal, LocalVariable, Range, Statement};
 use rustc_hash::FxHashMap;
 
 use super::constant::Const;
-use super::lvalue::{Mem, Place};
+use super::lvalue::{Lvalue, Mem};
 use super::opaque::HandlePair;
 use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
@@ -24,7 +24,7 @@ pub struct Val {
 #[derive(Clone, Debug)]
 pub enum Symbol {
     /// A variable.
-    Place(Place),
+    Lvalue(Lvalue),
     /// A constant value.
     Value(Val),
     /// A constant whose integer value is known.
@@ -223,16 +223,16 @@ impl<'l, 'a> Body<'l, 'a> {
         pointer
     }
 
-    pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Place {
-        Place::new(Mem::Own(self.local_pointer(local)), ty.clone())
+    pub fn local_place(&mut self, local: Handle<LocalVariable>, ty: &Ty) -> Lvalue {
+        Lvalue::new(Mem::Own(self.local_pointer(local)), ty.clone())
     }
 
     /// Creates a local variable that holds a value.
-    pub fn spill(&mut self, value: &Val) -> R<Place> {
+    pub fn spill(&mut self, value: &Val) -> R<Lvalue> {
         let local = self.local("", &value.ty)?;
         let pointer = self.local_pointer(local);
         self.statement(Statement::Store { pointer, value: value.expr });
-        Ok(Place::new(Mem::Own(pointer), value.ty.clone()))
+        Ok(Lvalue::new(Mem::Own(pointer), value.ty.clone()))
     }
 
     pub fn literal(&mut self, literal: Literal) -> Handle<Expression> {

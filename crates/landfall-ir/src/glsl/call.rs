@@ -7,7 +7,7 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::expression::Operand;
 use super::globals::Global;
-use super::lvalue::{Place, Way};
+use super::lvalue::{Lvalue, Way};
 use super::opaque::{Chosen, HandlePair, ways};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, R, refuse};
@@ -21,7 +21,7 @@ pub const OUTPUTS: &[&str] =
 enum Argument {
     Value(Val),
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
-    Back(Handle<Expression>, Option<(Place, Place)>),
+    Back(Handle<Expression>, Option<(Lvalue, Lvalue)>),
     /// A handle, or a value that contains handles: its other values, and its path.
     Handles(Option<Val>, Chosen, Ty),
 }
@@ -153,7 +153,7 @@ impl<'a> Body<'_, 'a> {
         self.span = e.span;
         match operand {
             Operand::Handle(chosen) => Ok(chosen),
-            Operand::Place(Place { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
+            Operand::Lvalue(Lvalue { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
                 Ok(Chosen::At(way, ty))
             }
             _ => self.refuse("expected a sampler, texture or image"),
@@ -181,7 +181,7 @@ impl<'a> Body<'_, 'a> {
             let operand = self.operand(argument)?;
             types.push(match &operand {
                 Operand::Value(value) => value.ty.clone(),
-                Operand::Place(place) => place.ty.clone(),
+                Operand::Lvalue(place) => place.ty.clone(),
                 Operand::Handle(Chosen::At(_, ty)) => ty.clone(),
                 Operand::Handle(Chosen::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
                 Operand::Blocks(..) => Ty::Void,
@@ -189,7 +189,7 @@ impl<'a> Body<'_, 'a> {
             // A value is read when its turn comes: what later arguments change comes later.
             let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
-                Operand::Place(place)
+                Operand::Lvalue(place)
                     if !simple
                         && !place.ty.has_opaque()
                         && self.always_in(&fitting, operands.len()) =>
@@ -262,7 +262,7 @@ impl<'a> Body<'_, 'a> {
         if ty.has_opaque() {
             return match operand {
                 Operand::Handle(chosen) => Ok(Argument::Handles(None, chosen, ty.clone())),
-                Operand::Place(place) => {
+                Operand::Lvalue(place) => {
                     let Some(way) = place.path.clone() else {
                         return self
                             .refuse("a sampler or image is selected by two variable indices");
@@ -279,7 +279,7 @@ impl<'a> Body<'_, 'a> {
             let value = self.value_of_operand(operand)?;
             return self.coerce(&value, ty).map(Argument::Value);
         }
-        let Operand::Place(place) = operand else {
+        let Operand::Lvalue(place) = operand else {
             return self.refuse("an `out` argument must be a variable");
         };
         if !place.writable {
@@ -297,8 +297,8 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the values of a structure without its handles.
-    fn load_rest(&mut self, place: &Place) -> R<Val> {
-        let plain = Place { path: None, ..place.clone() };
+    fn load_rest(&mut self, place: &Lvalue) -> R<Val> {
+        let plain = Lvalue { path: None, ..place.clone() };
         self.load(&plain)
     }
 

@@ -106,7 +106,7 @@ impl<'a> Body<'_, 'a> {
         Ok(value)
     }
 
-    pub fn step_value(&mut self, step: Step, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
+    pub fn step_value(&mut self, step: IncrementOp, inner: &Expr<'a>, whole: &Expr<'a>) -> R<Val> {
         let place = self.place(inner)?;
         self.span = whole.span;
         let before = self.load(&place)?;

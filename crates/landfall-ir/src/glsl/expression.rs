@@ -7,7 +7,7 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::constant::{Const, literal};
 use super::globals::Global;
-use super::lvalue::{Address, Index, Mem, Place, Way};
+use super::lvalue::{Address, Index, Lvalue, Mem, Way};
 use super::opaque::Chosen;
 use super::types::{Kind, Ty};
 use super::{Help, R, refuse};
@@ -16,7 +16,7 @@ use super::{Help, R, refuse};
 #[derive(Clone, Debug)]
 pub enum Operand {
     Value(Val),
-    Place(Place),
+    Lvalue(Lvalue),
     Handle(Chosen),
     /// An array of blocks with the indices applied so far.
     Blocks(usize, Vec<u32>),
@@ -33,16 +33,16 @@ impl<'a> Body<'_, 'a> {
     pub fn value_of_operand(&mut self, operand: Operand) -> R<Val> {
         match operand {
             Operand::Value(value) => Ok(value),
-            Operand::Place(place) => self.load(&place),
+            Operand::Lvalue(place) => self.load(&place),
             Operand::Handle(_) => self.refuse("a sampler or image cannot be used as a value"),
             Operand::Blocks(..) => self.refuse("an array of blocks cannot be used as a value"),
         }
     }
 
     /// Lowers an expression to a writable place.
-    pub fn place(&mut self, e: &Expr<'a>) -> R<Place> {
+    pub fn place(&mut self, e: &Expr<'a>) -> R<Lvalue> {
         match self.operand(e)? {
-            Operand::Place(place) => Ok(place),
+            Operand::Lvalue(place) => Ok(place),
             Operand::Value(_) | Operand::Handle(_) | Operand::Blocks(..) => {
                 self.span = e.span;
                 self.refuse("the left side of the assignment is not writable")
@@ -62,7 +62,7 @@ impl<'a> Body<'_, 'a> {
                 self.effect(b)
             }
             ExprKind::Step(step, inner) => {
-                self.step_value(Step { before: true, ..*step }, inner, e).map(|_| ())
+                self.step_value(IncrementOp { before: true, ..*step }, inner, e).map(|_| ())
             }
             ExprKind::Choose(parts) => {
                 let [condition, accept, reject] = &**parts;
@@ -133,18 +133,18 @@ impl<'a> Body<'_, 'a> {
     /// Resolves a name.
     pub fn named(&mut self, name: &str) -> R<Operand> {
         match self.symbol(name).cloned() {
-            Some(Symbol::Place(place)) => return Ok(Operand::Place(place)),
+            Some(Symbol::Lvalue(place)) => return Ok(Operand::Lvalue(place)),
             Some(Symbol::Value(value) | Symbol::Const(value, _)) => {
                 return Ok(Operand::Value(value));
             }
             Some(Symbol::Handles(root, ty, rest)) => {
                 let path = Some(Way { text: root, dynamic: None });
                 let mem = match rest.as_deref() {
-                    Some(Symbol::Place(place)) => place.mem.clone(),
+                    Some(Symbol::Lvalue(place)) => place.mem.clone(),
                     Some(Symbol::Value(value)) => self.spill(value)?.mem,
                     _ => Mem::Nothing,
                 };
-                return Ok(Operand::Place(Place { path, ..Place::new(mem, ty) }));
+                return Ok(Operand::Lvalue(Lvalue { path, ..Lvalue::new(mem, ty) }));
             }
             Some(Symbol::Structure(_)) => {
                 return self.refuse(format!("`{name}` is a structure, not a variable"));
@@ -186,17 +186,17 @@ impl<'a> Body<'_, 'a> {
         match self.cx.globals[index].clone() {
             Global::Variable { handle, ty, writable } => {
                 let pointer = self.global_pointer(handle);
-                let place = Place::new(Mem::Own(pointer), ty);
-                Ok(Operand::Place(Place { writable, ..place }))
+                let place = Lvalue::new(Mem::Own(pointer), ty);
+                Ok(Operand::Lvalue(Lvalue { writable, ..place }))
             }
             Global::Shared { handle, block_type } => {
                 let pointer = self.global_pointer(handle);
                 let ty = block_type.ty.clone();
                 let mem = Mem::BlockType(Address::Pointer(pointer), block_type);
-                Ok(Operand::Place(Place::new(mem, ty)))
+                Ok(Operand::Lvalue(Lvalue::new(mem, ty)))
             }
             Global::Block(memory) if self.cx.memories[memory].dims.is_empty() => {
-                self.memory(memory, 0).map(Operand::Place)
+                self.memory(memory, 0).map(Operand::Lvalue)
             }
             Global::Block(memory) => Ok(Operand::Blocks(memory, Vec::new())),
             Global::Member { memory, ty, .. } => {
@@ -206,10 +206,10 @@ impl<'a> Body<'_, 'a> {
                         let structure = self.cx.memories[memory].structure.clone();
                         self.member_of(&whole, &structure, name)?
                     }
-                    None => Place { writable: false, ..Place::new(Mem::Nothing, ty.clone()) },
+                    None => Lvalue { writable: false, ..Lvalue::new(Mem::Nothing, ty.clone()) },
                 };
                 let path = ty.has_opaque().then(|| Way { text: name.to_string(), dynamic: None });
-                Ok(Operand::Place(Place { path, ..place }))
+                Ok(Operand::Lvalue(Lvalue { path, ..place }))
             }
             Global::Constant { ty, declaration, index: which, value, .. } => {
                 if let Some(value) = value.and_then(|value| self.value_of(&value)) {
@@ -239,7 +239,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns a block's memory as a place.
-    fn memory(&mut self, memory: usize, element: usize) -> R<Place> {
+    fn memory(&mut self, memory: usize, element: usize) -> R<Lvalue> {
         let memory = self.cx.memories[memory].clone();
         let block = self.global_pointer(memory.variables[element]);
         let at = match memory.block_type.naga {
@@ -247,8 +247,8 @@ impl<'a> Body<'_, 'a> {
             None => Address::Words { block, fours: memory.fours, fixed: 0, dynamic: None },
         };
         let ty = Ty::Struct(memory.structure);
-        let place = Place::new(Mem::BlockType(at, memory.block_type), ty);
-        Ok(Place { writable: memory.writable, ..place })
+        let place = Lvalue::new(Mem::BlockType(at, memory.block_type), ty);
+        Ok(Lvalue { writable: memory.writable, ..place })
     }
 
     fn indexed(&mut self, base: &Expr<'a>, index: &Expr<'a>, whole: &Expr<'a>) -> R<Operand> {
@@ -275,13 +275,13 @@ impl<'a> Body<'_, 'a> {
         };
         self.span = whole.span;
         match base {
-            Operand::Place(place)
+            Operand::Lvalue(place)
                 if place.swizzle.is_some() && matches!(index, Index::Dynamic(_)) =>
             {
                 let value = self.load(&place)?;
                 self.element(&value, index).map(Operand::Value)
             }
-            Operand::Place(place) => self.element_of(&place, index).map(Operand::Place),
+            Operand::Lvalue(place) => self.element_of(&place, index).map(Operand::Lvalue),
             Operand::Value(value) => self.element(&value, index).map(Operand::Value),
             Operand::Handle(_) => self.refuse("a sampler or image cannot be indexed"),
             Operand::Blocks(memory, mut taken) => {
@@ -289,7 +289,7 @@ impl<'a> Body<'_, 'a> {
                 let i = match index {
                     Index::Fixed(i) => i,
                     Index::Dynamic(i) if dims.len() == 1 => {
-                        return self.one_of_blocks(memory, i).map(Operand::Place);
+                        return self.one_of_blocks(memory, i).map(Operand::Lvalue);
                     }
                     Index::Dynamic(_) => {
                         let message =
@@ -306,13 +306,13 @@ impl<'a> Body<'_, 'a> {
                     return Ok(Operand::Blocks(memory, taken));
                 }
                 let element = taken.iter().zip(&dims).fold(0u32, |at, (i, len)| at * len + i);
-                self.memory(memory, element as usize).map(Operand::Place)
+                self.memory(memory, element as usize).map(Operand::Lvalue)
             }
         }
     }
 
     /// Copies the block that a variable index selects, because each is a separate buffer.
-    fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Place> {
+    fn one_of_blocks(&mut self, memory: usize, index: naga::Handle<Expression>) -> R<Lvalue> {
         let chosen = self.cx.memories[memory].clone();
         let ty = Ty::Struct(chosen.structure.clone());
         let runtime = chosen.structure.members.iter().any(|f| matches!(f.ty, Ty::Array(_, None)));
@@ -342,7 +342,7 @@ impl<'a> Body<'_, 'a> {
             cases.push(naga::SwitchCase { value, body, fall_through: false });
         }
         self.statement(naga::Statement::Switch { selector, cases });
-        Ok(Place { writable: false, ..copy })
+        Ok(Lvalue { writable: false, ..copy })
     }
 
     /// Returns an element of a value.
@@ -372,11 +372,11 @@ impl<'a> Body<'_, 'a> {
 
     fn member(&mut self, base: Operand, name: &str) -> R<Operand> {
         match base {
-            Operand::Place(place) => match place.ty.clone() {
+            Operand::Lvalue(place) => match place.ty.clone() {
                 Ty::Struct(structure) => {
-                    self.member_of(&place, &structure, name).map(Operand::Place)
+                    self.member_of(&place, &structure, name).map(Operand::Lvalue)
                 }
-                _ => self.swizzle_of(&place, name).map(Operand::Place),
+                _ => self.swizzle_of(&place, name).map(Operand::Lvalue),
             },
             Operand::Value(value) => match &value.ty {
                 Ty::Struct(structure) => {
@@ -404,7 +404,7 @@ impl<'a> Body<'_, 'a> {
         self.span = whole.span;
         let ty = match &operand {
             Operand::Value(value) => value.ty.clone(),
-            Operand::Place(place) => place.ty.clone(),
+            Operand::Lvalue(place) => place.ty.clone(),
             Operand::Blocks(memory, taken) => {
                 let len = self.cx.memories[*memory].dims[taken.len()];
                 return Ok(self.number(Kind::Int, len.into()));
@@ -412,7 +412,7 @@ impl<'a> Body<'_, 'a> {
             Operand::Handle(_) => return self.refuse("a sampler or image has no length"),
         };
         match (&ty, &operand) {
-            (Ty::Array(_, None), Operand::Place(place)) => self.runtime_length(place),
+            (Ty::Array(_, None), Operand::Lvalue(place)) => self.runtime_length(place),
             _ => match ty.indexed() {
                 Some((_, Some(len))) => Ok(self.number(Kind::Int, len.into())),
                 _ => self.refuse(format!("a `{ty}` has no length")),

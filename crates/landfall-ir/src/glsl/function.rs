@@ -8,7 +8,7 @@ use naga::{Expression, FunctionArgument, FunctionResult, Handle, Statement, Type
 use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::globals::Global;
-use super::lvalue::{Mem, Place};
+use super::lvalue::{Lvalue, Mem};
 use super::name_usage::written;
 use super::opaque::{HandlePair, Source, image_type, ways};
 use super::types::{Opaque, Ty, holds_values};
@@ -301,7 +301,7 @@ impl<'a> Body<'_, 'a> {
             let pointer = naga::Type { name: None, inner };
             let pointer = self.cx.ir.types.insert(pointer, naga::Span::UNDEFINED);
             let (_, expr) = self.argument(name, pointer);
-            self.declare(name, Symbol::Place(Place::new(Mem::Own(expr), ty.clone())));
+            self.declare(name, Symbol::Lvalue(Lvalue::new(Mem::Own(expr), ty.clone())));
             return Ok(());
         }
         let mut symbol = None;
@@ -315,7 +315,7 @@ impl<'a> Body<'_, 'a> {
                 let local = self.local(name, ty)?;
                 let pointer = self.local_pointer(local);
                 self.statement(Statement::Store { pointer, value: expr });
-                Symbol::Place(Place::new(Mem::Own(pointer), ty.clone()))
+                Symbol::Lvalue(Lvalue::new(Mem::Own(pointer), ty.clone()))
             } else {
                 Symbol::Value(value)
             });

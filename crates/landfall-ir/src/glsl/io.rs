@@ -11,7 +11,7 @@ use rustc_hash::FxHashSet;
 
 use super::ast::Qualifiers;
 use super::body::{Body, Val};
-use super::lvalue::{Index, Mem, Place};
+use super::lvalue::{Index, Lvalue, Mem};
 use super::types::{Kind, Ty};
 use super::{Lowerer, R, refuse};
 use crate::call_graph;
@@ -329,7 +329,7 @@ impl Body<'_, '_> {
     }
 
     /// Returns a pointer to the private variable of a slot, or to a part of it.
-    fn slot_place(&mut self, slot: &Slot) -> R<Place> {
+    fn slot_place(&mut self, slot: &Slot) -> R<Lvalue> {
         let io = self.cx.io[slot.io].clone();
         let mut pointer = self.global_pointer(io.variable);
         if let Some(member) = io.member {
@@ -346,7 +346,7 @@ impl Body<'_, '_> {
                 },
             };
         }
-        Ok(Place::new(Mem::Own(pointer), ty))
+        Ok(Lvalue::new(Mem::Own(pointer), ty))
     }
 
     fn input(&mut self, slot: &Slot, stage: ShaderStage) -> R<()> {

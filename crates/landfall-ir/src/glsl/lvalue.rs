@@ -52,7 +52,7 @@ pub enum Index {
 
 /// A place that can be read, and written if `writable`.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct Lvalue {
     pub mem: Mem,
     /// The type of its value, after the swizzle.
     pub ty: Ty,
@@ -72,13 +72,13 @@ pub struct Way {
     pub dynamic: Option<(Handle<Expression>, u32)>,
 }
 
-impl Place {
-    pub fn new(mem: Mem, ty: Ty) -> Place {
-        Place { mem, ty, swizzle: None, path: None, writable: true }
+impl Lvalue {
+    pub fn new(mem: Mem, ty: Ty) -> Lvalue {
+        Lvalue { mem, ty, swizzle: None, path: None, writable: true }
     }
 
-    fn part(&self, mem: Mem, ty: Ty) -> Place {
-        Place { mem, ty, swizzle: None, path: None, writable: self.writable }
+    fn part(&self, mem: Mem, ty: Ty) -> Lvalue {
+        Lvalue { mem, ty, swizzle: None, path: None, writable: self.writable }
     }
 }
 
@@ -140,7 +140,7 @@ impl Body<'_, '_> {
     }
 
     /// Returns a member of a structure.
-    pub fn member_of(&mut self, place: &Place, structure: &Structure, name: &str) -> R<Place> {
+    pub fn member_of(&mut self, place: &Lvalue, structure: &Structure, name: &str) -> R<Lvalue> {
         let Some(field) = structure.member(name) else {
             return self.refuse(format!("`{}` has no member `{name}`", Ty::name_of(structure)));
         };
@@ -165,7 +165,7 @@ impl Body<'_, '_> {
                         };
                         let index = structure.carried_index(name).expect(CARRIED);
                         let mem = Mem::Own(self.part(*pointer, index));
-                        return Ok(Place { path, ..place.part(mem, ty) });
+                        return Ok(Lvalue { path, ..place.part(mem, ty) });
                     };
                     let likely = structure.carried_index(name);
                     let Some(member) = member_named(members, likely, name) else {
@@ -182,11 +182,11 @@ impl Body<'_, '_> {
                 Mem::Column(..) | Mem::Nothing => Mem::Nothing,
             }
         };
-        Ok(Place { path, ..place.part(mem, ty) })
+        Ok(Lvalue { path, ..place.part(mem, ty) })
     }
 
     /// Returns an element of an array, a column of a matrix or a component of a vector.
-    pub fn element_of(&mut self, place: &Place, index: Index) -> R<Place> {
+    pub fn element_of(&mut self, place: &Lvalue, index: Index) -> R<Lvalue> {
         let Some((ty, len)) = place.ty.indexed() else {
             return self.refuse(format!("a `{}` cannot be indexed", place.ty));
         };
@@ -200,7 +200,7 @@ impl Body<'_, '_> {
                 return self.refuse("variable indices into swizzles are not supported");
             };
             let whole = Ty::Vector(place.ty.kind().unwrap_or(Kind::Float), *size);
-            let base = Place { swizzle: None, ty: whole, ..place.clone() };
+            let base = Lvalue { swizzle: None, ty: whole, ..place.clone() };
             return self.element_of(&base, Index::Fixed(picks[i as usize].into()));
         }
         let path = match (&place.path, index) {
@@ -252,11 +252,11 @@ impl Body<'_, '_> {
             }
             Mem::Nothing => Mem::Nothing,
         };
-        Ok(Place { path, ..place.part(mem, ty) })
+        Ok(Lvalue { path, ..place.part(mem, ty) })
     }
 
     /// Applies a swizzle to a place: `.xyz` of a vector, or `.x` of a scalar.
-    pub fn swizzle_of(&mut self, place: &Place, name: &str) -> R<Place> {
+    pub fn swizzle_of(&mut self, place: &Lvalue, name: &str) -> R<Lvalue> {
         let Some((kind, size)) = place.ty.components() else {
             return self.refuse(format!("a `{}` has no member `{name}`", place.ty));
         };
@@ -276,7 +276,7 @@ impl Body<'_, '_> {
         };
         let distinct = (1..picks.len()).all(|i| !picks[..i].contains(&picks[i]));
         let writable = place.writable && distinct && size > 1;
-        Ok(Place { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
+        Ok(Lvalue { ty, swizzle: Some((whole, picks)), writable, ..place.clone() })
     }
 
     /// Applies a swizzle to a value; a scalar is repeated.
@@ -314,7 +314,7 @@ impl Body<'_, '_> {
     }
 
     /// Returns the number of elements of a runtime-sized array, as `int`.
-    pub fn runtime_length(&mut self, place: &Place) -> R<Val> {
+    pub fn runtime_length(&mut self, place: &Lvalue) -> R<Val> {
         let Mem::BlockType(at, block_type) = &place.mem else {
             return self.refuse("the length of this array is unknown");
         };

@@ -306,8 +306,8 @@ impl<'a> Body<'_, 'a> {
         signed: bool,
         a: &Val,
         b: &Val,
-        high: &super::lvalue::Place,
-        low: &super::lvalue::Place,
+        high: &super::lvalue::Lvalue,
+        low: &super::lvalue::Lvalue,
     ) -> R<Val> {
         let size = a.ty.components().map_or(1, |(_, size)| size);
         let uint = Ty::of(Kind::Uint, size);

@@ -10,7 +10,7 @@ use naga::{BinaryOperator, Expression, Handle, Statement};
 use super::R;
 use super::block_types::{BlockType, BlockTypeKind, member_named, stored_vector, transposed};
 use super::body::{Body, Val};
-use super::lvalue::{Address, Index, Mem, Place};
+use super::lvalue::{Address, Index, Lvalue, Mem};
 use super::types::{Kind, Ty, carried};
 
 /// The longest array that is copied without a loop.
@@ -21,10 +21,10 @@ const MOST_COPIED: u64 = 4096;
 
 impl Body<'_, '_> {
     /// Loads the value of a place.
-    pub fn load(&mut self, place: &Place) -> R<Val> {
+    pub fn load(&mut self, place: &Lvalue) -> R<Val> {
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
             let vector = self.load(&whole)?;
             return self.select(&vector, picks);
         }
@@ -44,7 +44,7 @@ impl Body<'_, '_> {
                 let (_, rows) = stored_vector(&block_type.ty, true);
                 let mut components = Vec::new();
                 for row in 0..u32::from(rows) {
-                    let column = Place::new(
+                    let column = Lvalue::new(
                         Mem::Column(at.clone(), block_type.clone(), *column),
                         place.ty.clone(),
                     );
@@ -248,13 +248,13 @@ impl Body<'_, '_> {
     }
 
     /// Stores a value of the place's type.
-    pub fn store(&mut self, place: &Place, value: &Val) -> R<()> {
+    pub fn store(&mut self, place: &Lvalue, value: &Val) -> R<()> {
         if !place.writable {
             return self.refuse("the left side of the assignment is not writable");
         }
         if let Some((size, picks)) = &place.swizzle {
             let kind = place.ty.kind().unwrap_or(Kind::Float);
-            let whole = Place { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
+            let whole = Lvalue { ty: Ty::of(kind, *size), swizzle: None, ..place.clone() };
             for (i, &pick) in picks.iter().enumerate() {
                 let part = self.element_of(&whole, Index::Fixed(pick.into()))?;
                 let component = self.select(value, &[i as u8])?;
@@ -275,7 +275,7 @@ impl Body<'_, '_> {
                 let (_, rows) = stored_vector(&block_type.ty, true);
                 for row in 0..rows {
                     let mem = Mem::Column(at.clone(), block_type.clone(), *column);
-                    let column = Place::new(mem, place.ty.clone());
+                    let column = Lvalue::new(mem, place.ty.clone());
                     let part = self.element_of(&column, Index::Fixed(row.into()))?;
                     let component = self.select(value, &[row])?;
                     self.store(&part, &component)?;

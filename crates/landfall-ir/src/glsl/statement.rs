@@ -252,7 +252,7 @@ impl<'a> Body<'_, 'a> {
         let Some(init) = &declarator.init else {
             let local = self.local(name, &ty)?;
             let place = self.local_place(local, &ty);
-            self.declare(name, Symbol::Place(place));
+            self.declare(name, Symbol::Lvalue(place));
             return Ok(());
         };
         let known = match constant {
@@ -274,7 +274,7 @@ impl<'a> Body<'_, 'a> {
                 let pointer = self.local_pointer(local);
                 self.span = declarator.name.span.to(init.span);
                 self.statement(S::Store { pointer, value: value.expr });
-                Symbol::Place(place)
+                Symbol::Lvalue(place)
             }
         };
         self.declare(name, symbol);

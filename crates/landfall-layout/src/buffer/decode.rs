@@ -13,7 +13,7 @@ use super::error::BufferError;
 use super::grid::{ByteExtent, Grid, language};
 use super::number::Datum;
 use super::padding::{Finding, Findings, finding, name_at};
-use super::resolve::{Place, What, resolve, size};
+use super::resolve::{ResolvedPlace, What, resolve, size};
 use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::ArrayLen;
@@ -27,7 +27,7 @@ pub struct Decoded<'a> {
     /// Elements of the runtime-sized array.
     pub(crate) tail: usize,
     /// The selected part; the whole block unless [`only`](Decoded::only) was called.
-    root: Place<'a>,
+    root: ResolvedPlace<'a>,
     path: String,
     /// Suspicious bytes and values, by offset.
     pub findings: Findings,
@@ -86,7 +86,7 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
         }
     }
     let bytes = if extent.tail.is_none() { &bytes[..given.min(whole)] } else { bytes };
-    let (root, path, findings) = (Place::BLOCK, String::new(), Findings::default());
+    let (root, path, findings) = (ResolvedPlace::BLOCK, String::new(), Findings::default());
     let mut decoded = Decoded { block, bytes, tail, root, path, findings, notes };
     decoded.findings = find(&decoded);
     Ok(decoded)
@@ -220,13 +220,14 @@ impl<'a> Decoded<'a> {
             then(element);
             Ok(())
         };
-        let done: Result<(), Infallible> = self.walk(Place::BLOCK, &mut String::new(), &mut then);
+        let done: Result<(), Infallible> =
+            self.walk(ResolvedPlace::BLOCK, &mut String::new(), &mut then);
         let Ok(()) = done;
     }
 
     fn walk<E>(
         &self,
-        place: Place<'a>,
+        place: ResolvedPlace<'a>,
         path: &mut String,
         then: &mut dyn FnMut(Element<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
@@ -305,7 +306,7 @@ impl Serialize for Decoded<'_> {
 /// A place with its value, for serialization.
 struct At<'d, 'a> {
     decoded: &'d Decoded<'a>,
-    place: Place<'a>,
+    place: ResolvedPlace<'a>,
 }
 
 impl Serialize for At<'_, '_> {

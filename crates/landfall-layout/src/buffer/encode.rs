@@ -11,7 +11,7 @@ use super::error::BufferError;
 use super::grid::{ByteExtent, Grid, Tail, language};
 use super::json::{EncodeError, kind};
 use super::number::{Unfit, bits};
-use super::resolve::{Place, What, resolve_in, spelled};
+use super::resolve::{ResolvedPlace, What, resolve_in, spelled};
 use super::value::put_bits;
 use super::zeroes;
 use crate::layout::{BlockLayout, MemberLayout};
@@ -47,12 +47,12 @@ pub fn encode(
     let bytes = zeroes(block, &extent, tail).map_err(EncodeError::Block)?;
     let given = vec![0; bytes.len() / 64 + 1];
     let mut encoder = Encoder { block, tail, bytes, given, path: String::new() };
-    encoder.value(Place::BLOCK, values)?;
+    encoder.value(ResolvedPlace::BLOCK, values)?;
     match missing {
         Missing::Zero => Ok(encoder.bytes),
         Missing::Error => {
             encoder.path.clear();
-            match encoder.is_complete(Place::BLOCK) {
+            match encoder.is_complete(ResolvedPlace::BLOCK) {
                 true => Ok(encoder.bytes),
                 false => Err(EncodeError::Missing { path: encoder.path }),
             }
@@ -94,7 +94,7 @@ struct Encoder<'b> {
 }
 
 impl<'b> Encoder<'b> {
-    fn value(&mut self, place: Place<'b>, value: &Value) -> Result<(), EncodeError> {
+    fn value(&mut self, place: ResolvedPlace<'b>, value: &Value) -> Result<(), EncodeError> {
         match place.what {
             What::Block => self.object(&self.block.members, place, value),
             What::Struct(member) => self.object(&member.members, place, value),
@@ -106,7 +106,7 @@ impl<'b> Encoder<'b> {
     fn object(
         &mut self,
         members: &'b [MemberLayout],
-        place: Place<'b>,
+        place: ResolvedPlace<'b>,
         value: &Value,
     ) -> Result<(), EncodeError> {
         let Value::Object(map) = value else {
@@ -136,7 +136,7 @@ impl<'b> Encoder<'b> {
 
     fn array(
         &mut self,
-        place: Place<'b>,
+        place: ResolvedPlace<'b>,
         member: &'b MemberLayout,
         dim: usize,
         value: &Value,
@@ -203,7 +203,7 @@ impl<'b> Encoder<'b> {
 
     /// Whether every component from a place on was written; if not, `path` names the first missing
     /// one.
-    fn is_complete(&mut self, place: Place<'b>) -> bool {
+    fn is_complete(&mut self, place: ResolvedPlace<'b>) -> bool {
         match place.what {
             What::Block => self.are_complete(&self.block.members, place),
             What::Struct(member) => self.are_complete(&member.members, place),
@@ -223,7 +223,7 @@ impl<'b> Encoder<'b> {
         }
     }
 
-    fn are_complete(&mut self, members: &'b [MemberLayout], place: Place<'b>) -> bool {
+    fn are_complete(&mut self, members: &'b [MemberLayout], place: ResolvedPlace<'b>) -> bool {
         members.iter().all(|member| {
             let before = self.path.len();
             let dot = if before > 0 { "." } else { "" };

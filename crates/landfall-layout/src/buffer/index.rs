@@ -20,7 +20,7 @@ use crate::shape::ArrayLen;
 #[derive(Debug)]
 pub(crate) struct Index {
     /// Slots, a power of two, probed linearly from the hash on.
-    slots: Box<[Step]>,
+    slots: Box<[TrieStep]>,
     /// A fingerprint of the layout, equal for blocks laid out alike.
     pub fingerprint: u64,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Index {
 /// A transition from one state to the next by a chunk; one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Step {
+struct TrieStep {
     /// The chunk's bytes, the first one lowest; no name contains a zero byte.
     chunk: u64,
     /// The source state.
@@ -62,7 +62,7 @@ const NOWHERE: u32 = u32::MAX;
 /// to collide cost no more than others.
 const PROBES: usize = 16;
 
-const FREE: Step = Step {
+const FREE: TrieStep = TrieStep {
     chunk: 0,
     from: NOWHERE,
     to: NOWHERE,
@@ -106,7 +106,7 @@ impl Index {
                 let step = &mut index.slots[slot];
                 if step.to == NOWHERE {
                     states += 1;
-                    *step = Step { chunk, from: state, to: states, size, ..FREE };
+                    *step = TrieStep { chunk, from: state, to: states, size, ..FREE };
                 }
                 if opens {
                     step.dim = dims.next().unwrap_or(FREE.dim);
@@ -148,7 +148,7 @@ impl Index {
     }
 
     #[inline]
-    fn step(&self, state: u32, chunk: u64) -> Option<&Step> {
+    fn step(&self, state: u32, chunk: u64) -> Option<&TrieStep> {
         let home = self.home(state, chunk);
         let step = self.slots.get(home)?;
         if step.chunk == chunk && step.from == state {
@@ -158,7 +158,7 @@ impl Index {
     }
 
     #[inline(never)]
-    fn probe(&self, home: usize, state: u32, chunk: u64) -> Option<&Step> {
+    fn probe(&self, home: usize, state: u32, chunk: u64) -> Option<&TrieStep> {
         (1..PROBES)
             .map(|probe| &self.slots[(home + probe) & (self.slots.len() - 1)])
             .take_while(|step| step.to != NOWHERE)

@@ -11,7 +11,7 @@ use crate::text::edit_distance::nearest;
 
 /// A named place in a block.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place<'b> {
+pub(crate) struct ResolvedPlace<'b> {
     /// Offset from the start of the block.
     pub offset: u64,
     pub what: What<'b>,
@@ -19,20 +19,21 @@ pub(crate) struct Place<'b> {
     pub index: u64,
 }
 
-impl<'b> Place<'b> {
+impl<'b> ResolvedPlace<'b> {
     /// The whole block.
-    pub const BLOCK: Place<'static> = Place { offset: 0, what: What::Block, index: 0 };
+    pub const BLOCK: ResolvedPlace<'static> =
+        ResolvedPlace { offset: 0, what: What::Block, index: 0 };
 
     /// Returns the place of a member of this structure.
-    pub fn member(self, member: &'b MemberLayout) -> Place<'b> {
+    pub fn member(self, member: &'b MemberLayout) -> ResolvedPlace<'b> {
         let offset = self.offset + member.offset.unwrap_or(0);
-        Place { offset, what: element(member, 0), index: 0 }
+        ResolvedPlace { offset, what: element(member, 0), index: 0 }
     }
 
     /// Returns the place of an element of this array: a member from dimension `dim` inwards.
-    pub fn element(self, member: &'b MemberLayout, dim: usize, index: u64) -> Place<'b> {
+    pub fn element(self, member: &'b MemberLayout, dim: usize, index: u64) -> ResolvedPlace<'b> {
         let offset = self.offset + index * member.strides[dim];
-        Place { offset, what: element(member, dim + 1), index }
+        ResolvedPlace { offset, what: element(member, dim + 1), index }
     }
 }
 
@@ -50,7 +51,7 @@ pub(crate) enum What<'b> {
 }
 
 /// A path being resolved.
-struct Reader<'p, 'b> {
+struct PathReader<'p, 'b> {
     block: &'b BlockLayout,
     path: &'p str,
     at: usize,
@@ -67,23 +68,23 @@ pub(crate) fn resolve<'b>(
     tail: usize,
     path: &str,
     open: Option<&mut dyn FnMut(Dim)>,
-) -> Result<Place<'b>, BufferError> {
-    let mut reader = Reader { block, path, at: 0, tail };
+) -> Result<ResolvedPlace<'b>, BufferError> {
+    let mut reader = PathReader { block, path, at: 0, tail };
     if path.is_empty() {
-        return Ok(Place::BLOCK);
+        return Ok(ResolvedPlace::BLOCK);
     }
     let first = reader.peek_name();
     if !block.members.iter().any(|m| &*m.name == first) {
         let names = [block.instance.as_deref(), Some(&*block.name)];
         if names.into_iter().flatten().any(|name| name == first && !name.is_empty()) {
             match path.as_bytes().get(first.len()) {
-                None => return Ok(Place::BLOCK),
+                None => return Ok(ResolvedPlace::BLOCK),
                 Some(b'.') => reader.at = first.len() + 1,
                 Some(_) => {}
             }
         }
     }
-    reader.member(&reader.block.members, Place::BLOCK, open)
+    reader.member(&reader.block.members, ResolvedPlace::BLOCK, open)
 }
 
 /// Resolves a path from one element of a structure, or from the block for `What::Block`.
@@ -91,23 +92,23 @@ pub(crate) fn resolve_in<'b>(
     block: &'b BlockLayout,
     tail: usize,
     path: &str,
-    from: Place<'b>,
-) -> Result<Place<'b>, BufferError> {
-    let mut reader = Reader { block, path, at: 0, tail };
+    from: ResolvedPlace<'b>,
+) -> Result<ResolvedPlace<'b>, BufferError> {
+    let mut reader = PathReader { block, path, at: 0, tail };
     match from.what {
         What::Struct(member) => reader.member(&member.members, from, None),
         What::Block | What::Array(..) | What::Leaf(_) => resolve(block, tail, path, None),
     }
 }
 
-impl<'b> Reader<'_, 'b> {
+impl<'b> PathReader<'_, 'b> {
     /// Resolves a member of a structure and the rest of the path.
     fn member(
         &mut self,
         mut members: &'b [MemberLayout],
-        mut place: Place<'b>,
+        mut place: ResolvedPlace<'b>,
         mut open: Option<&mut dyn FnMut(Dim)>,
-    ) -> Result<Place<'b>, BufferError> {
+    ) -> Result<ResolvedPlace<'b>, BufferError> {
         loop {
             let start = self.at;
             let name = self.peek_name();
@@ -121,7 +122,7 @@ impl<'b> Reader<'_, 'b> {
             place = place.member(member);
             while let Some(step) = self.step()? {
                 match (place.what, step) {
-                    (What::Array(member, dim), Step::Index(index)) => {
+                    (What::Array(member, dim), PathStep::Index(index)) => {
                         let shape = self.dim(member, dim);
                         match (index, &mut open) {
                             (Some(index), _) => {
@@ -137,8 +138,8 @@ impl<'b> Reader<'_, 'b> {
                         place.offset += inner.0 as u64;
                         place.what = What::Leaf(inner.1);
                     }
-                    (What::Struct(_), Step::Dot) => break,
-                    (What::Array(member, dim), Step::Dot) => {
+                    (What::Struct(_), PathStep::Dot) => break,
+                    (What::Array(member, dim), PathStep::Dot) => {
                         return Err(self.missing_index(self.dim(member, dim)));
                     }
                     (What::Struct(_) | What::Block, _) => {
@@ -163,13 +164,13 @@ impl<'b> Reader<'_, 'b> {
     }
 
     /// Reads the next `[index]`, `[]` or `.`; `None` at the end.
-    fn step(&mut self) -> Result<Option<Step>, BufferError> {
+    fn step(&mut self) -> Result<Option<PathStep>, BufferError> {
         let rest = &self.path[self.at..];
         match rest.as_bytes().first() {
             None => Ok(None),
             Some(b'.') => {
                 self.at += 1;
-                Ok(Some(Step::Dot))
+                Ok(Some(PathStep::Dot))
             }
             Some(b'[') => {
                 self.at += 1;
@@ -181,30 +182,30 @@ impl<'b> Reader<'_, 'b> {
                 }
                 self.at += 1;
                 let index = number.parse().ok().or((digits > 0).then_some(u64::MAX));
-                Ok(Some(Step::Index(index)))
+                Ok(Some(PathStep::Index(index)))
             }
             Some(_) => Err(self.malformed("`.` or `[`")),
         }
     }
 
     /// Resolves a column or component of a leaf to its offset in the leaf and its grid.
-    fn inside(&mut self, grid: Grid, step: Step) -> Result<(usize, Grid), BufferError> {
+    fn inside(&mut self, grid: Grid, step: PathStep) -> Result<(usize, Grid), BufferError> {
         let (columns, rows) = (u64::from(grid.columns), u64::from(grid.rows));
         let shape = |len: u64| Dim { len: Some(len as usize), stride: 0 };
         match step {
-            Step::Index(None) => {
+            PathStep::Index(None) => {
                 let len = if columns > 1 { columns } else { rows };
                 Err(self.missing_index(shape(len)))
             }
-            Step::Index(Some(index)) if columns > 1 => {
+            PathStep::Index(Some(index)) if columns > 1 => {
                 self.check(index, columns as usize, shape(columns))?;
                 Ok((grid.component(index as usize, 0), grid.column()))
             }
-            Step::Index(Some(index)) if rows > 1 => {
+            PathStep::Index(Some(index)) if rows > 1 => {
                 self.check(index, rows as usize, shape(rows))?;
                 Ok((grid.component(0, index as usize), grid.cell()))
             }
-            Step::Dot if columns == 1 && rows > 1 => {
+            PathStep::Dot if columns == 1 && rows > 1 => {
                 let name = self.peek_name();
                 let row = ["xyzw", "rgba", "stpq"]
                     .iter()
@@ -222,7 +223,7 @@ impl<'b> Reader<'_, 'b> {
                     }),
                 }
             }
-            Step::Index(Some(_)) | Step::Dot => {
+            PathStep::Index(Some(_)) | PathStep::Dot => {
                 let ty = self.spelled(What::Leaf(grid));
                 Err(BufferError::NotAnArray { path: self.before(), ty })
             }
@@ -279,7 +280,7 @@ impl<'b> Reader<'_, 'b> {
 
 /// One step of a path after a name.
 #[derive(Clone, Copy)]
-enum Step {
+enum PathStep {
     Index(Option<u64>),
     Dot,
 }

@@ -92,7 +92,7 @@ struct Block<'a> {
     size: Option<u64>,
     data_size: Option<u64>,
     align: Option<u64>,
-    span: Place,
+    span: LineColumn,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     opaque: Vec<String>,
     members: Vec<Member<'a>>,
@@ -119,7 +119,7 @@ struct Member<'a> {
     matrix_stride: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     row_major: Option<bool>,
-    span: Place,
+    span: LineColumn,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     members: Vec<Member<'a>>,
 }
@@ -147,7 +147,7 @@ struct LeafObject<'a> {
 
 /// A line and column, from 1; the path only in included files.
 #[derive(serde::Serialize)]
-struct Place {
+struct LineColumn {
     line: u32,
     column: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -161,10 +161,10 @@ struct Context<'a, 'f> {
 }
 
 impl Context<'_, '_> {
-    fn place(&mut self, span: Span) -> Place {
+    fn place(&mut self, span: Span) -> LineColumn {
         let at = self.places.locate(span);
         let path = (at.path != self.path).then_some(at.path);
-        Place { line: at.line, column: at.column, path }
+        LineColumn { line: at.line, column: at.column, path }
     }
 }
 

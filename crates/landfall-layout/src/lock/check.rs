@@ -3,7 +3,7 @@
 //! Called by [`super::read`], so that the blocks of a lock are as trustworthy as those of a
 //! shader.
 
-use super::place::Place;
+use super::place::JsonText;
 use crate::error::Error;
 use crate::layout::measure::reach;
 use crate::layout::{BlockLayout, MemberLayout, occupied};
@@ -20,7 +20,7 @@ pub(super) struct MemberContext<'n> {
 }
 
 /// Checks that no two blocks share both name and instance.
-pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
+pub(super) fn blocks(place: &JsonText<'_>, blocks: &[BlockLayout]) -> Result<(), Error> {
     let key = |b: &BlockLayout| (b.name.clone(), b.instance.clone(), b.space, b.group, b.binding);
     let mut seen = std::collections::HashSet::new();
     match blocks.iter().find(|block| !seen.insert(key(block))) {
@@ -33,7 +33,7 @@ pub(super) fn blocks(place: &Place<'_>, blocks: &[BlockLayout]) -> Result<(), Er
 }
 
 /// Checks a block against its members.
-pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error> {
+pub(super) fn block(place: &JsonText<'_>, block: &BlockLayout) -> Result<(), Error> {
     let refuse = |message: String| Err(place.contradiction(block.span.start, &message));
     let name = &block.name;
     siblings(place, &block.members)?;
@@ -64,7 +64,7 @@ pub(super) fn block(place: &Place<'_>, block: &BlockLayout) -> Result<(), Error>
 
 /// Checks a member against its type and its own members.
 pub(super) fn member(
-    place: &Place<'_>,
+    place: &JsonText<'_>,
     member: &MemberLayout,
     within: &MemberContext<'_>,
 ) -> Result<(), Error> {
@@ -137,7 +137,7 @@ fn element(member: &MemberLayout) -> u128 {
 }
 
 /// Checks that members differ in name and do not overlap.
-fn siblings(place: &Place<'_>, members: &[MemberLayout]) -> Result<(), Error> {
+fn siblings(place: &JsonText<'_>, members: &[MemberLayout]) -> Result<(), Error> {
     let mut seen = std::collections::HashSet::new();
     if let Some(twice) = members.iter().find(|member| !seen.insert(&member.name)) {
         let message = format!("the member `{}` is listed twice", twice.name);

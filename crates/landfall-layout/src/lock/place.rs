@@ -15,7 +15,7 @@ pub(super) const WRITE_AGAIN: &str =
 
 /// A JSON text, for error locations.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'t> {
+pub(super) struct JsonText<'t> {
     pub path: &'t str,
     pub text: &'t str,
 }
@@ -35,7 +35,7 @@ impl<'n> Object<'n> {
     }
 
     /// Rejects unknown keys.
-    pub(super) fn known(&self, place: &Place<'_>, keys: &[&str]) -> Result<(), Error> {
+    pub(super) fn known(&self, place: &JsonText<'_>, keys: &[&str]) -> Result<(), Error> {
         match self.entries.iter().find(|(key, _, _)| !keys.contains(&key.as_str())) {
             None => Ok(()),
             Some((key, at, _)) => {
@@ -49,7 +49,7 @@ impl<'n> Object<'n> {
     }
 }
 
-impl Place<'_> {
+impl JsonText<'_> {
     fn line(&self, at: usize) -> usize {
         memchr::memchr_iter(b'\n', &self.text.as_bytes()[..at.min(self.text.len())]).count() + 1
     }

@@ -7,13 +7,13 @@ mod blocks;
 
 use std::sync::Arc;
 
-use super::place::{Object, Place};
+use super::place::{JsonText, Object};
 use super::{Lock, SCHEMA_VERSION};
 use crate::error::Error;
 use crate::source::Files;
 use crate::text::json;
 use crate::text::json::{Node, Value};
-use blocks::{Reader, Shape};
+use blocks::{BlockReader, Shape};
 
 /// Reads a lock, or the layout of one shader as `layout --format json` prints it.
 ///
@@ -40,7 +40,7 @@ pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
 /// Returns the errors of [`read`].
 pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let place = Place { path, text };
+    let place = JsonText { path, text };
     if let Some((line, marker)) = conflict(text) {
         let message = format!("has a merge conflict at line {line}: `{marker}`");
         return Err(Error::new(path, message).with_help(
@@ -57,7 +57,7 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
     let root = place.object(&root, "the whole text")?;
     place.version(&root)?;
     let reader = |object: Object<'_>, shape: Shape| {
-        Reader { place, shape, files: files.clone() }.lock(object)
+        BlockReader { place, shape, files: files.clone() }.lock(object)
     };
     if root.get("blocks").is_some() {
         return Ok(vec![reader(root, Shape::Lock)?]);

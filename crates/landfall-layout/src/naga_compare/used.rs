@@ -34,7 +34,7 @@ pub fn used(
     let info = guarded_validation(|| {
         Validator::new(ValidationFlags::empty(), Capabilities::all()).validate(&module).ok()
     })?;
-    let mut touched: Vec<(Handle<GlobalVariable>, Vec<Step>)> = Vec::new();
+    let mut touched: Vec<(Handle<GlobalVariable>, Vec<AccessStep>)> = Vec::new();
     let language = source.language;
     for (handle, function) in module.functions.iter() {
         touches(&module, function, &info[handle], language, &mut touched);
@@ -52,7 +52,7 @@ pub fn used(
 
 /// One step from a variable to the place accessed.
 #[derive(Clone, Copy)]
-enum Step {
+enum AccessStep {
     /// A member, or an element of a non-array.
     Index(u32),
     /// A dynamically indexed element.
@@ -66,7 +66,7 @@ fn touches(
     function: &Function,
     info: &FunctionInfo,
     language: Language,
-    touched: &mut Vec<(Handle<GlobalVariable>, Vec<Step>)>,
+    touched: &mut Vec<(Handle<GlobalVariable>, Vec<AccessStep>)>,
 ) {
     // The number of times an expression is only the base of a further step.
     let mut steps = vec![0usize; function.expressions.len()];
@@ -104,7 +104,7 @@ fn touches(
 /// The steps from a variable to a place in it, or to its value.
 struct Way {
     variable: Handle<GlobalVariable>,
-    steps: Vec<Step>,
+    steps: Vec<AccessStep>,
     loaded: bool,
 }
 
@@ -122,11 +122,11 @@ fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) 
                 .then_some(Way { variable, steps, loaded });
             }
             Expression::AccessIndex { base, index } => {
-                steps.push(Step::Index(index));
+                steps.push(AccessStep::Index(index));
                 handle = base;
             }
             Expression::Access { base, .. } => {
-                steps.push(Step::Any);
+                steps.push(AccessStep::Any);
                 handle = base;
             }
             Expression::Load { pointer } => {
@@ -142,7 +142,7 @@ fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) 
 fn spelled(
     module: &Module,
     variable: Handle<GlobalVariable>,
-    steps: &[Step],
+    steps: &[AccessStep],
     block: &BlockLayout,
     source: &Source,
 ) -> String {
@@ -163,7 +163,7 @@ fn spelled(
                 }
                 ty = *base;
             }
-            (TypeInner::Struct { members, .. }, Step::Index(index)) => {
+            (TypeInner::Struct { members, .. }, AccessStep::Index(index)) => {
                 let Some(member) = members.get(*index as usize) else { break };
                 if !path.is_empty() {
                     path.push('.');

@@ -76,7 +76,7 @@ impl Value {
 
 /// Parses a whole text.
 pub fn parse(text: &str) -> Result<Node, Fault> {
-    let mut reader = Reader { text, at: 0 };
+    let mut reader = JsonReader { text, at: 0 };
     let node = reader.value(0)?;
     reader.blanks();
     match reader.peek() {
@@ -85,12 +85,12 @@ pub fn parse(text: &str) -> Result<Node, Fault> {
     }
 }
 
-struct Reader<'t> {
+struct JsonReader<'t> {
     text: &'t str,
     at: usize,
 }
 
-impl Reader<'_> {
+impl JsonReader<'_> {
     fn peek(&self) -> Option<u8> {
         self.text.as_bytes().get(self.at).copied()
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The byte ranges of a JSON value and of the key directly before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct JsonRange {
     /// The key before the value, if any.
     pub key: Option<Range<usize>>,
     /// The value.
@@ -15,7 +15,7 @@ pub struct Found {
 
 /// Returns the value at a path whose keys are spelled as written: `data[1].pos[2]`, which also
 /// matches `{"data[1].pos": […]}`.
-pub fn locate(text: &str, path: &str) -> Option<Found> {
+pub fn locate(text: &str, path: &str) -> Option<JsonRange> {
     let scan = Scan { text };
     scan.find(scan.space(0), path, None)
 }
@@ -33,9 +33,9 @@ struct Scan<'t> {
 }
 
 impl Scan<'_> {
-    fn find(&self, start: usize, path: &str, key: Option<Range<usize>>) -> Option<Found> {
+    fn find(&self, start: usize, path: &str, key: Option<Range<usize>>) -> Option<JsonRange> {
         if path.is_empty() {
-            return Some(Found { key, value: start..self.end(start)? });
+            return Some(JsonRange { key, value: start..self.end(start)? });
         }
         match self.byte(start)? {
             b'{' => self.in_object(start, path.strip_prefix('.').unwrap_or(path)),
@@ -44,7 +44,7 @@ impl Scan<'_> {
         }
     }
 
-    fn in_object(&self, start: usize, path: &str) -> Option<Found> {
+    fn in_object(&self, start: usize, path: &str) -> Option<JsonRange> {
         let mut at = self.space(start + 1);
         while self.byte(at)? == b'"' {
             let key = at..self.end(at)?;
@@ -63,7 +63,7 @@ impl Scan<'_> {
         None
     }
 
-    fn in_array(&self, start: usize, path: &str) -> Option<Found> {
+    fn in_array(&self, start: usize, path: &str) -> Option<JsonRange> {
         let (index, rest) = path.strip_prefix('[')?.split_once(']')?;
         let mut at = self.space(start + 1);
         for _ in 0..index.parse::<usize>().ok()? {

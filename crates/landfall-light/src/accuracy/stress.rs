@@ -47,7 +47,7 @@ pub use backends::{BackendReport, Disagreement, DriverCase};
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
 pub use condition::Condition;
-pub use found::{Against, BackendResult, Found, Worst};
+pub use found::{Against, BackendResult, StressFinding, Worst};
 pub use generate::Family;
 pub use kept::Tally;
 pub use map::{MapRequest, error_map};

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::STEP;
-use crate::plan::{Claim, Measured, Plan, Step};
+use crate::plan::{Claim, Measured, OptionEffect, Plan};
 use crate::shading_f32::{
     Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
 };
@@ -75,7 +75,7 @@ pub(super) fn gates(
     frame: &Frame,
     model: &Model,
     steps: f64,
-) -> Step {
+) -> OptionEffect {
     let stride = plan.evaluations().div_ceil(MOST / 4).max(1) as usize;
     let plan = thin(plan, stride);
     let lit = |surfaces: &[Surface], gates: Gates| -> Shaded<Work> {
@@ -109,7 +109,7 @@ pub(super) fn gates(
     };
     let option = if steps > 0.0 { format!("gates={steps}") } else { "gates".to_string() };
     // Gates do not change the lists: the evaluations of the plan stay.
-    Step { option, did, evaluations: None, error, tests: 0 }
+    OptionEffect { option, did, evaluations: None, error, tests: 0 }
 }
 
 /// Lights all fragments with all lights, for comparison.

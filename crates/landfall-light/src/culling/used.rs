@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bound::{Bounded, Kind};
 use super::options::Options;
-use crate::plan::{Claim, Compiled, Plan, Savings, Step};
+use crate::plan::{Claim, Compiled, OptionEffect, Plan, Savings};
 use crate::scene::Emission;
 use crate::shading_f32::Model;
 use crate::{Frame, Upload};
@@ -63,7 +63,7 @@ pub(super) fn used(
              slot of the plain loop adds 0 * (1 / 0), which is NaN"
                 .to_string(),
         );
-        savings.steps.push(Step {
+        savings.steps.push(OptionEffect {
             option: "used".to_string(),
             did,
             evaluations: Some([before, after]),

@@ -21,14 +21,14 @@ pub struct Setting {
     /// The name of the constant.
     pub name: String,
     /// The kind of constant.
-    pub place: Place,
+    pub place: ConstantKind,
     /// The value.
     pub value: Value,
 }
 
 /// The kinds of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ConstantKind {
     /// A macro that the text defines only if it is undefined.
     Define,
     /// A specialisation constant, or an override of WGSL.
@@ -48,8 +48,8 @@ impl Setting {
     /// Returns the value in `-D NAME=` or `-O NAME=`.
     pub fn text(&self) -> String {
         match (self.value, self.place) {
-            (Value::Has(has), Place::Define) => u32::from(has).to_string(),
-            (Value::Has(has), Place::Override) => has.to_string(),
+            (Value::Has(has), ConstantKind::Define) => u32::from(has).to_string(),
+            (Value::Has(has), ConstantKind::Override) => has.to_string(),
             (Value::Length(length), _) => length.to_string(),
         }
     }
@@ -60,7 +60,7 @@ impl Compiled {
     /// `HAS_POINT_LIGHTS`, `MAX_SPOT_LIGHTS`, `POINT_LIGHT_MAX_NUM`. Other names are ignored.
     pub fn settings(&self, text: &str) -> Vec<Setting> {
         let constants = constants(text).into_iter();
-        let setting = |(name, place): (&str, Place)| {
+        let setting = |(name, place): (&str, ConstantKind)| {
             Some(Setting { name: name.to_string(), place, value: self.value(name)? })
         };
         constants.filter_map(setting).collect()
@@ -93,22 +93,22 @@ impl Compiled {
 
 /// Returns the distinct constants of a text that can be set from outside. The text is only split
 /// into words: a constant in a comment is found too, and setting it has no effect.
-fn constants(text: &str) -> Vec<(&str, Place)> {
+fn constants(text: &str) -> Vec<(&str, ConstantKind)> {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let mut found: Vec<(&str, Place)> = Vec::new();
+    let mut found: Vec<(&str, ConstantKind)> = Vec::new();
     for line in text.lines() {
         let mut words = line.split(|c| !is_name(c)).filter(|word| !word.is_empty());
         let name = match words.next() {
-            Some("ifndef") => words.next().map(|name| (name, Place::Define)),
+            Some("ifndef") => words.next().map(|name| (name, ConstantKind::Define)),
             // `layout(constant_id = 0) const bool NAME = true;`
             Some("layout") if words.next() == Some("constant_id") => {
                 let name = words.skip_while(|word| *word != "const").nth(2);
-                name.map(|name| (name, Place::Override))
+                name.map(|name| (name, ConstantKind::Override))
             }
             // `override NAME: bool = true;`, behind `@id(0)` too
-            Some("override") => words.next().map(|name| (name, Place::Override)),
+            Some("override") => words.next().map(|name| (name, ConstantKind::Override)),
             Some("id") => match words.nth(1) {
-                Some("override") => words.next().map(|name| (name, Place::Override)),
+                Some("override") => words.next().map(|name| (name, ConstantKind::Override)),
                 _ => None,
             },
             _ => None,

@@ -86,7 +86,7 @@ const MOST_FAULTS: usize = 20;
 /// # Errors
 /// The errors by line, at most twenty.
 pub fn read_obj(text: &str) -> Result<ObjMesh, Vec<ObjFault>> {
-    let mut reader = Reader::default();
+    let mut reader = ObjReader::default();
     let mut faults = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive('\n') {
@@ -130,7 +130,7 @@ fn words(line: &str, start: usize) -> Vec<Word<'_>> {
 type Corner = (usize, Option<usize>, Option<usize>);
 
 #[derive(Default)]
-struct Reader {
+struct ObjReader {
     positions: Vec<DVec3>,
     coordinates: Vec<DVec2>,
     normals: Vec<DVec3>,
@@ -139,29 +139,29 @@ struct Reader {
     read: ObjMesh,
 }
 
-impl Reader {
+impl ObjReader {
     fn line(&mut self, words: &[Word<'_>]) -> Result<(), ObjFault> {
         let Some((keyword, rest)) = words.split_first() else { return Ok(()) };
         match keyword.text {
             // A fourth number is a weight, further ones a colour; neither moves a corner.
             "v" => {
                 let read = numbers(keyword, rest, "v 0 1 0").map(DVec3::from_array);
-                Reader::keep(&mut self.positions, read)?;
+                ObjReader::keep(&mut self.positions, read)?;
             }
             "vn" => {
                 let read = numbers(keyword, rest, "vn 0 1 0").map(DVec3::from_array);
                 if read == Ok(DVec3::ZERO) {
                     let message = "`vn 0 0 0` is a normal without a direction".to_string();
-                    return Reader::keep(&mut self.normals, Err(keyword.fault(message)));
+                    return ObjReader::keep(&mut self.normals, Err(keyword.fault(message)));
                 }
-                Reader::keep(&mut self.normals, read)?;
+                ObjReader::keep(&mut self.normals, read)?;
             }
             "vt" => {
                 let read = match rest {
                     [_] => numbers(keyword, rest, "vt 0 1").map(|[u]| DVec2::new(u, 0.0)),
                     _ => numbers(keyword, rest, "vt 0 1").map(DVec2::from_array),
                 };
-                Reader::keep(&mut self.coordinates, read)?;
+                ObjReader::keep(&mut self.coordinates, read)?;
             }
             "f" => self.face(keyword, rest)?,
             other if PASSED_OVER.contains(&other) => {}

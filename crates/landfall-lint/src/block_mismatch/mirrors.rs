@@ -19,7 +19,7 @@ pub(super) fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Findin
 }
 
 /// The block or structure that a copy in the configuration refers to in one shader.
-pub struct Found<'a> {
+pub struct MirrorTarget<'a> {
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     view: View<'a>,
@@ -30,7 +30,7 @@ pub struct Found<'a> {
 
 fn in_group(group: &MirrorGroup, subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut reference: Option<Found<'_>> = None;
+    let mut reference: Option<MirrorTarget<'_>> = None;
     for copy in &group.copies {
         let files = || subjects.iter().filter(|s| glob::matches(&copy.file, &s.source.path));
         let mut found = files().flat_map(|subject| resolve(copy, subject)).peekable();
@@ -50,8 +50,8 @@ fn in_group(group: &MirrorGroup, subjects: &[Subject<'_>]) -> Vec<Finding> {
 fn compared(
     group: &MirrorGroup,
     copy: &MirrorCopy,
-    here: &Found<'_>,
-    there: &Found<'_>,
+    here: &MirrorTarget<'_>,
+    there: &MirrorTarget<'_>,
 ) -> Option<Finding> {
     let mut all = differences(&here.view, &there.view);
     if let (true, Some(a), Some(b)) = (all.is_empty(), here.view.size, there.view.size) {
@@ -121,7 +121,7 @@ fn missing<'a>(
 
 /// Returns the blocks or structures that a copy refers to in a shader: blocks of that name, or the
 /// structure at the end of that path.
-fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<Found<'a>> {
+fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<MirrorTarget<'a>> {
     let path = segments(copy.block.trim()).unwrap_or_default();
     let names: Vec<&str> = path
         .iter()
@@ -132,7 +132,7 @@ fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<Found<'a>> {
         .collect();
     let Some((first, rest)) = names.split_first() else { return Vec::new() };
     let blocks = || subject.shader.blocks.iter();
-    let mut found: Vec<Found<'a>> = Vec::new();
+    let mut found: Vec<MirrorTarget<'a>> = Vec::new();
     for block in blocks().filter(|block| is_called(block, first)) {
         match rest {
             [] => found.push(whole(copy, subject, block)),
@@ -148,12 +148,16 @@ fn resolve<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>) -> Vec<Found<'a>> {
     found
 }
 
-fn whole<'a>(copy: &MirrorCopy, subject: &'a Subject<'a>, block: &'a BlockLayout) -> Found<'a> {
+fn whole<'a>(
+    copy: &MirrorCopy,
+    subject: &'a Subject<'a>,
+    block: &'a BlockLayout,
+) -> MirrorTarget<'a> {
     let mut view = super::view(block, subject.shader.language);
     for leaf in &mut view.leaves {
         leaf.name = canonical(copy, &leaf.name);
     }
-    Found { subject, block, view, name: block.name.to_string(), span: block.span }
+    MirrorTarget { subject, block, view, name: block.name.to_string(), span: block.span }
 }
 
 /// Returns the structure at the end of a path of members.
@@ -162,7 +166,7 @@ fn part<'a>(
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     names: &[&str],
-) -> Option<Found<'a>> {
+) -> Option<MirrorTarget<'a>> {
     let mut members = &block.members;
     let mut steps = Vec::new();
     for name in names {
@@ -179,7 +183,7 @@ fn structure<'a>(
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     name: &str,
-) -> Option<Found<'a>> {
+) -> Option<MirrorTarget<'a>> {
     fn find<'a>(
         members: &'a [MemberLayout],
         name: &str,
@@ -206,7 +210,7 @@ fn element<'a>(
     subject: &'a Subject<'a>,
     block: &'a BlockLayout,
     steps: &[&'a MemberLayout],
-) -> Option<Found<'a>> {
+) -> Option<MirrorTarget<'a>> {
     let last = *steps.last()?;
     let Type::Struct(s) = last.ty.innermost() else { return None };
     let step =
@@ -231,7 +235,7 @@ fn element<'a>(
         size: last.strides.last().copied(),
         language: subject.shader.language,
     };
-    Some(Found {
+    Some(MirrorTarget {
         subject,
         block,
         view,

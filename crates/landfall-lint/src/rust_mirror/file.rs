@@ -77,7 +77,7 @@ pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
     let text = file.text.strip_prefix('\u{feff}').unwrap_or(&file.text);
     let mut files = Files::default();
     files.add(&file.path, text.into());
-    let mut reader = Reader {
+    let mut reader = ItemReader {
         text,
         files,
         declarations: Declarations {
@@ -100,7 +100,7 @@ pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
     Ok(reader.declarations)
 }
 
-struct Reader<'t> {
+struct ItemReader<'t> {
     text: &'t str,
     files: Files,
     declarations: Declarations,
@@ -108,7 +108,7 @@ struct Reader<'t> {
     literals: Vec<std::ops::Range<usize>>,
 }
 
-impl Reader<'_> {
+impl ItemReader<'_> {
     fn place(&self, span: proc_macro2::Span) -> Place {
         let range = span.byte_range();
         Place::of(&self.files, Span { file: 0, start: range.start as u32, end: range.end as u32 })

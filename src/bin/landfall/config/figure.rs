@@ -10,7 +10,7 @@ pub type Wrong = (Range<usize>, String);
 
 /// Evaluates an expression.
 pub fn value(text: &str) -> Result<u64, Wrong> {
-    let mut reader = Reader { text, at: 0, depth: 0 };
+    let mut reader = FigureReader { text, at: 0, depth: 0 };
     let value = reader.sum()?;
     reader.skip();
     if reader.at < text.len() {
@@ -19,13 +19,13 @@ pub fn value(text: &str) -> Result<u64, Wrong> {
     Ok(value)
 }
 
-struct Reader<'a> {
+struct FigureReader<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
 }
 
-impl Reader<'_> {
+impl FigureReader<'_> {
     fn skip(&mut self) {
         let rest = &self.text[self.at..];
         self.at += rest.len() - rest.trim_start().len();

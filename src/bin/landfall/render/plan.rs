@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use landfall_layout::Error;
 use landfall_light::culling;
-use landfall_light::culling::{Costs, Measured, Place, Plan};
+use landfall_light::culling::{ConstantKind, Costs, Measured, Plan};
 use landfall_light::reference;
 use landfall_light::render::{Renderer, Work};
 use landfall_light::shading_f32::Model;
@@ -77,8 +77,8 @@ pub fn plan(
                 for setting in &settings {
                     let given = (setting.name.clone(), setting.text());
                     match setting.place {
-                        Place::Define => read.defines.push(given),
-                        Place::Override => read.overrides.push(given),
+                        ConstantKind::Define => read.defines.push(given),
+                        ConstantKind::Override => read.overrides.push(given),
                     }
                 }
             })?;

@@ -9,7 +9,7 @@ use std::thread;
 
 use super::frame::{Frame, invalid};
 use super::wire::{Reply, Request, Times, WireDevice, WireFound, stage};
-use crate::backend::devices::Found;
+use crate::backend::devices::BackendEntry;
 use crate::backend::{Backend, Failure, Job, JobOutput};
 use crate::processor;
 use landfall_ir::Module;
@@ -185,7 +185,7 @@ fn open(driver_kind: &DriverKind, timed: bool) -> Result<Driver, Failure> {
     }
 }
 
-fn list(driver_kind: &DriverKind) -> Result<Vec<Found>, Failure> {
+fn list(driver_kind: &DriverKind) -> Result<Vec<BackendEntry>, Failure> {
     match driver_kind {
         #[cfg(feature = "gl")]
         DriverKind::Gl => crate::backend::gl::Gl::list(),
@@ -210,7 +210,7 @@ fn module(_: &[u8]) -> io::Result<Module> {
 
 #[cfg(not(all(feature = "gl", feature = "gpu")))]
 fn absent(backend: BackendKind) -> Failure {
-    match Found::not_built(backend).outcome {
+    match BackendEntry::not_built(backend).outcome {
         Err(failure) => failure,
         Ok(_) => unreachable!("what was not built is missing"),
     }

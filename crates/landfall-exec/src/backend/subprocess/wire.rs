@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Blob, Frame, invalid};
-use crate::backend::devices::{Found, Limits};
+use crate::backend::devices::{BackendEntry, Limits};
 use crate::backend::{
     Device, Failure, Grid, Job, JobOutput, LooseUniform, Resource, ResourceKind, StageCode,
 };
@@ -243,22 +243,22 @@ impl WireDevice {
     }
 }
 
-impl From<Found> for WireFound {
-    fn from(found: Found) -> WireFound {
-        let Found { backend, kind, outcome } = found;
+impl From<BackendEntry> for WireFound {
+    fn from(found: BackendEntry) -> WireFound {
+        let BackendEntry { backend, kind, outcome } = found;
         let outcome = outcome.map(|(device, limits)| (WireDevice::from(&device), limits));
         WireFound { backend: backend.to_string(), kind, outcome }
     }
 }
 
 impl WireFound {
-    pub(super) fn found(self) -> io::Result<Found> {
+    pub(super) fn found(self) -> io::Result<BackendEntry> {
         let WireFound { backend, kind, outcome } = self;
         let outcome = match outcome {
             Ok((device, limits)) => Ok((device.device()?, limits)),
             Err(failure) => Err(failure),
         };
-        Ok(Found { backend: known(&backend)?, kind, outcome })
+        Ok(BackendEntry { backend: known(&backend)?, kind, outcome })
     }
 }
 

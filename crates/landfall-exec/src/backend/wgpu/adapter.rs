@@ -3,7 +3,7 @@
 use crate::backend::BackendKind;
 use wgpu::{Adapter, Backend, Backends, DeviceType, Features, Instance, InstanceDescriptor};
 
-use crate::backend::devices::{Found, Limits};
+use crate::backend::devices::{BackendEntry, Limits};
 use crate::backend::{Device, Failure};
 
 /// Selects an adapter.
@@ -49,7 +49,7 @@ pub(super) fn choose(choice: &Choice) -> Result<Adapter, Failure> {
 }
 
 /// Lists every adapter of every wgpu backend in this build, and each wgpu backend without one.
-pub(super) fn list() -> Vec<Found> {
+pub(super) fn list() -> Vec<BackendEntry> {
     let mut found = Vec::new();
     for backend in [Backend::Vulkan, Backend::Metal, Backend::Dx12, Backend::Gl] {
         let backends = Backends::from(backend);
@@ -60,11 +60,11 @@ pub(super) fn list() -> Vec<Found> {
         let kind = backend.to_str().to_string();
         if adapters.is_empty() {
             let outcome = Err(Failure::missing(none(backends), ""));
-            found.push(Found { backend: BackendKind::Gpu, kind: kind.clone(), outcome });
+            found.push(BackendEntry { backend: BackendKind::Gpu, kind: kind.clone(), outcome });
         }
         found.extend(adapters.iter().map(|adapter| {
             let outcome = Ok((device(adapter), limits(adapter)));
-            Found { backend: BackendKind::Gpu, kind: kind.clone(), outcome }
+            BackendEntry { backend: BackendKind::Gpu, kind: kind.clone(), outcome }
         }));
     }
     found

@@ -11,7 +11,8 @@ use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
 use crate::interp::{
-    Call, Called, Floats, Numbers, Place, Program, Settings, Step, Trace, ValueType, Words,
+    Call, Called, Floats, Numbers, Program, Settings, SourceLocation, Trace, TracedOperation,
+    ValueType, Words,
 };
 use landfall_ir::Module;
 use landfall_ir::module::FunctionInfo;
@@ -176,17 +177,17 @@ impl PureFunction {
 
     /// Returns the place of a traced operation; that of the function's name if it has no place in
     /// the text.
-    pub fn place_of(&self, step: &Step) -> Place {
+    pub fn place_of(&self, step: &TracedOperation) -> SourceLocation {
         let place = self.program.place_of(step);
         if place.shown.is_empty() { self.place() } else { place }
     }
 
     /// Returns the place of the function's name.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> SourceLocation {
         let at = self.files.locate(self.name_span);
         let shown = format!("{}:{}:{}", at.path, at.line, at.column);
         let function = self.shown.split('(').next().unwrap_or_default().to_string();
-        Place { function, span: self.name_span, shown }
+        SourceLocation { function, span: self.name_span, shown }
     }
 
     /// Returns the source of each scalar of each result, in order.

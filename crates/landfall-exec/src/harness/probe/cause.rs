@@ -11,7 +11,7 @@ use landfall_layout::shape::{Block, MatrixLayout, Member, OffsetOrder, Rules};
 
 /// The linear placement of a leaf.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Place {
+struct LinearPlacement {
     offset: i64,
     /// The stride of each dimension; `None` if only one element was read.
     strides: Vec<Option<i64>>,
@@ -83,7 +83,7 @@ pub fn cause(
 }
 
 /// Returns the leaf's expected placement, with the strides that `like` has.
-fn of_leaf(leaf: &Leaf, like: &Place) -> Place {
+fn of_leaf(leaf: &Leaf, like: &LinearPlacement) -> LinearPlacement {
     let width = leaf.size.map_or(4, |_| component_width(leaf));
     let matrix = leaf.matrix_stride.map(|stride| stride as i64);
     let (column, row) = match (matrix, leaf.row_major) {
@@ -92,7 +92,7 @@ fn of_leaf(leaf: &Leaf, like: &Place) -> Place {
         (None, _) => (None, Some(width)),
     };
     let strides = leaf.strides.iter().map(|stride| *stride as i64);
-    Place {
+    LinearPlacement {
         offset: leaf.offset.unwrap_or(0) as i64,
         strides: strides.zip(&like.strides).map(|(stride, known)| known.map(|_| stride)).collect(),
         column: like.column.and(column),
@@ -112,7 +112,7 @@ fn component_width(leaf: &Leaf) -> i64 {
 }
 
 /// Fits a linear placement to all results of a leaf.
-fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<Place> {
+fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     let seen: Vec<(&ProbeResult, i64)> = probe_results
         .iter()
         .filter_map(|probe_result| match probe_result.got {
@@ -152,7 +152,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<Place> {
             .sum();
         away.is_some_and(|away| offset + away == *byte)
     });
-    holds.then(|| Place {
+    holds.then(|| LinearPlacement {
         offset,
         strides: distances[..count - 2].to_vec(),
         column: distances[count - 2],
@@ -161,7 +161,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<Place> {
 }
 
 /// Names a known error that gives exactly this placement.
-fn known(others: &OtherRules, leaf: &Leaf, place: &Place) -> Option<String> {
+fn known(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Option<String> {
     if let Some(naga) = &leaf.naga {
         let strides: Vec<i64> = naga.strides.iter().map(|stride| *stride as i64).collect();
         let known: Vec<i64> = place.strides.iter().copied().flatten().collect();

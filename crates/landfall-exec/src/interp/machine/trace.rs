@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::super::code::{Cast, Class, F1, F2, F3, Op, Reg, Stored};
 use super::super::program::FunctionCode;
 use super::super::real::Real;
-use super::super::trace::{Number, Operand, Operation, Source, Step, Trace};
+use super::super::trace::{Number, Operand, Operation, Source, Trace, TracedOperation};
 use super::{Machine, column};
 
 /// Maximum number of recorded steps.
@@ -149,7 +149,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
         if (step as usize) < MOST {
             let origin = self.program.origins[pc];
-            t.trace.steps.push(Step { operation, operands, results, origin });
+            t.trace.steps.push(TracedOperation { operation, operands, results, origin });
         } else {
             t.trace.cut = true;
         }

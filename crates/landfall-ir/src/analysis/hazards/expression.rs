@@ -3,7 +3,7 @@
 use naga::{Expression, Handle, Literal, MathFunction as M};
 
 use super::graph::{Id, Op};
-use super::memory::{Step, Value};
+use super::memory::{Projection, Value};
 use super::walk::{Frame, Walk};
 use landfall_layout::source::Span;
 
@@ -84,7 +84,7 @@ impl<'m> Walk<'m> {
                 let index = self.value(frame, *index);
                 match self.pointer(frame, *base) {
                     Value::At(cell, mut steps) => {
-                        steps.push(Step::Element(index));
+                        steps.push(Projection::Element(index));
                         return Value::At(cell, steps);
                     }
                     Value::Is(base) => self.element(base, index, span),
@@ -92,7 +92,7 @@ impl<'m> Walk<'m> {
             }
             Expression::AccessIndex { base, index } => match self.pointer(frame, *base) {
                 Value::At(cell, mut steps) => {
-                    steps.push(Step::Part(*index));
+                    steps.push(Projection::Part(*index));
                     return Value::At(cell, steps);
                 }
                 Value::Is(base) => self.part(base, *index),

@@ -12,12 +12,12 @@ use landfall_layout::source::Span;
 pub enum Value {
     Is(Id),
     /// A variable that the shader declares.
-    At(usize, Vec<Step>),
+    At(usize, Vec<Projection>),
 }
 
 /// A step into a variable.
 #[derive(Clone, Copy, Debug)]
-pub enum Step {
+pub enum Projection {
     Part(u32),
     Element(Id),
 }
@@ -30,8 +30,8 @@ impl Walk<'_> {
                 let mut id = self.cells[*cell];
                 for step in steps {
                     id = match *step {
-                        Step::Part(index) => self.part(id, index),
-                        Step::Element(index) => self.element(id, index, span),
+                        Projection::Part(index) => self.part(id, index),
+                        Projection::Element(index) => self.element(id, index, span),
                     };
                 }
                 id
@@ -46,15 +46,15 @@ impl Walk<'_> {
         self.cells[*cell] = self.replaced(before, steps, value);
     }
 
-    fn replaced(&mut self, whole: Id, steps: &[Step], value: Id) -> Id {
+    fn replaced(&mut self, whole: Id, steps: &[Projection], value: Id) -> Id {
         let Some((first, rest)) = steps.split_first() else { return value };
         match *first {
-            Step::Part(index) => {
+            Projection::Part(index) => {
                 let part = self.part(whole, index);
                 let part = self.replaced(part, rest, value);
                 self.graph.add(Op::Insert(index), &[whole, part])
             }
-            Step::Element(_) => self.graph.opaque(&[whole, value]),
+            Projection::Element(_) => self.graph.opaque(&[whole, value]),
         }
     }
 

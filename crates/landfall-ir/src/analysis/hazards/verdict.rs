@@ -6,13 +6,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::checks::Candidate;
 use super::graph::{Id, Leaf};
 use super::walk::Walk;
-use super::{Access, Bound, Certainty, Found, Hazard, Kind, Occurrence};
+use super::{Access, Bound, Certainty, Hazard, HazardReport, Kind, Occurrence};
 use crate::analysis::roles::Role;
 use landfall_layout::source::Span;
 
 impl Walk<'_> {
     /// Returns all hazards and accesses, each place once.
-    pub fn judged(mut self) -> Found {
+    pub fn judged(mut self) -> HazardReport {
         self.look_at_specular();
         self.look_at_accesses();
         let cut_short = self.is_cut_short();
@@ -31,7 +31,7 @@ impl Walk<'_> {
         let accesses: Vec<Access> = self.accesses.into_iter().map(|(_, access)| access).collect();
         let mut accesses = accesses;
         accesses.retain(|access| seen.insert((access.light, access.span)));
-        Found { hazards, accesses, cut_short }
+        HazardReport { hazards, accesses, cut_short }
     }
 
     fn look_at_accesses(&mut self) {

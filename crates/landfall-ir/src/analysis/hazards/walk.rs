@@ -9,7 +9,7 @@ use super::checks::Candidate;
 use super::graph::{Graph, Id, Op, Origin};
 use super::memory::Value;
 use super::specular::Power;
-use super::{Access, Found, Setting};
+use super::{Access, HazardReport, Setting};
 use crate::analysis::roles::LightBinding;
 use crate::{Module, call_graph};
 use landfall_layout::source::Language;
@@ -70,7 +70,7 @@ pub enum Flow {
 }
 
 /// Walks every entry point, or, if there is none, every function that no other calls.
-pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) -> Found {
+pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) -> HazardReport {
     let mut walk = Walk {
         module,
         ir: &module.ir,

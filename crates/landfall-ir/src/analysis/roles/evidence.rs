@@ -12,7 +12,7 @@ use landfall_layout::source::Span;
 
 /// The members of a structure and of the structures in it, with their roles.
 #[derive(Default)]
-pub struct Found {
+pub struct RoleEvidence {
     parts: Vec<Part>,
     others: Vec<String>,
     /// Structures in it that are lights themselves, and arrays of structures.
@@ -22,7 +22,7 @@ pub struct Found {
     own: usize,
 }
 
-impl Found {
+impl RoleEvidence {
     pub fn descend<'m>(
         &mut self,
         members: &mut dyn Iterator<Item = (&'m str, &'m Type, Span)>,
@@ -67,12 +67,17 @@ pub(super) enum Evidence {
     Members,
 }
 
-pub(super) fn classify(name: &str, found: Found, span: Span, evidence: Evidence) -> Option<Roles> {
+pub(super) fn classify(
+    name: &str,
+    found: RoleEvidence,
+    span: Span,
+    evidence: Evidence,
+) -> Option<Roles> {
     let said = words(name);
     if evidence != Evidence::Members && is_about_something_else(&said) {
         return None;
     }
-    let Found { mut parts, mut others, .. } = found;
+    let RoleEvidence { mut parts, mut others, .. } = found;
     agree_on_cones(&mut parts);
     agree_on_quadratic(&mut parts);
     keep_first(&mut parts, &mut others);

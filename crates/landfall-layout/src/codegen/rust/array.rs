@@ -6,7 +6,7 @@ use crate::layout::MemberLayout;
 use crate::shape::{ArrayLen, Type};
 
 use super::leaf;
-use super::plan::{Place, Plan};
+use super::plan::{MemberRoom, Plan};
 use super::types::{GeneratedType, Padded, RustType, Sized, Tight};
 
 /// The type of a member at `place`, without its dimensions before `dim`.
@@ -14,7 +14,7 @@ pub(super) fn member_type(
     plan: &mut Plan,
     member: &MemberLayout,
     dim: usize,
-    place: &Place,
+    place: &MemberRoom,
 ) -> Sized {
     let Some(len) = member.dims.get(dim) else {
         return element_type(plan, member, place);
@@ -25,7 +25,8 @@ pub(super) fn member_type(
     let (len, stride) = (u64::from(len), member.strides[dim]);
     let align = place.align.min(divisor(stride));
     if stride * len <= place.room {
-        let element = member_type(plan, member, dim + 1, &Place { room: stride, align, ..*place });
+        let element =
+            member_type(plan, member, dim + 1, &MemberRoom { room: stride, align, ..*place });
         let element = padded(plan, element, stride);
         return Sized { ty: RustType::Array(Box::new(element.ty), len), size: stride * len };
     }
@@ -33,7 +34,7 @@ pub(super) fn member_type(
     let before = stride * (len - 1);
     let room = place.room - before;
     let align = align.min(divisor(tight_size(member, dim + 1)));
-    let element = member_type(plan, member, dim + 1, &Place { room, align, ..*place });
+    let element = member_type(plan, member, dim + 1, &MemberRoom { room, align, ..*place });
     let size = before + element.size;
     let ty = if len == 1 {
         RustType::Array(Box::new(element.ty), 1)
@@ -44,7 +45,7 @@ pub(super) fn member_type(
     Sized { ty, size }
 }
 
-fn element_type(plan: &mut Plan, member: &MemberLayout, place: &Place) -> Sized {
+fn element_type(plan: &mut Plan, member: &MemberLayout, place: &MemberRoom) -> Sized {
     match member.ty.innermost() {
         Type::Struct(s) => plan.structure(s, member, place),
         ty => leaf::leaf(plan, ty, member.matrix_stride, member.row_major, place.align),

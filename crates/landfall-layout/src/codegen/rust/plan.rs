@@ -41,7 +41,7 @@ pub(super) struct PlannedBlock<'a> {
 
 /// The space available for a member.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct MemberRoom {
     /// Bytes up to the next member.
     pub(super) room: u64,
     /// The guaranteed alignment of its start, at most 16.
@@ -75,7 +75,7 @@ impl<'a> Plan<'a> {
         let (fixed, last) = split_tail(layout);
         let end = last.and_then(|tail| tail.offset).unwrap_or(whole);
         let align = divisor(end).min(divisor(layout.align.unwrap_or(1)));
-        let place = Place { room: end, align, rules: layout.rules };
+        let place = MemberRoom { room: end, align, rules: layout.rules };
         let fields = self.fields(fixed, end, &place);
         let tail = last.map(|tail| self.tail(tail, whole, layout));
         let name = camel(&layout.name);
@@ -92,7 +92,12 @@ impl<'a> Plan<'a> {
     }
 
     /// Adds the mirror of a structure, the type of a member or of its elements.
-    pub(super) fn structure(&mut self, s: &Struct, member: &MemberLayout, at: &Place) -> Sized {
+    pub(super) fn structure(
+        &mut self,
+        s: &Struct,
+        member: &MemberLayout,
+        at: &MemberRoom,
+    ) -> Sized {
         let members = &member.members;
         let reach = reach(members);
         let align = structure_align(members, at.rules);
@@ -100,7 +105,7 @@ impl<'a> Plan<'a> {
         let padded = reach.next_multiple_of(align);
         let size = if padded <= at.room { padded } else { reach };
         let align = at.align.min(divisor(align)).min(divisor(size));
-        let fields = self.fields(members, size, &Place { align, ..*at });
+        let fields = self.fields(members, size, &MemberRoom { align, ..*at });
         let name = camel(if s.name.is_empty() { &member.name } else { &s.name });
         let origin = self.origin.expect("structures are met in blocks");
         let id = self.mirror(Mirror { name, fields, size, tail: None }, at.rules, || {
@@ -110,7 +115,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The fields of a structure or block that ends at `end`.
-    fn fields(&mut self, members: &[MemberLayout], end: u64, place: &Place) -> Vec<Field> {
+    fn fields(&mut self, members: &[MemberLayout], end: u64, place: &MemberRoom) -> Vec<Field> {
         let mut names = Scope::default();
         let names: Vec<String> = members.iter().map(|m| names.take(&snake(&m.name))).collect();
         // Vulkan takes explicit offsets in any order; a mirror has them in ascending order.
@@ -120,7 +125,7 @@ impl<'a> Plan<'a> {
         for (&(offset, order), next) in starts.iter().zip(ends) {
             let member = &members[order];
             let align = place.align.min(divisor(member.align.unwrap_or(1)));
-            let here = Place { room: next - offset, align, ..*place };
+            let here = MemberRoom { room: next - offset, align, ..*place };
             let Sized { ty, size } = member_type(self, member, 0, &here);
             fields.push(Field { name: names[order].clone(), ty, offset, size, order });
         }
@@ -130,7 +135,7 @@ impl<'a> Plan<'a> {
     fn tail(&mut self, member: &MemberLayout, whole: u64, block: &BlockLayout) -> RuntimeTail {
         let stride = member.strides[0];
         let align = divisor(stride).min(divisor(member.align.unwrap_or(1)));
-        let place = Place { room: stride, align, rules: block.rules };
+        let place = MemberRoom { room: stride, align, rules: block.rules };
         let element = member_type(self, member, 1, &place);
         RuntimeTail {
             member: member.name.to_string(),

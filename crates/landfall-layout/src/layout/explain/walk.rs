@@ -17,7 +17,7 @@ use crate::text::edit_distance::nearest;
 
 /// The current position of a walk.
 #[derive(Clone, Copy)]
-enum Place<'a> {
+enum WalkPosition<'a> {
     /// At the start of a block.
     Members(&'a [MemberLayout]),
     /// At a member with that many of its dimensions indexed.
@@ -53,7 +53,7 @@ pub(super) struct Walk<'a> {
     pub path: String,
     /// Offset of the current position from the start of the block.
     pub at: u64,
-    place: Place<'a>,
+    place: WalkPosition<'a>,
     /// Number of segments of the user's path resolved so far.
     pub resolved: usize,
 }
@@ -61,7 +61,7 @@ pub(super) struct Walk<'a> {
 impl<'a> Walk<'a> {
     /// Starts at the block, with `resolved` segments of the path spent on its name.
     pub fn new(block: &'a BlockLayout, language: Language, resolved: usize) -> Walk<'a> {
-        let place = Place::Members(&block.members);
+        let place = WalkPosition::Members(&block.members);
         Walk { block, language, steps: vec![], path: String::new(), at: 0, place, resolved }
     }
 
@@ -87,8 +87,8 @@ impl<'a> Walk<'a> {
     /// Steps to a member, or to a component by its letter.
     pub fn name(&mut self, name: &str) -> Result<(), PathError> {
         match self.place {
-            Place::Members(members) => self.member(members, name),
-            Place::Member(member, indexed) if indexed == member.dims.len() => {
+            WalkPosition::Members(members) => self.member(members, name),
+            WalkPosition::Member(member, indexed) if indexed == member.dims.len() => {
                 match member.ty.innermost() {
                     Type::Struct(_) => self.member(&member.members, name),
                     Type::Vector { scalar, rows } => {
@@ -101,8 +101,8 @@ impl<'a> Walk<'a> {
                     | Type::Array { .. } => self.no_member(name),
                 }
             }
-            Place::Vector(components) => self.component(name, components),
-            Place::Member(..) | Place::Component(_) => self.no_member(name),
+            WalkPosition::Vector(components) => self.component(name, components),
+            WalkPosition::Member(..) | WalkPosition::Component(_) => self.no_member(name),
         }
     }
 
@@ -114,7 +114,7 @@ impl<'a> Walk<'a> {
     fn member(&mut self, members: &'a [MemberLayout], name: &str) -> Result<(), PathError> {
         let Some(i) = members.iter().position(|m| *m.name == *name) else {
             return match self.place {
-                Place::Member(member, _) => self.fail(self.unknown_in(member, name)),
+                WalkPosition::Member(member, _) => self.fail(self.unknown_in(member, name)),
                 _ => self.fail(unknown(self.block, name)),
             };
         };
@@ -141,7 +141,7 @@ impl<'a> Walk<'a> {
         };
         let text = if self.path.is_empty() { name.to_string() } else { format!(".{name}") };
         self.step(&text, self.spelled(&member.ty), offset, kind);
-        self.place = Place::Member(member, 0);
+        self.place = WalkPosition::Member(member, 0);
         Ok(())
     }
 
@@ -159,21 +159,21 @@ impl<'a> Walk<'a> {
     pub fn index(&mut self, index: Option<u64>) -> Result<(), PathError> {
         let not_an_array = PathErrorKind::NotAnArray { path: self.path.clone(), ty: self.here() };
         match self.place {
-            Place::Member(member, indexed) if indexed < member.dims.len() => {
+            WalkPosition::Member(member, indexed) if indexed < member.dims.len() => {
                 self.element(member, indexed, index)
             }
-            Place::Member(member, _) => match (member.ty.innermost(), index) {
+            WalkPosition::Member(member, _) => match (member.ty.innermost(), index) {
                 (Type::Vector { scalar, rows }, Some(index)) => {
                     self.nth_component(index, None, Components::of_vector(*scalar, *rows))
                 }
                 (Type::Matrix { .. }, Some(index)) => self.column(member, index),
                 _ => self.fail(not_an_array),
             },
-            Place::Vector(components) => match index {
+            WalkPosition::Vector(components) => match index {
                 Some(index) => self.nth_component(index, None, components),
                 None => self.fail(not_an_array),
             },
-            Place::Members(_) | Place::Component(_) => self.fail(not_an_array),
+            WalkPosition::Members(_) | WalkPosition::Component(_) => self.fail(not_an_array),
         }
     }
 
@@ -216,7 +216,7 @@ impl<'a> Walk<'a> {
         };
         let text = index.map_or_else(|| "[]".to_string(), |i| format!("[{i}]"));
         self.step(&text, self.spelled(below), adds, kind);
-        self.place = Place::Member(member, indexed + 1);
+        self.place = WalkPosition::Member(member, indexed + 1);
         Ok(())
     }
 
@@ -237,7 +237,7 @@ impl<'a> Walk<'a> {
         let column = Type::Vector { scalar: *scalar, rows: *rows };
         self.step(&format!("[{index}]"), self.spelled(&column), adds, kind);
         let components = Components { scalar: *scalar, count: u64::from(*rows), stride: apart };
-        self.place = Place::Vector(components);
+        self.place = WalkPosition::Vector(components);
         Ok(())
     }
 
@@ -267,23 +267,23 @@ impl<'a> Walk<'a> {
         let text = format!(".{}", name.unwrap_or(component_name(index)));
         let ty = self.spelled(&Type::Scalar(scalar));
         self.step(&text, ty, index * stride, StepKind::Component { index, stride });
-        self.place = Place::Component(scalar);
+        self.place = WalkPosition::Component(scalar);
         Ok(())
     }
 
     /// Returns the size in bytes of the current position; `None` if runtime-sized.
     pub fn size(&self) -> Option<u64> {
         match self.place {
-            Place::Members(_) => self.block.size,
-            Place::Member(member, 0) => member.size,
-            Place::Member(member, indexed) if indexed < member.dims.len() => {
+            WalkPosition::Members(_) => self.block.size,
+            WalkPosition::Member(member, 0) => member.size,
+            WalkPosition::Member(member, indexed) if indexed < member.dims.len() => {
                 array_size(member, indexed, self.block.rules)
             }
-            Place::Member(member, _) => Some(element_size(member, self.block.rules)),
-            Place::Vector(Components { scalar, count, stride }) => {
+            WalkPosition::Member(member, _) => Some(element_size(member, self.block.rules)),
+            WalkPosition::Vector(Components { scalar, count, stride }) => {
                 Some((count - 1) * stride + u64::from(scalar.width))
             }
-            Place::Component(scalar) => Some(scalar.width.into()),
+            WalkPosition::Component(scalar) => Some(scalar.width.into()),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::layout;
 use crate::layout::{BlockLayout, MOST_LEAVES, MemberLayout};
 use crate::lock::check::MemberContext;
-use crate::lock::place::{Object, Place, WRITE_AGAIN};
+use crate::lock::place::{JsonText, Object, WRITE_AGAIN};
 use crate::lock::{Lock, Verified, check, spelling};
 use crate::shape::{
     AddressSpace, ArrayLen, DEFAULT_BLOCK, MatrixLayout, Member, Rules, Struct, Type,
@@ -44,13 +44,13 @@ pub(super) enum Shape {
     Layout,
 }
 
-pub(super) struct Reader<'t> {
-    pub place: Place<'t>,
+pub(super) struct BlockReader<'t> {
+    pub place: JsonText<'t>,
     pub shape: Shape,
     pub files: Files,
 }
 
-impl Reader<'_> {
+impl BlockReader<'_> {
     pub fn lock(&self, object: Object<'_>) -> Result<Lock, Error> {
         let place = &self.place;
         object.known(

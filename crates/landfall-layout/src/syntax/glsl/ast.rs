@@ -43,7 +43,7 @@ pub enum ExprKind<'a> {
     /// `a = b`, or `a OP= b`.
     Assign(Option<Binary>, Box<Expr<'a>>, Box<Expr<'a>>),
     /// `++a`, `a--` and so on.
-    Step(Step, Box<Expr<'a>>),
+    Step(IncrementOp, Box<Expr<'a>>),
     Choose(Box<[Expr<'a>; 3]>),
     Comma(Box<Expr<'a>>, Box<Expr<'a>>),
     Index(Box<Expr<'a>>, Box<Expr<'a>>),
@@ -66,7 +66,7 @@ pub enum Unary {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct IncrementOp {
     pub increment: bool,
     /// `++a`: the value is the new one.
     pub before: bool,

@@ -3,7 +3,7 @@
 
 use super::ast::{BlockDecl, Qualifiers, Storage};
 use super::declarations::{Defaults, Named, Reader};
-use super::members::{Place, matrix_layout};
+use super::members::{MemberOwner, matrix_layout};
 use super::parser::diagnostic_at;
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rules};
@@ -23,7 +23,8 @@ impl<'a> Reader<'a> {
         let bindless =
             self.parser.preprocessor().extensions.iter().any(|e| e.ends_with("bindless_texture"));
         let runtime_tail = qualifiers.storage == Storage::Buffer;
-        let mut read = self.members(Place::Block { bindless, runtime_tail }, &name, &block.members);
+        let mut read =
+            self.members(MemberOwner::Block { bindless, runtime_tail }, &name, &block.members);
         if !block.closed {
             return;
         }

@@ -32,7 +32,7 @@ pub(super) struct Members {
 
 /// The context of a member, which determines the members allowed.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum MemberOwner {
     Struct,
     /// A block; with bindless handles, opaque members are 8-byte addresses.
     Block {
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
     /// Returns the type a structure declares; `None` if it was not parsed to its end.
     pub(super) fn structure(&mut self, structure: &StructDecl<'a>) -> Option<Named<'a>> {
         let name = self.parser.token_of(&structure.name);
-        let mut read = self.members(Place::Struct, &name, &structure.members);
+        let mut read = self.members(MemberOwner::Struct, &name, &structure.members);
         if !structure.closed {
             return None;
         }
@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
     /// Reads the members of a structure or block. `owner` is its name in messages.
     pub(super) fn members(
         &mut self,
-        place: Place,
+        place: MemberOwner,
         owner: &Token<'a>,
         declarations: &[Declaration<'a>],
     ) -> Members {
@@ -112,7 +112,7 @@ impl<'a> Reader<'a> {
 
     fn member(
         &mut self,
-        place: Place,
+        place: MemberOwner,
         owner: &Token<'a>,
         declaration: &Declaration<'a>,
         result: &mut Members,
@@ -125,7 +125,7 @@ impl<'a> Reader<'a> {
             },
             TypeBase::Name(_) => TypeName::Name(self.parser.tokens()[spec.at]),
         };
-        if let (Place::Struct, Some(id)) = (place, qualifiers.layout.first()) {
+        if let (MemberOwner::Struct, Some(id)) = (place, qualifiers.layout.first()) {
             // GLSL 4.60 §4.1.8: members of a structure take no layout qualifiers.
             let message = format!("`{}` is not allowed on a member of a structure", id.name.text);
             let token = self.parser.token_of(&id.name);
@@ -150,23 +150,23 @@ impl<'a> Reader<'a> {
             let data = match (&resolved, place) {
                 (Resolved::Broken, _) => continue,
                 (Resolved::Data(ty), _) => ty.clone(),
-                (Resolved::Opaque, Place::Struct) => {
+                (Resolved::Opaque, MemberOwner::Struct) => {
                     result.opaque.push(name.text.into());
                     continue;
                 }
-                (Resolved::Opaque, Place::Block { bindless: true, .. }) => {
+                (Resolved::Opaque, MemberOwner::Block { bindless: true, .. }) => {
                     Type::Address(ty.text().into())
                 }
-                (Resolved::Opaque, Place::Block { bindless: false, .. }) => {
+                (Resolved::Opaque, MemberOwner::Block { bindless: false, .. }) => {
                     result.problems.push(self.opaque_in_block(name, &ty, owner));
                     continue;
                 }
             };
             let tail = index == last && last_declaration;
             let open = match place {
-                Place::Struct => OpenLength::Refused,
-                Place::Block { runtime_tail: true, .. } if tail => OpenLength::Runtime,
-                Place::Block { .. } => OpenLength::FromUse,
+                MemberOwner::Struct => OpenLength::Refused,
+                MemberOwner::Block { runtime_tail: true, .. } if tail => OpenLength::Runtime,
+                MemberOwner::Block { .. } => OpenLength::FromUse,
             };
             match self.build_member(name, data, dims, &spec.dims, qualifiers, open) {
                 Ok(mut member) => {

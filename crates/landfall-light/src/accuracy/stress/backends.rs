@@ -5,7 +5,7 @@
 use super::case::{Case, Writing, case};
 use super::condition::{Condition, condition};
 use super::drivers::Drivers;
-use super::found::{BackendResult, Found};
+use super::found::{BackendResult, StressFinding};
 use super::input::Sample;
 use super::kept::Tally;
 use super::measure::{Off, Outcome, floats};
@@ -202,10 +202,10 @@ pub(super) fn on_a_driver(
     plan: &Plan,
     backend: BackendKind,
     (hazard, found, seen): (Hazard, &DriverCase, u64),
-) -> Found {
+) -> StressFinding {
     let wrong = found.verdict == Some(Verdict::Wrong);
     let sample = &found.case.words;
-    Found {
+    StressFinding {
         hazard,
         level: match (wrong, found.plausible) {
             (true, true) => Level::Deny,
@@ -236,7 +236,7 @@ pub(super) fn on_a_driver(
 }
 
 /// Runs the input of each finding on all drivers.
-pub(super) fn ask(drivers: &mut Drivers<'_>, findings: &mut [Found]) {
+pub(super) fn ask(drivers: &mut Drivers<'_>, findings: &mut [StressFinding]) {
     let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
     for (backend, given) in drivers.ask(&samples) {
         for (nth, found) in findings.iter_mut().enumerate() {

@@ -7,7 +7,7 @@ use rustc_hash::FxHashSet;
 
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Number, Operand, Operation, Source, Step, Trace};
+use landfall_exec::interp::{Number, Operand, Operation, Source, Trace, TracedOperation};
 
 /// The relative error up to which an operand is accurate: 32 units of the last place.
 const RIGHT: f64 = 1.0 / 262_144.0;
@@ -21,7 +21,7 @@ pub(super) struct Graph<'a> {
 
 impl<'a> Graph<'a> {
     /// Returns the step that produced a number.
-    pub fn step(&self, source: Source) -> Option<(&'a Step, usize)> {
+    pub fn step(&self, source: Source) -> Option<(&'a TracedOperation, usize)> {
         match source {
             Source::Step { step, part } => {
                 self.trace.steps.get(step as usize).map(|found| (found, part as usize))
@@ -82,7 +82,7 @@ impl<'a> Graph<'a> {
     }
 
     /// Returns the operand that caused most of a result's error, if it was inaccurate.
-    fn spoilt(&self, step: &Step, part: usize) -> Option<Operand> {
+    fn spoilt(&self, step: &TracedOperation, part: usize) -> Option<Operand> {
         let result = step.results.get(part).copied().unwrap_or_default();
         let finite = |n: Number| n.single.is_finite() && n.double.is_finite();
         // NaN and infinity propagate from the operand that has them.
@@ -112,7 +112,7 @@ fn wrong(number: Number) -> bool {
 }
 
 /// Returns, for each operand, the share of the result's error it causes, to first order.
-fn shares(step: &Step, part: usize) -> Vec<f64> {
+fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
     let d = |o: &Operand| (f64::from(o.number.single) - o.number.double).abs();
     // Where `f32` and `f64` are far apart, the larger one.
     let x = |i: usize| {

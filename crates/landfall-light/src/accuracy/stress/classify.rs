@@ -15,7 +15,7 @@ use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
 use landfall_exec::interp::{
-    Number, Operation, Place, Settings, Source, Step, Trace, UndefinedKind,
+    Number, Operation, Settings, Source, SourceLocation, Trace, TracedOperation, UndefinedKind,
 };
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -25,7 +25,7 @@ use look::Look;
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
     pub hazard: Hazard,
-    pub place: Place,
+    pub place: SourceLocation,
     /// The operation with its operands and result.
     pub operation: Option<Performed>,
     /// The indices of the inputs involved.
@@ -133,7 +133,7 @@ pub(super) fn examine(
 }
 
 /// Returns why an operation with finite operands has no defined value.
-fn undefined(step: &Step) -> Option<UndefinedKind> {
+fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
     use UndefinedKind as U;
     let finite = |n: &Number| n.single.is_finite() && n.double.is_finite();
     if !step.operands.iter().all(|o| finite(&o.number)) {
@@ -163,7 +163,7 @@ fn undefined(step: &Step) -> Option<UndefinedKind> {
 }
 
 /// Returns what is undefined in the squares summed up for a length.
-fn squares(step: &Step) -> Option<UndefinedKind> {
+fn squares(step: &TracedOperation) -> Option<UndefinedKind> {
     if !matches!(step.operation, Operation::Normalize | Operation::Length | Operation::Distance) {
         return None;
     }

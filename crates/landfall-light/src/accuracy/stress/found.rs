@@ -9,7 +9,7 @@ use super::measure::{Off, Outcome};
 use super::permitted::PermittedAt;
 use super::rewrite::Gain;
 use landfall_exec::backend::BackendKind;
-use landfall_exec::interp::{Place, UndefinedKind};
+use landfall_exec::interp::{SourceLocation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
 
@@ -26,13 +26,13 @@ pub struct Worst {
 
 /// A finding.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct StressFinding {
     /// The hazard.
     pub hazard: Hazard,
     /// The level of the finding.
     pub level: Level,
     /// The place of the operation.
-    pub place: Place,
+    pub place: SourceLocation,
     /// The driver, for a finding on that driver alone.
     pub backend: Option<BackendKind>,
     /// The operation with its operands and result.

@@ -3,12 +3,12 @@
 //! Used by the findings as lints and by the report of `landfall stress`.
 
 use super::case::Case;
-use super::found::Found;
+use super::found::StressFinding;
 use super::measure::Outcome;
 use landfall_exec::interp::{Number, Operation};
 use landfall_layout::format::phrases;
 
-impl Found {
+impl StressFinding {
     /// Returns the message: the hazard and its effect on the result.
     pub fn message(&self) -> String {
         let outcome = match (self.breach, self.outcome) {

@@ -10,7 +10,7 @@ use super::condition::condition;
 use super::domain::Domain;
 use super::drivers::Drivers;
 use super::find::Raw;
-use super::found::{Against, Found, Worst};
+use super::found::{Against, StressFinding, Worst};
 use super::generate::Family;
 use super::input::{Input, Sample};
 use super::kept::Tally;
@@ -57,7 +57,7 @@ pub struct Report {
     /// The requested drivers, including missing ones.
     pub backends: Vec<BackendReport>,
     /// The findings, the worst first.
-    pub findings: Vec<Found>,
+    pub findings: Vec<StressFinding>,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
     /// The files of the shader.
@@ -103,7 +103,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
             total.merge(tally);
         }
     }
-    let mut findings: Vec<Found> = Vec::new();
+    let mut findings: Vec<StressFinding> = Vec::new();
     let mut notes = pure.notes.clone();
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
@@ -118,7 +118,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         }
         let other = made.against.as_ref();
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
-        findings.push(Found { against: other, ..found(&writing, raw) });
+        findings.push(StressFinding { against: other, ..found(&writing, raw) });
     }
     for (code, count) in more {
         notes.push(format!("{code} also occurs in {count} further lines"));
@@ -164,7 +164,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
 }
 
-fn found(writing: &Writing<'_>, raw: Raw) -> Found {
+fn found(writing: &Writing<'_>, raw: Raw) -> StressFinding {
     let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
     let semantic =
@@ -173,7 +173,7 @@ fn found(writing: &Writing<'_>, raw: Raw) -> Found {
     let level = if raw.plausible { hazard.info().level } else { Level::Warn };
     let examined = examine(pure, inputs, &raw.sample, plan).ok();
     let gain = examined.as_ref().and_then(|examined| gain(pure, inputs, examined, &raw.candidate));
-    Found {
+    StressFinding {
         hazard,
         level,
         place: raw.candidate.place.clone(),
@@ -195,8 +195,8 @@ fn found(writing: &Writing<'_>, raw: Raw) -> Found {
     }
 }
 
-fn endless(writing: &Writing<'_>, sample: &Sample) -> Found {
-    Found {
+fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
+    StressFinding {
         hazard: Hazard::EndlessLoop,
         level: Level::Deny,
         place: writing.pure.place(),
@@ -254,7 +254,7 @@ impl Report {
     }
 }
 
-impl Found {
+impl StressFinding {
     fn lint(&self, report: &Report) -> Finding {
         let mut notes = self.notes();
         notes.push(format!("to reproduce: {}", command(&self.case.arguments)));

@@ -6,7 +6,7 @@ use super::blame::Graph;
 use super::classify::{Candidate, Examined};
 use super::input::Input;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Operation, Source, Step};
+use landfall_exec::interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 
 /// The gain of a robust form at one operation.
@@ -66,7 +66,7 @@ pub(super) fn gain(
 }
 
 /// Returns the dot product that a number is, clamped or not.
-fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g Step> {
+fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g TracedOperation> {
     let (step, _) = graph.step(source)?;
     match step.operation {
         Operation::Dot => Some(step),
@@ -79,7 +79,7 @@ fn dot<'g>(graph: &Graph<'g>, source: Source) -> Option<&'g Step> {
 
 /// Returns half the squared chord between the vectors of a dot product, in `f32`, and whether they
 /// point in opposite directions, where the form does not help.
-fn chord(step: &Step) -> Option<(f32, bool)> {
+fn chord(step: &TracedOperation) -> Option<(f32, bool)> {
     let half = step.operands.len() / 2;
     let (a, b) = step.operands.split_at(half);
     let square: f32 = a

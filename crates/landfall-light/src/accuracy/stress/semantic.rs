@@ -19,7 +19,7 @@ use super::scene;
 use super::scene::{Geometry, Setting};
 use super::shrink::plausible;
 use landfall_exec::harness::call::pure::PureFunction;
-use landfall_exec::interp::{Operation, Source, Step};
+use landfall_exec::interp::{Operation, Source, TracedOperation};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::CHANGE;
 
@@ -92,7 +92,7 @@ impl Check<'_> {
         &self,
         hazard: Hazard,
         graph: &Graph<'_>,
-        step: &Step,
+        step: &TracedOperation,
         sample: &Sample,
         about: Vec<usize>,
         change: f64,
@@ -224,7 +224,7 @@ impl Check<'_> {
         one: &Examined,
         other: &'e Examined,
         input: usize,
-    ) -> Option<&'e Step> {
+    ) -> Option<&'e TracedOperation> {
         if one.trace.steps.len() != other.trace.steps.len() {
             // The runs took different branches: the first operation that reads the input.
             let graph = self.graph(other);
@@ -322,7 +322,7 @@ impl Check<'_> {
             }
             let graph = self.graph(&examined);
             // A comparison of a cut-off with a value computed from the directions.
-            let meets = |step: &&Step| {
+            let meets = |step: &&TracedOperation| {
                 let reads = |o: &landfall_exec::interp::Operand| {
                     graph.input(o.source).is_some_and(|at| cones.contains(&at))
                 };

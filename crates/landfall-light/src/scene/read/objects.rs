@@ -24,7 +24,7 @@ pub(super) fn read(
     open: &Open<'_>,
 ) -> Option<Vec<Object>> {
     let Some(at) = root.get("objects") else { return Some(Vec::new()) };
-    let mut reader = Reader { materials, path, open, obj: HashMap::new() };
+    let mut reader = ObjectReader { materials, path, open, obj: HashMap::new() };
     let mut objects = Vec::new();
     let mut triangles = 0;
     let mut whole = true;
@@ -45,7 +45,7 @@ pub(super) fn read(
     whole.then_some(objects)
 }
 
-struct Reader<'r> {
+struct ObjectReader<'r> {
     materials: Option<&'r [Material]>,
     /// The path of the scene, to whose directory file names are relative.
     path: &'r str,
@@ -54,7 +54,7 @@ struct Reader<'r> {
     obj: HashMap<String, Option<Mesh>>,
 }
 
-impl Reader<'_> {
+impl ObjectReader<'_> {
     fn object(&mut self, walk: &mut Walk, at: &At<'_>) -> Option<Object> {
         let object =
             walk.object(at, &["name", "mesh", "material", "position", "rotation", "scale"])?;

@@ -2,7 +2,7 @@
 
 use super::{Parsed, Parser, SyntaxError, Wanted};
 use crate::source::Span;
-use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, Step, Unary};
+use crate::syntax::glsl::ast::{Binary, Expr, ExprKind, IncrementOp, Unary};
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::types::{Builtin, builtin};
 
@@ -151,7 +151,7 @@ impl<'a> Parser<'a> {
                 self.eat_two();
                 let inner = self.deeper(Self::unary)?;
                 let (span, depth) = (start.to(inner.span), inner.depth);
-                let step = Step { increment, before: true };
+                let step = IncrementOp { increment, before: true };
                 return self.expr(ExprKind::Step(step, Box::new(inner)), start, span, depth);
             }
         }
@@ -187,7 +187,7 @@ impl<'a> Parser<'a> {
                     (ExprKind::Member(Box::new(left), name), name.span)
                 }
             } else if self.is_pair("+", "+") || self.is_pair("-", "-") {
-                let step = Step { increment: self.is("+"), before: false };
+                let step = IncrementOp { increment: self.is("+"), before: false };
                 self.eat_two();
                 (ExprKind::Step(step, Box::new(left)), mark)
             } else {

@@ -7,7 +7,7 @@ use crate::accuracy::stress::blame::Graph;
 use crate::accuracy::stress::input::{Sample, float};
 use crate::accuracy::stress::role::Role;
 use landfall_exec::harness::call::pure::PureCalled;
-use landfall_exec::interp::{Number, Operation, Source, Step, UndefinedKind};
+use landfall_exec::interp::{Number, Operation, Source, TracedOperation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::{
     ABOVE_ONE, COORDINATE, EXPONENT, LENGTH, NARROW, ORIGIN,
@@ -22,7 +22,7 @@ pub(super) struct Look<'a> {
 impl Look<'_> {
     fn candidate(
         &self,
-        step: &Step,
+        step: &TracedOperation,
         hazard: Hazard,
         about: Vec<usize>,
         kind: Option<UndefinedKind>,
@@ -47,11 +47,11 @@ impl Look<'_> {
         self.graph.inputs[at].range().map(|i| float(self.sample, i)).collect()
     }
 
-    fn sources(step: &Step) -> Vec<Source> {
+    fn sources(step: &TracedOperation) -> Vec<Source> {
         step.operands.iter().map(|o| o.source).collect()
     }
 
-    pub fn undefined(&self, step: &Step, kind: UndefinedKind) -> Candidate {
+    pub fn undefined(&self, step: &TracedOperation, kind: UndefinedKind) -> Candidate {
         use UndefinedKind as U;
         let (hazard, about) = match kind {
             U::NormalizeOfZero => self.zero_vector(&Self::sources(step)),
@@ -149,7 +149,7 @@ impl Look<'_> {
         })
     }
 
-    fn division(&self, step: &Step) -> (Hazard, Vec<usize>) {
+    fn division(&self, step: &TracedOperation) -> (Hazard, Vec<usize>) {
         let by = step.operands[1].source;
         if let Some(vector) = self.squared(by) {
             let numerator = self.graph.inputs_of([step.operands[0].source]);
@@ -203,12 +203,12 @@ impl Look<'_> {
     }
 
     /// Whether the numerator is a difference too: the ramp of a cone.
-    fn clamped(&self, step: &Step) -> bool {
+    fn clamped(&self, step: &TracedOperation) -> bool {
         let numerator = self.graph.step(step.operands[0].source);
         numerator.is_some_and(|(step, _)| step.operation == Operation::Sub)
     }
 
-    fn overflow(&self, step: &Step) -> (Hazard, Vec<usize>) {
+    fn overflow(&self, step: &TracedOperation) -> (Hazard, Vec<usize>) {
         let largest = largest(step);
         let x = |i: usize| step.operands[i].number;
         let single_zero = || x(1).single == 0.0 && x(1).double != 0.0;
@@ -246,7 +246,7 @@ impl Look<'_> {
         }
     }
 
-    fn is_square(&self, step: &Step) -> bool {
+    fn is_square(&self, step: &TracedOperation) -> bool {
         step.operands[0].source == step.operands[1].source
     }
 
@@ -281,7 +281,7 @@ impl Look<'_> {
     }
 
     /// Returns the kind of loss of an operation with accurate operands and a wrong result.
-    fn loss(&self, step: &Step) -> (Hazard, Vec<usize>) {
+    fn loss(&self, step: &TracedOperation) -> (Hazard, Vec<usize>) {
         let behind = || self.graph.inputs_of(Self::sources(step));
         let largest = largest(step);
         let result = step.results.first().copied().unwrap_or_default();
@@ -354,11 +354,11 @@ impl Look<'_> {
     }
 }
 
-fn largest(step: &Step) -> f64 {
+fn largest(step: &TracedOperation) -> f64 {
     step.operands.iter().map(|o| o.number.double.abs()).fold(0.0, f64::max)
 }
 
-fn smallest(step: &Step) -> f64 {
+fn smallest(step: &TracedOperation) -> f64 {
     let magnitudes = step.operands.iter().map(|o| o.number.double.abs());
     magnitudes.filter(|x| *x > 0.0).fold(f64::INFINITY, f64::min)
 }
