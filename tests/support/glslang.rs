@@ -70,6 +70,16 @@ pub fn blocks(text: &str, stage: &str, options: &Options) -> Result<Vec<OracleBl
     Ok(blocks)
 }
 
+/// Whether a shader for OpenGL is accepted. Nothing is made of it: SPIR-V has no version before
+/// 1.40, or 3.10 of ES.
+pub fn accepts(text: &str, stage: &str) -> bool {
+    let mut command = Command::new("glslangValidator");
+    command.args(["--stdin", "-S", stage]).stdin(Stdio::piped()).stdout(Stdio::null());
+    let mut child = command.spawn().expect("glslangValidator (Debian: glslang-tools) runs");
+    child.stdin.take().expect("it is piped").write_all(text.as_bytes()).expect("it reads");
+    child.wait().expect("it ends").success()
+}
+
 fn compile(text: &str, stage: &str, options: &Options, output: &Path) -> Result<String, String> {
     let mut command = Command::new("glslangValidator");
     command.args(["--stdin", "-S", stage, "-o"]).arg(output);

@@ -5,10 +5,9 @@ use super::{Client, Severity, read};
 use crate::support::glslang;
 
 fn is_taken(text: &str) -> bool {
-    [Client::OpenGl, Client::Vulkan].into_iter().any(|client| {
-        let options = glslang::Options { client, reflect: false, ..glslang::Options::default() };
-        glslang::blocks(text, "frag", &options).is_ok()
-    })
+    let vulkan =
+        glslang::Options { client: Client::Vulkan, reflect: false, ..glslang::Options::default() };
+    glslang::accepts(text, "frag") || glslang::blocks(text, "frag", &vulkan).is_ok()
 }
 
 fn severities(text: &str, code: &str) -> Vec<Severity> {
