@@ -58,7 +58,7 @@ backends
   cpu  interpreter · landfall [VERSION]
 
 a.frag
-  B  std140  128 bytes     5 leaves  cpu ✗ 22 of 23 reads from other bytes
+  B  std140  128 bytes     5 leaves  cpu ✗ 22 of 23 reads returned another byte
     gains[]
       cpu gains[0]  reads byte 48, expected 32  constant
       cpu gains[3]  reads byte 96, expected 80  constant
@@ -365,7 +365,7 @@ backends
   gpu  [DRIVER] · [DRIVER]
 
 a.frag
-  B  std140  96 bytes     5 leaves  gpu ✓ 50 reads  spirv ✗ 6 of 6 reads from other bytes
+  B  std140  96 bytes     5 leaves  gpu ✓ 50 reads  spirv ✗ 6 of 6 reads returned another byte
     count
       spirv count  reads byte 64, expected 80  reported
     lights[].position

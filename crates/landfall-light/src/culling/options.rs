@@ -236,7 +236,7 @@ mod tests {
             ("slots=3x4", "one number, or three"),
             ("clusters=3x4", "columns, rows and slices"),
             ("interpolate=4x9", "from 2 to 8"),
-            ("tiles,interpolate", "by itself"),
+            ("tiles,interpolate", "remove `tiles`"),
         ] {
             let said = parse(text).expect_err(text);
             assert!(said.contains(named), "{text}: {said}");

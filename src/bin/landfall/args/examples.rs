@@ -16,10 +16,7 @@ pub const EXAMPLES: [(&str, &[Example]); 19] = [
                 "One block, with every array element",
                 "landfall layout shaders/light_arrays/lights.wgsl -b PointLightBlock --expand",
             ),
-            (
-                "One JSON file per shader",
-                "landfall layout shaders --format json --out layouts.json",
-            ),
+            ("One JSON file per shader", "landfall layout shaders --format json --out layout-json"),
         ],
     ),
     (

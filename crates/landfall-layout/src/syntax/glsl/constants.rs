@@ -53,7 +53,7 @@ impl Names for Lookup<'_, '_> {
     fn value(&mut self, name: &str, span: Span) -> Result<Value, Problem> {
         let Some(constant) = self.constants.by_name.get(name) else {
             let message = if name.starts_with("gl_Max") {
-                format!("depends on the driver's `{name}`; define it with `-D {name}=N`")
+                format!("depends on the driver's `{name}`; define it with `--define {name}=N`")
             } else {
                 format!("is not constant: `{name}` is not a constant of this shader")
             };

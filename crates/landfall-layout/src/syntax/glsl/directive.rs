@@ -106,10 +106,9 @@ impl<'a> Preprocessor<'a> {
             "error" => {
                 let text = self.rest_of_line().trim();
                 let message = format!("`#error {text}`");
-                self.report(
-                    Diagnostic::error(Code::ErrorDirective, name.span, message)
-                        .with_help("define the required macro with `-D NAME` or `-D NAME=VALUE`"),
-                );
+                self.report(Diagnostic::error(Code::ErrorDirective, name.span, message).with_help(
+                    "define the required macro with `--define NAME` or `--define NAME=VALUE`",
+                ));
             }
             // Macros are expanded in `#line`, but line numbers here do not depend on it.
             "pragma" | "line" => {}
@@ -172,7 +171,7 @@ impl<'a> Preprocessor<'a> {
             let given = self.files.get(before.span.file).is_some_and(|f| f.path.starts_with("-D "));
             if given && !before.same_as(&definition) {
                 // A definition on the command line takes precedence.
-                let message = format!("macro `{}` keeps its definition from `-D`", name.text);
+                let message = format!("macro `{}` keeps its definition from `--define`", name.text);
                 self.diagnostics.push(Diagnostic::warning(
                     Code::MacroRedefined,
                     name.span,
@@ -277,7 +276,7 @@ impl<'a> Preprocessor<'a> {
             self.undefined_reported.push(name.clone());
             let message = format!("`{name}` is not defined and evaluates to 0");
             let help =
-                format!("write `defined({name}) && {name}`, or define it with `-D {name}=N`");
+                format!("write `defined({name}) && {name}`, or define it with `--define {name}=N`");
             let found = Diagnostic::warning(Code::UndefinedMacro, *span, message).with_help(help);
             if self.version.es {
                 let message = format!("`{name}` is not defined, which is an error in GLSL ES");
