@@ -128,9 +128,7 @@ fn verdict(backend: &BackendReport, paint: Paint) -> String {
     let all = backend.reads.len();
     let (style, line) = match backend.outcome {
         Outcome::Confirmed => (PLAIN, format!("✓ {all} reads")),
-        Outcome::Disagrees => {
-            (CAUTION, format!("✗ {wrong} of {all} reads returned another byte"))
-        }
+        Outcome::Disagrees => (CAUTION, format!("✗ {wrong} of {all} reads returned another byte")),
         Outcome::Failed => (CAUTION, "failed to run".to_string()),
         Outcome::Skipped => (FAINT, "–".to_string()),
     };
