@@ -31,6 +31,7 @@ const MEMORY_EVERY: u32 = 3;
 const PATIENCE: Duration = Duration::from_millis(300);
 
 /// Time that `stress` has to write the report of its samples after Ctrl-C.
+#[cfg(feature = "exec")]
 const REPORT_PATIENCE: Duration = Duration::from_secs(5);
 
 /// Time that the output collected so far has to reach its reader.
