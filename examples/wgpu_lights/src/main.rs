@@ -84,6 +84,8 @@ fn instance() -> wgpu::Instance {
 }
 
 struct Gpu {
+    /// Says what a window's surface can show.
+    #[cfg(feature = "window")]
     adapter: wgpu::Adapter,
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -101,7 +103,12 @@ impl Gpu {
         println!("adapter: {}", adapter.get_info().name);
         let opened = adapter.request_device(&wgpu::DeviceDescriptor::default());
         let (device, queue) = pollster::block_on(opened)?;
-        Ok(Gpu { adapter, device, queue })
+        Ok(Gpu {
+            #[cfg(feature = "window")]
+            adapter,
+            device,
+            queue,
+        })
     }
 
     /// The shader, and its uniform buffer with these bytes.
