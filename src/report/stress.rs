@@ -104,8 +104,8 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
     };
     for (what, case) in names.iter().zip(&backend.worst) {
         let verdict = match case.verdict {
-            Some(Verdict::Permitted) => ", permitted on any conformant adapter",
-            Some(Verdict::Wrong) => ", not permitted on any conformant adapter",
+            Some(Verdict::Permitted) => ", which the specification permits",
+            Some(Verdict::Wrong) => ", more than the specification permits",
             None => "",
         };
         let off = case.off().unwrap_or_default();

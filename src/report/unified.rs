@@ -3,7 +3,7 @@
 //! Used by `--diff` to show the edits of [`fix`](landfall_lint::fix).
 
 use landfall_layout::text::escape::is_bidi;
-use similar::{ChangeTag, TextDiff};
+use similar::{Algorithm, ChangeTag, capture_diff_slices, group_diff_ops};
 
 pub use landfall_layout::format::paint::{HEADING, PLAIN, Paint, REMOVED, STRONG};
 
@@ -17,9 +17,9 @@ const NO_NEWLINE: &str = "\\ No newline at end of file\n";
 pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
     // Only `\n` ends a line for `patch`: a lone `\r` is a byte like any other.
     let (before, after) = (lines(old), lines(new));
-    let diff = TextDiff::from_slices(&before, &after);
+    let operations = capture_diff_slices(Algorithm::Myers, &before, &after);
     let mut text = String::new();
-    for group in diff.grouped_ops(CONTEXT) {
+    for group in group_diff_ops(operations, CONTEXT) {
         let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
         if text.is_empty() {
             let head = format!("--- {}\n+++ {}\n", name("a/", path), name("b/", path));
@@ -29,7 +29,7 @@ pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
         let added = first.new_range().start..last.new_range().end;
         text.push_str(&format!("@@ -{} +{} @@\n", numbers(removed), numbers(added)));
         for op in &group {
-            for change in diff.iter_changes(op) {
+            for change in op.iter_changes(&before[..], &after[..]) {
                 let (sign, style) = match change.tag() {
                     ChangeTag::Equal => (' ', PLAIN),
                     ChangeTag::Delete => ('-', REMOVED),

@@ -215,7 +215,7 @@ fn lands(read: &ElementReport) -> bool {
 
 /// Returns the summary of a run in one line.
 pub fn summary(reports: &Counts) -> String {
-    let Counts { shaders, blocks, reads, elsewhere, failed } = *reports;
+    let Counts { shaders, blocks, unread, reads, elsewhere, failed } = *reports;
     let counted = |count: usize, one: &str, many: &str| {
         format!("{} {}", phrases::number(count as u64), if count == 1 { one } else { many })
     };
@@ -226,6 +226,7 @@ pub fn summary(reports: &Counts) -> String {
         counted(reads, "read", "reads"),
     );
     match (elsewhere, failed) {
+        (0, 0) if reads == 0 => text.push_str("nothing is verified"),
         (0, 0) => text.push_str("every byte lands where the shader reads it"),
         (0, failed) => {
             let _ = write!(text, "{} could not be run", counted(failed, "probe", "probes"));
@@ -242,6 +243,9 @@ pub fn summary(reports: &Counts) -> String {
             );
         }
     }
+    if unread > 0 && reads > 0 {
+        let _ = write!(text, "; no backend read {}", counted(unread, "block", "blocks"));
+    }
     text.push('\n');
     text
 }
@@ -253,6 +257,8 @@ pub struct Counts {
     pub shaders: usize,
     /// Blocks of those shaders.
     pub blocks: usize,
+    /// Blocks that no backend read a member of.
+    pub unread: usize,
     /// Elements read, over all backends.
     pub reads: usize,
     /// Reads from other bytes than expected.
@@ -266,6 +272,8 @@ impl Counts {
     pub fn add(&mut self, report: &ShaderReport) {
         self.shaders += 1;
         self.blocks += report.blocks.len();
+        let unread = |block: &&BlockReport| block.backends.iter().all(|b| b.reads.is_empty());
+        self.unread += report.blocks.iter().filter(unread).count();
         for backend in report.blocks.iter().flat_map(|block| &block.backends) {
             self.reads += backend.reads.len();
             self.elsewhere += backend.reads.iter().filter(|read| !lands(read)).count();

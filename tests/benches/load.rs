@@ -65,7 +65,7 @@ fn bench(subject: &str) -> Bench {
     let mut workloads = VARIANTS.map(|(_, times, _)| Multiply(times));
     let mut each: Vec<&mut dyn Workload> =
         workloads.iter_mut().map(|workload| workload as &mut dyn Workload).collect();
-    let samples = measure(&mut each, &Rounds::default(), &mut |_| {});
+    let samples = measure(&mut each, &Rounds::default(), &|| false, &mut |_| {});
     let runner = Runner {
         backend: "rust".to_string(),
         device: "this program".to_string(),

@@ -208,7 +208,7 @@ error[output]: `[TMP]/render-named/scene.json` has the unknown key `shader.norma
             r#"{"path": "lit.frag", "normals": "bent"}"#,
             2,
             str![[r#"
-error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` of `bent`; the values are `transformed`, `unit` and `unit_of_four`
+error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` of `bent`; the values are `transformed` (of any length), `unit` (normalised) and `unit_of_four` (normalised with a fourth component, a published fault)
 
 
 "#]],
@@ -324,7 +324,7 @@ error[output]: `gone.png` cannot be read: no such file or directory
         (
             vec![SCENE, "--shader", SHADER, "--bind", r#"{"viewPos": "camera"}"#],
             str![[r#"
-error[unknown-quantity]: `viewPos` is bound to `camera`, which is not a quantity of a scene
+error[unknown-quantity]: `viewPos` is bound to `camera`, which no scene has; `--print-bind` shows the names that exist
  --> shaders/scenes/six_lights.json
 
 

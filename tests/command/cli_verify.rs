@@ -268,6 +268,31 @@ a.frag
 "#]]);
 }
 
+#[test]
+fn nothing_read_is_no_proof() {
+    let folder = Place::new("verify-nothing");
+    folder.write("a.wgsl", "@group(0) @binding(0) var<uniform> u: vec4f;\n");
+    folder.run(&["verify", "a.wgsl", "--backend", "gl"]).code(2).stderr_eq(str![[r#"
+1 shader, 1 block, 0 reads: nothing is verified
+error[cannot-run]: `verify` read no member of any block
+  |
+  = help: the report names the reason by block; `--backend cpu` reads GLSL and WGSL
+
+
+"#]]);
+    folder.run(&["verify", "a.wgsl", "--backend", "cpu,gl", "--require", "gl"]).code(2).stderr_eq(
+        str![[r#"
+1 shader, 1 block, 8 reads: every byte lands where the shader reads it
+error[cannot-run]: `gl` is required but read no member of any block
+  |
+  = help: the report names the reason by block; `--backend cpu` reads GLSL and WGSL
+
+
+"#]],
+    );
+    folder.run(&["verify", "a.wgsl", "--backend", "cpu,gl", "--require", "cpu"]).code(0);
+}
+
 /// SPIR-V of a text, made by glslang.
 fn compiled(folder: &Place, name: &str, text: &str) -> String {
     folder.write(name, text);

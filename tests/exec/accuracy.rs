@@ -51,7 +51,7 @@ fn rounds_go_forwards_and_backwards_and_the_first_is_dropped() {
     let mut a = scripted('a', &calls, &[900, 800, 1, 2, 3, 4]);
     let mut b = scripted('b', &calls, &[700, 600, 5, 6, 7, 8]);
     let mut seen = Vec::new();
-    let samples = measure(&mut [&mut a, &mut b], &ONCE, &mut |round| seen.push(round));
+    let samples = measure(&mut [&mut a, &mut b], &ONCE, &|| false, &mut |round| seen.push(round));
     let order: String = calls.borrow().iter().map(|(name, _)| *name).collect();
     // Each is run twice to warm and to see how long it takes, then A B, B A, B A, A B.
     assert_eq!(order, "aabbabbabaab");
@@ -67,7 +67,7 @@ fn each_begins_as_often_as_the_others() {
     let calls = Rc::default();
     let [mut a, mut b, mut c] = ['a', 'b', 'c'].map(|name| scripted(name, &calls, &[1]));
     let rounds = Rounds { count: 6, ..ONCE };
-    measure(&mut [&mut a, &mut b, &mut c], &rounds, &mut |_| {});
+    measure(&mut [&mut a, &mut b, &mut c], &rounds, &|| false, &mut |_| {});
     let order: String = calls.borrow().iter().skip(6).map(|(name, _)| *name).collect();
     assert_eq!(order, "abccbabcaacbcabbac");
 }
@@ -77,7 +77,7 @@ fn short_work_is_repeated_until_it_has_taken_long_enough() {
     let calls = Rc::default();
     let mut a = scripted('a', &calls, &[100]);
     let rounds = Rounds { count: 2, least: Duration::from_nanos(950) };
-    let samples = measure(&mut [&mut a], &rounds, &mut |_| {});
+    let samples = measure(&mut [&mut a], &rounds, &|| false, &mut |_| {});
     // Chosen by one run and again by ten; an eighth more goes before each time that counts.
     assert_eq!(calls.borrow().len(), 2 + 10 + 2 * (1 + 10));
     // What is given is for one run.
@@ -89,10 +89,24 @@ fn what_fails_is_named_and_the_others_go_on() {
     let calls = Rc::default();
     let mut a = Scripted { fails_at: Some(4), ..scripted('a', &calls, &[1]) };
     let mut b = scripted('b', &calls, &[1]);
-    let samples = measure(&mut [&mut a, &mut b], &ONCE, &mut |_| {});
+    let samples = measure(&mut [&mut a, &mut b], &ONCE, &|| false, &mut |_| {});
     assert_eq!(samples[0], Err("lost its device".to_string()));
     assert_eq!(samples[1].as_ref().unwrap().whole.len(), 4);
     assert_eq!(calls.borrow().iter().filter(|(name, _)| *name == 'a').count(), 4);
+}
+
+#[test]
+fn an_interrupted_bench_keeps_its_complete_rounds() {
+    let calls = Rc::default();
+    let [mut a, mut b] = ['a', 'b'].map(|name| scripted(name, &calls, &[1]));
+    // Two runs each to warm, one complete round, and one run of the next.
+    let stop = || calls.borrow().len() >= 7;
+    let samples = measure(&mut [&mut a, &mut b], &ONCE, &stop, &mut |_| {});
+    let rounds: Vec<usize> = samples.iter().map(|s| s.as_ref().unwrap().whole.len()).collect();
+    assert_eq!((rounds, calls.borrow().len()), (vec![1, 1], 7));
+    let samples = measure(&mut [&mut a, &mut b], &ONCE, &|| true, &mut |_| {});
+    assert!(samples.iter().all(|s| s.as_ref().is_err_and(|why| why.starts_with("interrupted"))));
+    assert_eq!(calls.borrow().len(), 7);
 }
 
 #[test]

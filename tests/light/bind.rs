@@ -277,7 +277,8 @@ fn what_is_said_stands_over_what_is_guessed() {
         ),
         (
             r#"{"viewPos": "camera.postion"}"#,
-            "`viewPos` is bound to `camera.postion`, which is not a quantity of a scene",
+            "`viewPos` is bound to `camera.postion`, which no scene has; `--print-bind` shows the \
+             names that exist",
             "did you mean `camera.position`?",
         ),
     ] {

@@ -245,7 +245,7 @@ fn a_model_is_a_name_or_what_differs_from_it() {
     let unknown = read(r#"{"family": "multi", "shiny": 1}"#).unwrap_err();
     golden().eq(&unknown, str!["unknown field `shiny`, expected one of `family`, `normal`, `ambient`, `specular_gate`, `highlight`, `window`, `cone_edge`, `cone_numbers`, `caster_attenuation`, `array_specular`, `reflectance`, `power`, `normal_transform` at line 1 column 27"]);
     let number = read("3").unwrap_err();
-    golden().eq(&number, str!["invalid type: integer `3`, expected the name of a model's family, or a map with `family` at line 1 column 1"]);
+    golden().eq(&number, str!["invalid type: integer `3`, expected the name of a lighting model, or a map whose `family` names it at line 1 column 1"]);
 }
 
 /// Normals 30 degrees apart, seen from so far away, may bend by so many degrees.

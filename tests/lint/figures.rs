@@ -40,11 +40,17 @@ fn direction(random: &mut fastrand::Rng) -> [f64; 3] {
     }
 }
 
-/// The largest error of a soft cone, in 8-bit steps, over directions between its two angles.
+/// The largest error of a soft cone by cosines, in 8-bit steps.
 fn cone_error(inner: f64, outer: f64) -> f64 {
+    cone_errors(inner, outer)[0]
+}
+
+/// The largest errors of a soft cone, in 8-bit steps, by cosines and by the difference of the
+/// vectors, over directions between its two angles.
+fn cone_errors(inner: f64, outer: f64) -> [f64; 2] {
     let mut random = fastrand::Rng::with_seed(1);
     let (i, o) = (degrees(inner), degrees(outer));
-    let mut worst = 0.0f64;
+    let mut worst = [0.0f64; 2];
     for _ in 0..400_000 {
         let axis = direction(&mut random);
         let other = direction(&mut random);
@@ -58,11 +64,19 @@ fn cone_error(inner: f64, outer: f64) -> f64 {
         let axis = axis.map(|x| x as f32);
         let right = exact(axis, to) / (exact(axis, axis) * exact(to, to)).sqrt();
         let right = ((right - o) / (i - o)).clamp(0.0, 1.0);
+        let (to, axis) = (normalized(to), normalized(axis));
+        let by_difference = {
+            let [i, o] = [i, o].map(|cosine| (1.0 - cosine) as f32);
+            let apart = [0, 1, 2].map(|k| to[k] - axis[k]);
+            (o - 0.5 * dot(apart, apart)) / (o - i)
+        };
         let (i, o) = (i as f32, o as f32);
-        let found = ((dot(normalized(to), normalized(axis)) - o) / (i - o)).clamp(0.0, 1.0);
-        worst = worst.max((f64::from(found) - right).abs());
+        let by_cosines = (dot(to, axis) - o) / (i - o);
+        for (worst, found) in worst.iter_mut().zip([by_cosines, by_difference]) {
+            *worst = worst.max((f64::from(found.clamp(0.0, 1.0)) - right).abs());
+        }
     }
-    worst * 255.0
+    worst.map(|error| error * 255.0)
 }
 
 #[test]
@@ -186,7 +200,7 @@ fn widths_of_cones_are_what_the_thresholds_state() {
     let next = f64::from(1.0f32.next_down());
     let numbers = [
         format!("no digits below {:.2} degrees", next.acos().to_degrees()),
-        format!("{:.1} degrees: measured", 0.999f64.acos().to_degrees()),
+        format!("{:.1} degrees: by cosines", 0.999f64.acos().to_degrees()),
     ];
     holds(Hazard::NarrowCone, &numbers);
     let soft = |x: f64| (x - 17.5) / (12.5 - 17.5);
@@ -206,6 +220,183 @@ fn powers_and_steps_are_what_the_hazards_state() {
     let text = Hazard::LoneConstant.info().why;
     let times = format!("{:.0} times too bright", constant[0] / constant[2]);
     assert!(text.contains(&times), "{times}: {text}");
+}
+
+/// Whether a hazard states a number, among those words, that is within a third of what was computed.
+fn about(hazard: Hazard, words: &str, stated: f64, computed: f64) {
+    let info = hazard.info();
+    let text = format!("{} {}", info.why, info.threshold.map_or("", |threshold| threshold.why));
+    assert!(text.contains(words), "`{words}` is not stated: {text}");
+    let ratio = computed / stated;
+    assert!((0.75..1.34).contains(&ratio), "{words}: {stated} stated, {computed} computed");
+}
+
+/// Divides by the length, each operation rounded to an `f32`.
+fn divided(v: [f32; 3]) -> [f32; 3] {
+    let length = dot(v, v).sqrt();
+    v.map(|x| x / length)
+}
+
+fn rounded(v: [f64; 3]) -> [f32; 3] {
+    v.map(|x| x as f32)
+}
+
+fn reflected<T: Copy + std::ops::Mul<Output = T> + std::ops::Sub<Output = T>>(
+    [twice, along]: [T; 2],
+    normal: [T; 3],
+    light: [T; 3],
+) -> [T; 3] {
+    [0, 1, 2].map(|k| twice * along * normal[k] - light[k])
+}
+
+fn dot64(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.into_iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    v.map(|x| x / dot64(v, v).sqrt())
+}
+
+/// A highlight of a normal, the vector to the light and the one to the eye, in f64.
+fn highlight64(n: [f64; 3], l: [f64; 3], v: [f64; 3], exponent: f64) -> f64 {
+    let (n, l, v) = (unit(n), unit(l), unit(v));
+    dot64(v, reflected([2.0, dot64(n, l)], n, l)).max(0.0).powf(exponent)
+}
+
+/// The same with an exact power of an f32 cosine.
+fn highlight32(n: [f32; 3], l: [f32; 3], v: [f32; 3], exponent: f64) -> f64 {
+    let (n, l, v) = (divided(n), divided(l), divided(v));
+    let cosine = dot(v, reflected([2.0, dot(n, l)], n, l));
+    f64::from(cosine.clamp(0.0, 1.0)).powf(exponent)
+}
+
+#[test]
+fn highlights_lose_by_their_exponent_what_the_hazard_states() {
+    let wide = |v: [f32; 3]| v.map(f64::from);
+    let error = |exponent: f64| {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut worst = 0.0f64;
+        for _ in 0..200_000 {
+            let n = rounded(direction(&mut random));
+            let l = rounded(direction(&mut random).map(|x| 3.0 * x));
+            let (unit_n, unit_l) = (unit(wide(n)), unit(wide(l)));
+            let r = reflected([2.0, dot64(unit_n, unit_l)], unit_n, unit_l);
+            // A view within the highlight.
+            let (off, side) =
+                (1.5 * (2.0 / exponent).sqrt() * random.f64(), direction(&mut random));
+            let v = rounded([0, 1, 2].map(|k| 2.0 * (r[k] + off * side[k])));
+            let right = highlight64(wide(n), wide(l), wide(v), exponent);
+            worst = worst.max((highlight32(n, l, v, exponent) - right).abs());
+        }
+        255.0 * worst
+    };
+    let hazard = Hazard::LargeExponent;
+    about(hazard, "0.005 of 255 steps at 32", 0.005, error(32.0));
+    about(hazard, "0.04 of 255 steps off at exponent 256", 0.04, error(256.0));
+    about(hazard, "0.65 at 4096", 0.65, error(4096.0));
+    about(hazard, "10 at 65536", 10.0, error(65536.0));
+}
+
+/// The largest error in 8-bit steps of a lit surface in a room of 3 m at a distance from the
+/// origin, with positions as they are and relative to the eye.
+fn far_from_origin(distance: f64) -> [f64; 2] {
+    let mut random = fastrand::Rng::with_seed(5);
+    let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
+    let mut worst = [0.0f64; 2];
+    for _ in 0..100_000 {
+        let middle = direction(&mut random).map(|x| x * distance);
+        let mut point = || [0, 1, 2].map(|k| middle[k] + 3.0 * (random.f64() - 0.5));
+        let (at, light, eye) = (point(), point(), point());
+        let (to_light, to_eye) = (minus(light, at), minus(eye, at));
+        if dot64(to_light, to_light) < 1.0 || dot64(to_eye, to_eye) < 1.0 {
+            continue;
+        }
+        // A normal about halfway, where the highlight is.
+        let (l, v) = (unit(to_light), unit(to_eye));
+        let side = direction(&mut random);
+        let normal = unit([0, 1, 2].map(|k| l[k] + v[k] + 0.2 * side[k]));
+        let square = dot64(to_light, to_light);
+        let fade = |square: f64| 1.0 + 0.09 * square.sqrt() + 0.032 * square;
+        let right = dot64(normal, l).max(0.0) + highlight64(normal, to_light, to_eye, 32.0);
+        let right = right / fade(square);
+        let origins = [[0.0; 3], eye];
+        for (worst, origin) in worst.iter_mut().zip(origins) {
+            let [at, light, eye] = [at, light, eye].map(|p| rounded(minus(p, origin)));
+            let less = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
+            let (to_light, to_eye) = (less(light, at), less(eye, at));
+            let normal = rounded(normal);
+            let diffuse = f64::from(dot(normal, divided(to_light)).max(0.0));
+            let lit = diffuse + highlight32(normal, to_light, to_eye, 32.0);
+            let found = lit / fade(f64::from(dot(to_light, to_light)));
+            *worst = worst.max(255.0 * (found - right).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn positions_far_from_the_origin_lose_what_the_hazard_states() {
+    let hazard = Hazard::FarFromOrigin;
+    about(hazard, "0.08 of 255 steps at this distance", 0.08, far_from_origin(1.0e3)[0]);
+    about(hazard, "1 of 255 steps at 1e4", 1.0, far_from_origin(1.0e4)[0]);
+    about(hazard, "9 at 1e5", 9.0, far_from_origin(1.0e5)[0]);
+    let [here, relative] = far_from_origin(1.0e6);
+    about(hazard, "80 at 1e6", 80.0, here);
+    assert!(relative < 0.01, "{relative}");
+}
+
+#[test]
+fn normalised_vectors_and_cosines_exceed_one_as_often_as_the_hazards_state() {
+    let mut random = fastrand::Rng::with_seed(7);
+    let (mut longer, mut above) = (0, 0);
+    let count = 1_000_000;
+    for _ in 0..count {
+        let size = 1.0 + random.f64();
+        let axis = divided(rounded(direction(&mut random).map(|x| x * size)));
+        longer += u32::from(exact(axis, axis) > 1.0);
+        let distance = 10.0 * random.f32() + 0.1;
+        above += u32::from(dot(divided(axis.map(|x| x * distance)), axis) > 1.0);
+    }
+    let share = |some: u32| f64::from(some) / f64::from(count);
+    about(Hazard::BaseAboveOne, "Half of all normalised vectors", 0.5, share(longer));
+    about(Hazard::ZeroWidthCone, "above 1 in 14 of 100 fragments", 0.14, share(above));
+}
+
+#[test]
+fn narrow_cones_lose_what_the_hazard_states() {
+    let hazard = Hazard::NarrowCone;
+    for (words, stated, inner, outer) in [
+        ("12.5 and 15 degrees is 0.01 of", 0.01, 12.5, 15.0),
+        ("and 2 degrees 0.2", 0.2, 1.0, 2.0),
+        ("0.5 and 1 degrees 0.7", 0.7, 0.5, 1.0),
+        ("19 from 0.1 to 0.2", 19.0, 0.1, 0.2),
+        ("0.05 and 0.06 degrees all", 255.0, 0.05, 0.06),
+    ] {
+        let [by_cosines, by_difference] = cone_errors(inner, outer);
+        about(hazard, words, stated, by_cosines);
+        assert!(by_difference < 0.15, "{inner} and {outer} degrees: {by_difference}");
+    }
+}
+
+#[test]
+fn single_results_are_what_the_hazards_state() {
+    let stated = |hazard: Hazard, number: String| {
+        let why = hazard.info().why;
+        assert!(why.contains(&number), "{number}: {why}");
+    };
+    stated(Hazard::PowOfNegative, format!("is {} in the C library", (-0.25f64).powf(2.0)));
+    assert!((2.0 * (-0.25f64).log2()).exp2().is_nan());
+    assert_eq!(8_388_608.0f32 + 0.25, 8_388_608.0);
+    stated(Hazard::Uninitialised, "8388608 swallows".to_string());
+    // A light 0.2 below the plane of the normal, and a view along the plane.
+    let (below, along) = (0.2f64, (1.0 - 0.2f64 * 0.2).sqrt());
+    let mirrored = highlight64([0.0, 1.0, 0.0], [-along, -below, 0.0], [1.0, 0.0, 0.0], 32.0);
+    stated(Hazard::HighlightFromBehind, format!("{mirrored:.2} bright at a grazing view"));
+    stated(Hazard::AmbientPerLight, format!("of 0.05 add up to {:.1}", 128.0 * 0.05));
+    let length = |distance: f32| distance / (distance * distance).sqrt();
+    let brighter = f64::from(length(1.0e-22)).powi(32);
+    stated(Hazard::Underflow, format!("At a distance of 1e-22 a highlight is {brighter:.2} times"));
+    assert_eq!(length(1.0e-23), f32::INFINITY, "times the zeros of the other components, NaN");
 }
 
 /// The sizes that a lint about arrays states are those of the layout.

@@ -247,7 +247,10 @@ impl fmt::Display for BindError {
                 write!(f, "the shader has no member, texture or input `{key}`")
             }
             BindError::UnknownQuantity { key, word, .. } => {
-                write!(f, "`{key}` is bound to `{word}`, which is not a quantity of a scene")
+                write!(
+                    f,
+                    "`{key}` is bound to `{word}`, which no scene has; `--print-bind` shows the names that exist"
+                )
             }
             BindError::Misfit { key, why } => write!(f, "`{key}` {why}"),
         }

@@ -139,7 +139,7 @@ impl Job<'_> {
             ),
             Cull::Budget(_) => Claim::Proven {
                 steps: dropped.max_element() / STEP,
-                by: "the largest sum of upper bounds left out of a region".to_string(),
+                by: "the upper bounds of the lights left out of a region, summed, at their largest".to_string(),
             },
             Cull::Threshold(_) | Cull::Range(_) => Claim::Unmeasured,
         };

@@ -22,7 +22,7 @@ use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::{backends, given, read, write};
+use crate::{backends, given, read, watch, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -142,7 +142,7 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
         };
         let mut workloads: Vec<&mut dyn Workload> =
             group.iter_mut().map(|entry| &mut *entry.workload as &mut dyn Workload).collect();
-        samples.extend(measure(&mut workloads, &rounds, &mut progress));
+        samples.extend(measure(&mut workloads, &rounds, &watch::is_stopped, &mut progress));
     }
     let mut rows = Vec::new();
     for (entry, samples) in entries.into_iter().zip(samples) {

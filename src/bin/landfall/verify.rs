@@ -51,6 +51,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         style: streams.style(form),
         streams,
         counts: Counts::default(),
+        idle: args.require.iter().map(|name| name.kind()).collect(),
         could_not: false,
         data: data::blocks(args.data.as_deref())?,
         spirv: args.spirv.as_deref().map(compiled).transpose()?,
@@ -118,6 +119,8 @@ struct Run<'a> {
     style: FindingStyle,
     streams: &'a Streams,
     counts: Counts,
+    /// The required backends that have read nothing so far.
+    idle: Vec<BackendKind>,
     could_not: bool,
     data: Data,
     /// The words of `--spirv`.
@@ -170,6 +173,10 @@ impl Run<'_> {
             }
         };
         self.counts.add(&report);
+        let backends_of = report.blocks.iter().flat_map(|block| &block.backends);
+        for backend in backends_of.filter(|backend| !backend.reads.is_empty()) {
+            self.idle.retain(|idle| ReadBy::Backend(*idle) != backend.backend);
+        }
         match self.args.format {
             VerifyFormat::Human => self.streams.product(&text)?,
             VerifyFormat::Json => self.streams.json(&text)?,
@@ -250,6 +257,20 @@ impl Run<'_> {
         Ok(if self.args.block.is_some() { Outcome::CouldNot } else { Outcome::Clean })
     }
 
+    /// Returns the error that no backend, or not each required one, read anything.
+    fn unread(&self) -> Option<Error> {
+        if self.could_not || self.counts.failed > 0 {
+            return None;
+        }
+        let (name, message) = match self.idle.first() {
+            _ if self.counts.reads == 0 => ("verify", "read no member of any block"),
+            Some(backend) => (backend.name(), "is required but read no member of any block"),
+            None => return None,
+        };
+        let help = "the report names the reason by block; `--backend cpu` reads GLSL and WGSL";
+        Some(Error::new(name, message).with_help(help))
+    }
+
     fn finish(self) -> Result<Outcome, Failure> {
         if self.args.format == VerifyFormat::Json {
             self.streams.json(print::json_closing(self.counts.shaders))?;
@@ -262,6 +283,11 @@ impl Run<'_> {
         }
         if self.counts.shaders > 0 {
             self.streams.notes(&print::summary(&self.counts));
+        }
+        if let Some(error) = self.unread() {
+            let found = Diagnostic { code: Code::CannotRun, path: None, ..error.into() };
+            self.streams.report(&self.style.text(&[found], &Files::default()));
+            return Ok(Outcome::CouldNot);
         }
         Ok(if self.could_not || self.counts.failed > 0 {
             Outcome::CouldNot

@@ -9,7 +9,15 @@ use super::{Failure, Grid, Texel};
 /// # Errors
 /// Fails for stages that no backend executes.
 pub fn executable(stage: Stage) -> Result<ExecutableStage, Failure> {
-    let refused = || Failure::refused(format!("a {} shader cannot run", stage.name()), "");
+    let refused = || {
+        Failure::refused(
+            format!(
+                "a {} shader cannot run: only vertex, fragment and compute shaders can",
+                stage.name()
+            ),
+            "",
+        )
+    };
     ExecutableStage::of(stage).ok_or_else(refused)
 }
 

@@ -267,7 +267,7 @@ fn json(module: &Module) -> io::Result<Vec<u8>> {
 
 #[cfg(not(feature = "gpu"))]
 fn json(_: &Module) -> io::Result<Vec<u8>> {
-    Err(frame::invalid("this build runs no modules"))
+    Err(frame::invalid("this build lacks the feature `gpu`"))
 }
 
 fn unexpected(reply: Reply) -> Failure {
@@ -280,7 +280,10 @@ fn unexpected(reply: Reply) -> Failure {
 }
 
 fn garbled(cause: io::Error) -> Failure {
-    Failure::died("the driver process sent an invalid message", cause.to_string())
+    Failure::died(
+        "the driver process and the command do not understand each other",
+        cause.to_string(),
+    )
 }
 
 fn unsendable(cause: io::Error) -> Failure {

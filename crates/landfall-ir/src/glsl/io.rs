@@ -144,7 +144,10 @@ impl Lowerer<'_> {
             Some(Stage::Compute) => ShaderStage::Compute,
             Some(_) => ShaderStage::Fragment,
             None => {
-                return Err(refuse(Span::default(), "the stage of this shader is unknown"));
+                return Err(refuse(
+                    Span::default(),
+                    "the stage of this shader is unknown: name it with --stage",
+                ));
             }
         };
         if stage == ShaderStage::Vertex {

@@ -316,10 +316,10 @@ impl Body<'_, '_> {
     /// Returns the number of elements of a runtime-sized array, as `int`.
     pub fn runtime_length(&mut self, place: &Lvalue) -> R<Val> {
         let Mem::BlockType(at, block_type) = &place.mem else {
-            return self.refuse("the length of this array is unknown");
+            return self.refuse("`.length()` of an array whose length is unknown here");
         };
         let BlockTypeKind::Array { stride, .. } = block_type.kind else {
-            return self.refuse("the length of this array is unknown");
+            return self.refuse("`.length()` of an array whose length is unknown here");
         };
         let length = match at {
             Address::Pointer(pointer) => self.add(Expression::ArrayLength(*pointer)),

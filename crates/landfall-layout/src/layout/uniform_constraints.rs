@@ -120,8 +120,8 @@ fn check_after_struct(
         return None;
     }
     let message = format!(
-        "`{}` is {distance} bytes after the start of `{}`, but in uniform memory what follows \
-         this structure starts at least {least} bytes after it",
+        "`{}` is {distance} bytes after the start of `{}`, but in uniform memory the member \
+         after this structure starts at least {least} bytes after the structure's start",
         member.name, before.name
     );
     Some(

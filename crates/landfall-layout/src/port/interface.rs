@@ -235,7 +235,7 @@ fn place<'p>(
 }
 
 fn unknown_size(passed: &Passed) -> Diagnostic {
-    let message = format!("the number of locations of `{}` is unknown", passed.name);
+    let message = format!("the number of locations that `{}` takes is unknown", passed.name);
     Diagnostic::error(Code::NotPortable, passed.span, message)
         .with_help("write its type and size without macros")
 }

@@ -221,7 +221,10 @@ fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
         members.retain(|member| {
             let sized = member.ty.dims().iter().all(|len| *len != crate::ArrayLen::Runtime);
             if !sized {
-                let message = format!("`{}` cannot be gathered: its size is unknown", member.name);
+                let message = format!(
+                    "`{}` cannot become a member of a block: its size is unknown",
+                    member.name
+                );
                 let diagnostic = Diagnostic::error(Code::ArraySize, member.span, message);
                 let help = "write the number of elements between the brackets";
                 reader.report(diagnostic.with_help(help));

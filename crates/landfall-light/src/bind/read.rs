@@ -27,8 +27,12 @@ pub fn overridden(
         let constant = matches!(source, Source::Number(_) | Source::Unknown);
         if of_fragment != is_input && !constant {
             let why = match is_input {
-                true => format!("is an input, but `{source}` is not a property of a fragment"),
-                false => format!("is not an input, and only inputs can be `{source}`"),
+                true => format!(
+                    "is an input of the fragment shader, but `{source}` does not vary by fragment"
+                ),
+                false => format!(
+                    "is not an input of the fragment shader, and `{source}` varies by fragment"
+                ),
             };
             return Err(BindError::Misfit { key: key.clone(), why });
         }

@@ -100,14 +100,21 @@ pub const PARTS: &[(&str, &str)] = &[
         "slots=N",
         "the shader has N slots for point lights; DxPxS also for directional lights and spotlights",
     ),
-    ("gates[=STEPS]", "count evaluations that gates skip, also powers below STEPS of 1/255"),
-    ("tiles[=PIXELS]", "a light list for each tile, exact; 8 pixels"),
-    ("clusters[=CxRxS]", "a light list for each cluster, exact; 32x18x48"),
-    ("budget=STEPS", "drop lights that contribute at most STEPS of 1/255 together, proven"),
+    (
+        "gates[=STEPS]",
+        "count what comparisons before a light and its highlight skip; highlights below STEPS/255 too",
+    ),
+    ("tiles[=PIXELS]", "a list of lights for each tile of the picture, exact; default 8 pixels"),
+    (
+        "clusters[=CxRxS]",
+        "a list of lights for each cell of the view volume, exact; default 32x18x48",
+    ),
+    ("budget=STEPS", "drop lights that together contribute at most STEPS/255 anywhere, proven"),
     ("budget-srgb=STEPS", "as `budget`, for an sRGB target"),
     (
         "interpolate[=DIAMETERS[xNODES]]",
-        "interpolate lights that far away on planes, measured; 4x3",
+        "on planes, compute lights farther than DIAMETERS of a patch at NODES by NODES points of it \
+         and interpolate, measured; default 4x3",
     ),
     ("cut=VALUE", "cut off each light where it contributes VALUE, such as 5/256; measured"),
     ("below=VALUE", "drop each light that contributes less than VALUE in a region; measured"),

@@ -256,7 +256,7 @@ impl<'de> Deserialize<'de> for Model {
         impl<'de> Visitor<'de> for Either {
             type Value = Model;
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the name of a model's family, or a map with `family`")
+                f.write_str("the name of a lighting model, or a map whose `family` names it")
             }
             fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Model, E> {
                 Family::deserialize(StrDeserializer::new(name)).map(Model::of)

@@ -39,6 +39,6 @@ pub(super) fn message(site: &Site<'_>) -> Message {
             site.about()
         ),
         "cosines near 1",
-        "with `e = L - D` of the unit vectors, compare `0.5 * dot(e, e)` with `1.0 - cosine`",
+        "with `e = l - axis` of the unit vectors, compare `0.5 * dot(e, e)` with `1.0 - cosine`",
     )
 }

@@ -61,7 +61,7 @@ pub struct RenderArgs {
     #[arg(help_heading = "Output", long)]
     pub print_bind: bool,
     /// Skip lights and code that the scene does not need: comma-separated parts such as
-    /// `used,gates,tiles=8,budget=0.5`; `--skip help` lists them
+    /// `used,gates,tiles=8,budget=0.5`; `--skip help` explains each
     #[arg(
         help_heading = "Skipped work", long, value_name = "PARTS",
         conflicts_with_all = ["reference", "print_bind"]

@@ -27,7 +27,8 @@ pub fn key() -> Result<Vec<u8>, Error> {
     if let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) {
         let given = given.into_encoded_bytes();
         if given.len() < SHORTEST {
-            let message = format!("is shorter than {SHORTEST} characters");
+            let message =
+                format!("is shorter than the {SHORTEST} characters that a key of caches needs");
             return Err(
                 Error::new(VARIABLE, message).with_help("generate one with `openssl rand -hex 32`")
             );
@@ -35,11 +36,14 @@ pub fn key() -> Result<Vec<u8>, Error> {
         return Ok(given);
     }
     let Some(file) = place() else {
-        return Err(Error::new("cache-key", "cannot be stored: there is no home directory")
-            .with_help(format!("set `{VARIABLE}`")));
+        return Err(Error::new(
+            "--cache-dir",
+            "needs a key, which cannot be stored: there is no home directory",
+        )
+        .with_help(format!("set `{VARIABLE}`")));
     };
     let failed = |cause: std::io::Error| {
-        let message = format!("cannot be made: {}", reason(&cause));
+        let message = format!("cannot hold the key of caches: {}", reason(&cause));
         Error::new(file.display().to_string(), message).with_help(format!("set `{VARIABLE}`"))
     };
     for _ in 0..2 {

@@ -175,7 +175,8 @@ fn of_scene(
         Some("unit") => VertexNormals::Unit,
         Some("unit_of_four") => VertexNormals::UnitOfFour,
         Some(other) => {
-            let known = "`transformed`, `unit` and `unit_of_four`";
+            let known = "`transformed` (of any length), `unit` (normalised) and `unit_of_four` \
+                         (normalised with a fourth component, a published fault)";
             return Err(wrong(format!(
                 "has the unknown `shader.normals` of `{other}`; the values are {known}"
             )));

@@ -29,7 +29,10 @@ impl Frame {
 
     /// Takes a blob out of the message; it can be taken once.
     pub(super) fn take(&mut self, blob: Blob) -> io::Result<Vec<u8>> {
-        self.blobs.get_mut(blob).map(std::mem::take).ok_or_else(|| invalid("no such blob"))
+        self.blobs
+            .get_mut(blob)
+            .map(std::mem::take)
+            .ok_or_else(|| invalid("it refers to data that it does not contain"))
     }
 
     /// Returns the message with a header.

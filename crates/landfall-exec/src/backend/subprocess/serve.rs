@@ -155,7 +155,9 @@ impl Server<'_> {
         match self.driver.as_mut() {
             Some(Driver::Gl(gl)) => gl.reflect(sources).map(Reply::Reflected),
             #[cfg(feature = "gpu")]
-            Some(Driver::Gpu(_)) => Err(Failure::refused("only OpenGL lists active uniforms", "")),
+            Some(Driver::Gpu(_)) => {
+                Err(Failure::refused("only OpenGL lists active uniforms", "use the backend `gl`"))
+            }
             None => Err(Failure::died("the driver was not opened", "")),
         }
     }
@@ -205,7 +207,7 @@ fn module(json: &[u8]) -> io::Result<Module> {
 
 #[cfg(not(feature = "gpu"))]
 fn module(_: &[u8]) -> io::Result<Module> {
-    Err(invalid("this build runs no modules"))
+    Err(invalid("this build lacks the feature `gpu`"))
 }
 
 #[cfg(not(all(feature = "gl", feature = "gpu")))]

@@ -118,7 +118,11 @@ impl Kernel<'_> {
     ) -> Result<KernelResult, Failure> {
         let scalars: usize = self.pure.parameters.iter().map(|p| p.scalars.len()).sum();
         if columns.len() != scalars || columns.iter().any(|column| column.len() != lanes) {
-            let message = format!("a call needs {scalars} columns of {lanes} words");
+            let message = format!(
+                "the arguments of `{}` are {scalars} scalars: give {scalars} columns of {lanes} \
+                 values each",
+                self.pure.shown
+            );
             return Err(Failure::refused(message, ""));
         }
         let results = self.pure.results.iter().map(|r| vec![Vec::new(); r.ty.scalars().len()]);
@@ -202,8 +206,8 @@ impl Lanes {
             || functions.iter().any(|function| call_graph::statements(&function.body).any(image))
         {
             let message = format!(
-                "`{}` takes derivatives over several pixels, each of which would write \
-                 its buffer or image; name the function that takes the derivatives",
+                "`{}` takes derivatives, so each sample runs on a quad of pixels, and each pixel \
+                 would write its buffer or image; name the function that takes the derivatives",
                 pure.shown
             );
             return Err(Failure::refused(message, ""));

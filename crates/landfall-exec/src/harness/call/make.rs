@@ -183,7 +183,8 @@ fn signature(
 fn is_confined_to_lane(module: &Module, effects: &Effects) -> Result<(), Obstacle> {
     if effects.derivatives {
         return Err(Obstacle {
-            what: "it takes derivatives, which samples do not have".to_string(),
+            what: "it takes derivatives, but each sample is a single call without neighbours"
+                .to_string(),
             help: "name the function whose arguments they depend on",
         });
     }
@@ -229,13 +230,16 @@ fn sampled(
         let ty = ValueType::of(module, module.ir.global_variables[variable].ty);
         let Some(ValueType::Struct { members, .. }) = ty else {
             notes.push(format!(
-                "`{name}` is not a structure of known size and is zero: set it with --data"
+                "`{name}` holds an array of unknown length, so it is read as zeros: set it with --data"
             ));
             continue;
         };
         let scalars: usize = members.iter().map(|(_, ty)| ty.scalars().len()).sum();
         if scalars > SCALARS {
-            notes.push(format!("`{name}` has {scalars} scalars and is zero: set it with --data"));
+            notes.push(format!(
+                "`{name}` has {scalars} scalars, more than the {SCALARS} that are sampled, so it is \
+                 read as zeros: set it with --data"
+            ));
             continue;
         }
         let reads = |member: u32| {

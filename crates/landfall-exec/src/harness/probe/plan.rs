@@ -165,7 +165,10 @@ pub fn plans(
         let none = Access { read: false, write: false };
         let access = at.and_then(|at| access.get(at)).copied().unwrap_or(none);
         if access == none {
-            plans.leave_out(leaf, "it may be neither read nor written");
+            plans.leave_out(
+                leaf,
+                "it is `readonly` and `writeonly`, so no shader can read or write it",
+            );
             continue;
         }
         for way in ways(leaf, top, block.space, access) {

@@ -98,7 +98,7 @@ impl Function<'_, '_> {
             Expression::CallResult(_)
             | Expression::AtomicResult { .. }
             | Expression::WorkGroupUniformLoadResult { .. } => {
-                return Err("a result before its call".into());
+                return Err("the result of a call that has not run yet".into());
             }
             Expression::RayQueryVertexPositions { .. }
             | Expression::RayQueryProceedResult

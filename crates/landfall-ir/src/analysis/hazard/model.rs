@@ -16,7 +16,7 @@ pub(super) static LOOP_PAST_COUNT: HazardInfo = HazardInfo {
           slots in use every fragment was NaN on lavapipe.",
     threshold: None,
     robust: "loop to `min(count, N)`",
-    citation: "measured: 243037 of 243037 fragments",
+    citation: "measured on lavapipe",
 };
 
 pub(super) static POW_OF_ZERO: HazardInfo = HazardInfo {
@@ -40,7 +40,7 @@ pub(super) static POW_OF_NEGATIVE: HazardInfo = HazardInfo {
     aliases: &["power-of-negative"],
     level: Level::Deny,
     what: "a power of a negative number is undefined",
-    why: "The C library returns 0.0625 where exp2(n * log2(x)) and lavapipe return NaN.",
+    why: "`pow(-0.25, 2.0)` is 0.0625 in the C library, and NaN by exp2(n * log2(x)) and on lavapipe.",
     threshold: None,
     robust: "guard the base: `x > 0.0 ? pow(x, n) : 0.0`",
     citation: "GLSL 4.60 8.2: `pow` is undefined for x < 0",
@@ -56,7 +56,7 @@ pub(super) static BASE_ABOVE_ONE: HazardInfo = HazardInfo {
     why: "Half of all normalised vectors are longer than 1; 1 + 2^-23 to the power of 1e7 is 3.3.",
     threshold: Some(&ABOVE_ONE),
     robust: "clamp the base: `pow(clamp(x, 0.0, 1.0), n)`",
-    citation: "measured: 49.9 % of normalised vectors on lavapipe",
+    citation: "measured on 1,000,000 vectors divided by their length in f32",
 };
 
 pub(super) static UNINITIALISED: HazardInfo = HazardInfo {
@@ -80,8 +80,8 @@ pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "a light below the horizon makes a highlight",
-    why: "A light 0.2 below the surface makes it 0.459 bright at a grazing view; and lights behind \
-          a surface cannot be skipped.",
+    why: "With dot(n, l) = -0.2 a highlight of exponent 32 is 0.52 bright at a grazing view; and \
+          lights behind a surface cannot be skipped.",
     threshold: Some(&CHANGE),
     robust: "add the highlight only where `dot(n, l) > 0.0`",
     citation: "measured with the interpreter",
@@ -124,11 +124,11 @@ pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "the power multiplies the relative error of its base by the exponent",
-    why: "A highlight computed from f32 vectors is 0.035 of 255 steps off at exponent 256, 0.54 at \
-          4096, 8.1 at 65536, however exact `pow` is.",
+    why: "A highlight computed from f32 vectors is up to 0.04 of 255 steps off at exponent 256, \
+          0.65 at 4096, 10 at 65536, however exact `pow` is.",
     threshold: Some(&EXPONENT),
-    robust: "above 256 compute by the chord: `m = 0.5 * dot(v - r, v - r); exp2(n * log2(1.0 - \
-             m))`, by a series for small `m`",
+    robust: "above 256 use the difference of the unit vectors `v` (to the eye) and `r` (reflected): \
+             `m = 0.5 * dot(v - r, v - r); exp2(n * log2(1.0 - m))`, with a series for small `m`",
     citation: "measured; WGSL 15.7.4 and Vulkan 1.3, appendix A (accuracy of `pow`)",
 };
 
@@ -139,10 +139,10 @@ pub(super) static AMBIENT_PER_LIGHT: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "ambient light is added for every light",
-    why: "Five such terms are 13.5 % of the red of a published scene; 128 of them add up to 6.4.",
+    why: "128 such terms of 0.05 add up to 6.4: white.",
     threshold: None,
     robust: "keep one ambient light beside the array, and add it once",
-    citation: "measured on a published scene of six lights",
+    citation: "follows from the sum",
 };
 
 pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {

@@ -5,6 +5,7 @@ use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage};
 use super::declarations::Reader;
 use super::lexer::Token;
 use super::parser::diagnostic_at;
+use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
 use super::types::{Builtin, builtin};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, Rules};
@@ -27,25 +28,6 @@ const NOT_ON_MEMBERS: &[&str] = &[
 
 /// Entries of `layout(…)` that no `uniform` or `buffer` block takes.
 const NOT_ON_BLOCKS: &[&str] = &["location", "component", "index", "offset", "constant_id"];
-
-/// Interpolation and auxiliary qualifiers, and those of other variables, which neither such a
-/// block nor its members take (GLSL 4.60 §4.3.9).
-const OTHER_QUALIFIERS: &[&str] = &[
-    "flat",
-    "smooth",
-    "noperspective",
-    "centroid",
-    "sample",
-    "patch",
-    "invariant",
-    "const",
-    "in",
-    "out",
-    "inout",
-    "attribute",
-    "varying",
-    "shared",
-];
 
 impl<'a> Reader<'a> {
     /// Returns what makes a block illegal in every version; `written` are the rules in effect.
@@ -123,7 +105,11 @@ impl<'a> Reader<'a> {
     }
 
     fn other_qualifiers(&self, qualifiers: &Qualifiers<'a>, on: &str) -> Vec<Diagnostic> {
-        let other = |token: &Token<'a>| OTHER_QUALIFIERS.contains(&token.text);
+        // GLSL 4.60 §4.3.9.
+        let other = |token: &Token<'a>| {
+            let word = &token.text;
+            *word == "const" || INTERPOLATION.contains(word) || OTHER_STORAGE.contains(word)
+        };
         self.words(qualifiers).filter(other).map(|token| self.not_allowed(&token, on)).collect()
     }
 

@@ -1,14 +1,11 @@
 //! The qualifiers in front of a declaration (GLSL 4.60 §4.3 to §4.10).
 
-/// Qualifiers without an effect on the layout.
+/// Interpolation, auxiliary and invariance qualifiers.
+pub(crate) const INTERPOLATION: &[&str] =
+    &["flat", "smooth", "noperspective", "centroid", "sample", "patch", "invariant"];
+
+/// Other qualifiers without an effect on the layout.
 pub(crate) const SILENT: &[&str] = &[
-    "flat",
-    "smooth",
-    "noperspective",
-    "centroid",
-    "sample",
-    "patch",
-    "invariant",
     "precise",
     "lowp",
     "mediump",
@@ -64,5 +61,6 @@ pub(crate) const OTHER_STORAGE: &[&str] = &[
 pub(crate) fn is_qualifier(word: &str) -> bool {
     ["const", "uniform", "buffer"].contains(&word)
         || OTHER_STORAGE.contains(&word)
+        || INTERPOLATION.contains(&word)
         || SILENT.contains(&word)
 }

@@ -76,7 +76,7 @@ impl Calls {
         if samples.len() < sampling.calls {
             let (given, wanted) = (samples.len(), sampling.calls);
             let message =
-                format!("the domain admits only {given} of {wanted} samples from scenes: widen it");
+                format!("only {given} of {wanted} samples lie in the domain: widen the domain");
             return Err(failed(message));
         }
         let mut calls = Calls {

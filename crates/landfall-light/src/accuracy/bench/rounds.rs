@@ -13,6 +13,9 @@ use super::clock::{Clock, Elapsed, Start};
 /// One warm-up run precedes this many repetitions.
 const WARMED: u32 = 8;
 
+/// Why a workload has no samples.
+const INTERRUPTED: &str = "interrupted before its first round was complete";
+
 /// A part of a workload, measured separately for subtraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
@@ -70,16 +73,21 @@ pub struct Samples {
 
 /// Runs all workloads in interleaved rounds; `progress` receives the rounds done.
 ///
-/// A workload that fails gets its reason instead of samples; the others continue.
+/// A workload that fails gets its reason instead of samples; the others continue. Once
+/// `is_stopped`, the samples are those of the complete rounds.
 pub fn measure(
     workloads: &mut [&mut dyn Workload],
     rounds: &Rounds,
+    is_stopped: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(u32),
 ) -> Vec<Result<Samples, String>> {
     // The dropped round fills caches, compiles shaders and chooses repetitions; a second pass
     // chooses them again with warm caches, or the first workloads would be repeated less.
-    let mut all: Vec<Result<Running, String>> =
-        workloads.iter_mut().map(|workload| Running::warm(&mut **workload, rounds)).collect();
+    let warm = |workload: &mut &mut dyn Workload| match is_stopped() {
+        true => Err(INTERRUPTED.to_string()),
+        false => Running::warm(&mut **workload, rounds),
+    };
+    let mut all: Vec<Result<Running, String>> = workloads.iter_mut().map(warm).collect();
     for (workload, running) in workloads.iter_mut().zip(&mut all) {
         let failed = match running {
             Ok(running) => running.settle(&mut **workload, rounds).err(),
@@ -90,7 +98,8 @@ pub fn measure(
         }
     }
     progress(0);
-    for round in 0..rounds.count {
+    let mut complete = 0;
+    'rounds: for round in 0..rounds.count {
         let mut turns: Vec<_> = workloads.iter_mut().zip(&mut all).collect();
         let first = (round / 2) as usize % turns.len().max(1);
         turns.rotate_left(first);
@@ -98,6 +107,9 @@ pub fn measure(
             turns.reverse();
         }
         for (workload, running) in turns {
+            if is_stopped() {
+                break 'rounds;
+            }
             let failed = match running {
                 Ok(running) => running.round(&mut **workload, round).err(),
                 Err(_) => None,
@@ -106,9 +118,14 @@ pub fn measure(
                 *running = Err(failed);
             }
         }
-        progress(round + 1);
+        complete = round + 1;
+        progress(complete);
     }
-    all.into_iter().map(|running| running.map(Running::samples)).collect()
+    let samples = |running: Running| match complete {
+        0 => Err(INTERRUPTED.to_string()),
+        _ => Ok(running.samples(complete as usize)),
+    };
+    all.into_iter().map(|running| running.and_then(samples)).collect()
 }
 
 /// One part during the measurement.
@@ -169,10 +186,11 @@ impl Running {
         Ok(())
     }
 
-    fn samples(self) -> Samples {
+    fn samples(self, complete: usize) -> Samples {
         let mut samples =
             Samples { clock: self.clock, whole: Vec::new(), unlit: None, trivial: None };
-        for Timing { part, seconds, .. } in self.parts {
+        for Timing { part, mut seconds, .. } in self.parts {
+            seconds.truncate(complete);
             match part {
                 Part::Whole => samples.whole = seconds,
                 Part::Unlit => samples.unlit = Some(seconds),

@@ -76,7 +76,7 @@ impl Workload for Shader<'_> {
             (Part::Unlit, Some(unlit), _) => (shader, unlit.iter().collect()),
             (Part::Trivial, _, Some((shader, prepared))) => (shader, vec![prepared]),
             (Part::Unlit, None, _) | (Part::Trivial, _, None) => {
-                return Err("the workload has no such part".to_string());
+                return Err("this part of the workload was not prepared".to_string());
             }
         };
         let mut backend = self.backend.borrow_mut();

@@ -92,11 +92,13 @@ impl StressFinding {
         {
             if off.steps >= 0.05 {
                 notes.push(match permitted.any {
-                    true => format!(
-                        "permitted on any conformant device: up to {} steps",
+                    true => {
+                        format!("the specification permits up to {} steps", figure(permitted.steps))
+                    }
+                    false => format!(
+                        "more than the {} steps that the specification permits",
                         figure(permitted.steps)
                     ),
-                    false => format!("more than the permitted {} steps", figure(permitted.steps)),
                 });
             }
         }
@@ -104,10 +106,9 @@ impl StressFinding {
             (&self.permitted, self.backend, self.outcome)
         {
             notes.push(match permitted.any {
-                true => "permitted on any conformant device".to_string(),
-                false => {
-                    "not permitted on any conformant device: this adapter is wrong".to_string()
-                }
+                true => "the specification permits this result".to_string(),
+                false => "the specification does not permit this result: the driver is faulty"
+                    .to_string(),
             });
         }
         if let Some(against) = &self.against {

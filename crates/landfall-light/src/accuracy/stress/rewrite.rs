@@ -45,7 +45,7 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form = "by the chord, absolute error of the difference";
+        let form = "from the difference of the vectors, absolute error of the comparison";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }
@@ -58,7 +58,7 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form = "by the chord, absolute error of the power";
+        let form = "from the difference of the vectors, absolute error of the power";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }

@@ -457,6 +457,6 @@ impl<'a> Parser<'a> {
 
 /// Returns the error for `coopmat<…>` and the like.
 pub(super) fn parametric(span: Span) -> SyntaxError {
-    let message = "types with parameters cannot be executed";
+    let message = "types with parameters, such as `coopmat<…>`, cannot be executed";
     SyntaxError::Other(Box::new(Diagnostic::error(Code::CannotRun, span, message)))
 }
