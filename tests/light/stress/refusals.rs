@@ -69,7 +69,7 @@ fn what_cannot_be_called_by_itself_is_refused_by_name() {
         (
             "slopes",
             str![
-                "`slopes(float)` cannot be sampled: it takes derivatives, which samples do not have; name the function whose arguments they depend on"
+                "`slopes(float)` cannot be sampled: it takes derivatives, but each sample is a single call without neighbours; name the function whose arguments they depend on"
             ],
         ),
         (
