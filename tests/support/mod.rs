@@ -23,6 +23,7 @@ pub mod fold;
 pub mod generate;
 pub mod gl_types;
 pub mod glslang;
+pub mod glslang_server;
 pub mod jobs;
 pub mod known;
 pub mod landfall;
