@@ -293,6 +293,55 @@ error[cannot-run]: `gl` is required but read no member of any block
     folder.run(&["verify", "a.wgsl", "--backend", "cpu,gl", "--require", "cpu"]).code(0);
 }
 
+/// ES has storage buffers from 3.10, and takes their bindings from the text alone.
+#[test]
+fn es_shaders_are_read_on_the_driver() {
+    let folder = Place::new("verify-es");
+    let light = "struct L { vec3 p; float i; };\n";
+    let fragment = |members: &str| {
+        format!(
+            "// 300 suns\n#version 300 es\nprecision highp float;\nuniform vec3 tint;\n{light}\
+             layout(std140) uniform U {{ {members} }} u;\nout vec4 o;\n\
+             void main() {{ o = vec4(u.l[1].p + u.m[0] * tint, u.w[2]); }}\n"
+        )
+    };
+    folder.write("a.frag", &fragment("L l[4]; mat3 m; float w[3];"));
+    folder.write("swapped.frag", &fragment("mat3 m; L l[4]; float w[3];"));
+    folder.write(
+        "b.vert",
+        "#version 300 es\nlayout(std140) uniform Camera { mat4 view; vec3 eye; float near; };\n\
+         in vec3 p;\nvoid main() { gl_Position = view * vec4(p - eye, near); }\n",
+    );
+    folder.write(
+        "c.comp",
+        "#version 310 es\nlayout(local_size_x = 8) in;\n\
+         layout(std140, binding = 0) uniform U { vec3 a; float b[2]; } u;\n\
+         layout(std430, binding = 0) buffer R { float r[]; };\n\
+         void main() { r[gl_GlobalInvocationID.x] = u.a.x + u.b[1]; }\n",
+    );
+    let files = ["verify", "a.frag", "b.vert", "c.comp", "--backend", "gl", "--require", "gl"];
+    folder.run(&files).code(0).stdout_eq(str![[r#"
+backends
+  gl   [DRIVER] · [DRIVER]
+
+a.frag
+  U             std140  160 bytes     4 leaves  gl ✓ 77 reads
+  DefaultBlock  std140   16 bytes     1 leaf    gl ✓ 6 reads
+
+b.vert
+  Camera  std140  80 bytes     3 leaves  gl ✓ 42 reads
+
+c.comp
+  U  std140  48 bytes     2 leaves  gl ✓ 15 reads
+  R  std430   4 bytes     1 leaf    gl ✓ 11 reads
+
+"#]]);
+    // The reads are the driver's: another layout is told apart.
+    let swapped = folder.run(&["layout", "swapped.frag", "--format", "json"]).code(0).out.clone();
+    folder.write("swapped.json", &swapped);
+    folder.run(&["verify", "a.frag", "--backend", "gl", "--layout", "swapped.json"]).code(1);
+}
+
 /// SPIR-V of a text, made by glslang.
 fn compiled(folder: &Place, name: &str, text: &str) -> String {
     folder.write(name, text);

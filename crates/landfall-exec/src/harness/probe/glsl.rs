@@ -89,7 +89,7 @@ pub(crate) fn main(text: &mut String, stage: ExecutableStage, body: &str) {
 /// The `#version` line: its contents and its end.
 pub(crate) struct Head {
     /// The byte after its line break; 0 if there is no such line.
-    end: usize,
+    pub(crate) end: usize,
     /// The number of the next line.
     line: usize,
     pub(crate) version: u32,

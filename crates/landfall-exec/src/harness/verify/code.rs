@@ -101,7 +101,7 @@ pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
-            let source = opened(need.source, &need.options.layout.read);
+            let source = raised(opened(need.source, &need.options.layout.read));
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
             for_gl(need, &source, &text)
         }
@@ -119,6 +119,33 @@ pub(crate) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, S
     Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
 }
 
+/// Returns an ES 3.00 shader as ES 3.10, which has storage buffers and the same std140.
+fn raised(source: Cow<'_, Source>) -> Cow<'_, Source> {
+    let head = glsl::Head::of(&source.text);
+    if !head.es || head.version != 300 {
+        return source;
+    }
+    let Some(at) = source.text[..head.end].rfind("300") else { return source };
+    // As long as before, so that positions stay.
+    let text = format!("{}310{}", &source.text[..at], &source.text[at + 3..]);
+    Cow::Owned(Source { text: Arc::from(text), ..source.into_owned() })
+}
+
+/// Returns a probe with its results at a binding of their own, which ES takes from the text alone.
+fn bound_apart(need: &Need<'_>, source: &Source, text: &str) -> String {
+    if !glsl::Head::of(text).es {
+        return text.to_string();
+    }
+    let shader = layout(source, &need.options.layout);
+    let storage = |block: &&BlockLayout| matches!(block.space, AddressSpace::Storage);
+    let taken: Vec<u32> =
+        shader.blocks.iter().filter(storage).map(|block| block.binding.unwrap_or(0)).collect();
+    let free = (0..).find(|binding| !taken.contains(binding)).unwrap_or(0);
+    let declaration = format!("layout(std430) buffer {}", glsl::RESULTS);
+    let bound = format!("layout(std430, binding = {free}) buffer {}", glsl::RESULTS);
+    text.replace(&declaration, &bound)
+}
+
 /// Returns the user's text for OpenGL's compiler, without a probe.
 pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
     without(&opened(source, &options.layout.read).text, "set")
@@ -126,7 +153,8 @@ pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
 
 fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
     let name = gl_name(&need.block.name, need.element);
-    let probe = stage_code(need.stage.into(), "main", None, Some(without(text, "set")));
+    let text = bound_apart(need, source, text);
+    let probe = stage_code(need.stage.into(), "main", None, Some(without(&text, "set")));
     let stages = match need.stage {
         ExecutableStage::Vertex => vec![probe, fragment(need, source)?],
         ExecutableStage::Fragment => {
@@ -184,8 +212,9 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
     let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
         return Err(failure("the ported shader has its uniforms at other offsets".to_string()));
     };
-    let text = glsl::text(&ported.source, block, need.element, need.plan, need.stage);
-    let mut code = for_gl(need, &ported.source, &text)?;
+    let source = raised(Cow::Borrowed(&ported.source));
+    let text = glsl::text(&source, block, need.element, need.plan, need.stage);
+    let mut code = for_gl(need, &source, &text)?;
     code.block.name = name.to_string();
     Ok(code)
 }
