@@ -531,3 +531,27 @@ error[cannot-run]: gl: OpenGL has no push constants to hold the values of `P`
 
 "#]]);
 }
+
+/// Of a function that returns nothing, the variables it writes are the result.
+#[test]
+fn the_outputs_of_main_are_printed_on_every_backend() {
+    let place = Place::new("run-main");
+    place.write(
+        "a.vert",
+        "#version 450\nlayout(std140, binding = 0) uniform Camera { mat4 view; float near; };\n\
+         layout(location = 0) in vec3 p;\nlayout(location = 0) out vec3 twice;\n\
+         void main() { twice = 2.0 * p; gl_Position = view * vec4(p, near); }\n",
+    );
+    let camera = r#"{"Camera": {"view": [[2,0,0,0],[0,3,0,0],[0,0,1,0],[1,0,0,1]], "near": 1}}"#;
+    for backend in ["cpu", "gl", "gpu"] {
+        let run = ["run", "a.vert", "--fn", "main", "--data", camera, "--input", "p=[1, 2, 3]"];
+        let more = ["--backend", backend, "--format", "json"];
+        let report = place.run(&[&run[..], &more].concat()).json();
+        let value = |name: &str| {
+            let all = report["parameters"].as_array().unwrap();
+            all.iter().find(|output| output["name"] == name).unwrap()["value"].clone()
+        };
+        assert_eq!(value("twice"), serde_json::json!([2.0, 4.0, 6.0]), "{backend}");
+        assert_eq!(value("gl_Position"), serde_json::json!([3.0, 6.0, 3.0, 1.0]), "{backend}");
+    }
+}

@@ -104,8 +104,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Interrupted);
     }
     // A requested backend did not run.
-    let none_ran = !report.backends.is_empty() && !report.backends.iter().any(BackendReport::ran);
-    if absent || none_ran {
+    if absent || !report.backends.iter().all(BackendReport::ran) {
         return Ok(Outcome::CouldNot);
     }
     let past = |most: Option<f64>, is: f64| most.is_some_and(|most| is > most);

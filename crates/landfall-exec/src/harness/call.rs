@@ -30,7 +30,7 @@ use crate::backend::{Backend, Failure};
 use crate::harness::bindings as bound;
 use crate::harness::bindings::Data;
 use crate::interp::{
-    Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, Words,
+    Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
 use landfall_ir::module::{Direction, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
@@ -125,8 +125,13 @@ impl Job<'_> {
         let given = &request.arguments;
         let found = find::find(module, &program, &request.function, given, language)
             .map_err(|misfit| self.misfit(misfit))?;
-        let caller = caller::caller(module, found.info.handle)
-            .map_err(|mut all| Box::new(all.swap_remove(0)))?;
+        let first_of = |mut all: Vec<Diagnostic>| Box::new(all.swap_remove(0));
+        let mut caller = caller::caller(module, found.info.handle).map_err(first_of)?;
+        let ir = &module.ir;
+        let effects = effects::effects_of(ir, &ir.functions[found.info.handle]);
+        let written = effects::written(ir, found.info, &effects);
+        globals::through_arguments(&mut caller.module, caller.handle, &[], &written);
+        caller.module = caller.module.validated().map_err(first_of)?;
         let evaluated = self.evaluate(&caller, &found)?;
         let mut notes = Vec::new();
         match request.floats {
@@ -183,6 +188,16 @@ impl Job<'_> {
             let given = ReturnedValue::new(&parameter.ty, language, &words, numbers);
             parameters.push((parameter.name.clone(), way, given));
         }
+        let after = base + found.signature.parameters.len();
+        for (nth, variable) in written.iter().map(|at| &ir.global_variables[*at]).enumerate() {
+            let Some(ty) = ValueType::of(module, variable.ty) else { continue };
+            let numbers = called.and_then(|called| called.returned.get(after + nth)?.as_ref());
+            let own = numbers.map(|numbers| first(&numbers.words));
+            let words = answered.and_then(|answered| answered.written.get(nth).cloned()).or(own);
+            let (Some(words), Some(name)) = (words, variable.name.clone()) else { continue };
+            let value = ReturnedValue::new(&ty, language, &words, numbers);
+            parameters.push((name, Direction::Out, value));
+        }
         let counts = called.map(|called| called.notes.counts.operations());
         Ok(CallReport {
             path: source.path.clone(),
@@ -224,6 +239,8 @@ impl Job<'_> {
         };
         let mut arguments = self.inputs(caller, &signature)?;
         arguments.extend(found.arguments.iter().cloned());
+        let written = &signature.parameters[arguments.len().min(signature.parameters.len())..];
+        arguments.extend(written.iter().map(|p| vec![vec![0]; p.ty.scalars().len()]));
         let call = Call { function: caller::NAME, lanes: 1, arguments, resources: &resources };
         let settings = Settings {
             precision: Precision::Both,

@@ -19,6 +19,8 @@ pub(super) struct Answered {
     pub result: Vec<u64>,
     /// By parameter; empty for those that are not returned.
     pub parameters: Vec<Vec<u64>>,
+    /// By written global variable.
+    pub written: Vec<Vec<u64>>,
 }
 
 /// Calls the function on a driver.
@@ -54,15 +56,16 @@ pub(super) fn run(
     let mut answered = Answered {
         result: Vec::new(),
         parameters: vec![Vec::new(); found.signature.parameters.len()],
+        written: Vec::new(),
     };
     for (result, words) in pure.results.iter().zip(results) {
         let words = words.into_iter().map(|lanes| lanes[0]).collect();
         match result.at.map(|at| at.checked_sub(pure.inputs.len())) {
             None => answered.result = words,
-            Some(at) => {
-                let own = at.and_then(|at| answered.parameters.get_mut(at));
-                own.into_iter().for_each(|own| own.clone_from(&words));
-            }
+            Some(at) => match at.and_then(|at| answered.parameters.get_mut(at)) {
+                Some(own) => *own = words,
+                None => answered.written.push(words),
+            },
         }
     }
     Ok(answered)

@@ -6,6 +6,7 @@ use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Statement
 use rustc_hash::FxHashSet;
 
 use landfall_ir::call_graph;
+use landfall_ir::module::FunctionInfo;
 
 /// The side effects of a function and its callees.
 #[derive(Default)]
@@ -49,6 +50,23 @@ pub(super) fn effects_of(ir: &naga::Module, target: &Function) -> Effects {
         }
     }
     effects
+}
+
+/// Returns the global variables that are the results of a function: those that it writes, if it
+/// returns nothing.
+pub(super) fn written(
+    ir: &naga::Module,
+    info: &FunctionInfo,
+    effects: &Effects,
+) -> Vec<Handle<GlobalVariable>> {
+    let private = |(handle, variable): (Handle<GlobalVariable>, &GlobalVariable)| {
+        let written = variable.space == AddressSpace::Private && effects.stored.contains(&handle);
+        written.then_some(handle)
+    };
+    match info.returns {
+        Some(_) => Vec::new(),
+        None => ir.global_variables.iter().filter_map(private).collect(),
+    }
 }
 
 /// Adds the effects of variables' initialisers, which the caller runs before the call: all of them

@@ -10,7 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::arguments::Misfit;
 use super::caller;
 use super::caller::{Caller, CallerInput};
-use super::effects::{Effects, effects_of, through_initialisers};
+use super::effects::{Effects, effects_of, through_initialisers, written};
 use super::find::{alone, opaque, shown};
 use super::globals::{Sampled, SampledMember, through_arguments};
 use super::parameters::{CallerParameters, PublicParameters, list};
@@ -89,15 +89,7 @@ fn make(
     if purpose == Purpose::Pure {
         is_confined_to_lane(&module, &effects).map_err(cannot)?;
     }
-    let private = |(handle, variable): (Handle<GlobalVariable>, &GlobalVariable)| {
-        let written = variable.space == AddressSpace::Private && effects.stored.contains(&handle);
-        written.then_some(handle)
-    };
-    // The results are the return value, or the written parameters and variables if there is none.
-    let written: Vec<Handle<GlobalVariable>> = match info.returns {
-        Some(_) => Vec::new(),
-        None => module.ir.global_variables.iter().filter_map(private).collect(),
-    };
+    let written = written(&module.ir, &info, &effects);
     let Caller { mut module, handle, inputs } =
         caller::caller(&module, info.handle).map_err(|mut all| Box::new(all.swap_remove(0)))?;
     let caller = &module.ir.functions[handle];

@@ -27,7 +27,8 @@ pub struct CallReport {
     pub backend: Device,
     /// The returned value; `None` if the function returns nothing.
     pub result: Option<ReturnedValue>,
-    /// The value of each `out` and `inout` parameter after the call.
+    /// The value of each `out` and `inout` parameter after the call, and of each global variable
+    /// that a function without a result writes, such as the outputs of `main`.
     pub parameters: Vec<(String, Direction, ReturnedValue)>,
     /// Whether the call executed a `discard`.
     pub discarded: bool,
