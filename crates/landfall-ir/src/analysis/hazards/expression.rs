@@ -154,7 +154,16 @@ impl<'m> Walk<'m> {
                 let of = self.value(frame, *array);
                 self.array_length(of)
             }
-            // Textures, derivatives, results of atomics: anything may come of them.
+            // Anything may come of them.
+            Expression::ImageSample { coordinate: of, .. }
+            | Expression::ImageLoad { coordinate: of, .. }
+            | Expression::Derivative { expr: of, .. } => {
+                let of = self.value(frame, *of);
+                let id = self.graph.opaque(&[]);
+                self.control.hidden.insert(id, vec![of]);
+                id
+            }
+            // Results of atomics and of queries, too.
             _ => self.graph.opaque(&[]),
         };
         Value::Is(id)
