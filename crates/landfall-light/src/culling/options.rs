@@ -103,7 +103,7 @@ pub const PARTS: &[(&str, &str)] = &[
     ("gates[=STEPS]", "count evaluations that gates skip, also powers below STEPS of 1/255"),
     ("tiles[=PIXELS]", "a light list for each tile, exact; 8 pixels"),
     ("clusters[=CxRxS]", "a light list for each cluster, exact; 32x18x48"),
-    ("budget=STEPS", "drop lights that contribute at most STEPS of 1/255 together, proven"),
+    ("budget=STEPS", "drop lights that contribute at most STEPS of 1/255 together, by the model"),
     ("budget-srgb=STEPS", "as `budget`, for an sRGB target"),
     (
         "interpolate[=DIAMETERS[xNODES]]",
