@@ -154,19 +154,22 @@ impl<'m> Walk<'m> {
                 let of = self.value(frame, *array);
                 self.array_length(of)
             }
-            // Anything may come of them.
-            Expression::ImageSample { coordinate: of, .. }
-            | Expression::ImageLoad { coordinate: of, .. }
-            | Expression::Derivative { expr: of, .. } => {
-                let of = self.value(frame, *of);
-                let id = self.graph.opaque(&[]);
-                self.control.hidden.insert(id, vec![of]);
-                id
-            }
-            // Results of atomics and of queries, too.
-            _ => self.graph.opaque(&[]),
+            other => self.unknown(frame, other),
         };
         Value::Is(id)
+    }
+
+    /// Returns a value of which nothing is known, with what it is made of.
+    fn unknown(&mut self, frame: &mut Frame<'m>, expression: &Expression) -> Id {
+        let id = self.graph.opaque(&[]);
+        if let Expression::ImageSample { coordinate: of, .. }
+        | Expression::ImageLoad { coordinate: of, .. }
+        | Expression::Derivative { expr: of, .. } = expression
+        {
+            let of = self.value(frame, *of);
+            self.control.hidden.insert(id, vec![of]);
+        }
+        id
     }
 
     /// Returns a vector, matrix, array or structure of those parts.

@@ -12,7 +12,7 @@ use naga::{BinaryOperator as B, MathFunction as M};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::graph::{Graph, Id, Leaf, Op};
-use super::walk::{self, ControlRecord, Walk};
+use super::walk::{ControlRecord, Walk};
 use super::{Setting, Source};
 use crate::Module;
 use crate::analysis::roles::{LightBinding, Role};
@@ -65,15 +65,20 @@ pub fn terms(
     let module = Module::new(source, options)?;
     let setting = Setting { language: source.language, fragment: true, precise: false };
     let position = position.to_string();
-    crate::stack::on_a_large_stack(|| Ok(walk::terms(&module, lights, setting, position)))
+    crate::stack::on_a_large_stack(|| {
+        let mut walk = Walk::new(&module, lights, setting);
+        let mut outputs = Vec::new();
+        for entry in &module.ir.entry_points {
+            if entry.stage == naga::ShaderStage::Fragment {
+                outputs.extend(walk.root(&entry.function, true));
+            }
+        }
+        let cut_short = walk.is_cut_short() || walk.control.too_deep;
+        Ok(Terms { graph: walk.graph, outputs, control: walk.control, position, cut_short })
+    })
 }
 
 impl Terms {
-    pub(super) fn new(walk: Walk<'_>, outputs: Vec<Id>, position: String) -> Terms {
-        let cut_short = walk.is_cut_short() || walk.control.too_deep;
-        Terms { graph: walk.graph, outputs, control: walk.control, position, cut_short }
-    }
-
     /// Whether an element of an array of lights, by its index among those followed, adds exactly
     /// zero to every output if it has those numbers.
     pub fn vanish(&self, light: usize, numbers: &Numbers<'_>) -> bool {

@@ -6,7 +6,6 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::abstract_domain::Facts;
 use super::checks::Candidate;
-use super::falloff::Terms;
 use super::graph::{Graph, Id, Op, Origin};
 use super::memory::Value;
 use super::specular::Power;
@@ -120,25 +119,9 @@ pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) ->
     walk.judged()
 }
 
-/// Walks the fragment stages for the terms of lights.
-pub fn terms(
-    module: &Module,
-    lights: &[LightBinding<'_>],
-    setting: Setting,
-    position: String,
-) -> Terms {
-    let mut walk = Walk::new(module, lights, setting);
-    let mut outputs = Vec::new();
-    for entry in &walk.ir.entry_points {
-        if entry.stage == naga::ShaderStage::Fragment {
-            outputs.extend(walk.root(&entry.function, true));
-        }
-    }
-    Terms::new(walk, outputs, position)
-}
-
 impl<'m> Walk<'m> {
-    fn new(module: &'m Module, lights: &'m [LightBinding<'m>], setting: Setting) -> Walk<'m> {
+    /// Returns a walk that has not begun.
+    pub fn new(module: &'m Module, lights: &'m [LightBinding<'m>], setting: Setting) -> Walk<'m> {
         Walk {
             module,
             ir: &module.ir,
@@ -167,7 +150,8 @@ impl<'m> Walk<'m> {
         self.steps > MOST_STEPS
     }
 
-    fn root(&mut self, function: &'m Function, is_entry: bool) -> Option<Id> {
+    /// Walks an entry point, or a function of its own, and returns its result.
+    pub fn root(&mut self, function: &'m Function, is_entry: bool) -> Option<Id> {
         self.cells.clear();
         self.assumed.clear();
         self.relations.clear();
