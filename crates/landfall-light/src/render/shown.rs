@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::{Renderer, Work};
+use crate::bind::quantity::TilePart;
 use crate::bind::{Kind, LightPart, Quantity, Slot, Source as Bound};
 use crate::culling::Plan;
 use crate::scene::{Emission, PointLight};
@@ -35,7 +36,9 @@ impl Renderer {
     pub fn shows(&self, source: &Source, options: &Options, work: &Work<'_>, plan: &Plan) -> bool {
         let ambient = work.upload.lights.ambient.filter(|a| a.color * a.intensity != DVec3::ZERO);
         let kept = ambient.is_none() || plan.draws.iter().all(|draw| draw.lights.ambient);
-        if !plan.grids.is_empty() || !kept {
+        // A shader that reads lists, without any.
+        let unlisted = self.asks_for_tiles() && plan.tiles.is_none();
+        if !plan.grids.is_empty() || !kept || unlisted {
             return false;
         }
         let lights = &work.upload.lights;
@@ -93,25 +96,42 @@ impl Renderer {
             let (kind, part) = self.part_at(&held.block.name, &held.full_path(part))?;
             (kind == light.kind).then(|| light.number(part)).flatten()
         };
-        // What counts or lists such lights.
-        let counted = self.map.members.iter().filter(|member| match member.source.quantity() {
-            Some(Quantity::Count(kind)) => kind == light.kind,
-            Some(Quantity::Tiles(_)) => light.kind == Kind::Point,
-            _ => false,
-        });
-        let mut counts: Vec<String> = counted.map(|member| member.path.clone()).collect();
-        counts.extend(
-            lights
-                .iter()
-                .filter(|held| holds(held))
-                .map(|held| format!("{}.length()", held.path.trim_end_matches("[]"))),
-        );
+        let [counts, lists] = self.counted_by(lights, light.kind, &holds);
         let mut arrays = lights.iter().enumerate().filter(|(_, held)| holds(held)).peekable();
-        let any = arrays.peek().is_some();
+        let (any, distance) = (arrays.peek().is_some(), [light.near, FAR]);
         any && arrays.all(|(at, held)| {
             let of = |role| numbers(held, role);
-            terms.vanish(at, &Numbers { counts: &counts, of: &of, distance: [light.near, FAR] })
+            terms.vanish(at, &Numbers { counts: &counts, lists: &lists, of: &of, distance })
         })
+    }
+
+    /// Returns the paths of what counts the lights of a kind that a draw has, and of what lists
+    /// their indices. Beside lists of tiles, all point lights are there in every draw.
+    fn counted_by(
+        &self,
+        lights: &[LightBinding<'_>],
+        kind: Kind,
+        holds: &dyn Fn(&LightBinding<'_>) -> bool,
+    ) -> [Vec<String>; 2] {
+        let listed = kind == Kind::Point && self.asks_for_tiles();
+        let [mut counts, mut lists] = [Vec::new(), Vec::new()];
+        for member in &self.map.members {
+            match member.source.quantity() {
+                Some(Quantity::Tiles(TilePart::Index)) if listed => lists.push(member.path.clone()),
+                Some(Quantity::Tiles(_)) if listed => counts.push(member.path.clone()),
+                Some(Quantity::Count(of)) if of == kind && !listed => {
+                    counts.push(member.path.clone());
+                }
+                _ => {}
+            }
+        }
+        if !listed {
+            let arrays = lights.iter().filter(|held| holds(held));
+            let path =
+                |held: &LightBinding<'_>| format!("{}.length()", held.path.trim_end_matches("[]"));
+            counts.extend(arrays.map(path));
+        }
+        [counts, lists]
     }
 
     /// Returns the property of a light that a member of a block holds, as it is.

@@ -30,9 +30,11 @@ const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 /// A light that is left out: its numbers, its distance, and what else changes without it.
 #[derive(Clone, Copy)]
 pub struct Numbers<'a> {
-    /// The paths of the members that count such lights or list them, and of the lengths of their
-    /// arrays: `pointCount`, `tiles[].count`, `lights.length()`.
+    /// The paths of the members that count such lights, and of the lengths of their arrays, that
+    /// change: `pointCount`, `tiles[].count`, `lights.length()`.
     pub counts: &'a [String],
+    /// The paths of the members that list the indices of such lights: `indices[]`.
+    pub lists: &'a [String],
     /// The least and greatest component of a member by its role; `None` if it is unknown.
     pub of: &'a dyn Fn(Role) -> Option<[f64; 2]>,
     /// The least and greatest distance from the fragment.
@@ -120,6 +122,7 @@ impl Proof<'_> {
 
     /// Whether a value is the same without the light.
     fn unaffected(&mut self, id: Id) -> bool {
+        let id = self.base(id);
         if self.seen.contains(&id) {
             return true;
         }
@@ -141,15 +144,6 @@ impl Proof<'_> {
                 (!chosen || args.iter().all(|arg| Some(self.base(*arg)) == base))
                     && args.iter().all(|arg| self.unaffected(*arg))
             }
-            (Op::Binary(B::Add), &[a, b]) => {
-                if self.is_term(b) {
-                    self.unaffected(a)
-                } else if self.is_term(a) {
-                    self.unaffected(b)
-                } else {
-                    self.unaffected(a) && self.unaffected(b)
-                }
-            }
             (op, args) => {
                 let control = &self.terms.control;
                 let also = match op {
@@ -166,16 +160,27 @@ impl Proof<'_> {
         same
     }
 
-    /// Returns a value without the terms of the light that are added to it.
+    /// Returns a value without the terms of the light that are added to it, on conditions of its own.
     fn base(&mut self, mut id: Id) -> Id {
-        while let Some((a, b)) = self.terms.graph.binary(id, B::Add) {
-            id = match (self.is_term(b), self.is_term(a)) {
-                (true, _) => a,
-                (false, true) => b,
-                (false, false) => return id,
+        loop {
+            let next = if let Some((a, b)) = self.terms.graph.binary(id, B::Add) {
+                match (self.is_term(b), self.is_term(a)) {
+                    (true, _) => a,
+                    (false, true) => b,
+                    (false, false) => return id,
+                }
+            } else if let (Op::Chosen, &[condition, yes, no]) = (self.op(id), &self.args(id)[..]) {
+                let yes = self.base(yes);
+                let own = !self.loops(condition) && !self.below(condition, &|id| self.is_count(id));
+                if yes != self.base(no) || !own {
+                    return id;
+                }
+                yes
+            } else {
+                return id;
             };
+            id = next;
         }
-        id
     }
 
     /// Whether a value depends on the light, is zero for it, and depends on no other turn of a
@@ -205,8 +210,24 @@ impl Proof<'_> {
         self.below(id, &|id| self.is_of_light(id))
     }
 
+    /// Whether a value depends on what a loop over such lights carries from turn to turn.
     fn loops(&self, id: Id) -> bool {
-        self.below(id, &|id| matches!(self.op(id), Op::Looping(_)))
+        let control = &self.terms.control;
+        let mut seen = FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if matches!(self.op(id), Op::Looping(_)) && self.is_counted(id) {
+                return true;
+            }
+            todo.extend(self.terms.graph.args(id));
+            for also in [&control.hidden, &control.guards, &control.turns, &control.loops] {
+                todo.extend(also.get(&id).into_iter().flatten());
+            }
+        }
+        false
     }
 
     fn leaf(&self, id: Id) -> Option<&Leaf> {
@@ -214,8 +235,10 @@ impl Proof<'_> {
     }
 
     fn is_of_light(&self, id: Id) -> bool {
-        let light = self.leaf(id).and_then(|leaf| leaf.light.as_ref());
-        light.is_some_and(|(light, _)| *light == self.light)
+        self.leaf(id).is_some_and(|leaf| {
+            let own = leaf.light.as_ref().is_some_and(|(light, _)| *light == self.light);
+            own || self.numbers.lists.contains(&leaf.path)
+        })
     }
 
     /// Whether a leaf counts or lists such lights.

@@ -51,7 +51,7 @@ FragColor = vec4(sum * other, 1.0);
         _ => None,
     };
     let counts = ["pointCount".to_string(), "lights.length()".to_string()];
-    terms.vanish(0, &Numbers { counts: &counts, of: &of, distance: [distance, 1e19] })
+    terms.vanish(0, &Numbers { counts: &counts, lists: &[], of: &of, distance: [distance, 1e19] })
 }
 
 #[test]
@@ -64,6 +64,14 @@ fn lights_that_end_are_told_from_lights_that_do_not() {
         ("sum += c * clamp(1.0 - d / r, 0.0, 1.0);", true, false),
         ("sum += c * (1.0 - smoothstep(r * 0.5, r * 0.9, d));", true, false),
         ("sum += c * window(d, r * 0.5);", true, true),
+        ("if (c.x > 0.2) sum += c * window(d, r);", true, false),
+        ("if (pointCount < 9u) sum += c * window(d, r);", false, false),
+        ("if (i < 9u) sum += c * window(d, r);", false, false),
+        (
+            "float m = 1.0; for (int k = 0; k < 3; k++) m *= d; sum += c * m * window(d, r);",
+            true,
+            false,
+        ),
         ("sum += c * window(d, r * 1.5);", false, false),
         ("sum += c * window(d, r) + 0.01;", false, false),
         ("sum += c * (1.0 - d / r);", false, false),
