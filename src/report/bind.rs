@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use unicode_width::UnicodeWidthStr;
 
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint};
-use landfall_light::bind::{BindingMap, Member, Source};
+use landfall_light::bind::{BindingMap, Decision, Member, Outcome, Source};
 
 /// Returns a row for each member, texture and input.
 pub fn text(map: &BindingMap, paint: Paint) -> String {
@@ -38,10 +38,37 @@ pub fn text(map: &BindingMap, paint: Paint) -> String {
             let _ = writeln!(text, "  {key}{pad}  {line}");
         }
     }
+    if !map.decisions.is_empty() {
+        let _ = writeln!(text, "{}", paint.text(HEADING, "decided by running the shader"));
+    }
+    let topics = map.decisions.iter().map(|decision| decision.topic.to_string().len());
+    let width = topics.max().unwrap_or(0);
+    for decision in &map.decisions {
+        let keys: Vec<&str> = decision.members.iter().map(|(key, _)| key.as_str()).collect();
+        let (certain, why) = reason(decision);
+        let why = paint.text(if certain { FAINT } else { CAUTION }, &why);
+        let topic = decision.topic.to_string();
+        let _ = writeln!(text, "  {topic:<width$}  {}: {why}", keys.join(", "));
+    }
     for note in &map.notes {
         let _ = writeln!(text, "{}", paint.text(FAINT, &format!("note: {note}")));
     }
     text
+}
+
+/// Returns whether a choice was made by the reference, and its reason.
+fn reason(decision: &Decision) -> (bool, String) {
+    let Decision { readings, probes, outcome, .. } = decision;
+    match outcome {
+        Outcome::Agrees => {
+            (true, format!("1 of {readings} readings is lit as the reference, {probes} probes"))
+        }
+        Outcome::Same => (true, format!("by name; {readings} readings give the same light")),
+        Outcome::Named => {
+            (false, format!("by name; none of {readings} readings is lit as the reference"))
+        }
+        Outcome::NotRun(why) => (false, format!("by name; the interpreter cannot run it: {why}")),
+    }
 }
 
 /// Returns the object that `--bind` accepts: from members, textures and inputs to quantities;

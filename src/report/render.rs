@@ -58,6 +58,8 @@ pub struct RenderReport {
     pub model: Option<(Model, bool)>,
     /// The plan of skipped lights.
     pub plan: Option<Plan>,
+    /// Whether an option that was demanded was not applied, since its error was too large.
+    pub unmet: bool,
     /// The comparisons with other pictures.
     pub compared: Vec<Compared>,
     /// The files written.
@@ -75,6 +77,8 @@ pub struct Compared {
     pub comparison: Comparison,
     /// Fragments left out of the comparison: hazard code, description and count.
     pub left_out: Vec<(String, String, u64)>,
+    /// Other causes of the difference than arithmetic.
+    pub notes: Vec<String>,
 }
 
 impl Compared {
@@ -159,6 +163,9 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
         for (hazard, line, count) in &compared.left_out {
             let _ = writeln!(text, "  {:<12} {count} fragments: {line}", hazard);
         }
+        for note in &compared.notes {
+            let _ = writeln!(text, "  {:<12} {}", "note", paint.text(CAUTION, note));
+        }
     }
     for file in &report.written {
         let _ = writeln!(text, "{} {file}", paint.text(HEADING, "wrote"));
@@ -242,6 +249,7 @@ struct JsonCompared<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     hazards: Vec<JsonHazard<'a>>,
+    notes: &'a [String],
 }
 
 #[derive(Serialize)]
@@ -283,6 +291,7 @@ pub fn json(report: &RenderReport) -> String {
             .iter()
             .map(|(id, what, fragments)| JsonHazard { id, what, fragments: *fragments })
             .collect(),
+        notes: &compared.notes,
     });
     let document = Document {
         schema_version: SCHEMA_VERSION,

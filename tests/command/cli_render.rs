@@ -7,8 +7,8 @@ use snapbox::str;
 
 use crate::support::command::{self, Place, Ran, golden};
 
-const SCENE: &str = "shaders/scenes/six_lights.json";
-const SHADER: &str = "shaders/six_lights/phong_330.frag";
+pub const SCENE: &str = "shaders/scenes/six_lights.json";
+pub const SHADER: &str = "shaders/six_lights/phong_330.frag";
 
 fn render(more: &[&str]) -> Ran {
     let mut arguments = vec!["render", SCENE, "--shader", SHADER, "--size", "40x30"];
@@ -103,6 +103,11 @@ inputs
   FragPos                  position
   Normal                   normal
   TexCoords                uv
+decided by running the shader
+  sign           dirLight.direction: 1 of 2 readings is lit as the reference, 24 probes
+  sign and unit  spotLight.direction, spotLight.cutOff, spotLight.outerCutOff: 1 of 12 readings is lit as the reference, 21 probes
+  order          pointLights[].constant, pointLights[].linear, pointLights[].quadratic: 1 of 6 readings is lit as the reference, 8 probes
+  order          spotLight.constant, spotLight.linear, spotLight.quadratic: 1 of 6 readings is lit as the reference, 8 probes
 
 "#]],
     );
@@ -132,7 +137,7 @@ error[output]: `--reference` needs a lighting model, but neither the scene nor t
 }
 
 /// The scene without the shader and the model it names.
-fn unnamed() -> String {
+pub fn unnamed() -> String {
     let text = std::fs::read_to_string(SCENE).expect("it is there");
     let lines = text.lines().filter(|line| {
         !["shader", "model"].iter().any(|key| line.starts_with(&format!("  \"{key}\"")))

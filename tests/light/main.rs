@@ -4,8 +4,10 @@
 mod support;
 
 mod bind;
+mod bind_signs;
 mod hazards;
 mod light_bound;
+mod light_claims;
 mod light_forms;
 mod light_plan;
 mod light_planned;

@@ -1,9 +1,11 @@
 //! The binding map: the source in a scene of each member of a shader.
 //!
 //! `infer` derives it from the names, types and nesting of any shader with lights in its blocks;
-//! `read` applies the overrides of a scene or a file; `fill` writes an [`Upload`](super::Upload) by
+//! `read` applies the overrides of a scene or a file; `decide` settles signs and units by running
+//! the shader; `fill` writes an [`Upload`](super::Upload) by
 //! it. Sources have the names of [`quantity`]. Used by [`render`](super::render).
 
+mod decide;
 mod fill;
 mod infer;
 pub mod quantity;
@@ -12,6 +14,7 @@ mod read;
 use landfall_layout::diagnostic::Code;
 use std::fmt;
 
+pub use decide::{Decision, Outcome, Topic, decide};
 pub use fill::{BlockWriter, Lit, OverflowPolicy, Tiles};
 pub use infer::{infer, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};
@@ -28,6 +31,10 @@ pub struct BindingMap {
     pub inputs: Vec<Bound>,
     /// Notes on the inference.
     pub notes: Vec<String>,
+    /// The signs and units settled by running the shader.
+    pub decisions: Vec<Decision>,
+    /// Whether the shader takes the camera to be at the origin, as in view space.
+    pub camera_at_origin: bool,
 }
 
 /// A member of a block and its source.
@@ -169,6 +176,23 @@ pub enum BindError {
         /// The most similar quantity.
         nearest: Option<String>,
     },
+    /// A shader that takes the camera to be at the origin, and a scene whose camera is elsewhere.
+    CameraElsewhere,
+    /// Members whose sign or unit running the shader did not settle.
+    Undecided {
+        /// The keys of the members.
+        keys: Vec<String>,
+        /// What is open.
+        topic: Topic,
+        /// The readings that agree with the reference and differ from each other: none or several.
+        agreed: usize,
+        /// The readings tried.
+        readings: usize,
+        /// The fragments that each was run on.
+        probes: usize,
+        /// Readings to choose from, as objects for `--bind`.
+        offered: Vec<String>,
+    },
     /// A value that does not fit its member.
     Misfit {
         /// The key.
@@ -186,6 +210,7 @@ impl BindError {
             BindError::TooManyLights { .. } => Code::TooManyLights,
             BindError::UnknownTarget { .. } => Code::UnknownMember,
             BindError::UnknownQuantity { .. } => Code::UnknownQuantity,
+            BindError::Undecided { .. } | BindError::CameraElsewhere => Code::Bind,
             BindError::Misfit { .. } => Code::WrongType,
         }
     }
@@ -195,7 +220,9 @@ impl BindError {
     /// entry of the binding.
     pub fn at(&self) -> Option<String> {
         match self {
-            BindError::NoLights { .. } => None,
+            BindError::NoLights { .. }
+            | BindError::Undecided { .. }
+            | BindError::CameraElsewhere => None,
             BindError::TooManyLights { kind, slots, .. } => {
                 Some(format!("lights.{}[{slots}]", kind.name()))
             }
@@ -218,6 +245,16 @@ impl BindError {
             BindError::UnknownTarget { nearest, .. }
             | BindError::UnknownQuantity { nearest, .. } => {
                 nearest.as_ref().map(|nearest| format!("did you mean `{nearest}`?"))
+            }
+            BindError::CameraElsewhere => Some(
+                "light the scene in view space with `\"space\": \"view\"`, or bind the member that \
+                 holds the camera: `--bind '{\"eye\": \"camera.position\"}'`"
+                    .to_string(),
+            ),
+            BindError::Undecided { offered, .. } => {
+                let offered: Vec<String> =
+                    offered.iter().map(|bind| format!("`--bind '{bind}'`")).collect();
+                Some(format!("say what they hold, with {}", offered.join(" or ")))
             }
             BindError::Misfit { .. } => None,
         }
@@ -250,6 +287,19 @@ impl fmt::Display for BindError {
                 write!(
                     f,
                     "`{key}` is bound to `{word}`, which no scene has; `--print-bind` shows the names that exist"
+                )
+            }
+            BindError::CameraElsewhere => f.write_str(
+                "the shader takes the camera to be at the origin, where the camera of the scene is not",
+            ),
+            BindError::Undecided { keys, topic, agreed, readings, probes, .. } => {
+                let names: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+                let many = if *agreed == 0 { "none" } else { "several" };
+                write!(
+                    f,
+                    "the {topic} of {} cannot be told: of {readings} readings, {many} lights \
+                     {probes} probes in the order of the reference",
+                    names.join(", ")
                 )
             }
             BindError::Misfit { key, why } => write!(f, "`{key}` {why}"),

@@ -106,7 +106,7 @@ impl Job<'_> {
         let choose = options.choose == Choose::Cheaper;
         let plain = costs.of(whole, 0, 0);
         // No division saves more than the whole cost.
-        if choose && costs.sort * fragments as f64 >= plain {
+        if choose && costs.sort * fragments as f64 >= plain * costs.worth {
             savings.steps.push(unused(option, costs.sort * fragments as f64, plain, 0));
             return None;
         }
@@ -117,7 +117,7 @@ impl Job<'_> {
         let tiles = lists::tile_lists(frame, &divided, lights, &of, division);
         let mut plan = Plan { draws: self.draws(divided.cells, &of), tiles, ..Plan::default() };
         let cost = costs.of(&plan, tests, fragments);
-        if choose && cost >= plain {
+        if choose && cost >= plain * costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;
         }
@@ -186,7 +186,7 @@ impl Job<'_> {
         let (plan, tests, sorted) = patch::patches(self, interpolate);
         let plain = options.costs.of(whole, 0, 0);
         let cost = options.costs.of(&plan, tests, sorted);
-        if options.choose == Choose::Cheaper && cost >= plain {
+        if options.choose == Choose::Cheaper && cost >= plain * options.costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;
         }

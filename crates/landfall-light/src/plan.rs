@@ -195,8 +195,64 @@ impl Plan {
             Claim::Measured(measured) => 2.0 * measured.steps,
             Claim::Unmeasured => f64::INFINITY,
         });
-        // The rounding error of adding lights in another order.
-        checked.steps <= most.sum::<f64>() + 1e-2
+        checked.steps <= most.sum::<f64>() + ROUNDING
+    }
+
+    /// Returns the largest error in steps that its claims permit; `None` if one of its options is
+    /// measured only, which permits any.
+    pub fn permitted(&self) -> Option<f64> {
+        let each = self.savings.steps.iter().map(|step| match &step.error {
+            Claim::Exact(_) | Claim::Unused => Some(0.0),
+            Claim::Proven { steps, .. } => Some(*steps),
+            // Gates and the like leave the plan as it is.
+            Claim::Measured(_) if step.evaluations.is_none() => Some(0.0),
+            Claim::Measured(_) | Claim::Unmeasured => None,
+        });
+        each.sum()
+    }
+
+    /// Settles its claims by the difference from the picture with all lights, measured with the
+    /// shader itself: a claim about the model becomes what was measured, unless `shown` says that
+    /// the shader was shown to compute the model. Returns false, and becomes the plan of `all`
+    /// lights, if the difference is more than the claims permit.
+    pub fn settle(&mut self, checked: Measured, shown: bool, all: LightSet) -> bool {
+        let permitted = self.permitted();
+        let holds = permitted.is_none_or(|most| checked.steps <= most + ROUNDING);
+        for step in &mut self.savings.steps {
+            let applied = step.evaluations.is_some();
+            match &step.error {
+                _ if !applied => {}
+                _ if !holds => {
+                    step.did = format!(
+                        "not applied: the shader's own light changes by {} steps where lights are \
+                         left out, and {} are permitted",
+                        figure(checked.steps),
+                        figure(permitted.unwrap_or_default()),
+                    );
+                    (step.evaluations, step.error) = (None, Claim::Unused);
+                }
+                Claim::Exact(_) | Claim::Proven { .. } if !shown => {
+                    step.error = Claim::Measured(checked);
+                }
+                Claim::Measured(modelled) => {
+                    // The model's measurement has more fragments, the shader's is of the shader.
+                    let worse = if checked.steps > modelled.steps { checked } else { *modelled };
+                    step.error = Claim::Measured(worse);
+                }
+                Claim::Exact(_) | Claim::Proven { .. } | Claim::Unmeasured | Claim::Unused => {}
+            }
+        }
+        self.savings.checked = Some(checked);
+        if !holds {
+            let fragments = self.draws.iter().map(|draw| draw.fragments.len()).sum();
+            let savings = Savings {
+                after: self.savings.before,
+                compiled: Vec::new(),
+                ..std::mem::take(&mut self.savings)
+            };
+            *self = Plan { savings, ..Plan::whole(fragments, all) };
+        }
+        holds
     }
 
     /// Returns the number of light evaluations.
@@ -205,6 +261,16 @@ impl Plan {
         let draws = self.draws.iter().map(|draw| product(draw.fragments.len(), &draw.lights));
         let grids = self.grids.iter().map(|grid| product(grid.nodes.len(), &grid.lights));
         draws.sum::<u64>() + grids.sum::<u64>()
+    }
+}
+
+/// The rounding error of adding lights in another order, in steps.
+const ROUNDING: f64 = 1e-2;
+
+fn figure(steps: f64) -> String {
+    match steps {
+        s if s >= 10.0 => format!("{s:.0}"),
+        s => format!("{s:.2}"),
     }
 }
 

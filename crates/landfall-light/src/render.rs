@@ -5,7 +5,11 @@
 //! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the interpreter's
 //! counts.
 
+mod border;
+mod ignored;
+mod limits;
 pub mod planned;
+mod shown;
 pub mod tally;
 pub mod truth;
 
@@ -16,7 +20,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::bind::{
-    BindError, BindingMap, BlockWriter, Kind, Lit, OverflowPolicy, Quantity, Tiles, infer,
+    BindError, BindingMap, BlockWriter, Kind, Lit, OverflowPolicy, Quantity, Tiles, decide, infer,
     overridden,
 };
 use super::{Fragment, Frame, Upload};
@@ -159,6 +163,8 @@ impl Renderer {
         for given in &options.bind {
             map = overridden(map, given)?;
         }
+        let given = |key: &str| options.bind.iter().any(|given| given.contains_key(key));
+        let map = decide(&shader, map, &given)?;
         // A missing inference does not matter if all lights are bound explicitly.
         if let Some(error) = no_lights.filter(|_| !map.lights()) {
             return Err(error.into());
@@ -170,12 +176,16 @@ impl Renderer {
     /// Returns the indices of the lights of each kind for which the shader has slots.
     ///
     /// # Errors
-    /// More lights than slots, unless the policy leaves them out.
+    /// More lights than slots, unless the policy leaves them out; a camera that is not where the
+    /// shader takes it to be.
     pub fn lights(
         &self,
         upload: &Upload,
         excess: OverflowPolicy,
     ) -> Result<[Vec<u32>; 3], BindError> {
+        if self.map.camera_at_origin && upload.camera != DVec3::ZERO {
+            return Err(BindError::CameraElsewhere);
+        }
         self.filler.lights(&upload.lights, excess)
     }
 
@@ -246,6 +256,7 @@ impl Renderer {
         let Some(first) = fragments.first() else { return Ok(Default::default()) };
         let material = work.upload.materials.get(first.material as usize);
         let material = material.expect("a fragment's material is one of the upload's");
+        self.within_limits(backend.device(), draw)?;
         let filler = &self.filler;
         let blocks = filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?;
         let size = [work.frame.width, work.frame.height];

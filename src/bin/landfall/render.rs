@@ -16,7 +16,7 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
 use landfall_light::bind::{Lit, OverflowPolicy};
-use landfall_light::culling::Measured;
+use landfall_light::culling::{LightSet, Measured};
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
 use landfall_light::render::tally::Tally;
@@ -122,9 +122,6 @@ struct PreparedScene<'a> {
     limit: Duration,
 }
 
-/// Number of fragments at which a picture with a plan is checked.
-const CHECKED: usize = 256;
-
 /// A picture rendered by a backend.
 struct BackendPicture {
     rendered: Rendered,
@@ -164,6 +161,10 @@ fn picture(
     let model = request.model.map(|model| (model, true)).or_else(likely);
     let frame = Frame::new(scene, &request.frame);
     let limit = args.limit;
+    let model = match (model, &request.shader) {
+        (None, Some(_)) => own_model(request, &upload, &frame, limit)?,
+        (model, _) => model,
+    };
     let made = PreparedScene { scene, upload, frame, renderer, model, limit };
     let mut report = made.report(request);
     let picture = if args.reference {
@@ -175,13 +176,23 @@ fn picture(
         truth.picture
     } else {
         let planned = plan::plan(args, request, &made)?;
-        let lighted = made.light(args.backend, planned.as_ref(), args, streams)?;
+        let mut lighted = made.light(args.backend, planned.as_ref(), args, streams)?;
+        let demanded = planned.as_ref().is_some_and(|planned| planned.demanded);
         report.plan = planned.map(|planned| planned.plan);
         if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
-            if !plan.keeps(&checked) {
-                report.notes.push(plan::broken(&checked, made.model.as_ref()));
+            let keeps = plan.keeps(&checked);
+            let [directional, point, spot] = made.numbers();
+            let all = LightSet { ambient: true, directional, point, spot };
+            let whole = made.renderer.as_ref();
+            let shown = whole.is_some_and(|whole| request.shows(whole, &made.work(), plan));
+            let applied = plan.settle(checked, shown, all);
+            if !keeps || !applied {
+                report.notes.push(plan::broken(&checked, made.model.as_ref(), applied));
             }
-            plan.savings.checked = Some(checked);
+            if !applied {
+                report.unmet = demanded;
+                lighted = made.light(args.backend, None, args, streams)?;
+            }
         }
         report.device = Some(lighted.device);
         report.tally = lighted.tally;
@@ -211,6 +222,27 @@ fn picture(
         report.written.insert(0, out.display().to_string());
     }
     Ok(report)
+}
+
+/// The model of the scene's shader, as a comparison with the reference takes it: the one nearest to
+/// the shader's picture.
+fn own_model(
+    request: &RenderRequest,
+    upload: &Upload,
+    frame: &Frame,
+    limit: Duration,
+) -> Result<Option<(Model, bool)>, Stop> {
+    let Some(renderer) = request.renderer()? else { return Ok(None) };
+    let [directional, point, spot] =
+        renderer.lights(upload, OverflowPolicy::LeaveOut).map_err(RenderError::from)?;
+    let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+    let fragments = truth::sampled(frame);
+    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+    let work = Work { upload, frame, background: request.scene.background, limit };
+    let mut cpu = Cpu::new(Settings::default());
+    let rendered = renderer.render(&mut cpu, &work, &draws, &mut |_: &mut Cpu, _| {})?;
+    let likely = truth::likely(&renderer.map);
+    Ok(Some((truth::nearest(&likely, upload, frame, &rendered.picture), false)))
 }
 
 fn transfer(args: &RenderArgs) -> Transfer {
@@ -286,10 +318,16 @@ impl PreparedScene<'_> {
             map: self.renderer.as_ref().map(|renderer| renderer.map.clone()),
             model: None,
             plan: None,
+            unmet: false,
             compared: Vec::new(),
             written: Vec::new(),
             notes,
         }
+    }
+
+    fn work(&self) -> Work<'_> {
+        let PreparedScene { upload, frame, limit, scene, .. } = self;
+        Work { upload, frame, background: scene.background, limit: *limit }
     }
 
     /// The indices of all lights.
@@ -314,9 +352,7 @@ impl PreparedScene<'_> {
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         let plan = planned.map(|planned| &planned.plan);
-        let PreparedScene { upload, frame, limit, .. } = self;
-        let background = self.scene.background;
-        let work = Work { upload, frame, background, limit: *limit };
+        let work = self.work();
         let total = fragments.len().max(1);
         let shows = streams.shows_progress_first();
         let mut done = 0;
@@ -344,7 +380,7 @@ impl PreparedScene<'_> {
                 };
                 let time = begun.elapsed();
                 let checked = match plan {
-                    Some(_) => Some(whole.check(&mut cpu, &work, &rendered, CHECKED)?),
+                    Some(plan) => Some(whole.check_plan(&mut cpu, &work, plan, &rendered)?),
                     None => None,
                 };
                 (rendered, cpu.device().clone(), Some(tally), time, checked)
@@ -363,7 +399,9 @@ impl PreparedScene<'_> {
                 };
                 let time = begun.elapsed();
                 let checked = match plan {
-                    Some(_) => Some(whole.check(backend.as_mut(), &work, &rendered, CHECKED)?),
+                    Some(plan) => {
+                        Some(whole.check_plan(backend.as_mut(), &work, plan, &rendered)?)
+                    }
                     None => None,
                 };
                 (rendered, backend.device().clone(), None, time, checked)
@@ -392,7 +430,7 @@ fn print_report(
         RenderFormat::Json => streams.json(&print::json(report))?,
     }
     let far = |most: u8| report.compared.iter().any(|with| with.comparison.codes.max > most);
-    let found = report.non_finite > 0 || args.max_step.is_some_and(far);
+    let found = report.non_finite > 0 || report.unmet || args.max_step.is_some_and(far);
     Ok(if found { Outcome::Findings } else { Outcome::Clean })
 }
 

@@ -161,6 +161,12 @@ impl FragmentShader {
         self.covered.is_some()
     }
 
+    /// Returns whether some of it asks for no more than `mediump`, which drivers may compute in 16
+    /// bits (GLSL ES 3.20 §4.7).
+    pub fn is_mediump(&self) -> bool {
+        !self.module.reduced.is_empty()
+    }
+
     /// Returns whether row 0 of the pixels is the bottom one, as in OpenGL.
     pub fn rows_from_bottom(&self) -> bool {
         self.rows_from_bottom

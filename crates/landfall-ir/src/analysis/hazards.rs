@@ -9,6 +9,7 @@ mod abstract_domain;
 mod checks;
 mod control;
 mod expression;
+pub mod falloff;
 mod graph;
 mod memory;
 mod refine;

@@ -135,6 +135,11 @@ impl BlockWriter {
         self.slots[kind as usize].0
     }
 
+    /// Whether the shader has a count of the lights of a kind.
+    pub(super) fn counts(&self, kind: Kind) -> bool {
+        self.writes.iter().any(|write| write.source.quantity() == Some(Quantity::Count(kind)))
+    }
+
     /// Returns the bytes of every block for fragments of one material.
     ///
     /// # Errors

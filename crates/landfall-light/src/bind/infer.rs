@@ -1,9 +1,9 @@
 //! Infers the binding map of a shader from its names, types and nesting, and from its code.
 //!
 //! [`roles`] finds the lights; this adds light counts, cameras,
-//! materials, textures and inputs. The code is searched for how directions and cones are used,
-//! since names do not tell whether a direction points towards the light or whether a cone is a
-//! cosine.
+//! materials, textures and inputs. Names do not tell whether a direction points towards the light
+//! or whether a cone is a cosine: the code is searched for how they are used, which is a first
+//! guess that [`decide`](super::decide) tests by running the shader.
 
 use super::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
 use super::{BindError, BindingMap, Bound, Member, Source};
@@ -113,12 +113,6 @@ fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
                 Role::Position => light(LightPart::Position),
                 Role::Direction => {
                     let negated = kind == Kind::Directional && text.is_towards(last(&part.path));
-                    if negated {
-                        let name = held.full_path(part);
-                        map.notes.push(format!(
-                            "`{name}` is used without a minus: assumed to point towards the light"
-                        ));
-                    }
                     let part = LightPart::Direction;
                     Source::Scene { quantity: Quantity::Light { kind, slot, part }, negated }
                 }
@@ -132,7 +126,7 @@ fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
                 Role::Linear => light(LightPart::Linear),
                 Role::Quadratic => light(LightPart::Quadratic),
                 Role::Attenuation => light(LightPart::Attenuation),
-                Role::Range => light(LightPart::Range),
+                Role::Range => light(range(last(&part.path))),
                 Role::InnerCone => light(text.cone(last(&part.path), Edge::Inner)),
                 Role::OuterCone | Role::Cone => light(text.cone(last(&part.path), Edge::Outer)),
                 Role::Enabled => light(LightPart::Enabled),
@@ -192,6 +186,19 @@ fn set(map: &mut BindingMap, block: usize, path: &str, source: Source) {
     let found = map.members.iter_mut().find(|m| m.block == block && m.path == path);
     if let Some(member) = found.filter(|member| member.source == Source::Unknown) {
         member.source = source;
+    }
+}
+
+/// Returns the form of a range that its name tells.
+fn range(name: &str) -> LightPart {
+    let said = words(name);
+    let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
+    let squared = says(&["sq", "sqr", "square", "squared", "2"]) || name.ends_with('2');
+    match (says(&["inv", "inverse", "rcp", "reciprocal", "one"]), squared) {
+        (false, false) => LightPart::Range,
+        (false, true) => LightPart::RangeSquared,
+        (true, false) => LightPart::InverseRange,
+        (true, true) => LightPart::InverseRangeSquared,
     }
 }
 

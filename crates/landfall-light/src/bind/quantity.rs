@@ -103,6 +103,12 @@ parts! {
         Attenuation = "attenuation",
         /// The range; 1e18 if unlimited.
         Range = "range",
+        /// The square of the range.
+        RangeSquared = "range_squared",
+        /// One divided by the range.
+        InverseRange = "inverse_range",
+        /// One divided by the square of the range.
+        InverseRangeSquared = "inverse_range_squared",
         /// The cosine of the angle up to which the cone has full intensity.
         InnerCos = "inner_cos",
         /// The cosine of the angle beyond which the cone has none.
@@ -171,9 +177,8 @@ impl Kind {
         match part {
             Color | Intensity | Radiance | Ambient | Diffuse | Specular | Enabled => true,
             Direction => self != Kind::Point,
-            Position | Constant | Linear | Quadratic | Attenuation | Range => {
-                self != Kind::Directional
-            }
+            Position | Constant | Linear | Quadratic | Attenuation => self != Kind::Directional,
+            Range | RangeSquared | InverseRange | InverseRangeSquared => self != Kind::Directional,
             InnerCos | OuterCos | InnerDegrees | OuterDegrees | InnerRadians | OuterRadians => {
                 self == Kind::Spot
             }

@@ -19,6 +19,8 @@ pub struct Costs {
     pub interpolation: f64,
     /// The cost of an upload call, as the bytes that could be transferred instead.
     pub call: usize,
+    /// The part of the cost without a plan that its estimate must stay below to be applied.
+    pub worth: f64,
 }
 
 impl Costs {
@@ -31,15 +33,17 @@ impl Costs {
         light: 8.0,
         interpolation: 25.0,
         call: 1024,
+        worth: 1.0,
     };
 
     /// This crate's interpreter, which interprets the shader on all cores.
     pub const INTERPRETER: Costs =
         Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
 
-    /// A driver, where every draw is a job of its own.
+    /// A driver, where every draw is a job of its own. Loops of different lengths beside each other
+    /// and lights read by an index cost up to half as much again, so that a plan must save more.
     pub const DRIVER: Costs =
-        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, ..Costs::CPU };
+        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, worth: 0.6, ..Costs::CPU };
 
     /// Returns the costs for a shader that reads light lists: a region is an entry of a buffer, and
     /// all regions share one draw.

@@ -109,7 +109,10 @@ pub const PARTS: &[(&str, &str)] = &[
         "clusters[=CxRxS]",
         "a list of lights for each cell of the view volume, exact; default 32x18x48",
     ),
-    ("budget=STEPS", "drop lights that together contribute at most STEPS/255 anywhere, proven"),
+    (
+        "budget=STEPS",
+        "drop lights that together contribute at most STEPS/255 anywhere, by the model",
+    ),
     ("budget-srgb=STEPS", "as `budget`, for an sRGB target"),
     (
         "interpolate[=DIAMETERS[xNODES]]",

@@ -157,23 +157,42 @@ impl Renderer {
         rendered: &Rendered,
         fragments: usize,
     ) -> Result<Measured, RenderError> {
-        let lights = &work.upload.lights;
         let every = (work.frame.fragments.len() / fragments.max(1)).max(1);
+        let some: Vec<u32> = (0..work.frame.fragments.len() as u32).step_by(every).collect();
+        let measured = self.check_at(backend, work, rendered, &some)?;
+        Ok(Measured { every: every as u64, ..measured })
+    }
+
+    /// Compares a picture made by a plan with the shader's own result for all lights, at some
+    /// fragments.
+    ///
+    /// # Errors
+    /// More lights than slots, or a failure of the backend.
+    pub(super) fn check_at<R: Backend + ?Sized>(
+        &self,
+        backend: &mut R,
+        work: &Work<'_>,
+        rendered: &Rendered,
+        some: &[u32],
+    ) -> Result<Measured, RenderError> {
+        let lights = &work.upload.lights;
         let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
-        let some = numbers(work.frame.fragments.len()).into_iter().step_by(every);
-        let some: Vec<u32> = some.collect();
         let [directional, point, spot] =
             [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
         let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let draw = Draw { fragments: &some, lights, tiles: None };
+        let draw = Draw { fragments: some, lights, tiles: None };
         let all = self.render(backend, work, &[draw], &mut |_: &mut R, _| {})?;
-        let of = |rendered: &Rendered| -> Vec<Vec3> {
-            let pixels = some.iter().map(|n| work.frame.fragments[*n as usize].pixel as usize);
-            let color = |[r, g, b, _]: [f32; 4]| Vec3::new(r, g, b);
-            pixels.map(|at| color(rendered.picture.pixels[at])).collect()
+        // Slots without a light may divide by zero, which a plan may mend.
+        let mends = self.idle(&lights) > 0;
+        let color = |rendered: &Rendered, n: &u32| {
+            let pixel = work.frame.fragments[*n as usize].pixel as usize;
+            let [r, g, b, _] = rendered.picture.pixels[pixel];
+            Vec3::new(r, g, b)
         };
-        let measured = culling::compare(&of(rendered), &of(&all));
-        Ok(Measured { every: every as u64, ..measured })
+        let pairs = some.iter().map(|n| (color(rendered, n), color(&all, n)));
+        let (by_plan, by_all): (Vec<Vec3>, Vec<Vec3>) =
+            pairs.filter(|(_, all)| all.is_finite() || !mends).unzip();
+        Ok(culling::compare(&by_plan, &by_all))
     }
 
     /// Lights all fragments in one draw, whose shader reads the lists.

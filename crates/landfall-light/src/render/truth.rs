@@ -76,12 +76,18 @@ fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
 /// The fragments needed to distinguish models.
 const ENOUGH: usize = 4096;
 
+/// Returns the indices of the fragments by which [`nearest`] distinguishes models.
+pub fn sampled(frame: &Frame) -> Vec<u32> {
+    let step = frame.fragments.len().div_ceil(ENOUGH).max(1);
+    (0..frame.fragments.len() as u32).step_by(step).collect()
+}
+
 /// Returns the model of the same family that is nearest to a picture: names do not tell the
 /// variants of a family apart.
 pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture) -> Model {
-    let step = frame.fragments.len().div_ceil(ENOUGH).max(1);
+    let sampled = sampled(frame);
     let distance = |model: &Model| -> f64 {
-        let each = frame.fragments.iter().step_by(step).map(|fragment| {
+        let each = sampled.iter().map(|at| &frame.fragments[*at as usize]).map(|fragment| {
             let Some(seen) = picture.pixels.get(fragment.pixel as usize) else { return 0.0 };
             let [r, g, b, _] = seen.map(f64::from);
             match pixel(model, upload, fragment) {
@@ -151,7 +157,8 @@ pub fn likely(map: &BindingMap) -> Model {
         Family::Multi
     };
     let mut model = Model::of(family);
-    if part(LightPart::Range) {
+    use LightPart::{InverseRange, InverseRangeSquared, Range, RangeSquared};
+    if [Range, RangeSquared, InverseRange, InverseRangeSquared].into_iter().any(part) {
         model.window = Window::Quartic;
     }
     if family == Family::Array && !has(&|q| matches!(q, Quantity::Ambient(_))) {

@@ -71,6 +71,28 @@ pub fn compare(
         pictures.push((file("difference"), drawn));
         pictures.push((file("flip"), flip_picture(&map)));
     }
-    let compared = Compared { with: what.to_string(), comparison, left_out };
+    let notes = notes(made, model.as_ref(), [Some(args.backend), backend])?;
+    let compared = Compared { with: what.to_string(), comparison, left_out, notes };
     Ok(Done { compared, pictures, model })
+}
+
+/// What explains a difference besides the arithmetic.
+fn notes(
+    made: &PreparedScene<'_>,
+    model: Option<&(Model, bool)>,
+    backends: [Option<BackendName>; 2],
+) -> Result<Vec<String>, Stop> {
+    let Some(renderer) = &made.renderer else { return Ok(Vec::new()) };
+    let mut notes = match model {
+        Some((model, _)) => renderer.ignored(&made.work(), model)?,
+        None => Vec::new(),
+    };
+    let driver = backends.contains(&Some(BackendName::Gl));
+    if driver && renderer.shader.is_mediump() {
+        notes.push(
+            "the shader is `mediump` in part, which OpenGL drivers may compute in 16 bits"
+                .to_string(),
+        );
+    }
+    Ok(notes)
 }

@@ -17,6 +17,8 @@ use crate::args::{BackendName, RenderArgs};
 pub struct Planned {
     pub plan: Plan,
     pub renderer: Renderer,
+    /// Whether it is to be applied in any case.
+    pub demanded: bool,
 }
 
 /// The text of `--skip help`.
@@ -30,14 +32,19 @@ pub fn help() -> String {
 }
 
 /// The note that the error of a picture exceeds the bound of its plan.
-pub fn broken(checked: &Measured, model: Option<&(reference::Model, bool)>) -> String {
+pub fn broken(
+    checked: &Measured,
+    model: Option<&(reference::Model, bool)>,
+    applied: bool,
+) -> String {
     let computed = match model {
         Some((_, true)) => "the given model",
         Some((_, false)) | None => "the model inferred from its members",
     };
+    let instead = if applied { "" } else { ", and nothing is skipped" };
     format!(
         "skipping changes the picture by {:.2} steps of 1/255, more than the plan's bound: the \
-         shader does not compute {computed}; name its model with `--model`",
+         shader does not compute {computed}{instead}; name its model with `--model`",
         checked.steps
     )
 }
@@ -88,5 +95,6 @@ pub fn plan(
             }
         }
     }
-    Ok(Some(Planned { plan, renderer }))
+    let demanded = options.choose == culling::Choose::Always;
+    Ok(Some(Planned { plan, renderer, demanded }))
 }

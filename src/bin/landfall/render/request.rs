@@ -6,10 +6,10 @@ use std::path::{Component, Path, PathBuf};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
 use landfall_light::bind::BindError;
-use landfall_light::culling::{Compiled, Setting};
+use landfall_light::culling::{Compiled, Plan, Setting};
 use landfall_light::reference::Model;
-use landfall_light::render::{RenderError, RenderOptions, Renderer};
-use landfall_light::scene::{Reading, read_file};
+use landfall_light::render::{RenderError, RenderOptions, Renderer, Work};
+use landfall_light::scene::{MOST_PIXELS, Reading, read_file};
 use landfall_light::{FrameOptions, Scene, VertexNormals};
 use serde_json::{Map, Value};
 
@@ -72,6 +72,11 @@ pub fn load(
     streams.report(&style.text(&reading.diagnostics, &reading.files));
     let Some(mut scene) = reading.scene.take() else { return Ok(None) };
     if let Some(size) = args.size {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        if pixels > MOST_PIXELS {
+            let what = format!("is {pixels} pixels, but a picture has at most {MOST_PIXELS}");
+            return Err(Error::new("--size", what));
+        }
         scene.size = size;
     }
     let path = args.scene.display().to_string();
@@ -224,6 +229,12 @@ impl RenderRequest {
         Renderer::new(shader, &RenderOptions { layout, entry, bind }).map(Some)
     }
 
+    /// Whether the shader was shown to give nothing for the lights that a plan leaves out.
+    pub fn shows(&self, renderer: &Renderer, work: &Work<'_>, plan: &Plan) -> bool {
+        let shader = self.shader.as_ref();
+        shader.is_some_and(|shader| renderer.shows(shader, &self.options, work, plan))
+    }
+
     /// The constants that a plan sets in the shader, except those already set.
     pub fn settings(&self, compiled: &Compiled) -> Vec<Setting> {
         let text = self.shader.as_ref().map_or("", |shader| &shader.text);
@@ -267,6 +278,8 @@ impl RenderRequest {
                     // Generated lights have no place in the file; their count does.
                     BindError::TooManyLights { .. } => place("generate.lights.count"),
                     BindError::NoLights { .. }
+                    | BindError::CameraElsewhere
+                    | BindError::Undecided { .. }
                     | BindError::UnknownTarget { .. }
                     | BindError::UnknownQuantity { .. }
                     | BindError::Misfit { .. } => None,

@@ -16,6 +16,7 @@ impl<'m> Walk<'m> {
     ) -> Flow {
         let mark = self.mark();
         let before = self.cells.clone();
+        self.control.conditions.push(condition);
         self.assume(condition, true);
         let accepts = self.block(frame, accept);
         let when_true = self.forget(mark);
@@ -23,6 +24,7 @@ impl<'m> Walk<'m> {
         self.assume(condition, false);
         let rejects = self.block(frame, reject);
         let when_false = self.forget(mark);
+        self.control.conditions.pop();
         match (accepts, rejects) {
             (Flow::Falls, Flow::Falls) => {
                 for (cell, &yes) in accepted.iter().enumerate() {
@@ -52,7 +54,24 @@ impl<'m> Walk<'m> {
         }
     }
 
-    pub fn switch(&mut self, frame: &mut Frame<'m>, cases: &'m [naga::SwitchCase]) -> Flow {
+    pub fn switch(
+        &mut self,
+        frame: &mut Frame<'m>,
+        selector: Id,
+        cases: &'m [naga::SwitchCase],
+    ) -> Flow {
+        self.control.conditions.push(selector);
+        let flow = self.cases(frame, selector, cases);
+        self.control.conditions.pop();
+        flow
+    }
+
+    fn cases(
+        &mut self,
+        frame: &mut Frame<'m>,
+        selector: Id,
+        cases: &'m [naga::SwitchCase],
+    ) -> Flow {
         let before = self.cells.clone();
         let mut ends: Vec<Vec<Id>> = Vec::new();
         let mut falls_on = false;
@@ -70,18 +89,20 @@ impl<'m> Walk<'m> {
             return Flow::Leaves;
         }
         self.cells = before;
-        self.join(&ends);
+        self.join(&ends, &[selector]);
         Flow::Falls
     }
 
-    /// Joins the values that each variable has in several states.
-    fn join(&mut self, states: &[Vec<Id>]) {
+    /// Joins the values that each variable has in several states, of which `guards` select one.
+    fn join(&mut self, states: &[Vec<Id>], guards: &[Id]) {
         for cell in 0..self.cells.len() {
             let mut values: Vec<Id> =
                 states.iter().filter_map(|state| state.get(cell).copied()).collect();
             values.dedup();
             if !values.is_empty() {
-                self.cells[cell] = self.joined(&values);
+                let joined = self.joined(&values);
+                self.cells[cell] = joined;
+                self.guard(joined, guards);
             }
         }
     }
@@ -95,10 +116,13 @@ impl<'m> Walk<'m> {
     ) {
         let before = self.cells.clone();
         let outer = std::mem::take(&mut self.left);
+        let outer_guards = std::mem::take(&mut self.control.left);
         // Once to see what it changes, once more with that unknown.
         let (candidates, accesses, powers) =
             (self.candidates.len(), self.accesses.len(), self.powers.len());
+        let breaks = self.control.breaks.len();
         self.turn(frame, body, continuing, break_if);
+        self.control.breaks.truncate(breaks);
         self.candidates.truncate(candidates);
         self.accesses.truncate(accesses);
         self.powers.truncate(powers);
@@ -121,10 +145,19 @@ impl<'m> Walk<'m> {
         }
         let top = self.cells.clone();
         self.turn(frame, body, continuing, break_if);
+        let breaks = self.control.breaks[breaks..].to_vec();
         let mut states = std::mem::replace(&mut self.left, outer);
         states.push(std::mem::replace(&mut self.cells, top.clone()));
+        for (cell, &looping) in top.iter().enumerate() {
+            if matches!(self.graph.op(looping), Op::Looping(_)) {
+                let after = states.iter().filter_map(|state| state.get(cell));
+                self.control.turns.entry(looping).or_default().extend(after);
+                self.control.loops.entry(looping).or_default().extend(&breaks);
+            }
+        }
         states.push(top);
-        self.join(&states);
+        let guards = std::mem::replace(&mut self.control.left, outer_guards);
+        self.join(&states, &guards);
     }
 
     fn turn(
@@ -137,7 +170,8 @@ impl<'m> Walk<'m> {
         self.block(frame, body);
         self.block(frame, continuing);
         if let Some(condition) = break_if {
-            self.value(frame, condition);
+            let condition = self.value(frame, condition);
+            self.control.breaks.push(condition);
         }
     }
 

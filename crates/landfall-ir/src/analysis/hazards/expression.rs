@@ -154,10 +154,22 @@ impl<'m> Walk<'m> {
                 let of = self.value(frame, *array);
                 self.array_length(of)
             }
-            // Textures, derivatives, results of atomics: anything may come of them.
-            _ => self.graph.opaque(&[]),
+            other => self.unknown(frame, other),
         };
         Value::Is(id)
+    }
+
+    /// Returns a value of which nothing is known, with what it is made of.
+    fn unknown(&mut self, frame: &mut Frame<'m>, expression: &Expression) -> Id {
+        let id = self.graph.opaque(&[]);
+        if let Expression::ImageSample { coordinate: of, .. }
+        | Expression::ImageLoad { coordinate: of, .. }
+        | Expression::Derivative { expr: of, .. } = expression
+        {
+            let of = self.value(frame, *of);
+            self.control.hidden.insert(id, vec![of]);
+        }
+        id
     }
 
     /// Returns a vector, matrix, array or structure of those parts.

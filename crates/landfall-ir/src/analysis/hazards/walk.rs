@@ -46,8 +46,33 @@ pub struct Walk<'m> {
     constants: FxHashMap<Handle<Expression>, Id>,
     /// The values of variables at each `break` and `continue` of a loop.
     pub left: Vec<Vec<Id>>,
+    /// What decides where control goes, for [`falloff`](super::falloff).
+    pub control: ControlRecord,
     steps: u32,
     depth: u32,
+}
+
+/// What decides where control goes and what opaque values are made of.
+#[derive(Debug, Default)]
+pub struct ControlRecord {
+    /// The conditions of the branches around a statement.
+    pub conditions: Vec<Id>,
+    /// The conditions on which the entry point is left, or a fragment discarded.
+    pub exits: Vec<Id>,
+    /// The conditions on which loops are left.
+    pub breaks: Vec<Id>,
+    /// The conditions on which the loop of a variable is left.
+    pub loops: FxHashMap<Id, Vec<Id>>,
+    /// The conditions that select one of the values of a joined node.
+    pub guards: FxHashMap<Id, Vec<Id>>,
+    /// The values that a variable of a loop has after a turn.
+    pub turns: FxHashMap<Id, Vec<Id>>,
+    /// What an opaque value is made of.
+    pub hidden: FxHashMap<Id, Vec<Id>>,
+    /// The conditions at each `break` and `continue` of a loop.
+    pub left: Vec<Id>,
+    /// Whether a call was not followed.
+    pub too_deep: bool,
 }
 
 /// A function being walked.
@@ -58,6 +83,11 @@ pub struct Frame<'m> {
     /// The index of its first variable.
     pub locals: usize,
     returns: Vec<(Id, Facts)>,
+    /// The conditions of its branches at each `return`, and where those of its caller end.
+    guards: Vec<Id>,
+    outer: usize,
+    /// The variables of its callers as it began.
+    before: Vec<Id>,
 }
 
 /// The way in which a block ends.
@@ -71,27 +101,7 @@ pub enum Flow {
 
 /// Walks every entry point, or, if there is none, every function that no other calls.
 pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) -> HazardReport {
-    let mut walk = Walk {
-        module,
-        ir: &module.ir,
-        lights,
-        setting,
-        in_fragment: setting.fragment,
-        graph: Graph::default(),
-        assumed: Vec::new(),
-        relations: Vec::new(),
-        settled: FxHashMap::default(),
-        cells: Vec::new(),
-        whole_parts: FxHashSet::default(),
-        candidates: Vec::new(),
-        accesses: Vec::new(),
-        powers: Vec::new(),
-        globals: FxHashMap::default(),
-        constants: FxHashMap::default(),
-        left: Vec::new(),
-        steps: 0,
-        depth: 0,
-    };
+    let mut walk = Walk::new(module, lights, setting);
     for entry in &walk.ir.entry_points {
         walk.in_fragment = entry.stage == naga::ShaderStage::Fragment;
         walk.root(&entry.function, true);
@@ -110,11 +120,38 @@ pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) ->
 }
 
 impl<'m> Walk<'m> {
+    /// Returns a walk that has not begun.
+    pub fn new(module: &'m Module, lights: &'m [LightBinding<'m>], setting: Setting) -> Walk<'m> {
+        Walk {
+            module,
+            ir: &module.ir,
+            lights,
+            setting,
+            in_fragment: setting.fragment,
+            graph: Graph::default(),
+            assumed: Vec::new(),
+            relations: Vec::new(),
+            settled: FxHashMap::default(),
+            cells: Vec::new(),
+            whole_parts: FxHashSet::default(),
+            candidates: Vec::new(),
+            accesses: Vec::new(),
+            powers: Vec::new(),
+            globals: FxHashMap::default(),
+            constants: FxHashMap::default(),
+            left: Vec::new(),
+            control: ControlRecord::default(),
+            steps: 0,
+            depth: 0,
+        }
+    }
+
     pub fn is_cut_short(&self) -> bool {
         self.steps > MOST_STEPS
     }
 
-    fn root(&mut self, function: &'m Function, is_entry: bool) {
+    /// Walks an entry point, or a function of its own, and returns its result.
+    pub fn root(&mut self, function: &'m Function, is_entry: bool) -> Option<Id> {
         self.cells.clear();
         self.assumed.clear();
         self.relations.clear();
@@ -137,7 +174,7 @@ impl<'m> Walk<'m> {
             };
             arguments.push(value);
         }
-        self.call(function, arguments);
+        self.call(function, arguments)
     }
 
     fn global(
@@ -214,6 +251,7 @@ impl<'m> Walk<'m> {
     /// Walks a function, and returns its result.
     pub fn call(&mut self, function: &'m Function, arguments: Vec<Value>) -> Option<Id> {
         if self.depth > DEEPEST_CALL || self.is_cut_short() {
+            self.control.too_deep = true;
             return None;
         }
         self.depth += 1;
@@ -231,7 +269,10 @@ impl<'m> Walk<'m> {
             self.cells.push(id);
         }
         let values = FxHashMap::default();
-        let mut frame = Frame { function, values, arguments, locals, returns: Vec::new() };
+        let (outer, before) = (self.control.conditions.len(), self.cells[..locals].to_vec());
+        let (returns, guards) = (Vec::new(), Vec::new());
+        let mut frame =
+            Frame { function, values, arguments, locals, returns, guards, outer, before };
         for (number, (_, variable)) in function.local_variables.iter().enumerate() {
             if let Some(init) = variable.init {
                 let value = self.value(&mut frame, init);
@@ -250,6 +291,7 @@ impl<'m> Walk<'m> {
                 let facts = several.iter().map(|(_, facts)| *facts).reduce(Facts::or);
                 let joined = self.joined(&values);
                 self.settled.insert(joined, facts.unwrap_or(Facts::NOTHING));
+                self.guard(joined, &frame.guards);
                 Some(joined)
             }
         }
@@ -263,6 +305,13 @@ impl<'m> Walk<'m> {
                 let fresh = self.graph.next();
                 self.graph.add(Op::Joined(fresh), values)
             }
+        }
+    }
+
+    /// Records what selects one of the values of a joined node; equal values are not joined.
+    pub fn guard(&mut self, id: Id, guards: &[Id]) {
+        if matches!(self.graph.op(id), Op::Joined(_)) {
+            self.control.guards.entry(id).or_default().extend(guards);
         }
     }
 
@@ -298,8 +347,8 @@ impl<'m> Walk<'m> {
                 return self.branches(frame, condition, accept, reject);
             }
             Statement::Switch { selector, cases } => {
-                self.value(frame, *selector);
-                return self.switch(frame, cases);
+                let selector = self.value(frame, *selector);
+                return self.switch(frame, selector, cases);
             }
             Statement::Loop { body, continuing, break_if } => {
                 self.run_loop(frame, body, continuing, *break_if);
@@ -307,9 +356,20 @@ impl<'m> Walk<'m> {
             Statement::Break | Statement::Continue => {
                 self.left.push(self.cells.clone());
                 let breaks = matches!(statement, Statement::Break);
+                self.control.left.extend(&self.control.conditions);
+                if breaks {
+                    self.control.breaks.extend(&self.control.conditions);
+                }
                 return if breaks { Flow::Breaks } else { Flow::Leaves };
             }
             Statement::Return { value } => {
+                let control = &mut self.control;
+                frame.guards.extend(&control.conditions[frame.outer..]);
+                // What else the function did on the way is not joined.
+                let changes = value.is_none() || self.cells[..frame.locals] != frame.before[..];
+                if changes || self.depth == 1 {
+                    control.exits.extend(&control.conditions[frame.outer..]);
+                }
                 if let Some(value) = value {
                     let id = self.value(frame, *value);
                     let facts = self.facts(id);
@@ -317,7 +377,10 @@ impl<'m> Walk<'m> {
                 }
                 return Flow::Leaves;
             }
-            Statement::Kill => return Flow::Leaves,
+            Statement::Kill => {
+                self.control.exits.extend(&self.control.conditions);
+                return Flow::Leaves;
+            }
             Statement::Store { pointer, value } => {
                 let to = self.pointer(frame, *pointer);
                 let span = self.place(frame, *value);

@@ -173,6 +173,9 @@ fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
         | LightPart::Quadratic
         | LightPart::Attenuation
         | LightPart::Range
+        | LightPart::RangeSquared
+        | LightPart::InverseRange
+        | LightPart::InverseRangeSquared
         | LightPart::InnerCos
         | LightPart::OuterCos
         | LightPart::InnerDegrees
@@ -185,13 +188,17 @@ fn of_emission(emission: &Emission, part: LightPart) -> Option<Number> {
 fn of_lamp(lamp: &PointLight, part: LightPart) -> Option<Number> {
     let weakening = lamp.attenuation;
     let (c, l, q) = (weakening.constant, weakening.linear, weakening.quadratic);
+    let range = weakening.range.unwrap_or(ENDLESS);
     match part {
         LightPart::Position => Some(Number::vector(lamp.position, 1.0)),
         LightPart::Constant => Some(Number::one(c)),
         LightPart::Linear => Some(Number::one(l)),
         LightPart::Quadratic => Some(Number::one(q)),
         LightPart::Attenuation => Some(Number::vector(DVec3::new(c, l, q), 0.0)),
-        LightPart::Range => Some(Number::one(weakening.range.unwrap_or(ENDLESS))),
+        LightPart::Range => Some(Number::one(range)),
+        LightPart::RangeSquared => Some(Number::one(range * range)),
+        LightPart::InverseRange => Some(Number::one(1.0 / range)),
+        LightPart::InverseRangeSquared => Some(Number::one(1.0 / (range * range))),
         _ => of_emission(&lamp.emission, part),
     }
 }

@@ -1,0 +1,462 @@
+//! Whether the light of an array of lights ends where a scene says: by intervals over the symbolic
+//! values of the entry point.
+//!
+//! An element of the array must reach the outputs only as a term that loops add up, and that term
+//! must be exactly zero, in every `f32` evaluation, for a light of given numbers at given
+//! distances. What is not understood is unknown, and nothing is then shown.
+
+#[cfg(test)]
+mod tests;
+
+use naga::{BinaryOperator as B, MathFunction as M};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::graph::{Graph, Id, Leaf, Op};
+use super::walk::{ControlRecord, Walk};
+use super::{Setting, Source};
+use crate::Module;
+use crate::analysis::roles::{LightBinding, Role};
+use landfall_layout::{Diagnostic, Options};
+
+/// An interval of the values of all components.
+type Span = [f64; 2];
+
+const ANY: Span = [f64::NEG_INFINITY, f64::INFINITY];
+const ZERO: Span = [0.0, 0.0];
+
+/// The relative error of any operation here in `f32`: division has 2.5 ULP.
+const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
+
+/// A light that is left out: its numbers, its distance, and what else changes without it.
+#[derive(Clone, Copy)]
+pub struct Numbers<'a> {
+    /// The paths of the members that count such lights, and of the lengths of their arrays, that
+    /// change: `pointCount`, `tiles[].count`, `lights.length()`.
+    pub counts: &'a [String],
+    /// The paths of the members that list the indices of such lights: `indices[]`.
+    pub lists: &'a [String],
+    /// The least and greatest component of a member by its role; `None` if it is unknown.
+    pub of: &'a dyn Fn(Role) -> Option<[f64; 2]>,
+    /// The least and greatest distance from the fragment.
+    pub distance: [f64; 2],
+}
+
+/// The terms by which an array of lights reaches the outputs of a fragment stage.
+#[derive(Debug)]
+pub struct Terms {
+    graph: Graph,
+    /// The values of all outputs.
+    outputs: Vec<Id>,
+    control: ControlRecord,
+    /// The name of the input with the fragment's position.
+    position: String,
+    cut_short: bool,
+}
+
+/// Follows the values of a fragment stage with these lights; `position` is the input that holds the
+/// fragment's position.
+///
+/// # Errors
+/// The errors in the shader, or the constructs that are not supported.
+pub fn terms(
+    source: &Source,
+    options: &Options,
+    lights: &[LightBinding<'_>],
+    position: &str,
+) -> Result<Terms, Vec<Diagnostic>> {
+    let module = Module::new(source, options)?;
+    let setting = Setting { language: source.language, fragment: true, precise: false };
+    let position = position.to_string();
+    crate::stack::on_a_large_stack(|| {
+        let mut walk = Walk::new(&module, lights, setting);
+        let mut outputs = Vec::new();
+        for entry in &module.ir.entry_points {
+            if entry.stage == naga::ShaderStage::Fragment {
+                outputs.extend(walk.root(&entry.function, true));
+            }
+        }
+        let cut_short = walk.is_cut_short() || walk.control.too_deep;
+        Ok(Terms { graph: walk.graph, outputs, control: walk.control, position, cut_short })
+    })
+}
+
+impl Terms {
+    /// Whether an element of an array of lights, by its index among those followed, adds exactly
+    /// zero to every output if it has those numbers.
+    pub fn vanish(&self, light: usize, numbers: &Numbers<'_>) -> bool {
+        if self.cut_short || self.outputs.is_empty() {
+            return false;
+        }
+        let mut proof = Proof {
+            terms: self,
+            light,
+            numbers,
+            spans: FxHashMap::default(),
+            seen: FxHashSet::default(),
+        };
+        let outputs = self.outputs.clone();
+        outputs.into_iter().all(|output| proof.unaffected(output))
+            && !self.control.exits.iter().any(|exit| proof.touches(*exit))
+            && self.control.breaks.iter().all(|condition| proof.ends_a_loop(*condition))
+    }
+}
+
+/// A proof about one light.
+struct Proof<'t> {
+    terms: &'t Terms,
+    light: usize,
+    numbers: &'t Numbers<'t>,
+    spans: FxHashMap<Id, Span>,
+    /// The values known to be unaffected.
+    seen: FxHashSet<Id>,
+}
+
+impl Proof<'_> {
+    fn op(&self, id: Id) -> Op {
+        self.terms.graph.op(id)
+    }
+
+    fn args(&self, id: Id) -> Vec<Id> {
+        self.terms.graph.args(id).to_vec()
+    }
+
+    /// Whether a value is the same without the light.
+    fn unaffected(&mut self, id: Id) -> bool {
+        let id = self.base(id);
+        if self.seen.contains(&id) {
+            return true;
+        }
+        // A variable of a loop is so by induction over its turns.
+        self.seen.insert(id);
+        let args = self.args(id);
+        let same = match (self.op(id), &args[..]) {
+            (Op::Leaf(_), _) => !self.is_of_light(id) && !self.is_count(id),
+            // Without the light, the loop has a turn less, which must have changed nothing.
+            (Op::Looping(_), &[first]) if self.is_counted(id) => {
+                let turns = self.terms.control.turns.get(&id).cloned().unwrap_or_default();
+                self.unaffected(first) && turns.iter().all(|turn| self.base(*turn) == id)
+            }
+            (Op::Joined(_), args) => {
+                let guards = self.terms.control.guards.get(&id);
+                let chosen = guards.is_some_and(|all| all.iter().any(|guard| self.touches(*guard)));
+                // Which of them it is may depend on the light only if they differ by terms alone.
+                let base = args.first().map(|arg| self.base(*arg));
+                (!chosen || args.iter().all(|arg| Some(self.base(*arg)) == base))
+                    && args.iter().all(|arg| self.unaffected(*arg))
+            }
+            (op, args) => {
+                let control = &self.terms.control;
+                let also = match op {
+                    Op::Looping(_) => control.turns.get(&id),
+                    _ => control.hidden.get(&id),
+                };
+                let also = also.cloned().unwrap_or_default();
+                args.iter().chain(&also).all(|arg| self.unaffected(*arg))
+            }
+        };
+        if !same {
+            self.seen.remove(&id);
+        }
+        same
+    }
+
+    /// Returns a value without the terms of the light that are added to it, on conditions of its own.
+    fn base(&mut self, mut id: Id) -> Id {
+        loop {
+            let next = if let Some((a, b)) = self.terms.graph.binary(id, B::Add) {
+                match (self.is_term(b), self.is_term(a)) {
+                    (true, _) => a,
+                    (false, true) => b,
+                    (false, false) => return id,
+                }
+            } else if let (Op::Chosen, &[condition, yes, no]) = (self.op(id), &self.args(id)[..]) {
+                let yes = self.base(yes);
+                let own = !self.loops(condition) && !self.below(condition, &|id| self.is_count(id));
+                if yes != self.base(no) || !own {
+                    return id;
+                }
+                yes
+            } else {
+                return id;
+            };
+            id = next;
+        }
+    }
+
+    /// Whether a value depends on the light, is zero for it, and depends on no other turn of a
+    /// loop, so that the terms of the other lights are the same without it.
+    fn is_term(&mut self, id: Id) -> bool {
+        self.reaches(id) && !self.loops(id) && self.span(id) == ZERO
+    }
+
+    fn below(&self, id: Id, is: &dyn Fn(Id) -> bool) -> bool {
+        let mut seen = FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if is(id) {
+                return true;
+            }
+            todo.extend(self.terms.graph.args(id));
+            todo.extend(self.terms.control.hidden.get(&id).into_iter().flatten());
+            todo.extend(self.terms.control.guards.get(&id).into_iter().flatten());
+        }
+        false
+    }
+
+    fn reaches(&self, id: Id) -> bool {
+        self.below(id, &|id| self.is_of_light(id))
+    }
+
+    /// Whether a value depends on what a loop over such lights carries from turn to turn.
+    fn loops(&self, id: Id) -> bool {
+        let control = &self.terms.control;
+        let mut seen = FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if matches!(self.op(id), Op::Looping(_)) && self.is_counted(id) {
+                return true;
+            }
+            todo.extend(self.terms.graph.args(id));
+            for also in [&control.hidden, &control.guards, &control.turns, &control.loops] {
+                todo.extend(also.get(&id).into_iter().flatten());
+            }
+        }
+        false
+    }
+
+    fn leaf(&self, id: Id) -> Option<&Leaf> {
+        self.terms.graph.as_leaf(id)
+    }
+
+    fn is_of_light(&self, id: Id) -> bool {
+        self.leaf(id).is_some_and(|leaf| {
+            let own = leaf.light.as_ref().is_some_and(|(light, _)| *light == self.light);
+            own || self.numbers.lists.contains(&leaf.path)
+        })
+    }
+
+    /// Whether a leaf counts or lists such lights.
+    fn is_count(&self, id: Id) -> bool {
+        self.leaf(id).is_some_and(|leaf| self.numbers.counts.contains(&leaf.path))
+    }
+
+    /// Whether a value depends on the light or on how many there are.
+    fn touches(&self, id: Id) -> bool {
+        self.below(id, &|id| self.is_of_light(id) || self.is_count(id))
+    }
+
+    /// Whether the loop of a variable runs as often as there are such lights.
+    fn is_counted(&self, id: Id) -> bool {
+        let breaks = self.terms.control.loops.get(&id);
+        breaks.is_some_and(|all| all.iter().any(|condition| self.touches(*condition)))
+    }
+
+    /// Whether a condition leaves a loop without a look at the light: by comparing a number that
+    /// the loop counts with how many there are, or for reasons of its own.
+    fn ends_a_loop(&self, id: Id) -> bool {
+        if self.reaches(id) {
+            return false;
+        }
+        if !self.touches(id) {
+            return true;
+        }
+        let graph = &self.terms.graph;
+        let mut id = id;
+        while let (Op::Not | Op::Convert, &[of]) = (graph.op(id), graph.args(id)) {
+            id = of;
+        }
+        let orders = [B::Less, B::LessEqual, B::Greater, B::GreaterEqual];
+        orders.into_iter().filter_map(|order| graph.binary(id, order)).any(|(a, b)| {
+            let counter = |id: Id| match (graph.op(id), graph.args(id)) {
+                (Op::Convert, &[of]) => matches!(graph.op(of), Op::Looping(_)),
+                (op, _) => matches!(op, Op::Looping(_)),
+            };
+            (counter(a) && !self.loops(b)) || (counter(b) && !self.loops(a))
+        })
+    }
+
+    /// Whether a value is the path between the light and the fragment.
+    fn is_path(&self, id: Id) -> bool {
+        let Some((a, b)) = self.terms.graph.binary(id, B::Subtract) else { return false };
+        let graph = &self.terms.graph;
+        let place = |id: Id| {
+            let id = graph.bare(id);
+            self.is_of_light(id) && self.leaf(id).is_some_and(|l| l.role == Some(Role::Position))
+        };
+        let here = |id: Id| {
+            let leaf = self.leaf(graph.bare(id));
+            leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
+        };
+        // A sign or a part of a vector would be below `bare`.
+        let plain = |id: Id| !self.below(id, &|id| matches!(self.op(id), Op::Negate | Op::Part(_)));
+        plain(a) && plain(b) && ((place(a) && here(b)) || (place(b) && here(a)))
+    }
+
+    fn span(&mut self, id: Id) -> Span {
+        if let Some(known) = self.spans.get(&id) {
+            return *known;
+        }
+        let span = self.compute(id);
+        let span = if span[0].is_nan() || span[1].is_nan() { ANY } else { span };
+        self.spans.insert(id, span);
+        span
+    }
+
+    fn compute(&mut self, id: Id) -> Span {
+        let args = self.args(id);
+        match (self.op(id), &args[..]) {
+            (Op::Number(bits), _) => [f64::from_bits(bits); 2],
+            (Op::Leaf(_), _) => self.of_leaf(id),
+            (Op::Joined(_) | Op::Compose, args) if !args.is_empty() => {
+                let spans: Vec<Span> = args.iter().map(|arg| self.span(*arg)).collect();
+                spans.into_iter().reduce(hull).unwrap_or(ANY)
+            }
+            (Op::Chosen, &[condition, yes, no]) => match self.truth(condition) {
+                Some(true) => self.span(yes),
+                Some(false) => self.span(no),
+                None => hull(self.span(yes), self.span(no)),
+            },
+            (Op::Part(_) | Op::Swizzle(_), &[of]) => self.span(of),
+            (Op::Insert(_), &[whole, part]) => hull(self.span(whole), self.span(part)),
+            (Op::Negate, &[of]) => {
+                let [low, high] = self.span(of);
+                [-high, -low]
+            }
+            (Op::Binary(op), &[a, b]) => {
+                let (x, y) = (self.span(a), self.span(b));
+                match op {
+                    B::Add => rounded([x[0] + y[0], x[1] + y[1]]),
+                    B::Subtract => rounded([x[0] - y[1], x[1] - y[0]]),
+                    B::Multiply if a == b => squared(x),
+                    B::Multiply => product(x, y),
+                    B::Divide => quotient(x, y),
+                    _ => ANY,
+                }
+            }
+            (Op::Math(fun), args) => self.math(fun, args),
+            _ => ANY,
+        }
+    }
+
+    fn of_leaf(&self, id: Id) -> Span {
+        match self.leaf(id).and_then(|leaf| leaf.role).filter(|_| self.is_of_light(id)) {
+            Some(role) => (self.numbers.of)(role).unwrap_or(ANY),
+            None => ANY,
+        }
+    }
+
+    fn math(&mut self, fun: M, args: &[Id]) -> Span {
+        let [near, far] = self.numbers.distance;
+        match (fun, args) {
+            (M::Dot, &[a, b]) if a == b && self.is_path(a) => squared([near, far]),
+            // A square root of a sum of squares: twice the error of one operation.
+            (M::Length, &[a]) if self.is_path(a) => rounded(rounded([near, far])),
+            (M::Dot, &[a, b]) => {
+                let zero = self.span(a) == ZERO || self.span(b) == ZERO;
+                let low = if a == b { 0.0 } else { f64::NEG_INFINITY };
+                if zero { ZERO } else { [low, f64::INFINITY] }
+            }
+            (M::Length, _) => [0.0, f64::INFINITY],
+            (M::Max | M::Min | M::Clamp | M::Pow | M::SmoothStep, args) => {
+                let spans: Vec<Span> = args.iter().map(|arg| self.span(*arg)).collect();
+                several(fun, &spans)
+            }
+            (_, &[a]) => {
+                let [low, high] = self.span(a);
+                match fun {
+                    M::Saturate => [low.clamp(0.0, 1.0), high.clamp(0.0, 1.0)],
+                    M::Abs if low >= 0.0 => [low, high],
+                    M::Abs if high <= 0.0 => [-high, -low],
+                    M::Abs => [0.0, high.max(-low)],
+                    M::Sqrt if low >= 0.0 => rounded([low.sqrt(), high.sqrt()]),
+                    M::InverseSqrt if low > 0.0 => rounded([1.0 / high.sqrt(), 1.0 / low.sqrt()]),
+                    M::Exp | M::Exp2 => [0.0, f64::INFINITY],
+                    _ => ANY,
+                }
+            }
+            _ => ANY,
+        }
+    }
+
+    fn truth(&mut self, id: Id) -> Option<bool> {
+        let args = self.args(id);
+        match (self.op(id), &args[..]) {
+            (Op::Not, &[of]) => self.truth(of).map(|yes| !yes),
+            (Op::Binary(op), &[a, b]) => {
+                let ([a, b], [c, d]) = (self.span(a), self.span(b));
+                match op {
+                    B::Less => known(b < c, a >= d),
+                    B::LessEqual => known(b <= c, a > d),
+                    B::Greater => known(a > d, b <= c),
+                    B::GreaterEqual => known(a >= d, b < c),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+}
+
+fn known(yes: bool, no: bool) -> Option<bool> {
+    if yes { Some(true) } else { no.then_some(false) }
+}
+
+fn hull(a: Span, b: Span) -> Span {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+/// Widens an interval by the rounding error of one operation; zero is exact.
+fn rounded([low, high]: Span) -> Span {
+    [low - low.abs() * ROUNDING, high + high.abs() * ROUNDING]
+}
+
+fn product(x: Span, y: Span) -> Span {
+    // Zero times any number; what is not a number is so without the light, too.
+    if x == ZERO || y == ZERO {
+        return ZERO;
+    }
+    let ends = [x[0] * y[0], x[0] * y[1], x[1] * y[0], x[1] * y[1]];
+    if ends.iter().any(|end| end.is_nan()) {
+        return ANY;
+    }
+    let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
+    rounded([low, ends.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
+}
+
+fn squared([low, high]: Span) -> Span {
+    let ends = [low * low, high * high];
+    let least = if low <= 0.0 && high >= 0.0 { 0.0 } else { ends[0].min(ends[1]) };
+    rounded([least, ends[0].max(ends[1])])
+}
+
+fn quotient(x: Span, y: Span) -> Span {
+    match y {
+        [low, high] if low > 0.0 || high < 0.0 => product(x, rounded([1.0 / high, 1.0 / low])),
+        _ => ANY,
+    }
+}
+
+/// Returns the interval of a function of several numbers.
+fn several(fun: M, spans: &[Span]) -> Span {
+    match (fun, spans) {
+        (M::Max, [a, b]) => [a[0].max(b[0]), a[1].max(b[1])],
+        (M::Min, [a, b]) => [a[0].min(b[0]), a[1].min(b[1])],
+        (M::Clamp, [x, low, high]) => {
+            [x[0].max(low[0]).min(high[0]), x[1].max(low[1]).min(high[1])]
+        }
+        // Zero to a positive power.
+        (M::Pow, [x, n]) if *x == ZERO && n[0] > 0.0 => ZERO,
+        (M::SmoothStep, [from, to, x]) if from[1] < to[0] => match x {
+            [_, high] if *high <= from[0] => ZERO,
+            [low, _] if *low >= to[1] => [1.0, 1.0],
+            _ => [0.0, 1.0],
+        },
+        _ => ANY,
+    }
+}

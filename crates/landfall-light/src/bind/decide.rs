@@ -1,0 +1,154 @@
+//! The signs and units of a light's members, decided by running the shader.
+//!
+//! A name tells neither whether a direction points towards the light, nor whether a cone is in
+//! degrees, radians or cosines. Each possible reading of such members is a hypothesis: the shader
+//! is run under all of them on a few fragments of a light of known values, and the reading is
+//! taken whose picture has the order of the `f64` reference: lit where that is lit, dark where
+//! that is dark, equal where that is equal. Orders are compared, not values, since tone curves and
+//! other reflection models keep them.
+
+mod judge;
+mod probe;
+mod reading;
+
+use landfall_exec::harness::fragments::FragmentShader;
+use landfall_exec::interp::{Cpu, Settings};
+
+use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
+use judge::{Judged, judge};
+use reading::{Question, Reading, questions};
+
+pub use reading::Topic;
+
+/// A choice between the possible sources of some members.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decision {
+    /// The subject of the choice.
+    pub topic: Topic,
+    /// The keys of the members, and the sources that they got.
+    pub members: Vec<(String, String)>,
+    /// The number of readings tried.
+    pub readings: usize,
+    /// The number of fragments that each was run on.
+    pub probes: usize,
+    /// The reason for the choice.
+    pub outcome: Outcome,
+}
+
+/// The reason for a choice.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Only this reading agrees with the reference.
+    Agrees,
+    /// All readings give the same light, so that the names decided.
+    Same,
+    /// No reading agrees, since the shader computes something else; the names decided.
+    Named,
+    /// The interpreter does not run the shader; the names decided.
+    NotRun(String),
+}
+
+/// Returns the map with the signs and units that agree with the reference. Members whose keys
+/// `given` accepts keep their sources.
+///
+/// # Errors
+/// No reading of a direction or a cone agrees with the reference, or several do that differ.
+pub fn decide(
+    shader: &FragmentShader,
+    mut map: BindingMap,
+    given: &dyn Fn(&str) -> bool,
+) -> Result<BindingMap, BindError> {
+    let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
+    for question in questions(&map, given) {
+        let decided = answer(shader, &map, &question, &mut cpu)?;
+        if let (Some(reading), Outcome::Agrees) = (decided.0, &decided.1) {
+            put(&mut map, &question, &question.readings[reading]);
+        }
+        let members = question.members.iter().map(|&at| &map.members[at]);
+        let members = members.map(|member| (member.key(), member.source.to_string())).collect();
+        map.decisions.push(Decision {
+            topic: question.topic,
+            members,
+            readings: question.readings.len(),
+            probes: question.probes(),
+            outcome: decided.1,
+        });
+    }
+    map.camera_at_origin = is_at_origin(shader, &map, &mut cpu);
+    Ok(map)
+}
+
+/// Whether highlights are where a camera at the origin sees them, though no member holds it.
+fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> bool {
+    let mut members = map.members.iter().map(|member| &member.source);
+    if members.any(|source| source.quantity() == Some(Quantity::Camera)) {
+        return false;
+    }
+    let kinds = [Kind::Directional, Kind::Point];
+    kinds.into_iter().find(|kind| map.has(*kind)).is_some_and(|kind| {
+        let probe = probe::highlight(probe::Lamp { kind, number: 0 });
+        let Ok(writer) = BlockWriter::new(shader, map) else { return false };
+        let seen = probe::run(shader, &writer, std::slice::from_ref(&probe), cpu);
+        seen.is_ok_and(|seen| judge::is_ordered(&probe.reference, &seen))
+    })
+}
+
+fn put(map: &mut BindingMap, question: &Question, reading: &Reading) {
+    for (&at, source) in question.members.iter().zip(&reading.sources) {
+        map.members[at].source = source.clone();
+    }
+}
+
+/// Returns the index of the reading that agrees, if any, and the outcome.
+fn answer(
+    shader: &FragmentShader,
+    map: &BindingMap,
+    question: &Question,
+    cpu: &mut Cpu,
+) -> Result<(Option<usize>, Outcome), BindError> {
+    let mut seen = Vec::with_capacity(question.readings.len());
+    for reading in &question.readings {
+        let mut tried = map.clone();
+        put(&mut tried, question, reading);
+        let writer = BlockWriter::new(shader, &tried)?;
+        match probe::run(shader, &writer, &question.probes, cpu) {
+            Ok(light) => seen.push(light),
+            Err(failure) => return Ok((None, Outcome::NotRun(failure.message))),
+        }
+    }
+    let agreed = match judge(question, &seen) {
+        Judged::One(reading) => return Ok((Some(reading), Outcome::Agrees)),
+        Judged::Same => return Ok((None, Outcome::Same)),
+        Judged::Several(agreed) => agreed,
+        Judged::None if !question.topic.is_refused() => return Ok((None, Outcome::Named)),
+        Judged::None => Vec::new(),
+    };
+    Err(undecided(map, question, &agreed))
+}
+
+fn undecided(map: &BindingMap, question: &Question, agreed: &[usize]) -> BindError {
+    let keys: Vec<String> =
+        question.members.iter().map(|&at| Member::key(&map.members[at])).collect();
+    // Without any that agrees, those that differ in the sign or unit alone.
+    let offered: Vec<usize> = match agreed {
+        [] => (0..question.readings.len()).filter(|&at| question.readings[at].tier == 0).collect(),
+        some => some.to_vec(),
+    };
+    let bind = |at: &usize| {
+        let sources = keys.iter().zip(&question.readings[*at].sources);
+        let pairs = sources.map(|(key, source)| match source {
+            Source::Scene { .. } => format!("\"{key}\": \"{source}\""),
+            Source::Number(_) | Source::Unknown => format!("\"{key}\": {source}"),
+        });
+        format!("{{{}}}", pairs.collect::<Vec<_>>().join(", "))
+    };
+    let offered = offered.iter().take(2).map(bind).collect();
+    BindError::Undecided {
+        keys,
+        topic: question.topic,
+        agreed: agreed.len(),
+        readings: question.readings.len(),
+        probes: question.probes(),
+        offered,
+    }
+}

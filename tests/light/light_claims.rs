@@ -1,0 +1,208 @@
+//! What plans say of shaders whose falloff is not what their names say, held against all lights in
+//! `f64` at every fragment.
+
+use std::path::Path;
+use std::time::Duration;
+
+use landfall_exec::interp::{Cpu, Precision, Settings};
+use landfall_layout::{Options, Source};
+use landfall_light::bind::Lit;
+use landfall_light::culling::{Claim, LightSet, Plan, parse};
+use landfall_light::render::truth::likely;
+use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
+use landfall_light::scene::read_file;
+use landfall_light::shading_f32::Model;
+use landfall_light::{Frame, FrameOptions, Scene, Upload};
+
+/// A falloff of `d`, `r`, and `w`, the window that the names promise; `a` is the attenuation.
+const FALLOFFS: [(&str, &str); 33] = [
+    ("as promised", "a * w"),
+    ("cut at the range", "d < r ? a : 0.0"),
+    ("a hint only", "a"),
+    ("a hint of an inverse square", "1.0 / (1.0 + d * d)"),
+    ("an inverse square with a floor", "max(1.0 / (1.0 + d * d), 0.01)"),
+    ("a window a tenth longer", "a * window(d, r * 1.1)"),
+    ("a window half longer", "a * window(d, r * 1.5)"),
+    ("a window of twice the range", "a * window(d, r * 2.0)"),
+    ("a window of half the range", "a * window(d, r * 0.5)"),
+    ("a linear fade past the range", "clamp(1.2 - d / r, 0.0, 1.0)"),
+    ("a linear fade", "clamp(1.0 - d / r, 0.0, 1.0)"),
+    ("an exponential", "exp(-d / r)"),
+    ("a Gaussian", "exp(-d * d / (r * r))"),
+    ("a constant after the window", "a * w + 0.05"),
+    ("a small constant after the window", "a * w + 0.001"),
+    ("a smooth step past the range", "smoothstep(r * 1.3, r * 0.2, d)"),
+    ("a smooth step across the range", "1.0 - smoothstep(r * 0.9, r * 1.05, d)"),
+    ("a soft range", "1.0 / (1.0 + d * d / (r * r))"),
+    ("a squared range for a range", "a * window(d, r * r)"),
+    ("a square forgotten", "a * pow(max(1.0 - d * d / r, 0.0), 2.0)"),
+    ("ripples", "a * abs(sin(d / r * 3.14159265))"),
+    ("negative past the range", "1.0 - d / r"),
+    ("a floor of a fade", "clamp(1.0 - d / r, 0.01, 1.0)"),
+    ("a floor of a window", "max(a * w, 0.001)"),
+    ("a range and one more", "a * window(d, r + 1.0)"),
+    ("a cosine past the range", "0.5 + 0.5 * cos(3.14159265 * min(d / (r * 1.15), 1.0))"),
+    ("inverse square in a window", "w / max(d * d, 0.01)"),
+    ("a window without its clamp", "a * (1.0 - d * d / (r * r)) * (1.0 - d * d / (r * r))"),
+    ("a power of a negative", "a * pow(1.0 - d * d / (r * r), 2.0)"),
+    ("a root of a negative", "d < r * 1.5 ? sqrt(abs(1.0 - d / r)) : 0.0"),
+    ("a window of the intensity", "a * window(d, r * (0.5 + lights[i].intensity))"),
+    ("two windows", "a * (0.9 * w + 0.1 * window(d, r * 3.0))"),
+    ("a step late by a hair", "d < r * 1.02 ? a : 0.0"),
+];
+
+/// How a surface meets the light, as a factor.
+const FACINGS: [(&str, &str); 3] = [
+    ("", "max(dot(n, l), 0.0)"),
+    (", wrapped", "max(0.5 * dot(n, l) + 0.5, 0.0)"),
+    (", from both sides", "abs(dot(n, l))"),
+];
+
+fn text(falloff: &str, facing: &str) -> String {
+    format!(
+        "#version 450
+layout(location = 0) in vec3 FragPos;
+layout(location = 1) in vec3 Normal;
+layout(location = 0) out vec4 FragColor;
+struct PointLight {{
+    vec3 position; float range; vec3 color; float intensity;
+    float constant; float linear; float quadratic;
+}};
+layout(std430, binding = 0) readonly buffer PointLightBlock {{
+    uint pointCount; PointLight lights[];
+}};
+layout(std140, binding = 1) uniform MaterialBlock {{ vec3 diffuse; }} material;
+float window(float d, float r) {{
+    float q = d / r;
+    float s = max(1.0 - q * q * q * q, 0.0);
+    return s * s;
+}}
+void main() {{
+    vec3 n = normalize(Normal);
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < pointCount; i++) {{
+        vec3 p = lights[i].position - FragPos;
+        float d = length(p);
+        vec3 l = p / d;
+        float r = lights[i].range;
+        float a = 1.0 / (lights[i].constant + d * (lights[i].linear + d * lights[i].quadratic));
+        float w = window(d, r);
+        sum += lights[i].color * lights[i].intensity * material.diffuse * {facing} * ({falloff});
+    }}
+    FragColor = vec4(sum, 1.0);
+}}
+"
+    )
+}
+
+struct Made {
+    upload: Upload,
+    frame: Frame,
+    scene: Scene,
+}
+
+impl Made {
+    fn new() -> Made {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes");
+        let reading = read_file(folder.join("lights_1024_windowed.json")).expect("a scene of ours");
+        let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
+        scene.size = [64, 36];
+        scene.lights.point.truncate(60);
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        Made { upload: Upload::new(&scene), frame, scene }
+    }
+
+    fn work(&self) -> Work<'_> {
+        let limit = Duration::from_secs(600);
+        let (upload, frame) = (&self.upload, &self.frame);
+        Work { upload, frame, background: self.scene.background, limit }
+    }
+
+    fn all(&self) -> LightSet {
+        let point = (0..self.upload.lights.point.len() as u32).collect();
+        LightSet { ambient: true, point, ..LightSet::default() }
+    }
+
+    fn whole(&self, renderer: &Renderer, cpu: &mut Cpu) -> Rendered {
+        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
+        let all = self.all();
+        let lights = Lit { ambient: true, point: &all.point, ..Lit::default() };
+        let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+        renderer.render(cpu, &self.work(), &draws, &mut |_: &mut Cpu, _| {}).expect("it runs")
+    }
+
+    /// The largest difference of a plan from all lights over every fragment, in steps.
+    fn brute(&self, renderer: &Renderer, plan: &Plan) -> f64 {
+        let mut cpu = Cpu::new(Settings { precision: Precision::Double, ..Settings::default() });
+        let all = self.whole(renderer, &mut cpu);
+        let by_plan = renderer.render_plan(&mut cpu, &self.work(), plan, &mut |_: &mut Cpu, _| {});
+        let by_plan = by_plan.expect("it runs");
+        let pairs =
+            all.picture.pixels.iter().flatten().zip(by_plan.picture.pixels.iter().flatten());
+        let apart = |(a, b): (&f32, &f32)| match (f64::from(*a) - f64::from(*b)).abs() {
+            _ if a.is_nan() && b.is_nan() => 0.0,
+            apart if apart.is_nan() => f64::INFINITY,
+            apart => apart * 255.0,
+        };
+        pairs.map(apart).fold(0.0, f64::max)
+    }
+}
+
+#[test]
+fn nothing_is_called_exact_or_proven_that_all_lights_in_f64_contradict() {
+    let made = Made::new();
+    let (mut applied, mut refused, mut said, mut wrong) = (0, 0, 0, Vec::new());
+    for (nth, (name, falloff)) in FALLOFFS.iter().enumerate() {
+        let facings = if nth == 0 { &FACINGS[..] } else { &FACINGS[..1] };
+        for (turned, facing) in facings {
+            let source = Source::new("falloff.frag", text(falloff, facing));
+            let renderer = Renderer::new(&source, &RenderOptions::default());
+            let renderer = renderer.unwrap_or_else(|error| panic!("{name}: {error}"));
+            let model = Model::of(&likely(&renderer.map)).expect("a model with bounds");
+            assert!(model.windowed, "{name}: the names promise a window");
+            for (parts, most) in [("tiles=4,always", 0.0), ("tiles=4,budget=0.5,always", 0.5)] {
+                let options = parse(parts).expect("good");
+                let mut plan = renderer.plan(&made.work(), &model, &options);
+                let before = plan.clone();
+                let mut cpu = Cpu::default();
+                let work = made.work();
+                let rendered =
+                    renderer.render_plan(&mut cpu, &work, &plan, &mut |_: &mut Cpu, _| {});
+                let rendered = rendered.expect("it runs");
+                let checked = renderer.check_plan(&mut cpu, &work, &plan, &rendered);
+                let shown = renderer.shows(&source, &Options::default(), &work, &plan);
+                let holds = plan.settle(checked.expect("it runs"), shown, made.all());
+                let brute = made.brute(&renderer, &before);
+                let row = format!("{name}{turned}, {parts}: {brute:.4} steps");
+                if holds {
+                    applied += 1;
+                    // Fragments that were not among the measured ones may be a little worse.
+                    if brute > most + 0.5 {
+                        wrong.push(format!("{row}, applied"));
+                    }
+                } else {
+                    refused += 1;
+                    assert_eq!(plan.evaluations(), plan.savings.before, "{row}");
+                    if brute <= most {
+                        wrong.push(format!("{row}, not applied"));
+                    }
+                }
+                for step in &plan.savings.steps {
+                    let bound = match &step.error {
+                        Claim::Exact(_) => 1e-6,
+                        Claim::Proven { steps, .. } => *steps,
+                        Claim::Measured(_) | Claim::Unmeasured | Claim::Unused => continue,
+                    };
+                    said += 1;
+                    if brute > bound {
+                        wrong.push(format!("{row}, but {:?}", step.error));
+                    }
+                }
+            }
+        }
+    }
+    println!("{applied} applied, {refused} not, {said} called exact or proven");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(applied >= 10 && refused >= 30, "{applied} {refused}");
+    assert!(said >= 4, "{said}");
+}
