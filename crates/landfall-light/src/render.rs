@@ -7,7 +7,7 @@
 
 mod border;
 mod ignored;
-mod limits;
+pub(crate) mod limits;
 pub mod planned;
 mod shown;
 pub mod tally;

@@ -3,7 +3,7 @@
 //! [`roles`] finds the lights; this adds light counts, cameras,
 //! materials, textures and inputs. Names do not tell whether a direction points towards the light
 //! or whether a cone is a cosine: the code is searched for how they are used, which is a first
-//! guess that [`decide`](super::decide) tests by running the shader.
+//! guess that [`decide`](mod@super::decide) tests by running the shader.
 
 use super::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
 use super::{BindError, BindingMap, Bound, Member, Source};

@@ -14,9 +14,6 @@ impl Renderer {
     /// # Errors
     /// More lights than the device loops over: it would drop the rest.
     pub(super) fn within_limits(&self, device: &Device, draw: &Draw<'_>) -> Result<(), Failure> {
-        if device.backend == BackendKind::Cpu || !device.adapter.contains("llvmpipe") {
-            return Ok(());
-        }
         let listed = draw.tiles.filter(|_| self.asks_for_tiles());
         let turns = Kind::ALL.into_iter().map(|kind| match (kind, &listed) {
             (Kind::Point, Some(tiles)) => {
@@ -25,14 +22,23 @@ impl Renderer {
             _ => self.walked(kind, &draw.lights),
         });
         let turns: u64 = turns.sum();
-        if turns <= TURNS {
-            return Ok(());
-        }
-        let message = format!(
-            "the shader loops over {turns} lights, but {} leaves all loops after {TURNS} turns: \
-             the other lights would be missing; use `--backend cpu`, or lists of lights",
-            device.adapter
-        );
-        Err(Failure::refused(message, ""))
+        within_turns(device, turns)
     }
+}
+
+/// Checks that a device takes so many turns of loops over lights.
+///
+/// # Errors
+/// More than the device takes: it would drop the rest.
+pub(crate) fn within_turns(device: &Device, turns: u64) -> Result<(), Failure> {
+    let limited = device.backend != BackendKind::Cpu && device.adapter.contains("llvmpipe");
+    if !limited || turns <= TURNS {
+        return Ok(());
+    }
+    let message = format!(
+        "the shader loops over {turns} lights, but {} leaves all loops after {TURNS} turns: the other \
+         lights would be missing; use `--backend cpu`, or lists of lights",
+        device.adapter
+    );
+    Err(Failure::refused(message, ""))
 }

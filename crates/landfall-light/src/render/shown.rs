@@ -99,7 +99,16 @@ impl Renderer {
         let [counts, lists] = self.counted_by(lights, light.kind, &holds);
         let mut arrays = lights.iter().enumerate().filter(|(_, held)| holds(held)).peekable();
         let (any, distance) = (arrays.peek().is_some(), [light.near, FAR]);
+        let placed = |held: &LightBinding<'_>| {
+            held.roles.part(Role::Position).is_none_or(|part| {
+                let own = self.part_at(&held.block.name, &held.full_path(part));
+                own == Some((light.kind, LightPart::Position))
+            })
+        };
         any && arrays.all(|(at, held)| {
+            if !placed(held) {
+                return false;
+            }
             let of = |role| numbers(held, role);
             terms.vanish(at, &Numbers { counts: &counts, lists: &lists, of: &of, distance })
         })

@@ -293,8 +293,13 @@ impl Proof<'_> {
             let leaf = self.leaf(graph.bare(id));
             leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
         };
-        // A sign or a part of a vector would be below `bare`.
-        let plain = |id: Id| !self.below(id, &|id| matches!(self.op(id), Op::Negate | Op::Part(_)));
+        // `bare` looks through signs, parts and other orders of the components.
+        let turned = |id: Id| match self.op(id) {
+            Op::Negate | Op::Part(_) | Op::Convert => true,
+            Op::Swizzle(way) => way[..3] != [0, 1, 2],
+            _ => false,
+        };
+        let plain = |id: Id| !self.below(id, &turned);
         plain(a) && plain(b) && ((place(a) && here(b)) || (place(b) && here(a)))
     }
 

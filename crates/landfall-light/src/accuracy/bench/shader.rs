@@ -13,6 +13,7 @@ use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
 use crate::render::Prepared;
+use crate::render::limits::within_turns;
 use crate::render::planned::FragmentGroup;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::fragments::{FragmentShader, Input, InputKind};
@@ -41,12 +42,13 @@ impl<'a> Shader<'a> {
     /// Returns the errors of its colours against the reference.
     ///
     /// # Errors
-    /// A failure of the backend.
+    /// A failure of the backend, or more lights than its driver loops over.
     pub fn judged(&mut self) -> Result<Errors, String> {
         let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
         let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
-        for FragmentGroup { fragments, prepared, .. } in whole {
+        for FragmentGroup { fragments, prepared, walked, .. } in whole {
             let mut backend = self.backend.borrow_mut();
+            within_turns(backend.device(), *walked).map_err(|failure| failure.brief())?;
             let shaded = renderer
                 .shader
                 .run(backend.as_mut(), &prepared.batch(*limit), |_, _| {})

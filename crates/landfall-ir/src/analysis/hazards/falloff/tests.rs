@@ -95,6 +95,9 @@ fn lights_that_end_are_told_from_lights_that_do_not() {
         ("sum += c * window(d, r) * sum.x;", false, false),
         ("sum += c * window(d, r); other = texture(table, c.xy).x;", false, false),
         ("sum += c * window(length(p.xy), r);", false, false),
+        ("sum += c * window(length(lights[i].position.xyz - FragPos), r);", true, false),
+        ("sum += c * window(length(lights[i].position.zyx - FragPos), r);", false, false),
+        ("sum += c * window(length(FragPos.yxz - lights[i].position), r);", false, false),
         ("sum += c * window(length(lights[i].position + FragPos), r);", false, false),
     ] {
         // Past the range by more than any rounding; and inside of it.
