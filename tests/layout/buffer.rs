@@ -3,6 +3,9 @@
 // One range of bytes is what is meant.
 #![allow(clippy::single_range_in_vec_init)]
 
+use snapbox::str;
+
+use crate::support::command::golden;
 use landfall_layout::buffer::{BufferError, Upload};
 use landfall_layout::{BlockLayout, Buffer, Options, Source, layout};
 
@@ -162,10 +165,34 @@ fn another_type_is_refused_by_both_names_and_nothing_is_written() {
     assert_eq!(text, "`data[3].color` is `vec3`, not `[f32; 2]`\nhelp: use `[f32; 3]`");
     let text = said(buffer.set("data[3].intensity", 1));
     assert_eq!(text, "`data[3].intensity` is `float`, not `i32`\nhelp: use `f32`");
-    assert!(said(buffer.set("actually_used_count", 1u32)).contains("not `u32`"));
-    assert!(said(buffer.set("actually_used_count", true)).contains("not `bool`"));
-    assert!(said(buffer.set("data[3].color.x", 1.0f64)).contains("is `float`, not `f64`"));
-    assert!(said(buffer.handle::<[f32; 4]>("data[].pos")).contains("not `[f32; 4]`"));
+    golden().eq(
+        said(buffer.set("actually_used_count", 1u32)),
+        str![[r#"
+`actually_used_count` is `int`, not `u32`
+help: use `i32`
+"#]],
+    );
+    golden().eq(
+        said(buffer.set("actually_used_count", true)),
+        str![[r#"
+`actually_used_count` is `int`, not `bool`
+help: use `i32`
+"#]],
+    );
+    golden().eq(
+        said(buffer.set("data[3].color.x", 1.0f64)),
+        str![[r#"
+`data[3].color.x` is `float`, not `f64`
+help: use `f32`
+"#]],
+    );
+    golden().eq(
+        said(buffer.handle::<[f32; 4]>("data[].pos")),
+        str![[r#"
+`data[].pos` is `vec3`, not `[f32; 4]`
+help: use `[f32; 3]`
+"#]],
+    );
     assert!(buffer.bytes().iter().all(|&byte| byte == 0));
     assert_eq!(buffer.dirty(0).count(), 0);
 }
@@ -187,16 +214,22 @@ fn a_wrong_path_is_refused_with_what_would_be_right() {
         said("data[128].color"),
         "index 128 in `data[128].color` is out of range: the length is 128"
     );
-    assert!(said("data[99999999999999999999].color").contains("is out of range"));
+    golden().eq(said("data[99999999999999999999].color"), str!["index 18446744073709551615 in `data[99999999999999999999].color` is out of range: the length is 128"]);
     assert_eq!(said("data.color"), "`data.color` lacks the index of an array of 128 elements");
-    assert!(said("data[].color").contains("lacks the index"));
+    golden().eq(
+        said("data[].color"),
+        str!["`data[].color` lacks the index of an array of 128 elements"],
+    );
     assert_eq!(
         said("data"),
         "`data` is `PointLight[128]`, not a single value\nhelp: continue the path with an index"
     );
-    assert!(
-        said("data[3]")
-            .contains("`PointLight`, not a single value\nhelp: continue the path with `.pos`,")
+    golden().eq(
+        said("data[3]"),
+        str![[r#"
+`data[3]` is `PointLight`, not a single value
+help: continue the path with `.pos`, `.color`, `.intensity`, `.constant`, `.linear`, `.quadratic`
+"#]],
     );
     assert_eq!(
         said("data[3].color[3]"),
@@ -246,8 +279,9 @@ fn a_handle_sets_what_its_path_does() {
         said(buffer.set_at(&color, [128], [0.0; 3])),
         "index 128 in `data[].color` is out of range: the length is 128"
     );
-    assert!(
-        said(buffer.set_at(&color, [], [0.0; 3])).contains("takes 1 indices, but 0 were given")
+    golden().eq(
+        said(buffer.set_at(&color, [], [0.0; 3])),
+        str!["`data[].color` takes 1 indices, but 0 were given"],
     );
     let fixed = buffer.handle::<f32>("data[5].color.y").unwrap();
     buffer.set_at(&fixed, [], 9.0).unwrap();
@@ -256,7 +290,10 @@ fn a_handle_sets_what_its_path_does() {
     Buffer::new(&block).unwrap().set_at(&color, [1], [0.0; 3]).unwrap();
     let text = LIGHTS.replace("[128]", "[64]");
     let mut other = Buffer::new(&self::block(&text)).unwrap();
-    assert!(said(other.set_at(&color, [1], [0.0; 3])).contains("another block"));
+    golden().eq(
+        said(other.set_at(&color, [1], [0.0; 3])),
+        str!["the handle was created for another block than `PointLightBlock`"],
+    );
 }
 
 #[test]
@@ -314,7 +351,10 @@ fn a_mirror_of_a_block_has_its_size_or_ends_with_its_data() {
     assert_eq!(buffer.bytes()[40..], [0; 8], "padding at the end stays zero");
     buffer.write_pod("u", &[2u32; 10]).unwrap();
     assert_eq!(buffer.bytes()[36..], [2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
-    assert!(said(buffer.write_pod("B", &[3u32; 11])).contains("`B` of 48 bytes"));
+    golden().eq(
+        said(buffer.write_pod("B", &[3u32; 11])),
+        str!["`B` is `B` of 48 bytes, but the mirror has 44 bytes"],
+    );
     assert_eq!(buffer.read_pod::<[u32; 12]>("").unwrap()[9..], [2, 0, 0]);
 }
 
@@ -329,10 +369,14 @@ fn mirrors_are_written_over_elements_that_follow_each_other() {
         said(buffer.write_slice("data[126]", &[LIGHT; 3])),
         "index 128 in `data[126]` is out of range: the length is 128"
     );
-    assert!(
-        said(buffer.write_slice("data", &[0f32; 12])).contains("48 bytes, but the mirror has 4")
+    golden().eq(
+        said(buffer.write_slice("data", &[0f32; 12])),
+        str!["`data[]` is `PointLight` of 48 bytes, but the mirror has 4 bytes"],
     );
-    assert!(said(buffer.write_slice("actually_used_count", &[0f32])).contains("takes no further"));
+    golden().eq(
+        said(buffer.write_slice("actually_used_count", &[0f32])),
+        str!["`actually_used_count` is `int` and takes no further index or component"],
+    );
 }
 
 #[test]
@@ -357,7 +401,13 @@ fn a_runtime_sized_tail_has_the_elements_it_was_made_with() {
     let text = "struct L { vec3 p; float i; };
         layout(std430) buffer B { vec4 head; uint count; L lights[]; } b;";
     let block = block(text);
-    assert!(said(Buffer::new(&block)).contains("ends in the runtime-sized array `lights[]`"));
+    golden().eq(
+        said(Buffer::new(&block)),
+        str![[r#"
+`B` ends in the runtime-sized array `lights[]`
+help: say how many elements it has with `Buffer::with_tail`
+"#]],
+    );
     let mut buffer = Buffer::with_tail(&block, 3).unwrap();
     assert_eq!((buffer.bytes().len(), buffer.tail_len()), (32 + 3 * 16, 3));
     buffer.set("lights[2].i", 1.0f32).unwrap();
@@ -368,11 +418,14 @@ fn a_runtime_sized_tail_has_the_elements_it_was_made_with() {
          made with 3 elements"
     );
     let handle = buffer.handle::<f32>("lights[].i").unwrap();
-    assert!(said(buffer.set_at(&handle, [3], 1.0)).contains("was made with 3 elements"));
+    golden().eq(said(buffer.set_at(&handle, [3], 1.0)), str!["index 3 in `lights[].i` is out of range: the runtime-sized array of this buffer was made with 3 elements"]);
     let fixed = buffer.handle::<f32>("lights[2].i").unwrap();
     let mut shorter = Buffer::with_tail(&block, 0).unwrap();
     assert_eq!(shorter.bytes().len(), 48);
-    assert!(said(shorter.set_at(&fixed, [], 1.0)).contains("end past the buffer's 48 bytes"));
+    golden().eq(
+        said(shorter.set_at(&fixed, [], 1.0)),
+        str!["4 bytes at offset 76 end past the buffer's 48 bytes"],
+    );
     buffer.write_slice("lights", &[[1f32; 4]; 3]).unwrap();
     assert!(buffer.write_slice("lights", &[[1f32; 4]; 4]).is_err());
     buffer.write_pod("", &[0u32; 5]).unwrap();
@@ -384,12 +437,30 @@ fn a_runtime_sized_tail_has_the_elements_it_was_made_with() {
 #[test]
 fn a_block_without_bytes_of_its_own_is_refused() {
     let loose = block("uniform vec3 color;");
-    assert!(said(Buffer::new(&loose)).contains("loose uniforms are set one by one"));
+    golden().eq(
+        said(Buffer::new(&loose)),
+        str![[r#"
+`DefaultBlock` has no bytes: loose uniforms are set one by one
+help: lay them out as one block with `gather`
+"#]],
+    );
     let fixed = block(LIGHTS);
-    assert!(said(Buffer::with_tail(&fixed, 1)).contains("does not end in a runtime-sized array"));
+    golden().eq(
+        said(Buffer::with_tail(&fixed, 1)),
+        str![[r#"
+`PointLightBlock` does not end in a runtime-sized array
+help: use `Buffer::new`
+"#]],
+    );
     let tail = block("layout(std430) buffer B { vec4 a[]; };");
-    assert!(said(Buffer::with_tail(&tail, 1 << 40)).contains("more than can be allocated"));
-    assert!(said(Buffer::with_tail(&tail, usize::MAX)).contains("more than can be allocated"));
+    golden().eq(
+        said(Buffer::with_tail(&tail, 1 << 40)),
+        str!["`B` would be 18446744073709551615 bytes, more than can be allocated"],
+    );
+    golden().eq(
+        said(Buffer::with_tail(&tail, usize::MAX)),
+        str!["`B` would be 18446744073709551615 bytes, more than can be allocated"],
+    );
     let text = said(Buffer::from_bytes(&fixed, &[0; 6148]));
     assert_eq!(text, "`PointLightBlock` has 6160 bytes, but 6148 bytes were given");
 }

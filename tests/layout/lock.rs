@@ -1,7 +1,10 @@
 //! A lock says what the shader says: written, read and written again it is the same, whatever the
 //! block; and what is wrong with one is said with its line.
 
+use snapbox::str;
+
 use crate::support;
+use crate::support::command::golden;
 
 use std::path::Path;
 
@@ -415,7 +418,10 @@ fn drift_that_misreads_nothing_is_said_in_other_words() {
         "`Lights` differs from its lock: `all[].range` was renamed to `reach`, in the same place; \
          no byte changes, but the lock is out of date"
     );
-    assert!(found[0].help.as_deref().is_some_and(|help| help.contains("landfall lock")));
+    golden().eq(
+        found[0].help.clone().unwrap_or_default(),
+        str!["renew the lock with `landfall check --accept` or `landfall lock`"],
+    );
 }
 
 #[test]
@@ -428,7 +434,7 @@ fn a_shader_without_a_lock_and_a_lock_without_a_shader_are_reported() {
         ("lock-missing", "a.frag")
     );
     assert_eq!(found[0].message, "`a.frag` has no lock: changes of its layout go unseen");
-    assert!(found[0].notes[0].contains("layouts/a.frag.json"));
+    golden().eq(found[0].notes[0].clone(), str!["its lock would be `layouts/a.frag.json`"]);
     // The good twin has nothing to lock.
     let empty = lay_out("a.frag", "#version 330\nvoid main() {}\n");
     assert!(drift(&empty, "layouts/a.frag.json", None).is_empty());

@@ -1,5 +1,8 @@
 //! What is said about WGSL text, and where: code, place and the smallest edit that mends it.
 
+use snapbox::str;
+
+use crate::support::command::golden;
 use landfall_layout::{BlockLayout, Language, Options, Severity, ShaderLayout, Source};
 
 fn laid_out(text: &str) -> ShaderLayout {
@@ -195,7 +198,7 @@ fn text_for_another_tool_is_refused_as_a_whole() {
 #[test]
 fn old_bracket_attributes_are_explained() {
     let (_, _, help) = only_finding("[[block]] struct S { a: f32 }");
-    assert!(help.contains("@group(0) @binding(0)"), "{help}");
+    golden().eq(help, str!["write `@group(0) @binding(0)` for `[[group(0), binding(0)]]`"]);
 }
 
 #[test]
@@ -266,7 +269,10 @@ fn uniform_memory_wants_more_than_the_rules() {
     };
     let found = warned("struct S { w: array<f32, 4> } var<uniform> s: S;");
     assert_eq!(found[0].0, "w");
-    assert!(found[0].1.contains("@size(16)"), "{found:?}");
+    golden().eq(
+        found[0].1.clone(),
+        str!["pack them as `array<vec4<…>>`, or wrap each in `struct { @size(16) value: f32 }`"],
+    );
     let found = warned("struct T { a: f32 } struct S { x: f32, t: T } var<uniform> s: S;");
     assert_eq!(found, [("t".to_string(), "write `@align(16) t: …`".to_string())]);
     let found = warned("struct T { a: f32 } struct S { t: T, x: f32 } var<uniform> s: S;");

@@ -54,8 +54,8 @@ impl Buffer {
         let stride = member.strides[last];
         let given = size_of::<T>() as u64;
         if given != stride {
-            let shader = format!("element of `{}`", member.name);
-            let path = path.to_string();
+            let shader = spelled(self.block(), What::Struct(member));
+            let path = format!("{path}[]");
             return Err(BufferError::WrongSize { path, shader, wanted: stride, given });
         }
         let len = match member.dims[last] {
