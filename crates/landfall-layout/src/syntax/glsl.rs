@@ -37,7 +37,7 @@ use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder
 use crate::source::{ReadOptions, Source, Span};
 use crate::syntax::Parsed;
 use ast::Item;
-use declarations::Reader;
+use declarations::DeclarationReader;
 pub use implicit_size::sized;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
@@ -146,21 +146,21 @@ fn reader<'a>(
     options: &'a ReadOptions,
     texts: &'a Texts,
     bodies: Bodies,
-) -> Reader<'a> {
+) -> DeclarationReader<'a> {
     let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
     preprocessor.note_foreign(0, source.foreign);
-    Reader::new(Parser::new(preprocessor, bodies))
+    DeclarationReader::new(Parser::new(preprocessor, bodies))
 }
 
 /// Returns a new reader that knows the lengths of the members whose declarations leave them open,
 /// if the reader met such members.
 fn with_lengths<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut DeclarationReader<'a>,
     source: &Source,
     options: &'a ReadOptions,
     texts: &'a Texts,
     bodies: Bodies,
-) -> Option<Reader<'a>> {
+) -> Option<DeclarationReader<'a>> {
     let members = std::mem::take(&mut reader.unsized_members);
     if members.is_empty() {
         return None;
@@ -168,11 +168,11 @@ fn with_lengths<'a>(
     let mut whole = self::reader(source, options, texts, Bodies::Keep);
     whole.read(|_, _| ());
     let lengths = implicit_size::lengths(&mut whole, &members);
-    Some(Reader { lengths, ..self::reader(source, options, texts, bodies) })
+    Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
 
 /// Returns the result of a finished reader.
-fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
+fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empty: bool) -> Parsed {
     let mut blocks = std::mem::take(&mut reader.blocks);
     if let Some(default) = default_block(reader, gather) {
         blocks.push(default);
@@ -213,7 +213,7 @@ fn shape(reader: &mut Reader<'_>, source: &Source, gather: bool, empty: bool) ->
 }
 
 /// Returns the loose uniforms as one block, either gathered or without offsets.
-fn default_block(reader: &mut Reader<'_>, gather: bool) -> Option<Block> {
+fn default_block(reader: &mut DeclarationReader<'_>, gather: bool) -> Option<Block> {
     let mut members = std::mem::take(&mut reader.loose);
     let opaque = std::mem::take(&mut reader.loose_opaque);
     let span = members.first()?.span;

@@ -34,7 +34,7 @@ mod variables;
 
 use crate::diagnostic::Code;
 use outline::Class;
-use reader::Reader;
+use reader::ModuleReader;
 use report::Reports;
 
 use super::Parsed;
@@ -70,7 +70,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
         return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
     }
     let mut blocks = Vec::new();
-    let mut reader = Reader::new(text, &outline, options, reports);
+    let mut reader = ModuleReader::new(text, &outline, options, reports);
     for item in outline.items.iter().filter(|item| item.class == Class::Var) {
         // Otherwise the variable is not a buffer, or an error was reported.
         if let Ok(Some(block)) = variables::block(&mut reader, item) {

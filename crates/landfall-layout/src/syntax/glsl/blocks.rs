@@ -2,14 +2,14 @@
 //! the rules and matrix storage in effect.
 
 use super::ast::{BlockDecl, Qualifiers, Storage};
-use super::declarations::{Defaults, Named, Reader};
+use super::declarations::{DeclarationReader, Defaults, Named};
 use super::members::{MemberOwner, matrix_layout};
 use super::parser::diagnostic_at;
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rules};
 use crate::source::Target;
 
-impl<'a> Reader<'a> {
+impl<'a> DeclarationReader<'a> {
     /// Adds a block from its declaration.
     pub(super) fn block(&mut self, block: &BlockDecl<'a>) {
         let qualifiers = &block.qualifiers;

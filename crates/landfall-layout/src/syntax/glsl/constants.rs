@@ -4,7 +4,7 @@ use crate::diagnostic::Code;
 use rustc_hash::FxHashMap;
 
 use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
-use super::declarations::Reader;
+use super::declarations::DeclarationReader;
 use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::Token;
 use super::parser::diagnostic_at;
@@ -85,7 +85,7 @@ impl<'a> Constants<'a> {
     }
 }
 
-impl<'a> Reader<'a> {
+impl<'a> DeclarationReader<'a> {
     /// Evaluates an integer constant expression that a size depends on.
     pub(super) fn constant_integer(
         &mut self,

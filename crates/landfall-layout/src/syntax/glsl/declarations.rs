@@ -18,7 +18,7 @@ use crate::shape::{Block, MatrixLayout, Member, Rules, Struct, Type};
 use crate::source::{ReadOptions, Span};
 
 /// Collects the shape of a shader from its declarations.
-pub(super) struct Reader<'a> {
+pub(super) struct DeclarationReader<'a> {
     pub parser: Parser<'a>,
     pub types: FxHashMap<&'a str, Named<'a>>,
     pub constants: Constants<'a>,
@@ -83,9 +83,9 @@ pub(super) enum Unknown {
 /// The length of each member by name, or why it is not known.
 pub(super) type Lengths<'a> = FxHashMap<&'a str, Result<u32, Unknown>>;
 
-impl<'a> Reader<'a> {
-    pub fn new(parser: Parser<'a>) -> Reader<'a> {
-        Reader {
+impl<'a> DeclarationReader<'a> {
+    pub fn new(parser: Parser<'a>) -> DeclarationReader<'a> {
+        DeclarationReader {
             parser,
             types: FxHashMap::default(),
             constants: Constants::default(),

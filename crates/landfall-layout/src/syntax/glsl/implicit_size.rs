@@ -3,7 +3,7 @@
 //!
 //! Function bodies have to be read for that, so it is done only for texts with such a member.
 
-use super::declarations::{Lengths, Reader, Unknown, Unsized};
+use super::declarations::{DeclarationReader, Lengths, Unknown, Unsized};
 use super::lexer::{Kind, Token};
 use super::parser::Bodies;
 use super::preprocess::Texts;
@@ -32,7 +32,10 @@ pub fn sized(source: &Source, options: &ReadOptions) -> Option<Source> {
 }
 
 /// Returns the lengths of members, from a reader that has kept the function bodies.
-pub(super) fn lengths<'a>(reader: &mut Reader<'a>, members: &[Unsized<'a>]) -> Lengths<'a> {
+pub(super) fn lengths<'a>(
+    reader: &mut DeclarationReader<'a>,
+    members: &[Unsized<'a>],
+) -> Lengths<'a> {
     let tokens = reader.parser.tokens().to_vec();
     let mut found = Lengths::default();
     for member in members {
@@ -43,7 +46,7 @@ pub(super) fn lengths<'a>(reader: &mut Reader<'a>, members: &[Unsized<'a>]) -> L
 }
 
 fn length<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut DeclarationReader<'a>,
     tokens: &[Token<'a>],
     member: &Unsized<'a>,
 ) -> Result<u32, Unknown> {

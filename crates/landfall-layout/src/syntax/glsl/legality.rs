@@ -2,7 +2,7 @@
 //! their members may not have, and blocks before the version that has them.
 
 use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage};
-use super::declarations::Reader;
+use super::declarations::DeclarationReader;
 use super::lexer::Token;
 use super::parser::diagnostic_at;
 use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
@@ -29,7 +29,7 @@ const NOT_ON_MEMBERS: &[&str] = &[
 /// Entries of `layout(…)` that no `uniform` or `buffer` block takes.
 const NOT_ON_BLOCKS: &[&str] = &["location", "component", "index", "offset", "constant_id"];
 
-impl<'a> Reader<'a> {
+impl<'a> DeclarationReader<'a> {
     /// Returns what makes a block illegal in every version; `written` are the rules in effect.
     pub(super) fn illegal(
         &mut self,

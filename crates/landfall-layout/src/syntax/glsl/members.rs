@@ -11,7 +11,7 @@ use rustc_hash::FxHashSet;
 use super::ast::{
     Declaration, Declarator, Dim, LayoutId, Qualifiers, StructDecl, Tokens, TypeBase,
 };
-use super::declarations::{Named, Reader, Unknown, Unsized};
+use super::declarations::{DeclarationReader, Named, Unknown, Unsized};
 use super::lexer::{Kind, Token};
 use super::parser::diagnostic_at;
 use crate::diagnostic::Diagnostic;
@@ -58,7 +58,7 @@ fn unsized_array(name: &Token<'_>, span: Span) -> Diagnostic {
         .with_help("write the number of elements between the brackets")
 }
 
-impl<'a> Reader<'a> {
+impl<'a> DeclarationReader<'a> {
     /// Returns the type a structure declares; `None` if it was not parsed to its end.
     pub(super) fn structure(&mut self, structure: &StructDecl<'a>) -> Option<Named<'a>> {
         let name = self.parser.token_of(&structure.name);

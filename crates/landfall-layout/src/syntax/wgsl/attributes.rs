@@ -7,7 +7,7 @@ use super::expressions::ExpressionContext;
 use super::fallback;
 use super::lexer::{Kind, Lexer};
 use super::outline::Item;
-use super::reader::Reader;
+use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use crate::diagnostic::Code;
@@ -27,13 +27,16 @@ pub(super) struct Attributes {
 }
 
 /// Returns the attributes of a declaration.
-pub(super) fn of_item<'a>(reader: &mut Reader<'a>, item: &Item<'a>) -> Result<Attributes, Refused> {
+pub(super) fn of_item<'a>(
+    reader: &mut ModuleReader<'a>,
+    item: &Item<'a>,
+) -> Result<Attributes, Refused> {
     read(reader, &mut Lexer::new(reader.text, item.start))
 }
 
 /// Parses attributes, if there are any.
 pub(super) fn read<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
 ) -> Result<Attributes, Refused> {
     let mut attributes = Attributes::default();
@@ -63,7 +66,7 @@ pub(super) fn read<'a>(
 
 /// Parses `(N)`.
 fn argument<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     name: &str,
 ) -> Result<Written, Refused> {
@@ -96,12 +99,12 @@ fn argument<'a>(
     }
 }
 
-fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
+fn refuse(reader: &mut ModuleReader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
     constants::refuse(reader, trouble, at, Code::InvalidAttribute, &format!("`@{name}`"))
 }
 
 /// Skips the `(…)` of an attribute that does not affect layouts.
-fn skip_arguments<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+fn skip_arguments<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
     let mut depth = 0u32;
     loop {
         let token = lexer.next();

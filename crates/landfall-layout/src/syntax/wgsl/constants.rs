@@ -4,7 +4,7 @@ use super::expressions;
 use super::expressions::ExpressionContext;
 use super::lexer::Lexer;
 use super::outline::Class;
-use super::reader::{Known, Reader};
+use super::reader::{Known, ModuleReader};
 use super::report;
 use super::report::Refused;
 use super::types;
@@ -39,7 +39,7 @@ pub(super) enum Trouble {
 const DEEP_CHAIN: u32 = 64;
 
 /// Returns the value of a declared constant or override.
-pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outcome {
+pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Outcome {
     reader.used_override |= reader.outline.items[index].class == Class::Override;
     match reader.constants.get(&index) {
         Some(Known::Done(outcome)) => return outcome.clone(),
@@ -74,7 +74,7 @@ pub(super) fn value_of(reader: &mut Reader<'_>, index: usize, at: Span) -> Outco
 }
 
 /// Evaluates the constants before a deep one, so that it needs no nesting.
-fn sweep(reader: &mut Reader<'_>, index: usize, at: Span) {
+fn sweep(reader: &mut ModuleReader<'_>, index: usize, at: Span) {
     for before in 0..index {
         let constant = reader.outline.items[before].class == Class::Const;
         if constant && !reader.constants.contains_key(&before) {
@@ -84,7 +84,7 @@ fn sweep(reader: &mut Reader<'_>, index: usize, at: Span) {
 }
 
 /// Parses `const NAME: TYPE = VALUE;`.
-fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
+fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
     let kind = declared_kind(reader, &mut lexer)?;
     types::expect(reader, &mut lexer, b'=', "`=`")?;
@@ -94,7 +94,7 @@ fn constant(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
 }
 
 /// Parses `@id(N) override NAME: TYPE = VALUE;`, or takes the value set by `-O`.
-fn override_value(reader: &mut Reader<'_>, index: usize) -> Result<Outcome, Refused> {
+fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
     let id = match attributes::of_item(reader, item)?.id {
@@ -145,7 +145,7 @@ fn parse_setting(text: &str) -> Option<Value> {
 
 /// Returns the component of the type in `: TYPE`, if present.
 fn declared_kind<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
 ) -> Result<Option<Scalar>, Refused> {
     if !lexer.take(b':') {
@@ -206,7 +206,7 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 
 /// Reports why an expression that must be constant has no value.
 pub(super) fn refuse(
-    reader: &mut Reader<'_>,
+    reader: &mut ModuleReader<'_>,
     trouble: Trouble,
     at: Span,
     code: Code,

@@ -4,7 +4,7 @@ use super::constants;
 use super::constants::{Outcome, Trouble};
 use super::lexer::{Kind, Lexer, Token};
 use super::outline::Class;
-use super::reader::Reader;
+use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use super::{numbers, predeclared, types};
@@ -22,7 +22,7 @@ pub(super) enum ExpressionContext {
 
 /// Parses and evaluates an expression; returns its value and span.
 pub(super) fn read<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     within: ExpressionContext,
 ) -> Result<(Outcome, Span), Refused> {
@@ -35,7 +35,7 @@ pub(super) fn read<'a>(
 type Part = (Outcome, u32);
 
 fn binary<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     within: ExpressionContext,
     weakest: u8,
@@ -95,7 +95,7 @@ fn operator(lexer: &mut Lexer<'_>, within: ExpressionContext) -> Option<(&'stati
     })
 }
 
-fn unary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
     let token = lexer.peek();
     let op = match token.kind {
         Kind::Sign(b'-') => "-",
@@ -115,7 +115,7 @@ fn unary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Ref
 }
 
 /// Parses a primary expression with any `.x` and `[i]` after it.
-fn postfix<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
     let start = lexer.peek().start;
     let (mut outcome, mut end) = primary(reader, lexer)?;
     loop {
@@ -162,7 +162,7 @@ fn element(value: &Value, index: &Value, at: Span) -> Outcome {
     item.cloned().ok_or(Trouble::Fault(Fault::Mismatch, at))
 }
 
-fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
+fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
     let token = lexer.next();
     let at = report::span(token);
     match token.kind {
@@ -191,7 +191,7 @@ fn primary<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, R
 
 /// Parses a constant, a constructor, or a call of a builtin function.
 fn word<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     token: Token,
     name: &str,
@@ -236,7 +236,7 @@ fn word<'a>(
 
 /// Parses the values after a `(` up to and including its `)`.
 fn arguments<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
 ) -> Result<(Result<Vec<Value>, Trouble>, u32), Refused> {
     let mut values = Ok(Vec::new());
@@ -265,7 +265,7 @@ fn arguments<'a>(
 
 /// Parses `u32(x)`, `vec2<f32>(x, y)`, `vec3(x)`, `array(a, b)`.
 fn constructor<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     token: Token,
 ) -> Result<Part, Refused> {

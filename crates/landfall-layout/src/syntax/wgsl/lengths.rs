@@ -7,7 +7,7 @@ use super::constants::Trouble;
 use super::expressions;
 use super::expressions::ExpressionContext;
 use super::lexer::Lexer;
-use super::reader::Reader;
+use super::reader::ModuleReader;
 use super::report::Refused;
 use super::{constants, fallback};
 use crate::diagnostic::Diagnostic;
@@ -25,7 +25,10 @@ pub(super) struct Length {
 }
 
 /// Parses a length inside a template list.
-pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Length, Refused> {
+pub(super) fn read<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Length, Refused> {
     reader.used_override = false;
     let (outcome, at) = expressions::read(reader, lexer, ExpressionContext::Template)?;
     let overridden = reader.used_override.then_some(at);
@@ -68,6 +71,6 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
     }
 }
 
-fn refuse(reader: &mut Reader<'_>, trouble: Trouble, at: Span) -> Refused {
+fn refuse(reader: &mut ModuleReader<'_>, trouble: Trouble, at: Span) -> Refused {
     constants::refuse(reader, trouble, at, Code::ArraySize, "an array length")
 }

@@ -33,7 +33,7 @@ pub(super) enum Known<T> {
 }
 
 /// The text, its outline, and the declarations parsed so far.
-pub(super) struct Reader<'a> {
+pub(super) struct ModuleReader<'a> {
     pub(super) text: &'a str,
     pub(super) outline: &'a Outline<'a>,
     pub(super) options: &'a ReadOptions,
@@ -54,14 +54,14 @@ pub(super) struct Reader<'a> {
     pub(super) warned_f16: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ModuleReader<'a> {
     pub(super) fn new(
         text: &'a str,
         outline: &'a Outline<'a>,
         options: &'a ReadOptions,
         reports: Reports,
-    ) -> Reader<'a> {
-        Reader {
+    ) -> ModuleReader<'a> {
+        ModuleReader {
             text,
             outline,
             options,

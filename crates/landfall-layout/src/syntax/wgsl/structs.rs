@@ -4,7 +4,7 @@ use crate::diagnostic::Code;
 use std::sync::Arc;
 
 use super::lexer::{Kind, Lexer, Token};
-use super::reader::Reader;
+use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use super::types;
@@ -15,7 +15,7 @@ use crate::shape::{DEEPEST_NESTING, Member, Scalar, Struct, Type};
 use crate::source::Span;
 
 /// Parses a structure of the outline.
-pub(super) fn read(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
+pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
     let mut lexer = Lexer::new(reader.text, item.rest);
@@ -77,7 +77,7 @@ struct Body {
 
 /// Parses `@align(16) name: type,`; returns its end.
 fn member<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     body: &mut Body,
     comment: Vec<Span>,
@@ -130,7 +130,7 @@ fn member<'a>(
 }
 
 /// Parses the `,` after a member, or the end of the structure, which is not consumed.
-fn member_end<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<u32, Refused> {
+fn member_end<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<u32, Refused> {
     let next = lexer.peek();
     match next.kind {
         Kind::Sign(b',') => {

@@ -9,7 +9,7 @@ use super::lexer::{Kind, Lexer, Token};
 use super::outline::Class;
 use super::predeclared;
 use super::predeclared::Predeclared;
-use super::reader::{Known, Reader};
+use super::reader::{Known, ModuleReader};
 use super::report;
 use super::report::Refused;
 use super::structs;
@@ -44,7 +44,7 @@ pub(super) struct Unsized {
 
 impl Unsized {
     /// Returns the help for a place where the type must have a size.
-    pub(super) fn help(self, reader: &Reader<'_>, otherwise: &str) -> String {
+    pub(super) fn help(self, reader: &ModuleReader<'_>, otherwise: &str) -> String {
         match self.waits_for {
             Some(index) => {
                 let name = reader.outline.items[index].name;
@@ -102,7 +102,10 @@ impl Typed {
 }
 
 /// Parses a type expression.
-pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<Typed, Refused> {
+pub(super) fn read<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<Typed, Refused> {
     let word = lexer.next();
     if word.kind != Kind::Word {
         return Err(reader.reports.refuse(report::unexpected(lexer, word, "a type")));
@@ -112,7 +115,7 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result
 
 /// Parses the type that a word begins, with its template list.
 pub(super) fn named<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     word: Token,
 ) -> Result<Typed, Refused> {
@@ -162,7 +165,7 @@ pub(super) fn named<'a>(
 }
 
 /// Resolves a type declared in the text.
-fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
+fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
     match reader.types.get(&index) {
         Some(Known::Done(typed)) => return Ok(typed.clone()),
         Some(Known::Broken) => return Err(Refused),
@@ -191,7 +194,7 @@ fn declared(reader: &mut Reader<'_>, index: usize, at: Span) -> Result<Typed, Re
 }
 
 /// Parses `alias NAME = TYPE;`.
-fn alias(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
+fn alias(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed, Refused> {
     let mut lexer = Lexer::new(reader.text, reader.outline.items[index].rest);
     expect(reader, &mut lexer, b'=', "`=`")?;
     let typed = read(reader, &mut lexer)?;
@@ -201,7 +204,7 @@ fn alias(reader: &mut Reader<'_>, index: usize) -> Result<Typed, Refused> {
 
 /// Returns the component of a vector, matrix or atomic, from its name or template list.
 fn component<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     word: Token,
     named: Option<Scalar>,
@@ -230,7 +233,7 @@ fn component<'a>(
 
 /// Parses `array<E, N>` and `array<E>`.
 fn array<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     word: Token,
 ) -> Result<Typed, Refused> {
@@ -268,7 +271,7 @@ fn array<'a>(
 }
 
 fn element_and_length<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     word: Token,
 ) -> Result<(Typed, Length, Span), Refused> {
@@ -290,14 +293,14 @@ fn element_and_length<'a>(
     Ok((element, length, at))
 }
 
-fn close_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+fn close_template<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
     lexer.take(b',');
     expect(reader, lexer, b'>', "`>`")
 }
 
 /// Consumes that sign, or reports that it is missing.
 pub(super) fn expect<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     sign: u8,
     shown: &str,
@@ -310,7 +313,7 @@ pub(super) fn expect<'a>(
 }
 
 /// Skips from after a `<` past its `>`.
-fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+fn skip_template<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
     let mut depth = 1u32;
     while depth > 0 {
         let token = lexer.next();
@@ -326,7 +329,7 @@ fn skip_template<'a>(reader: &mut Reader<'a>, lexer: &mut Lexer<'a>) -> Result<(
     Ok(())
 }
 
-fn unknown(reader: &mut Reader<'_>, name: &str, at: Span) -> Refused {
+fn unknown(reader: &mut ModuleReader<'_>, name: &str, at: Span) -> Refused {
     let diagnostic = Diagnostic::error(Code::UnknownType, at, format!("unknown type `{name}`"));
     let declared = reader.outline.items.iter().filter(|item| match item.class {
         Class::Struct | Class::Alias => true,
@@ -357,7 +360,7 @@ fn glsl_habit(name: &str) -> Option<&'static str> {
     })
 }
 
-fn recursive(reader: &mut Reader<'_>, index: usize, at: Span) -> Refused {
+fn recursive(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Refused {
     let item = &reader.outline.items[index];
     let message = format!("`{}` contains itself", item.name);
     reader.reports.refuse(
@@ -369,7 +372,7 @@ fn recursive(reader: &mut Reader<'_>, index: usize, at: Span) -> Refused {
 
 /// Returns the type a constructor names; `None` if its constructor is not evaluated here.
 pub(super) fn constructed<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
     word: Token,
 ) -> Result<Option<Type>, Refused> {

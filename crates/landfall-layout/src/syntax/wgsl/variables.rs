@@ -7,7 +7,7 @@ use super::attributes;
 use super::attributes::Attributes;
 use super::lexer::Lexer;
 use super::outline::Item;
-use super::reader::Reader;
+use super::reader::ModuleReader;
 use super::report;
 use super::report::Refused;
 use super::types;
@@ -30,7 +30,7 @@ const NO_BUFFER: [&str; 8] = [
 
 /// Returns the block of a variable, if it is a buffer.
 pub(super) fn block<'a>(
-    reader: &mut Reader<'a>,
+    reader: &mut ModuleReader<'a>,
     item: &Item<'a>,
 ) -> Result<Option<Block>, Refused> {
     let Some(space) = address_space(reader, item)? else { return Ok(None) };
@@ -89,7 +89,7 @@ fn made(
 
 /// Returns the address space of a variable, if it is that of a buffer.
 fn address_space(
-    reader: &mut Reader<'_>,
+    reader: &mut ModuleReader<'_>,
     item: &Item<'_>,
 ) -> Result<Option<AddressSpace>, Refused> {
     let Some((name, at)) = item.space else { return Ok(None) };
@@ -110,7 +110,7 @@ fn address_space(
 
 /// Checks that a type is allowed in an address space.
 fn check(
-    reader: &mut Reader<'_>,
+    reader: &mut ModuleReader<'_>,
     item: &Item<'_>,
     space: AddressSpace,
     facts: Facts,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::shape::{Struct, Type};
-use crate::syntax::glsl::declarations::{Named, Reader};
+use crate::syntax::glsl::declarations::{DeclarationReader, Named};
 use crate::syntax::glsl::lexer::Token;
 use crate::syntax::glsl::parser::diagnostic_at;
 use crate::syntax::glsl::types::{Builtin, builtin};
@@ -39,7 +39,7 @@ impl<'a> TypeName<'a> {
     }
 }
 
-impl<'a> Reader<'a> {
+impl<'a> DeclarationReader<'a> {
     /// Resolves a type name; errors about unknown and broken types are added to `problems`.
     pub(in crate::syntax::glsl) fn resolve(
         &mut self,
