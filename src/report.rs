@@ -16,6 +16,8 @@ pub mod lights;
 #[cfg(feature = "exec")]
 pub mod plan;
 #[cfg(feature = "exec")]
+pub mod prove;
+#[cfg(feature = "exec")]
 pub mod render;
 #[cfg(feature = "exec")]
 pub mod run;

@@ -12,6 +12,9 @@ pub const LIGHTS_SCHEMA: &str = include_str!("schema/lights.json");
 /// JSON Schema of the plan in the JSON output of `render --skip PARTS`.
 pub const PLAN_SCHEMA: &str = include_str!("schema/plan.json");
 
+/// JSON Schema of the JSON output of `prove`.
+pub const PROVE_SCHEMA: &str = include_str!("schema/prove.json");
+
 /// JSON Schema of the JSON output of `render`.
 pub const RENDER_SCHEMA: &str = include_str!("schema/render.json");
 

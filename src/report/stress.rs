@@ -9,21 +9,24 @@ use std::sync::Arc;
 
 pub use self::json::{STRESS_SCHEMA, json};
 use super::device::adapter;
+use super::prove::{Listed, summary};
+use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::columns::GAP;
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 pub use landfall_layout::text::escape;
 use landfall_light::accuracy::stress::messages::{figure, number};
 use landfall_light::accuracy::stress::{
-    BackendReport, Disagreement, Report, Tally, Verdict, command,
+    BackendReport, Disagreement, Report, StressFinding, Tally, Verdict, command,
 };
 use landfall_lint::render::{ReportFormat, ReportOptions, report};
 
 /// The quantile shown beside the maximum of each error.
 const SHARE: f64 = 0.999;
 
-/// Returns the text: a table of the samples, then the findings with their excerpts.
-pub fn text(stressed: &Report, paint: Paint) -> String {
+/// Returns the text: a table of the samples, then the findings with their excerpts, the few that a
+/// scene meets or all, then what is known of the operations.
+pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
@@ -73,7 +76,27 @@ pub fn text(stressed: &Report, paint: Paint) -> String {
         let _ = writeln!(text, "  {}", paint.text(FAINT, note));
     }
     text.push('\n');
-    text.push_str(&rendered(stressed, ReportFormat::Human, paint));
+    let is_folded = |found: &&StressFinding| {
+        listed == Listed::Few && !found.plausible && found.level == Level::Warn
+    };
+    let folded = stressed.findings.iter().filter(is_folded).count();
+    let shown = stressed.findings.iter().filter(|found| !is_folded(found));
+    let shown: Vec<Finding> = shown.map(|found| stressed.lint(found)).collect();
+    if folded == 0 || !shown.is_empty() {
+        text.push_str(&printed(stressed, &shown, ReportFormat::Human, paint));
+    }
+    if folded > 0 {
+        let noun = if shown.is_empty() { "finding" } else { "further finding" };
+        let findings = phrases::counted(folded, noun);
+        let line = format!("{findings} only with values that do not occur in scenes; --all");
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
+    if !stressed.operations.is_empty() {
+        text.push('\n');
+    }
+    for line in summary(&stressed.operations) {
+        let _ = writeln!(text, "{line}");
+    }
     text
 }
 
@@ -151,7 +174,7 @@ fn times(count: u64) -> String {
 /// Returns an HTML page with the map of errors and the findings below it.
 pub fn page(stressed: &Report, svg: &str) -> String {
     let title = escape::xml(&stressed.function);
-    let text = text(stressed, Paint::Plain);
+    let text = text(stressed, Listed::Few, Paint::Plain);
     let findings: String = text.lines().map(|line| escape::xml(line) + "\n").collect();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
@@ -171,11 +194,14 @@ fn cut(values: &str) -> String {
 
 /// Returns the findings in a format of `check`.
 pub fn rendered(stressed: &Report, format: ReportFormat, paint: Paint) -> String {
-    let lints = stressed.lints();
+    printed(stressed, &stressed.lints(), format, paint)
+}
+
+fn printed(stressed: &Report, lints: &[Finding], format: ReportFormat, paint: Paint) -> String {
     let text = |path: &str| -> Option<Arc<str>> {
         stressed.files.iter().find(|file| file.path == path).map(|file| file.text.clone())
     };
-    report(&lints, format, &ReportOptions { paint, text: &text, shaders: 1 })
+    report(lints, format, &ReportOptions { paint, text: &text, shaders: 1 })
 }
 
 /// Returns the findings as SARIF.

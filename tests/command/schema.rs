@@ -288,3 +288,24 @@ fn stressed_functions_keep_to_their_schema() {
         assert!(value["total"]["samples"].as_u64().unwrap() >= 3000, "{more:?}");
     }
 }
+
+#[test]
+fn proofs_keep_to_their_schema() {
+    let validator = validator("prove");
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/seed");
+    let lights = shaders.join("six_lights_330.frag").display().to_string();
+    let domain = r#"{"d": [0, 10], "constant": [0, 2]}"#;
+    for more in [
+        &["--no-nan", "--no-inf"][..],
+        &["--domain", domain],
+        &["--domain", domain, "--max-ulp", "1000", "--f64"],
+    ] {
+        let mut arguments = vec!["prove", &lights, "--fn", "attenuation", "--format", "json"];
+        arguments.extend(["--time", "1"]);
+        arguments.extend(more);
+        let output = command::run(&arguments);
+        assert!(matches!(output.code, 0 | 1), "{more:?}: {}", output.err);
+        let value = holds(&validator, &output.out, "prove");
+        assert!(!value["operations"].as_array().unwrap().is_empty(), "{more:?}");
+    }
+}

@@ -13,6 +13,7 @@ mod light_plan;
 mod light_planned;
 mod picture;
 mod plot;
+mod prove;
 mod reference;
 mod render;
 mod scene;

@@ -19,6 +19,7 @@ mod counts;
 mod cpu;
 mod drive;
 mod flatten;
+pub mod graph;
 mod interface;
 mod interval;
 mod machine;

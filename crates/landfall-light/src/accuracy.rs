@@ -1,13 +1,15 @@
 //! Measures the accuracy and the run time of shader functions and lighting.
 //!
 //! [`inputs`] samples the arguments of a function; [`stress`] searches for those at which it
-//! breaks; [`bench`](mod@bench) measures variants on backends against the reference and ranks them;
-//! [`plot`] draws the results. All of it runs on [`landfall_exec`] and is printed by the reports of
-//! the command.
+//! breaks, and [`prove`](mod@prove) shows that there are none, which [`demand`] asks for;
+//! [`bench`](mod@bench) measures variants on backends against the reference and ranks them; [`plot`] draws the results. All of
+//! it runs on [`landfall_exec`] and is printed by the reports of the command.
 
 pub mod bench;
+pub mod demand;
 pub mod inputs;
 mod measure;
 mod permitted;
 pub mod plot;
+pub mod prove;
 pub mod stress;

@@ -14,6 +14,8 @@ mod lights;
 mod lock;
 #[cfg(not(feature = "exec"))]
 mod missing;
+#[cfg(feature = "exec")]
+mod prove;
 mod read;
 #[cfg(feature = "exec")]
 mod render;
@@ -42,7 +44,9 @@ pub use help::parse;
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 #[cfg(not(feature = "exec"))]
-pub use missing::{BenchArgs, DevicesArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
+pub use missing::{BenchArgs, DevicesArgs, ProveArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
+#[cfg(feature = "exec")]
+pub use prove::{ProveArgs, ProveFormat};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
@@ -89,6 +93,8 @@ pub enum Command {
     Run(RunArgs),
     /// Search for inputs at which a function is inaccurate
     Stress(StressArgs),
+    /// Prove that no operation of a function breaks
+    Prove(ProveArgs),
     /// Render a JSON scene of lights with a shader
     Render(Box<RenderArgs>),
     /// Measure the run time and error of shader variants
@@ -345,6 +351,8 @@ pub enum Schema {
     Run,
     /// stress --format json
     Stress,
+    /// prove --format json
+    Prove,
     /// render --format json
     Render,
     /// bench --format json

@@ -117,6 +117,8 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         #[cfg(feature = "exec")]
         Command::Stress(args) => &args.read.text,
         #[cfg(feature = "exec")]
+        Command::Prove(args) => &args.read.text,
+        #[cfg(feature = "exec")]
         Command::Render(args) => &args.read.text,
         #[cfg(feature = "exec")]
         Command::Bench(args) => &args.read.text,
@@ -124,6 +126,7 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         Command::Verify(_)
         | Command::Run(_)
         | Command::Stress(_)
+        | Command::Prove(_)
         | Command::Render(_)
         | Command::Bench(_) => return None,
         Command::Lights(args) => &args.read.text,

@@ -31,6 +31,8 @@ mod merge;
 mod missing;
 mod output;
 mod port;
+#[cfg(feature = "exec")]
+mod prove;
 mod read;
 #[cfg(feature = "exec")]
 mod render;
@@ -74,6 +76,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "exec")]
         Command::Stress(args) => stress::run(args, &streams),
         #[cfg(feature = "exec")]
+        Command::Prove(args) => prove::run(args, &streams),
+        #[cfg(feature = "exec")]
         Command::Render(args) => render::run(args, &streams),
         #[cfg(feature = "exec")]
         Command::Bench(args) => bench::run(args, &streams),
@@ -81,6 +85,7 @@ fn main() -> ExitCode {
         Command::Verify(_)
         | Command::Run(_)
         | Command::Stress(_)
+        | Command::Prove(_)
         | Command::Render(_)
         | Command::Bench(_)
         | Command::Devices(_) => missing::run(&args.command),

@@ -11,6 +11,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Verify(_) => "verify",
         Command::Run(_) => "run",
         Command::Stress(_) => "stress",
+        Command::Prove(_) => "prove",
         Command::Render(_) => "render",
         Command::Bench(_) => "bench",
         Command::Devices(_) => "devices",
@@ -31,7 +32,7 @@ mod tests {
 
     #[test]
     fn every_missing_command_names_the_feature_that_brings_it() {
-        for name in ["verify", "run", "stress", "render", "bench", "devices"] {
+        for name in ["verify", "run", "stress", "prove", "render", "bench", "devices"] {
             let args =
                 Args::parse_from(["landfall", name, "a.frag", "--backend", "gpu", "-f=json"]);
             let Err(Failure::Error(error)) = run(&args.command) else {

@@ -14,6 +14,7 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Plan => landfall::report::schema::PLAN_SCHEMA,
         Schema::Run => landfall::report::schema::RUN_SCHEMA,
         Schema::Stress => landfall::report::schema::STRESS_SCHEMA,
+        Schema::Prove => landfall::report::schema::PROVE_SCHEMA,
         Schema::Verify => landfall::report::schema::VERIFY_SCHEMA,
         Schema::Bench => landfall::report::schema::BENCH_SCHEMA,
         Schema::Lights => landfall::report::schema::LIGHTS_SCHEMA,

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use landfall::report::prove::Listed;
 use landfall::report::stress as print;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::call::pure::PureRequest;
@@ -85,7 +86,10 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     }
     match args.format {
-        StressFormat::Human => streams.product(&print::text(&report, streams.paint))?,
+        StressFormat::Human => {
+            let listed = if args.all { Listed::All } else { Listed::Few };
+            streams.product(&print::text(&report, listed, streams.paint))?
+        }
         StressFormat::Json => streams.json(&print::json(&report))?,
         StressFormat::Sarif => streams.json(&print::sarif(&report))?,
     }

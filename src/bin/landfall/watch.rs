@@ -86,6 +86,8 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     let (own_time, patience) = match command {
         #[cfg(feature = "exec")]
         Command::Stress(args) => (args.time.saturating_mul(2), REPORT_PATIENCE),
+        #[cfg(feature = "exec")]
+        Command::Prove(args) => (args.time.saturating_mul(2), REPORT_PATIENCE),
         _ => (Duration::ZERO, PATIENCE),
     };
     let watch = Watch {

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::SHARE;
 use crate::report::device::JsonBackend;
+use crate::report::prove::{OperationObject, operations};
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
@@ -36,6 +37,7 @@ struct Object<'a> {
     #[serde(rename = "readers")]
     backends: Vec<BackendObject<'a>>,
     findings: Vec<FoundObject<'a>>,
+    operations: Vec<OperationObject>,
     notes: &'a [String],
 }
 
@@ -158,7 +160,7 @@ struct FoundObject<'a> {
     #[serde(rename = "reader")]
     backend: Option<&'static str>,
     undefined: Option<&'static str>,
-    operation: Option<OperationObject>,
+    operation: Option<PerformedObject>,
     about: &'a [String],
     outcome: &'static str,
     error: Option<OffObject>,
@@ -197,7 +199,7 @@ struct AskedObject<'a> {
 }
 
 #[derive(Serialize)]
-struct OperationObject {
+struct PerformedObject {
     name: &'static str,
     operands: Vec<PairObject>,
     result: PairObject,
@@ -256,6 +258,7 @@ pub fn json(stressed: &Report) -> String {
             .collect(),
         backends: stressed.backends.iter().map(reader_object).collect(),
         findings: stressed.findings.iter().map(|found| finding(stressed, found)).collect(),
+        operations: operations(&stressed.operations, &stressed.files),
         notes: &stressed.notes,
     };
     format!("{}\n", to_lines(&object, 0))
@@ -394,7 +397,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
         excerpt: stressed.files.text(found.place.span),
         backend: found.backend.map(BackendKind::name),
         undefined: found.kind.map(landfall_exec::interp::UndefinedKind::text),
-        operation: found.operation.as_ref().map(|operation| OperationObject {
+        operation: found.operation.as_ref().map(|operation| PerformedObject {
             name: name(operation.operation),
             operands: operation.operands.iter().map(pair).collect(),
             result: pair(&operation.result),

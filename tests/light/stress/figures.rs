@@ -148,7 +148,11 @@ fn few_inputs_are_each_run_once() {
     assert_eq!((report.every, report.total.samples), (Some(90), 90));
     // A root of each of the nine; at the first of them a division by zero with either truth.
     assert_eq!((report.total.nan, report.total.infinite), (9, 2));
-    let text = landfall::report::stress::text(&report, landfall_layout::format::Paint::Plain);
+    let text = landfall::report::stress::text(
+        &report,
+        landfall::report::prove::Listed::All,
+        landfall_layout::format::Paint::Plain,
+    );
     assert!(text.contains("  all 90 inputs in "), "{text}");
     let json = landfall::report::stress::json(&report);
     let json: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");

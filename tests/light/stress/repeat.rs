@@ -76,7 +76,11 @@ fn what_is_found_is_written_for_people_programs_and_tools() {
     let mut request = request("attenuation");
     request.samples = 8_000;
     let report = run(&shader(path), &request);
-    let text = landfall::report::stress::text(&report, emit::Paint::Plain);
+    let text = landfall::report::stress::text(
+        &report,
+        landfall::report::prove::Listed::All,
+        emit::Paint::Plain,
+    );
     assert!(
         text.contains("[attenuation-unset]: an attenuation whose coefficients were never set"),
         "{text}"

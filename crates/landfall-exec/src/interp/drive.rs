@@ -23,6 +23,13 @@ pub(super) struct Bound<'j> {
     writes: bool,
 }
 
+impl<'j> Bound<'j> {
+    /// Returns the contents of the buffers and the images.
+    pub(super) fn contents(&self) -> (Vec<&'j [u8]>, Vec<Image<'j>>) {
+        (self.buffers.iter().map(|(bytes, _)| *bytes).collect(), self.images.clone())
+    }
+}
+
 /// The combined results of all batches.
 pub(super) struct Outcome<T> {
     pub results: Vec<T>,

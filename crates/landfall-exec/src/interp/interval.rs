@@ -80,7 +80,7 @@ impl Interval {
         if self.is_any() { ANY } else { f(self) }
     }
 
-    fn flushed(self) -> Interval {
+    pub fn flushed(self) -> Interval {
         if self.low < SMALLEST_NORMAL && self.high > -SMALLEST_NORMAL {
             return Interval { low: self.low.min(0.0), high: self.high.max(0.0) };
         }

@@ -26,6 +26,7 @@ use super::program::Program;
 use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
+pub(super) use integer::two;
 pub(super) use sanitizer::{Occurrences, Watch};
 pub(super) use trace::Tracer;
 

@@ -19,6 +19,10 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn single(self) -> f32;
     /// Returns the most precise value.
     fn double(self) -> f64;
+    /// Returns the value that branches follow, which decides whether an operation is defined.
+    fn followed(self) -> f64 {
+        self.double()
+    }
     /// Applies an operation, rounded once for an `f32`.
     fn lift1(self, f: impl Fn(f64) -> f64) -> Self;
     /// Applies an operation of two operands, rounded once for an `f32`.
@@ -273,6 +277,9 @@ impl Real for Shadow {
     }
     fn double(self) -> f64 {
         self.double
+    }
+    fn followed(self) -> f64 {
+        f64::from(self.single)
     }
     fn lift1(self, f: impl Fn(f64) -> f64) -> Shadow {
         Shadow { single: self.single.lift1(&f), double: f(self.double) }

@@ -23,7 +23,7 @@ pub struct Off {
 pub enum Outcome {
     /// The function executed `discard`.
     Discarded,
-    /// A result is NaN, in `f32` or only in `f64`.
+    /// A result is NaN in `f32`.
     NotANumber,
     /// A result is infinite.
     Infinite,
@@ -63,11 +63,11 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
     let mut scale = 1.0f64;
     for nth in 0..count {
         let (single, double) = pair(nth);
-        if single.is_nan() || double.is_nan() {
+        if single.is_nan() {
             return Outcome::NotANumber;
         }
-        infinite |= single.is_infinite() || double.is_infinite();
-        scale = scale.max(double.abs());
+        infinite |= single.is_infinite();
+        scale = if double.is_finite() { scale.max(double.abs()) } else { scale };
     }
     if infinite {
         return Outcome::Infinite;
@@ -76,6 +76,10 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
     let mut above = false;
     for nth in 0..count {
         let (single, double) = pair(nth);
+        // The reference follows the branches of the `f32`, where it may have no value of its own.
+        if !double.is_finite() {
+            continue;
+        }
         let off = off(single, double, scale);
         above = if off.steps > worst.steps { f64::from(single) > double } else { above };
         worst.ulp = worst.ulp.max(off.ulp);

@@ -21,8 +21,10 @@ mod kept;
 mod map;
 pub mod messages;
 mod mutations;
+mod operation;
 mod permitted;
 mod plan;
+mod proof;
 mod report;
 mod rewrite;
 mod sample;
@@ -44,6 +46,7 @@ use super::measure;
 pub use super::measure::{Off, Outcome, Spread};
 
 pub use backends::{BackendReport, Disagreement, DriverCase};
+pub(in crate::accuracy) use case::Writer;
 pub use case::{Case, ResultScalar, command};
 pub use classify::Performed;
 pub use condition::Condition;
@@ -51,6 +54,8 @@ pub use found::{Against, BackendResult, StressFinding, Worst};
 pub use generate::Family;
 pub use kept::Tally;
 pub use map::{MapRequest, error_map};
+pub use operation::{Known, Operation, counts};
+pub(in crate::accuracy) use operation::{operations, simplest};
 pub use permitted::{PermittedAt, Verdict};
 pub use report::Report;
 pub use rewrite::Gain;
@@ -194,7 +199,8 @@ pub fn stress(
     let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
     worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
-    let mut raws = find::findings(&pure, &generator, &after, exemplars, &mut climbs);
+    let (mut raws, proof) =
+        proof::findings(&pure, &generator, &after, exemplars, &mut climbs, request);
     raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
@@ -215,6 +221,7 @@ pub fn stress(
         against,
         families: sampled.families,
         raws,
+        proof,
         worst,
         drivers,
         endless,

@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 19] = [
+pub const EXAMPLES: [(&str, &[Example]); 20] = [
     (
         "layout",
         &[
@@ -209,6 +209,14 @@ pub const EXAMPLES: [(&str, &[Example]); 19] = [
       --domain '{\"v\": [-10, 10]}' --samples 10000",
             ),
         ],
+    ),
+    (
+        "prove",
+        &[(
+            "No result is NaN where vectors are of length one",
+            "landfall prove shaders/include/lights.glsl --fn unit --no-nan \\
+      --domain '{\"v\": \"unit\"}'",
+        )],
     ),
     (
         "bench",

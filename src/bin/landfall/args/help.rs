@@ -16,7 +16,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Guard", &["lock", "check", "diff", "merge", "rule"]),
     ("Prove", &["verify", "run", "devices"]),
     ("Light", &["lights", "render"]),
-    ("Measure", &["stress", "bench"]),
+    ("Measure", &["stress", "prove", "bench"]),
 ];
 
 /// Parses the arguments of this process; wrong usage and `--help` end it.

@@ -15,6 +15,7 @@ pub struct MissingArgs {
 
 pub type BenchArgs = MissingArgs;
 pub type DevicesArgs = MissingArgs;
+pub type ProveArgs = MissingArgs;
 pub type RenderArgs = MissingArgs;
 pub type RunArgs = MissingArgs;
 pub type StressArgs = MissingArgs;

@@ -58,6 +58,9 @@ pub struct StressArgs {
     /// Fail on errors of more than STEPS steps of 1/255 of full scale
     #[arg(help_heading = "Limits", long, value_name = "STEPS", value_parser = at_most)]
     pub max_step: Option<f64>,
+    /// Print findings with values that do not occur in scenes, too
+    #[arg(help_heading = "Output", long)]
+    pub all: bool,
     /// Robust form to compare at each finding; #NAME if the function has another name
     #[arg(help_heading = "Output", long, value_name = "FILE[#NAME]")]
     pub against: Option<String>,
@@ -106,7 +109,7 @@ pub enum StressFormat {
 }
 
 /// Parses a limit of errors: finite and not negative.
-fn at_most(text: &str) -> Result<f64, String> {
+pub fn at_most(text: &str) -> Result<f64, String> {
     let most: Option<f64> = text.parse().ok().filter(|most: &f64| *most >= 0.0 && most.is_finite());
     most.ok_or_else(|| "a limit is a finite number of at least 0".to_string())
 }

@@ -10,6 +10,7 @@ use super::report::ReturnedValue;
 use super::{arguments, caller};
 use crate::backend::{Failure, Resource};
 use crate::harness::bindings::Data;
+use crate::interp::graph::{self, Given, Graph, Range};
 use crate::interp::{
     Call, Called, Floats, Numbers, Program, Settings, SourceLocation, Trace, TracedOperation,
     ValueType, Words,
@@ -173,6 +174,38 @@ impl PureFunction {
         });
         let results = results.collect();
         Ok(PureCalled { results, called })
+    }
+
+    /// Follows the function's values over a box: one range for each scalar of all parameters in
+    /// order, and the scalars of each vector of length one. `None` if the code is too large.
+    pub fn graph(&self, ranges: &[Range], units: &[Vec<usize>]) -> Option<Graph> {
+        let mut firsts = Vec::with_capacity(self.parameters.len());
+        let mut next = 0;
+        for parameter in &self.parameters {
+            firsts.push(next);
+            next += parameter.scalars.len();
+        }
+        let given = |slot: &Slot| -> Vec<Given> {
+            match slot {
+                Slot::Given(parameters) => parameters
+                    .iter()
+                    .flat_map(|&p| firsts[p]..firsts[p] + self.parameters[p].scalars.len())
+                    .map(Given::Input)
+                    .collect(),
+                Slot::Zero(scalars) => vec![Given::Zero; *scalars],
+                Slot::Out => Vec::new(),
+            }
+        };
+        let arguments: Vec<Vec<Given>> = self.slots.iter().map(given).collect();
+        let results: Vec<Option<usize>> = self.results.iter().map(|result| result.at).collect();
+        let called = graph::Called {
+            function: caller::NAME,
+            arguments: &arguments,
+            ranges,
+            units,
+            results: &results,
+        };
+        self.program.graph(&called, &self.resources)
     }
 
     /// Returns the place of a traced operation; that of the function's name if it has no place in

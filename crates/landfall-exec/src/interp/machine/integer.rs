@@ -34,7 +34,7 @@ pub(super) fn one(f: I1, x: u32) -> u32 {
     }
 }
 
-pub(super) fn two(f: I2, a: u32, b: u32) -> u32 {
+pub(in crate::interp) fn two(f: I2, a: u32, b: u32) -> u32 {
     let (x, y) = (a as i32, b as i32);
     match f {
         I2::Add => a.wrapping_add(b),

@@ -4,6 +4,7 @@
 //! Operands are checked before an instruction and results after it; the instructions themselves are
 //! unaffected.
 
+use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, I2, Op, Stored};
@@ -159,7 +160,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     fn inspect_group(&self, watch: &mut Watch, pc: usize, op: Op, reads: &[u32], lane: usize) {
         use UndefinedKind as U;
-        let real = |i: usize| column(&self.reals, reads[i])[lane].double();
+        let real = |i: usize| column(&self.reals, reads[i])[lane].followed();
         let word = |i: usize| column(&self.words, reads[i])[lane];
         let wide = |i: usize| column(&self.wides, reads[i])[lane];
         match op {
@@ -204,6 +205,15 @@ impl<R: Real> Machine<'_, '_, R> {
                     watch.see((pc, lane), kind, || (0..usize::from(n)).map(real).collect());
                 }
             }
+            // GLSL 4.60 §5.9 leaves it undefined; WGSL §8.7 defines it.
+            Op::I2(I2::RemSint)
+                if self.program.language == Language::Glsl
+                    && word(1) != 0
+                    && (word(0) as i32).min(word(1) as i32) < 0 =>
+            {
+                let number = |i: usize| f64::from(word(i) as i32);
+                watch.see((pc, lane), U::RemainderOfNegative, || vec![number(0), number(1)]);
+            }
             Op::I2(f) => {
                 let (a, b) = (word(0), word(1));
                 if let Some(kind) = undefined_int(f, u64::from(a), u64::from(b), 32) {
@@ -225,6 +235,13 @@ impl<R: Real> Machine<'_, '_, R> {
                 if u64::from(offset) + u64::from(count) > 32 {
                     let both = vec![f64::from(offset), f64::from(count)];
                     watch.see((pc, lane), U::BitsOutOfRange, || both);
+                }
+            }
+            Op::Cast(Cast::HalfToBits) => {
+                // From half a unit above the largest `f16` on, the nearest one is infinity.
+                let x = real(0);
+                if x.is_nan() || x.abs() >= 65520.0 {
+                    watch.see((pc, lane), U::ConversionOutOfRange, || vec![x]);
                 }
             }
             Op::Cast(cast) => {

@@ -387,7 +387,8 @@ pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Valu
     Ok(ValueRange::Range(low, high))
 }
 
-/// Returns the range of an input that some `f32` lies in; wider floats need no check.
+/// Returns the range of an input that some `f32` lies in, with the bounds as the `f32` that the same
+/// numbers are in a shader; wider floats keep theirs.
 fn held(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
     let (low, high) = within.bounds();
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
@@ -396,12 +397,22 @@ fn held(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
         let message = format!("`{path}`: the range is empty: no `f32` is from {low} to {high}");
         return Err(refused(message, "widen it"));
     }
-    Ok(within)
+    Ok(match within {
+        ValueRange::Range(low, high) if input.is_float() => {
+            let [low, high] = [low, high].map(|x| {
+                let most = f64::from(f32::MAX);
+                f64::from(x.clamp(-most, most) as f32)
+            });
+            ValueRange::Range(low, high)
+        }
+        _ => within,
+    })
 }
 
 /// Formats a number in its fewest digits: `1`, `0.5`, `1e-320`.
 fn short(x: f64) -> String {
-    let text = format!("{x:?}");
+    let single = x as f32;
+    let text = if f64::from(single) == x { format!("{single:?}") } else { format!("{x:?}") };
     text.strip_suffix(".0").unwrap_or(&text).to_string()
 }
 

@@ -9,7 +9,7 @@ use super::input::{Input, Sample};
 use super::measure::floats;
 use super::plan::{Plan, columns, settings};
 use landfall_exec::harness::bindings::Data;
-use landfall_exec::harness::call::pure::{Origin, PureFunction};
+use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
 use landfall_exec::interp::Floats;
 use landfall_layout::Options;
 use landfall_layout::source::{Language, Source, Target, kind_of_path};
@@ -179,4 +179,46 @@ fn some(value: &Value) -> Option<Value> {
         Value::String(_) => true,
     };
     kept.then(|| value.clone())
+}
+
+/// Converts samples of a function to cases.
+pub(in crate::accuracy) struct Writer<'a> {
+    source: &'a Source,
+    pure: &'a PureFunction,
+    inputs: &'a [Input],
+    fixed: Vec<String>,
+    plan: Plan,
+    floats: Floats,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(
+        source: &'a Source,
+        options: &Options,
+        request: &PureRequest,
+        pure: &'a PureFunction,
+        inputs: &'a [Input],
+    ) -> Writer<'a> {
+        let fixed = fixed(source, options, &request.textures);
+        let plan = Plan {
+            samples: 1,
+            until: Default::default(),
+            threads: 1,
+            steps: f64::INFINITY,
+            ulp: f64::INFINITY,
+            budget: 4096,
+        };
+        Writer { source, pure, inputs, fixed, plan, floats: request.floats }
+    }
+
+    pub fn case(&self, sample: &Sample) -> Case {
+        let Writer { source, pure, inputs, fixed, plan, floats } = self;
+        case(&Writing { pure, inputs, plan, source, fixed, floats: *floats }, sample)
+    }
+
+    /// Returns the path of a scalar of the inputs.
+    pub fn path(&self, at: usize) -> Option<String> {
+        let scalars = self.pure.parameters.iter().flat_map(|parameter| &parameter.scalars);
+        scalars.clone().nth(at).cloned()
+    }
 }

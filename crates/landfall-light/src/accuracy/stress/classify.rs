@@ -96,6 +96,7 @@ pub(super) fn examine(
             }
             UndefinedKind::IntegerDivisionByZero
             | UndefinedKind::IntegerOverflow
+            | UndefinedKind::RemainderOfNegative
             | UndefinedKind::ShiftTooFar
             | UndefinedKind::BitsOutOfRange
             | UndefinedKind::ConversionOutOfRange
@@ -135,11 +136,12 @@ pub(super) fn examine(
 /// Returns why an operation with finite operands has no defined value.
 fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
     use UndefinedKind as U;
-    let finite = |n: &Number| n.single.is_finite() && n.double.is_finite();
+    // The reference follows the branches of the `f32`, which alone decide what is defined.
+    let finite = |n: &Number| n.single.is_finite();
     if !step.operands.iter().all(|o| finite(&o.number)) {
         return None;
     }
-    let x = |i: usize| step.operands[i].number.double;
+    let x = |i: usize| f64::from(step.operands[i].number.single);
     let found = match step.operation {
         Operation::Div | Operation::Rem if x(1) == 0.0 => Some(U::DivisionByZero),
         Operation::Pow if x(0) < 0.0 => Some(U::PowOfNegative),
@@ -149,7 +151,7 @@ fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
         Operation::Log if x(0) <= 0.0 => Some(U::LogOfNonPositive),
         Operation::SmoothStep if x(0) >= x(1) => Some(U::SmoothStepEdges),
         Operation::Clamp if step.operands.len() == 3 && x(1) > x(2) => Some(U::ClampBounds),
-        Operation::Normalize if step.operands.iter().all(|o| o.number.double == 0.0) => {
+        Operation::Normalize if step.operands.iter().all(|o| o.number.single == 0.0) => {
             Some(U::NormalizeOfZero)
         }
         _ => None,
@@ -157,8 +159,7 @@ fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
     let found = found.or_else(|| squares(step));
     found.or_else(|| {
         let odd = step.results.iter().find(|n| !finite(n))?;
-        let nan = odd.single.is_nan() || odd.double.is_nan();
-        Some(if nan { U::BornNan } else { U::BornInfinite })
+        Some(if odd.single.is_nan() { U::BornNan } else { U::BornInfinite })
     })
 }
 

@@ -139,6 +139,12 @@ pub(super) fn findings(
     all.into_iter().map(|(_, raw)| raw).collect()
 }
 
+/// Returns the findings whose hazard and line are not among others.
+pub(super) fn unknown(pure: &PureFunction, known: &[Raw], more: Vec<Raw>) -> Vec<Raw> {
+    let keys: Vec<Key> = known.iter().map(|raw| raw.candidate.key(pure)).collect();
+    more.into_iter().filter(|raw| !keys.contains(&raw.candidate.key(pure))).collect()
+}
+
 /// Returns the sort key: findings with plausible inputs first, then by level.
 fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
     let hazard = raw.candidate.hazard;

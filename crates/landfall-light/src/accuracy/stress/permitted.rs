@@ -71,5 +71,6 @@ pub(super) fn permitted(pure: &PureFunction, sample: &Sample, plan: &Plan) -> Op
     let most = farthest(&called, &floats, 0, &truth)?;
     // A branch that may go the other way has unbounded effect.
     let any = most.unsure || own.iter().any(|off| off.is_nan()) || most.far >= 0.5 * worst;
-    Some(PermittedAt { steps: most.steps, any })
+    let steps = if most.unsure { f64::INFINITY } else { most.steps };
+    Some(PermittedAt { steps, any })
 }

@@ -4,7 +4,7 @@
 
 use super::Request;
 use super::backends::{BackendReport, ask, on_a_driver, reports};
-use super::case::{Writing, case, command, fixed};
+use super::case::{Writer, Writing, case, command, fixed};
 use super::classify::examine;
 use super::condition::condition;
 use super::domain::Domain;
@@ -15,9 +15,11 @@ use super::generate::Family;
 use super::input::{Input, Sample};
 use super::kept::Tally;
 use super::measure::{Off, Outcome, floats, outcome};
+use super::operation::{Operation, operations};
 use super::permitted::permitted;
 use super::plan::{Plan, columns, settings};
 use super::rewrite::gain;
+use crate::accuracy::prove::Proof;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
@@ -58,6 +60,9 @@ pub struct Report {
     pub backends: Vec<BackendReport>,
     /// The findings, the worst first.
     pub findings: Vec<StressFinding>,
+    /// What is known of each operation that can break, in the order of the text; empty if the code
+    /// is too large to follow.
+    pub operations: Vec<Operation>,
     /// The assumptions made for values not given.
     pub notes: Vec<String>,
     /// The files of the shader.
@@ -77,6 +82,7 @@ pub(super) struct ReportParts<'a> {
     pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
+    pub proof: Proof,
     pub worst: Vec<(Sample, Off)>,
     pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
@@ -138,6 +144,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         condition: condition(pure, inputs, &sample, plan),
         sample: case(&writing, &sample),
     });
+    let writer = Writer::new(source, made.options, &made.request.pure, pure, inputs);
     let within = made.domain.within.iter().map(|within| within.text());
     Report {
         path: made.source.path.clone(),
@@ -159,6 +166,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         worst: worst.collect(),
         backends,
         findings,
+        operations: operations(&made.proof.goals, inputs, &writer),
         notes,
         files: pure.files.clone(),
     }
@@ -250,7 +258,12 @@ impl Report {
 
     /// Returns the findings in the form of lint findings.
     pub fn lints(&self) -> Vec<Finding> {
-        self.findings.iter().map(|found| found.lint(self)).collect()
+        self.findings.iter().map(|found| self.lint(found)).collect()
+    }
+
+    /// Returns one of the findings in the form of a lint finding.
+    pub fn lint(&self, found: &StressFinding) -> Finding {
+        found.lint(self)
     }
 }
 

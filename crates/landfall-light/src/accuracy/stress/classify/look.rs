@@ -55,7 +55,16 @@ impl Look<'_> {
         use UndefinedKind as U;
         let (hazard, about) = match kind {
             U::NormalizeOfZero => self.zero_vector(&Self::sources(step)),
+            // Of a square that underflows, not of a difference that cancels.
+            U::DivisionByZero if underflows(&step.operands[1].number) => {
+                (Hazard::Underflow, self.graph.inputs_of([step.operands[1].source]))
+            }
             U::DivisionByZero => self.division(step),
+            U::RootOfNegative | U::LogOfNonPositive | U::PowOfNegative
+                if step.operands[0].number.double > 0.0 =>
+            {
+                (Hazard::Cancellation, self.graph.inputs_of(Self::sources(step)))
+            }
             U::PowOfZero => (Hazard::PowOfZero, Vec::new()),
             U::PowOfNegative => (Hazard::PowOfNegative, Vec::new()),
             U::SmoothStepEdges => {
@@ -84,6 +93,7 @@ impl Look<'_> {
             | U::NanFromBuffer
             | U::IntegerDivisionByZero
             | U::IntegerOverflow
+            | U::RemainderOfNegative
             | U::ShiftTooFar
             | U::BitsOutOfRange
             | U::ConversionOutOfRange
@@ -352,6 +362,12 @@ impl Look<'_> {
             _ => (Hazard::AccumulatedError, behind()),
         }
     }
+}
+
+/// Whether a number is zero only because it is too small for an `f32`.
+fn underflows(number: &Number) -> bool {
+    let size = number.double.abs();
+    number.single == 0.0 && size > 0.0 && size < f64::from(f32::MIN_POSITIVE)
 }
 
 fn largest(step: &TracedOperation) -> f64 {

@@ -1,0 +1,389 @@
+//! Operations on floats over enclosures of their operands, with the faults that are possible.
+
+use super::super::code::{F1, F2, F3};
+use super::super::interval::{ANY, Interval};
+use super::super::machine::frexp;
+use super::super::undefined::UndefinedKind as K;
+use super::exact::{self, between, contains, hull, is_empty, meet, point, size};
+use super::fault::{Fault, Faults};
+use super::value::{Applied, Arithmetic};
+
+const MOST: f64 = f32::MAX as f64;
+
+/// The smallest positive `f32`.
+const LEAST: f64 = 1.401_298_464_324_817e-45;
+
+/// A sum that is this many times smaller than a rounded term has lost half of an `f32`'s digits.
+const LOST: f64 = 4096.0;
+
+/// More than any inverse hyperbolic function of an `f32`: their formulas lose all digits in places.
+const UNKNOWN: f64 = 200.0;
+
+/// More than any permitted relative error of an operation that can overflow.
+const COARSE: f64 = 1.0 / 1024.0;
+
+fn plain(value: Interval) -> Applied {
+    Applied { value, faults: Faults::NONE }
+}
+
+fn empty(kind: K) -> Applied {
+    Applied { value: exact::EMPTY, faults: Faults::when(true, kind) }
+}
+
+/// Returns the result in an arithmetic, given the exact enclosure and the permitted one.
+fn settle(how: Arithmetic, exact: Interval, permitted: impl FnOnce() -> Interval) -> Applied {
+    match how {
+        Arithmetic::Exact => plain(exact),
+        Arithmetic::Nearest => nearest(exact),
+        Arithmetic::Permitted => match permitted() {
+            any if any.is_any() => {
+                let wide =
+                    |x: f64, by: f64| x + by * (x.abs() * COARSE + f64::from(f32::MIN_POSITIVE));
+                let value = between(wide(exact.low, -1.0), wide(exact.high, 1.0));
+                let faults = Faults::when(true, K::BornInfinite);
+                Applied { value: meet(value, between(-MOST, MOST)), faults }
+            }
+            value => plain(value),
+        },
+    }
+}
+
+/// Rounds the middle of a narrow enclosure to the nearest `f32`.
+fn nearest(exact: Interval) -> Applied {
+    let single = f64::from((exact.low / 2.0 + exact.high / 2.0) as f32);
+    let faults = Faults::when(!single.is_finite(), K::BornInfinite);
+    Applied { value: point(if single.is_nan() { 0.0 } else { single.clamp(-MOST, MOST) }), faults }
+}
+
+/// Returns the result of a function whose permitted values are bounded: without a permitted
+/// enclosure, the exact one within an absolute error.
+fn bounded(how: Arithmetic, exact: Interval, permitted: Interval, error: f64) -> Applied {
+    settle(how, exact, || match permitted {
+        any if any.is_any() => between(exact.low - error, exact.high + error),
+        value => value,
+    })
+}
+
+pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
+    if is_empty(x) {
+        return plain(exact::EMPTY);
+    }
+    let e = |g: fn(f64) -> f64| exact::rising(x, g);
+    match f {
+        F1::Neg => plain(exact::neg(x)),
+        F1::Abs => plain(exact::abs(x)),
+        F1::Sign => plain(exact::step(x, |x| if x == 0.0 { 0.0 } else { x.signum() })),
+        F1::Floor => plain(exact::step(x, f64::floor)),
+        F1::Ceil => plain(exact::step(x, f64::ceil)),
+        F1::Round => plain(exact::step(x, f64::round_ties_even)),
+        F1::Trunc => plain(exact::step(x, f64::trunc)),
+        F1::Fract => fraction(how, x),
+        F1::Saturate => plain(exact::step(x, |x| x.clamp(0.0, 1.0))),
+        F1::Radians | F1::Degrees => {
+            let factor = if f == F1::Radians { 1f64.to_radians() } else { 1f64.to_degrees() };
+            let by = exact::widened(point(factor));
+            settle(how, exact::mul(x, by), || x.mul(Interval::near(factor)))
+        }
+        F1::Sqrt | F1::InverseSqrt | F1::Log | F1::Log2 => positive(how, f, x),
+        F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => arc(how, f, x),
+        F1::Sin => bounded(how, exact::sin(x), x.sin(), SINE),
+        F1::Cos => bounded(how, exact::cos(x), x.cos(), SINE),
+        F1::Tan => settle(how, exact::tan(x), || x.sin().div(x.cos())),
+        F1::Sinh => settle(how, e(f64::sinh), || x.sinh()),
+        F1::Cosh => settle(how, exact::rising(exact::abs(x), f64::cosh), || x.cosh()),
+        F1::Tanh => bounded(how, e(f64::tanh), x.tanh(), COARSE),
+        F1::Atan => settle(how, e(f64::atan), || x.atan()),
+        F1::Asinh => bounded(how, e(f64::asinh), x.asinh(), UNKNOWN),
+        F1::Exp => settle(how, not_below(e(f64::exp), 0.0), || x.exp()),
+        F1::Exp2 => settle(how, not_below(e(f64::exp2), 0.0), || x.exp2()),
+        F1::FrexpFract => {
+            plain(x.fraction(|x| frexp(x).0, |x| frexp(x).1)).or_any(between(-1.0, 1.0))
+        }
+        F1::Quantize => half(x),
+    }
+}
+
+/// The permitted absolute error of sine and cosine from -π to π, and taken beyond.
+const SINE: f64 = 1.0 / 2048.0;
+
+impl Applied {
+    fn or_any(self, bounds: Interval) -> Applied {
+        if self.value.is_any() { plain(bounds) } else { self }
+    }
+
+    fn with(self, faults: Faults) -> Applied {
+        Applied { faults: self.faults.and(faults), ..self }
+    }
+}
+
+fn not_below(x: Interval, least: f64) -> Interval {
+    between(x.low.max(least), x.high)
+}
+
+/// Rounds to an `f16`.
+pub(super) fn half(x: Interval) -> Applied {
+    if is_empty(x) {
+        return plain(x);
+    }
+    let most = 65504.0;
+    let faults = Faults::when(size(x) > most, K::BornInfinite);
+    let nearest = |x: f64| half::f16::from_f64(x.clamp(-most, most)).to_f64();
+    Applied { value: exact::step(x, nearest), faults }
+}
+
+fn fraction(how: Arithmetic, x: Interval) -> Applied {
+    let floor = exact::step(x, f64::floor);
+    if floor.low != floor.high {
+        return plain(between(0.0, 1.0));
+    }
+    let whole = settle(how, exact::sub(x, floor), || x.sub(floor));
+    Applied { value: meet(whole.value, between(0.0, 1.0)), ..whole }
+}
+
+/// Roots and logarithms.
+fn positive(how: Arithmetic, f: F1, x: Interval) -> Applied {
+    let (kind, zero) = match f {
+        F1::Sqrt => (K::RootOfNegative, true),
+        F1::InverseSqrt => (K::RootOfNegative, false),
+        _ => (K::LogOfNonPositive, false),
+    };
+    let faults = Faults::when(x.low < 0.0 || x.low == 0.0 && !zero, kind);
+    if x.high < 0.0 || x.high == 0.0 && !zero {
+        return empty(kind);
+    }
+    let least = if zero { 0.0 } else { LEAST };
+    let x = not_below(x, if how == Arithmetic::Exact && !zero { f64::MIN_POSITIVE } else { least });
+    let found = match f {
+        F1::Sqrt => settle(how, exact::sqrt(x), || x.sqrt()),
+        F1::InverseSqrt => {
+            let root = exact::sqrt(x);
+            settle(how, exact::div(point(1.0), root), || x.inverse_sqrt())
+        }
+        F1::Log => settle(how, exact::rising(x, f64::ln), || x.ln()),
+        _ => settle(how, exact::rising(x, f64::log2), || x.log2()),
+    };
+    found.with(faults)
+}
+
+/// Inverse functions that are defined on a part of the numbers.
+fn arc(how: Arithmetic, f: F1, x: Interval) -> Applied {
+    let below_one = match how {
+        Arithmetic::Exact => 1f64.next_down(),
+        Arithmetic::Nearest | Arithmetic::Permitted => f64::from(1f32.next_down()),
+    };
+    let inside = match f {
+        F1::Acosh => between(1.0, f64::INFINITY),
+        F1::Atanh => between(-below_one, below_one),
+        _ => between(-1.0, 1.0),
+    };
+    let within = meet(x, inside);
+    let outside = x.low < inside.low || x.high > inside.high;
+    if is_empty(within) {
+        return empty(K::ArcOutOfRange);
+    }
+    let x = within;
+    let found = match f {
+        F1::Asin => settle(how, exact::rising(x, f64::asin), || x.asin()),
+        F1::Acos => {
+            let falling = exact::neg(exact::rising(x, |x| -x.acos()));
+            settle(how, falling, || x.acos())
+        }
+        F1::Acosh => {
+            let rising = not_below(exact::rising(x, f64::acosh), 0.0);
+            let wide = exact::widened(exact::widened(rising));
+            // Near 1, the formula of the permitted values takes the root of a difference.
+            bounded(how, wide, x.acosh(), UNKNOWN)
+        }
+        _ => bounded(how, exact::rising(x, f64::atanh), x.atanh(), UNKNOWN),
+    };
+    found.with(Faults::when(outside, K::ArcOutOfRange))
+}
+
+/// The arithmetic operations of two operands; `same` if they are one value, `rounded` whether each
+/// was rounded before.
+pub(super) fn f2(
+    how: Arithmetic,
+    f: F2,
+    a: Interval,
+    b: Interval,
+    same: bool,
+    rounded: [bool; 2],
+) -> Applied {
+    if is_empty(a) || is_empty(b) {
+        return plain(exact::EMPTY);
+    }
+    match f {
+        F2::Add => sum(how, a, b, rounded),
+        F2::Sub if same => plain(point(0.0)),
+        F2::Sub => sum(how, a, exact::neg(b), rounded),
+        F2::Mul if same => settle(how, exact::squared(a), || a.squared()),
+        F2::Mul => settle(how, exact::mul(a, b), || a.mul(b)),
+        F2::Div if same => ratio_of_one(how, b),
+        F2::Div => quotient(how, a, b, 0.0),
+        F2::Rem => remainder(how, a, b),
+        F2::Min => plain(between(a.low.min(b.low), a.high.min(b.high))),
+        F2::Max => plain(between(a.low.max(b.low), a.high.max(b.high))),
+        // The first operand is the value, the second the edge.
+        F2::Step => {
+            let bit = |x: bool| f64::from(u8::from(x));
+            plain(between(bit(b.high <= a.low), bit(b.low <= a.high)))
+        }
+        F2::Pow => power(how, a, b),
+        F2::Atan2 => {
+            let both = contains(a, 0.0) && contains(b, 0.0);
+            let exact = exact::atan2(a, b);
+            let found = bounded(how, exact, a.atan2(b), COARSE * 4.0);
+            found.with(Faults::when(both, K::AtanOfZeros))
+        }
+    }
+}
+
+fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied {
+    let exact = exact::add(a, b);
+    let found = settle(how, exact, || a.add(b));
+    let apart = a.low >= 0.0 && b.low >= 0.0 || a.high <= 0.0 && b.high <= 0.0;
+    let [a, b] = [(a, rounded[0]), (b, rounded[1])].map(|(x, r)| if r { size(x) } else { 0.0 });
+    let least = if contains(exact, 0.0) { 0.0 } else { exact.low.abs().min(exact.high.abs()) };
+    let lost = how == Arithmetic::Permitted && !apart && least * LOST < a.max(b);
+    found.with(if lost { Faults::of(Fault::Cancellation) } else { Faults::NONE })
+}
+
+/// Returns the quotient of a value by itself.
+fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
+    let zero = contains(if how == Arithmetic::Permitted { b.flushed() } else { b }, 0.0);
+    let error = 2f64.powi(-21);
+    let value = match how {
+        // Beyond 2^126 a divisor has no permitted error, but no fault either.
+        Arithmetic::Permitted if size(b) > 2f64.powi(126) => between(-MOST, MOST),
+        Arithmetic::Permitted => between(1.0 - error, 1.0 + error),
+        Arithmetic::Exact | Arithmetic::Nearest => point(1.0),
+    };
+    Applied { value, faults: Faults::when(zero, K::DivisionByZero) }
+}
+
+/// Returns the quotient by a divisor of at least an absolute size.
+pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64) -> Applied {
+    if is_empty(a) || is_empty(b) {
+        return plain(exact::EMPTY);
+    }
+    let flushed = if how == Arithmetic::Permitted { b.flushed() } else { b };
+    let least = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
+    let normal = size_of_b >= f64::from(f32::MIN_POSITIVE);
+    let zero = contains(flushed, 0.0) && !normal;
+    let least = least.max(size_of_b);
+    let parts = [between(b.low.max(least), b.high), between(b.low, b.high.min(-least))];
+    let mut all = Applied { value: exact::EMPTY, faults: Faults::when(zero, K::DivisionByZero) };
+    for part in parts {
+        if is_empty(part) {
+            continue;
+        }
+        let exact = exact::div(a, part);
+        // Beyond 2^126 a divisor has no permitted error, but no fault either.
+        let far = size(part) > 2f64.powi(126) && size(exact) < 2f64.powi(100);
+        let found = settle(how, exact, || match a.div(part) {
+            any if any.is_any() && far => between(-MOST, MOST),
+            value => value,
+        });
+        all = Applied { value: hull(all.value, found.value), faults: all.faults.and(found.faults) };
+    }
+    all
+}
+
+fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
+    let most = size(b);
+    let zero = contains(if how == Arithmetic::Permitted { b.flushed() } else { b }, 0.0);
+    let faults = Faults::when(zero, K::DivisionByZero);
+    let sign =
+        between(if a.low < 0.0 { -most } else { 0.0 }, if a.high > 0.0 { most } else { 0.0 });
+    let value = match how {
+        Arithmetic::Exact | Arithmetic::Nearest if a.low == a.high && b.low == b.high => {
+            if b.low == 0.0 { exact::EMPTY } else { point(a.low % b.low) }
+        }
+        Arithmetic::Exact | Arithmetic::Nearest => sign,
+        Arithmetic::Permitted => match a.rem(b) {
+            any if any.is_any() => {
+                let wide = 2.0 * most + size(a) * COARSE;
+                meet(between(-wide, wide), between(-MOST, MOST))
+            }
+            value => value,
+        },
+    };
+    Applied { value, faults }
+}
+
+fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
+    if x.high < 0.0 {
+        return empty(K::PowOfNegative);
+    }
+    let mut faults = Faults::when(x.low < 0.0, K::PowOfNegative);
+    let mut base = not_below(x, 0.0);
+    if base.low == 0.0 && y.low <= 0.0 {
+        faults = faults.and(Faults::when(true, K::PowOfZero));
+        if base.high == 0.0 && y.high <= 0.0 {
+            return empty(K::PowOfZero);
+        }
+        base.low = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
+        base.high = base.high.max(base.low);
+    }
+    settle(how, exact::pow(base, y), || base.pow(y)).with(faults)
+}
+
+pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool) -> Applied {
+    if is_empty(a) || is_empty(b) || is_empty(c) {
+        return plain(exact::EMPTY);
+    }
+    match f {
+        F3::Fma => settle(how, exact::add(exact::mul(a, b), c), || a.mul(b).add(c)),
+        F3::Clamp => {
+            let above = between(a.low.max(b.low), a.high.max(b.high));
+            let value = between(above.low.min(c.low), above.high.min(c.high));
+            Applied { value, faults: Faults::when(b.high > c.low && !steady, K::ClampBounds) }
+        }
+        F3::Mix => {
+            let one = point(1.0);
+            let sum = exact::add(exact::mul(a, exact::sub(one, c)), exact::mul(b, c));
+            let found = settle(how, sum, || a.mul(one.sub(c)).add(b.mul(c)));
+            // Between the ends, the result is too, up to the roundings of four operations.
+            let ends = hull(a, b);
+            let error = size(ends) * 2f64.powi(-20) + f64::from(f32::MIN_POSITIVE);
+            let inside = between(ends.low - error, ends.high + error);
+            match c.low >= 0.0 && c.high <= 1.0 && !found.faults.has(OVERFLOW) {
+                true => Applied { value: meet(found.value, inside), ..found },
+                false => found,
+            }
+        }
+        F3::SmoothStep => smoothstep(how, a, b, c),
+    }
+}
+
+const OVERFLOW: Fault = Fault::Undefined(K::BornInfinite);
+
+fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Applied {
+    let faults = Faults::when(low.high >= high.low, K::SmoothStepEdges);
+    if low.low >= high.high {
+        return empty(K::SmoothStepEdges);
+    }
+    let [past, width] = match how {
+        Arithmetic::Permitted => [x.sub(low), high.sub(low)],
+        Arithmetic::Exact | Arithmetic::Nearest => [exact::sub(x, low), exact::sub(high, low)],
+    };
+    let finite = |x: Interval| if x == ANY { between(-MOST, MOST) } else { x };
+    let width = not_below(finite(width), LEAST);
+    let t = quotient(how, finite(past), width, 0.0).value;
+    let t = exact::step(t, |t| t.clamp(0.0, 1.0));
+    let curve = |t: f64| t * t * (3.0 - 2.0 * t);
+    // Four roundings of numbers up to 3.
+    let error = if how == Arithmetic::Permitted { 2f64.powi(-20) } else { 1e-15 };
+    let wide = between(curve(t.low) - error, curve(t.high) + error);
+    let least = if t.low == 0.0 { 0.0 } else { wide.low.max(0.0) };
+    let found = match how {
+        Arithmetic::Nearest => nearest(between(curve(t.low), curve(t.high))),
+        Arithmetic::Exact | Arithmetic::Permitted => plain(between(least, wide.high)),
+    };
+    found.with(faults)
+}
+
+/// Returns the sum of terms in any order, and whether it may overflow.
+pub(super) fn total(how: Arithmetic, terms: &[Interval], exact: Interval) -> Applied {
+    settle(how, exact, || super::super::interval::sum_in_any_order(terms))
+}

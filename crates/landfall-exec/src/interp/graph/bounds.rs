@@ -1,0 +1,214 @@
+//! Evaluates a [`Graph`] over a box of its inputs.
+
+use super::super::code::{Class, Cmp, F2, Test};
+use super::super::interval::Interval;
+use super::super::undefined::UndefinedKind as K;
+use super::arithmetic;
+use super::cast::converted;
+use super::exact::{self, between, hull, is_empty, meet, point, size};
+use super::fault::{Fault, Faults};
+use super::guard::{Context, Reached};
+use super::node::{Act, GuardId, NodeId};
+use super::value::{Applied, Arithmetic, Range};
+use super::{Graph, Site, word};
+
+/// The values of a graph over a box, and the faults that are possible there.
+#[derive(Clone, Debug, Default)]
+pub struct Bounds {
+    pub(super) arithmetic: Arithmetic,
+    pub(super) values: Vec<Interval>,
+    faults: Vec<Faults>,
+    pub(super) contexts: Vec<Context>,
+    inputs: Vec<Interval>,
+}
+
+impl Graph {
+    /// Evaluates the graph over a box, into memory that is used again: one range for each input
+    /// scalar, an empty one for those that are not read.
+    pub fn bounds(&self, inputs: &[Range], arithmetic: Arithmetic, into: &mut Bounds) {
+        into.begin(inputs, arithmetic);
+        into.contexts.iter_mut().for_each(|context| {
+            context.state = Reached::Unknown;
+            context.narrowed.clear();
+        });
+        into.contexts.resize_with(self.guards.len(), Context::default);
+        into.values.reserve(self.nodes.len());
+        for id in 0..self.nodes.len() as NodeId {
+            into.extend(self, id);
+        }
+    }
+}
+
+impl Bounds {
+    /// Forgets all values.
+    pub(super) fn begin(&mut self, inputs: &[Range], arithmetic: Arithmetic) {
+        self.arithmetic = arithmetic;
+        self.values.clear();
+        self.faults.clear();
+        self.inputs.clear();
+        self.inputs.extend(inputs.iter().map(|range| between(range.low, range.high)));
+    }
+
+    /// Evaluates the next node.
+    pub(super) fn extend(&mut self, graph: &Graph, id: NodeId) {
+        let guard = graph.nodes[id as usize].guard;
+        let found = match self.is_reached(graph, guard) {
+            true => self.apply(graph, id, guard),
+            false => Applied { value: exact::EMPTY, faults: Faults::NONE },
+        };
+        self.values.push(found.value);
+        self.faults.push(found.faults);
+    }
+
+    /// Whether a fault is possible in the box.
+    pub fn is_possible(&self, site: &Site) -> bool {
+        self.faults[site.node as usize].has(site.fault)
+    }
+
+    /// Returns the values of an operation's operand.
+    pub fn operand(&self, graph: &Graph, site: &Site, nth: usize) -> Option<Range> {
+        let node = &graph.nodes[site.node as usize];
+        let id = graph.operands(node).get(nth)?;
+        Some(self.seen(graph, node.guard, *id).into())
+    }
+
+    /// Returns the values of the scalars of the results.
+    pub fn results<'a>(&'a self, graph: &'a Graph) -> impl Iterator<Item = Range> + 'a {
+        graph.results.iter().map(|&id| self.values[id as usize].into())
+    }
+
+    /// Computes a node from its operands as they are known under a guard.
+    pub(super) fn apply(&mut self, graph: &Graph, id: NodeId, guard: GuardId) -> Applied {
+        let node = &graph.nodes[id as usize];
+        let ids = graph.operands(node);
+        let how = self.arithmetic;
+        let of = |nth: usize| self.seen(graph, guard, ids[nth]);
+        let plain = |value: Interval| Applied { value, faults: Faults::NONE };
+        match node.act {
+            Act::Input(n) => plain(self.input(n as usize, node.class)),
+            Act::Constant(x) => plain(point(x)),
+            Act::F1(f) => arithmetic::f1(how, f, of(0)),
+            Act::F2(f) => {
+                let rounded = [ids[0], ids[1]].map(|id| !graph.is_exact(id));
+                let same = ids[0] == ids[1];
+                if f == F2::Div && !same {
+                    return arithmetic::quotient(
+                        how,
+                        of(0),
+                        of(1),
+                        self.size_of(graph, guard, ids[1]),
+                    );
+                }
+                arithmetic::f2(how, f, of(0), of(1), same, rounded)
+            }
+            Act::F3(f) => {
+                let steady = ids[1] == ids[2];
+                arithmetic::f3(how, f, [of(0), of(1), of(2)], steady)
+            }
+            Act::Compare(cmp) => plain(word::compare(cmp, of(0), of(1))),
+            Act::Test(test) => plain(match (test, is_empty(of(0))) {
+                (_, true) => exact::EMPTY,
+                // Numbers that are not finite are faults before.
+                (Test::IsNan | Test::IsInf, false) => point(0.0),
+            }),
+            Act::Ldexp => ldexp(how, of(0), word::signed(of(1), true)),
+            Act::Dot | Act::Length | Act::Distance | Act::Normalize(_) | Act::Cross(_) => {
+                self.vector(graph, node, guard)
+            }
+            Act::I1(f) => plain(word::one(f, of(0))),
+            Act::I2(f) => word::two(f, of(0), of(1)),
+            Act::CompareWords(cmp, signed) => {
+                plain(word::compare(cmp, word::signed(of(0), signed), word::signed(of(1), signed)))
+            }
+            Act::Extract(signed) => field(signed, of(1), of(2)),
+            Act::Cast(cast) => converted(how, cast, of(0)),
+            Act::Select => plain(self.select(graph, ids, guard)),
+            Act::Index(len) => {
+                let past = word::signed(of(0), false).high >= f64::from(len);
+                let past = past && !is_empty(of(0));
+                Applied { value: of(0), faults: Faults::when(past, K::IndexOutOfBounds) }
+            }
+            Act::Within(low, high) => plain(between(low, high)),
+            Act::Endless => Applied { value: point(0.0), faults: Faults::of(Fault::Endless) },
+            Act::Unfollowed => Applied { value: point(0.0), faults: Faults::of(Fault::Unfollowed) },
+        }
+    }
+
+    /// Returns the least absolute value that is known of a value under a guard.
+    fn size_of(&self, graph: &Graph, guard: GuardId, id: NodeId) -> f64 {
+        let known = graph.absolute.get(&id).map(|&size| self.seen(graph, guard, size).low);
+        known.filter(|size| size.is_finite()).unwrap_or(0.0).max(0.0)
+    }
+
+    fn input(&self, n: usize, class: Class) -> Interval {
+        let all = match class {
+            Class::Real => between(f64::from(f32::MIN), f64::from(f32::MAX)),
+            Class::Word | Class::Wide => word::ANY_WORD,
+        };
+        self.inputs.get(n).copied().filter(|range| !is_empty(*range)).unwrap_or(all)
+    }
+
+    /// Returns the values of one side or both, each as its condition narrows it.
+    fn select(&self, graph: &Graph, ids: &[NodeId], guard: GuardId) -> Interval {
+        let condition = self.seen(graph, guard, ids[0]);
+        let [yes, no] = [1, 2].map(|nth| self.seen(graph, guard, ids[nth]));
+        if condition == point(0.0) {
+            return no;
+        }
+        if condition.low >= 1.0 {
+            return yes;
+        }
+        // A side that is one of the compared numbers: `x < 0 ? 0 : x`.
+        let node = &graph.nodes[ids[0] as usize];
+        let (Act::Compare(cmp), [a, b]) = (node.act, graph.operands(node)) else {
+            return hull(yes, no);
+        };
+        let side = |value: Interval, id: NodeId, truth: bool| {
+            let (other, turned) = match (id == *a, id == *b) {
+                (true, false) => (self.seen(graph, guard, *b), false),
+                (false, true) => (self.seen(graph, guard, *a), true),
+                _ => return value,
+            };
+            let low = match cmp {
+                Cmp::Lt | Cmp::Le => turned == truth,
+                Cmp::Gt | Cmp::Ge => turned != truth,
+                Cmp::Eq | Cmp::Ne => return value,
+            };
+            match low {
+                true => meet(value, between(other.low, f64::INFINITY)),
+                false => meet(value, between(f64::NEG_INFINITY, other.high)),
+            }
+        };
+        hull(side(yes, ids[1], true), side(no, ids[2], false))
+    }
+}
+
+fn ldexp(how: Arithmetic, x: Interval, by: Interval) -> Applied {
+    if is_empty(x) || is_empty(by) {
+        return Applied { value: exact::EMPTY, faults: Faults::NONE };
+    }
+    let by = between(by.low.clamp(-300.0, 300.0), by.high.clamp(-300.0, 300.0));
+    let factor = exact::step(by, f64::exp2);
+    arithmetic::total(how, &[exact::mul(x, factor)], exact::mul(x, factor)).checked()
+}
+
+impl Applied {
+    /// Adds the fault of numbers beyond an `f32`.
+    fn checked(self) -> Applied {
+        let most = f64::from(f32::MAX);
+        let over = Faults::when(size(self.value) > most, K::BornInfinite);
+        let value = meet(self.value, between(-most, most));
+        Applied { value, faults: self.faults.and(over) }
+    }
+}
+
+fn field(signed: bool, offset: Interval, count: Interval) -> Applied {
+    let [offset, count] = [offset, count].map(|x| word::signed(x, false));
+    if is_empty(offset) || is_empty(count) {
+        return Applied { value: exact::EMPTY, faults: Faults::NONE };
+    }
+    let faults = Faults::when(offset.high + count.high > 32.0, K::BitsOutOfRange);
+    let most = count.high.min(32.0).exp2() - 1.0;
+    let value = if signed { between(-(most + 1.0) / 2.0, most / 2.0) } else { between(0.0, most) };
+    Applied { value, faults }
+}

@@ -1,0 +1,378 @@
+//! Bounds of the errors that roundings add up to.
+//!
+//! A result computed with roundings is the exact function of its inputs and of the error of each
+//! operation. By the mean value theorem it is off by at most the sum, over all operations, of the
+//! largest error of the operation times the largest derivative of the result with respect to it,
+//! over enclosures of all values with and without errors. Derivatives are found from the results
+//! back to the inputs. Exact and rounded values are compared along the same branches.
+
+use super::super::code::{Cast, Class, F1, F2, F3};
+use super::super::interval::Interval;
+use super::Graph;
+use super::bounds::Bounds;
+use super::exact::{self, between, contains, is_empty, meet, point, size};
+use super::node::{Act, Node, NodeId};
+use super::value::{Arithmetic, Range};
+
+/// The roundings whose errors are bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// Those that conformant devices may have in `f32`.
+    Permitted,
+    /// To the nearest `f64`; functions within a unit of the last place.
+    Double,
+}
+
+impl Rounding {
+    /// Returns the arithmetic whose enclosures hold both the exact and the rounded values.
+    pub fn arithmetic(self) -> Arithmetic {
+        match self {
+            Rounding::Permitted => Arithmetic::Permitted,
+            Rounding::Double => Arithmetic::Exact,
+        }
+    }
+
+    /// Returns the distance of neighbouring numbers below a size.
+    fn unit(self, size: f64) -> f64 {
+        let exponent = (size.abs().to_bits() >> 52) as i32 - 1023;
+        match self {
+            Rounding::Permitted => 2f64.powi((exponent - 23).max(-149)).max(FLUSHED),
+            Rounding::Double => 2f64.powi((exponent - 52).max(-1074)),
+        }
+    }
+
+    /// Returns the largest error of a sum, product or quotient of a size.
+    fn rounded(self, size: f64) -> f64 {
+        match self {
+            // Either neighbour is permitted.
+            Rounding::Permitted => self.unit(size),
+            Rounding::Double => self.unit(size) / 2.0,
+        }
+    }
+}
+
+/// A subnormal number may be flushed to zero.
+const FLUSHED: f64 = f32::MIN_POSITIVE as f64;
+
+/// Any derivative.
+const ANY: Interval = exact::ALL;
+
+impl Graph {
+    /// Returns a bound of the absolute error of each result, in the box that was evaluated with the
+    /// arithmetic of the rounding; infinite where none is known.
+    pub fn errors(&self, bounds: &Bounds, rounding: Rounding) -> Vec<f64> {
+        let locals: Vec<f64> =
+            (0..self.nodes.len() as NodeId).map(|id| self.local(bounds, rounding, id)).collect();
+        let of = |&result: &NodeId| {
+            let mut slopes = vec![point(0.0); self.nodes.len()];
+            slopes[result as usize] = point(1.0);
+            let mut sum = 0.0f64;
+            for id in (0..=result).rev() {
+                let slope = slopes[id as usize];
+                if slope == point(0.0) || is_empty(bounds.values[id as usize]) {
+                    continue;
+                }
+                let local = locals[id as usize];
+                if local > 0.0 {
+                    sum = (sum + size(slope) * local).next_up();
+                }
+                self.pass_on(bounds, id, slope, &mut slopes);
+            }
+            if sum.is_nan() { f64::INFINITY } else { sum * (1.0 + 1e-12) }
+        };
+        self.results.iter().map(of).collect()
+    }
+
+    /// Returns the least and greatest value of each result without errors, and how far apart
+    /// neighbouring `f32` are at the least size.
+    pub fn exact_results(&self, inputs: &[Range], into: &mut Bounds) -> Vec<Range> {
+        self.bounds(inputs, Arithmetic::Exact, into);
+        into.results(self).collect()
+    }
+
+    /// Adds what each operand of a node contributes to the derivatives.
+    fn pass_on(&self, bounds: &Bounds, id: NodeId, slope: Interval, slopes: &mut [Interval]) {
+        let node = &self.nodes[id as usize];
+        let ids = self.operands(node);
+        for (nth, &operand) in ids.iter().enumerate() {
+            if self.nodes[operand as usize].class != Class::Real {
+                continue;
+            }
+            let partial = self.partial(bounds, node, ids, id, nth);
+            if partial != point(0.0) {
+                let more = exact::mul(slope, partial);
+                let sum = exact::add(slopes[operand as usize], more);
+                slopes[operand as usize] =
+                    if sum.low.is_nan() || sum.high.is_nan() { ANY } else { sum };
+            }
+        }
+    }
+
+    /// Returns the derivative of a node with respect to an operand.
+    fn partial(
+        &self,
+        bounds: &Bounds,
+        node: &Node,
+        ids: &[NodeId],
+        id: NodeId,
+        nth: usize,
+    ) -> Interval {
+        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let value = bounds.values[id as usize];
+        match node.act {
+            Act::F1(f) => slope_of(f, of(0), value),
+            Act::F2(f) => slope_of_two(f, [of(0), of(1)], value, nth),
+            Act::F3(F3::Fma) => match nth {
+                0 => of(1),
+                1 => of(0),
+                _ => point(1.0),
+            },
+            Act::F3(F3::Mix) => match nth {
+                0 => exact::sub(point(1.0), of(2)),
+                1 => of(2),
+                _ => exact::sub(of(1), of(0)),
+            },
+            Act::F3(F3::Clamp) => between(0.0, 1.0),
+            Act::F3(F3::SmoothStep) => {
+                let width = exact::sub(of(1), of(0));
+                if width.low <= 0.0 {
+                    return ANY;
+                }
+                let steep = exact::div(between(0.0, 1.5), width);
+                if nth == 2 { steep } else { exact::neg(steep) }
+            }
+            Act::Dot => {
+                let half = ids.len() / 2;
+                of(if nth < half { nth + half } else { nth - half })
+            }
+            Act::Length => unit_slope(of(nth), value),
+            Act::Distance => {
+                let half = ids.len() / 2;
+                let apart = exact::sub(of(nth % half), of(nth % half + half));
+                let slope = unit_slope(apart, value);
+                if nth < half { slope } else { exact::neg(slope) }
+            }
+            Act::Normalize(own) => {
+                let squares = (0..ids.len()).map(|i| exact::squared(of(i)));
+                let length = exact::sqrt(squares.reduce(exact::add).unwrap_or_default());
+                if length.low <= 0.0 {
+                    return ANY;
+                }
+                // (1 - u * u) / length, or -u * v / length.
+                let most =
+                    if usize::from(own) == nth { between(0.0, 1.0) } else { between(-0.5, 0.5) };
+                exact::div(most, length)
+            }
+            Act::Cross(own) => {
+                let (j, k) = ((usize::from(own) + 1) % 3, (usize::from(own) + 2) % 3);
+                match nth {
+                    n if n == j => of(k + 3),
+                    n if n == k + 3 => of(j),
+                    n if n == k => exact::neg(of(j + 3)),
+                    n if n == j + 3 => exact::neg(of(k)),
+                    _ => point(0.0),
+                }
+            }
+            Act::Select => match bounds.seen(self, node.guard, ids[0]) {
+                x if x == point(0.0) => point(f64::from(u8::from(nth == 2))),
+                x if x.low >= 1.0 => point(f64::from(u8::from(nth == 1))),
+                _ => between(0.0, 1.0),
+            },
+            Act::Cast(Cast::RoundHalf) => point(1.0),
+            // Integers, bools and bits of a number that is off may be any others.
+            _ if value.low == value.high => point(0.0),
+            _ => ANY,
+        }
+    }
+
+    /// Returns the largest error of a node's own operation.
+    fn local(&self, bounds: &Bounds, rounding: Rounding, id: NodeId) -> f64 {
+        let node = &self.nodes[id as usize];
+        let value = bounds.values[id as usize];
+        if node.class != Class::Real || is_empty(value) || node.act.keeps_exact() {
+            return 0.0;
+        }
+        let ids = self.operands(node);
+        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let whole = rounding.rounded(size(value));
+        let product = |a: Interval, b: Interval| size(exact::mul(a, b));
+        match node.act {
+            Act::F2(F2::Add | F2::Sub | F2::Mul) => whole,
+            Act::F3(F3::Fma) => whole + rounding.rounded(product(of(0), of(1))),
+            Act::F3(F3::Mix) => {
+                let rest = exact::sub(point(1.0), of(2));
+                let terms = rounding.rounded(product(of(0), rest))
+                    + rounding.rounded(product(of(1), of(2)));
+                size(of(0)) * rounding.rounded(size(rest)) + terms + whole
+            }
+            Act::F3(F3::SmoothStep) => {
+                let (past, width) = (exact::sub(of(2), of(0)), exact::sub(of(1), of(0)));
+                if width.low <= 0.0 {
+                    return f64::INFINITY;
+                }
+                let t = rounding.rounded(size(past).min(size(width))) / width.low
+                    + rounding.rounded(size(width)) / width.low
+                    + 3.0 * rounding.unit(1.0);
+                1.5 * t + 8.0 * rounding.unit(1.0)
+            }
+            Act::Dot => {
+                let half = ids.len() / 2;
+                let terms: Vec<f64> = (0..half).map(|i| product(of(i), of(i + half))).collect();
+                sum_error(rounding, &terms)
+            }
+            Act::Cross(own) => {
+                let (j, k) = ((usize::from(own) + 1) % 3, (usize::from(own) + 2) % 3);
+                sum_error(rounding, &[product(of(j), of(k + 3)), product(of(k), of(j + 3))])
+            }
+            Act::Length | Act::Distance => {
+                let half = ids.len() / 2;
+                let terms: Vec<f64> = match node.act {
+                    Act::Length => (0..ids.len()).map(|i| size(of(i)).powi(2)).collect(),
+                    _ => (0..half).map(|i| size(exact::sub(of(i), of(i + half))).powi(2)).collect(),
+                };
+                if value.low <= 0.0 {
+                    return f64::INFINITY;
+                }
+                // Differences, squares and their sum, then the root within 5 units.
+                let apart = if let Act::Distance = node.act {
+                    2.0 * rounding.unit(size(value))
+                } else {
+                    0.0
+                };
+                sum_error(rounding, &terms) / (2.0 * value.low)
+                    + apart
+                    + 5.0 * rounding.unit(size(value))
+            }
+            // Its formula has an error of at most 8 units.
+            Act::Normalize(_) => 8.0 * rounding.unit(1.0),
+            Act::Ldexp => 0.0,
+            Act::F1(F1::Fract) if rounding == Rounding::Double => whole,
+            Act::F1(F1::Sqrt) | Act::F2(F2::Div) if rounding == Rounding::Double => whole,
+            Act::F1(_) | Act::F2(_) if rounding == Rounding::Double => rounding.unit(size(value)),
+            Act::F1(_) | Act::F2(_) => self.excess(bounds, node, value) + whole,
+            Act::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
+            Act::Cast(_) => whole,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Returns how far the permitted values lie outside of the exact ones.
+    fn excess(&self, bounds: &Bounds, node: &Node, value: Interval) -> f64 {
+        let ids = self.operands(node);
+        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let exact = match node.act {
+            Act::F1(f) => super::arithmetic::f1(Arithmetic::Exact, f, of(0)),
+            Act::F2(f) => super::arithmetic::f2(
+                Arithmetic::Exact,
+                f,
+                of(0),
+                of(1),
+                ids[0] == ids[1],
+                [false; 2],
+            ),
+            _ => return f64::INFINITY,
+        };
+        let off = (exact.value.low - value.low).max(value.high - exact.value.high);
+        if off.is_nan() { f64::INFINITY } else { off.max(0.0) }
+    }
+}
+
+/// Returns the largest error of a sum of products in any order.
+fn sum_error(rounding: Rounding, terms: &[f64]) -> f64 {
+    let sum: f64 = terms.iter().sum();
+    let products: f64 = terms.iter().map(|term| rounding.rounded(*term)).sum();
+    products + (terms.len() as f64 - 1.0) * rounding.rounded(sum)
+}
+
+/// Returns a component over the length of its vector.
+fn unit_slope(x: Interval, length: Interval) -> Interval {
+    match length.low > 0.0 {
+        true => meet(exact::div(x, length), between(-1.0, 1.0)),
+        false => between(-1.0, 1.0),
+    }
+}
+
+/// Returns the derivative of a function that is constant but for steps.
+fn steps(value: Interval) -> Interval {
+    if value.low == value.high { point(0.0) } else { ANY }
+}
+
+fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
+    let one = point(1.0);
+    let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
+    match f {
+        F1::Neg => point(-1.0),
+        F1::Abs => match (x.low >= 0.0, x.high <= 0.0) {
+            (true, _) => one,
+            (_, true) => point(-1.0),
+            _ => between(-1.0, 1.0),
+        },
+        F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract => steps(value),
+        F1::Fract => match x.low.floor() == x.high.floor() {
+            true => one,
+            false => ANY,
+        },
+        F1::Saturate => between(0.0, 1.0),
+        F1::Radians => exact::widened(point(1f64.to_radians())),
+        F1::Degrees => exact::widened(point(1f64.to_degrees())),
+        F1::Sqrt => exact::mul(point(0.5), over(exact::sqrt(x))),
+        F1::InverseSqrt => {
+            let root = over(exact::sqrt(x));
+            exact::mul(point(-0.5), exact::mul(root, exact::squared(root)))
+        }
+        F1::Sin => exact::cos(x),
+        F1::Cos => exact::neg(exact::sin(x)),
+        F1::Tan => exact::add(one, exact::squared(value)),
+        F1::Asin | F1::Acos => {
+            let root = exact::sqrt(exact::sub(one, exact::squared(meet(x, between(-1.0, 1.0)))));
+            let slope = over(root);
+            if f == F1::Asin { slope } else { exact::neg(slope) }
+        }
+        F1::Atan => over(exact::add(one, exact::squared(x))),
+        F1::Sinh => exact::rising(exact::abs(x), f64::cosh),
+        F1::Cosh => exact::rising(x, f64::sinh),
+        F1::Tanh => between(0.0, 1.0),
+        F1::Asinh => over(exact::sqrt(exact::add(one, exact::squared(x)))),
+        F1::Acosh => over(exact::sqrt(exact::sub(exact::squared(x), one))),
+        F1::Atanh => over(exact::sub(one, exact::squared(x))),
+        F1::Exp => exact::rising(x, f64::exp),
+        F1::Exp2 => exact::mul(exact::rising(x, f64::exp2), exact::widened(point(2f64.ln()))),
+        F1::Log => over(x),
+        F1::Log2 => exact::mul(over(x), exact::widened(point(1.0 / 2f64.ln()))),
+        F1::Quantize => one,
+    }
+}
+
+fn slope_of_two(f: F2, [a, b]: [Interval; 2], value: Interval, nth: usize) -> Interval {
+    let one = point(1.0);
+    let pick = |first: Interval, second: Interval| if nth == 0 { first } else { second };
+    match f {
+        F2::Add => one,
+        F2::Sub => pick(one, point(-1.0)),
+        F2::Mul => pick(b, a),
+        F2::Div if contains(b, 0.0) => ANY,
+        F2::Div => pick(exact::div(one, b), exact::neg(exact::div(value, b))),
+        F2::Rem => ANY,
+        F2::Min | F2::Max => {
+            let first = if f == F2::Min { a.high < b.low } else { a.low > b.high };
+            let second = if f == F2::Min { b.high < a.low } else { b.low > a.high };
+            match (first, second) {
+                (true, _) => pick(one, point(0.0)),
+                (_, true) => pick(point(0.0), one),
+                _ => between(0.0, 1.0),
+            }
+        }
+        F2::Step => steps(value),
+        F2::Pow if a.low <= 0.0 => ANY,
+        F2::Pow => {
+            pick(exact::div(exact::mul(b, value), a), exact::mul(value, exact::rising(a, f64::ln)))
+        }
+        F2::Atan2 => {
+            let squares = exact::add(exact::squared(a), exact::squared(b));
+            if squares.low <= 0.0 {
+                return ANY;
+            }
+            pick(exact::div(b, squares), exact::neg(exact::div(a, squares)))
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The ways in which an operation can break, and sets of them.
+
+use std::fmt;
+
+use super::super::code::{Cast, F1, F2, F3, I2};
+use super::super::undefined::UndefinedKind;
+use super::node::Act;
+
+/// A way in which an operation can break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Fault {
+    /// The result is not defined, or not finite.
+    Undefined(UndefinedKind),
+    /// The difference of rounded numbers loses more than half of their digits.
+    Cancellation,
+    /// A loop that runs longer than is followed.
+    Endless,
+    /// Code that is not followed.
+    Unfollowed,
+}
+
+impl Fault {
+    /// Returns a short description.
+    pub fn text(self) -> &'static str {
+        match self {
+            Fault::Undefined(UndefinedKind::BornInfinite) => "overflow",
+            Fault::Undefined(kind) => kind.text(),
+            Fault::Cancellation => "subtraction of nearly equal numbers",
+            Fault::Endless => "loop of many iterations",
+            Fault::Unfollowed => "code that is not followed",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.text())
+    }
+}
+
+/// A set of faults.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Faults(u32);
+
+impl Faults {
+    pub const NONE: Faults = Faults(0);
+
+    pub fn of(fault: Fault) -> Faults {
+        Faults(
+            1 << match fault {
+                Fault::Undefined(kind) => kind as u32,
+                Fault::Cancellation => 29,
+                Fault::Endless => 30,
+                Fault::Unfollowed => 31,
+            },
+        )
+    }
+
+    pub fn when(condition: bool, kind: UndefinedKind) -> Faults {
+        if condition { Faults::of(Fault::Undefined(kind)) } else { Faults::NONE }
+    }
+
+    pub fn and(self, more: Faults) -> Faults {
+        Faults(self.0 | more.0)
+    }
+
+    pub fn has(self, fault: Fault) -> bool {
+        self.0 & Faults::of(fault).0 != 0
+    }
+}
+
+/// Returns the faults that an act can have.
+pub(super) fn faults_of(act: Act) -> &'static [Fault] {
+    use Fault::Undefined as U;
+    use UndefinedKind as K;
+    const OVERFLOW: &[Fault] = &[U(K::BornInfinite)];
+    const LOG: &[Fault] = &[U(K::LogOfNonPositive)];
+    const ARC: &[Fault] = &[U(K::ArcOutOfRange)];
+    const SQUARES: &[Fault] = &[U(K::SquaresTooLarge), U(K::SquaresTooSmall)];
+    match act {
+        Act::F1(f) => match f {
+            F1::Sqrt | F1::InverseSqrt => &[U(K::RootOfNegative)],
+            F1::Log | F1::Log2 => LOG,
+            F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => ARC,
+            F1::Sinh | F1::Cosh | F1::Exp | F1::Exp2 | F1::Tan | F1::Degrees => OVERFLOW,
+            _ => &[],
+        },
+        Act::F2(f) => match f {
+            F2::Div | F2::Rem => &[U(K::DivisionByZero), U(K::BornInfinite)],
+            F2::Pow => &[U(K::PowOfNegative), U(K::PowOfZero), U(K::BornInfinite)],
+            F2::Atan2 => &[U(K::AtanOfZeros)],
+            F2::Add | F2::Sub => &[Fault::Cancellation, U(K::BornInfinite)],
+            F2::Mul => OVERFLOW,
+            F2::Min | F2::Max | F2::Step => &[],
+        },
+        Act::F3(f) => match f {
+            F3::SmoothStep => &[U(K::SmoothStepEdges), U(K::BornInfinite)],
+            F3::Clamp => &[U(K::ClampBounds)],
+            F3::Fma | F3::Mix => OVERFLOW,
+        },
+        Act::Normalize(0) => &[U(K::NormalizeOfZero), U(K::SquaresTooLarge), U(K::SquaresTooSmall)],
+        Act::Length | Act::Distance => SQUARES,
+        Act::Dot | Act::Cross(_) | Act::Ldexp => OVERFLOW,
+        Act::I2(I2::DivSint) => &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow)],
+        Act::I2(I2::RemSint) => {
+            &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow), U(K::RemainderOfNegative)]
+        }
+        Act::I2(I2::DivUint | I2::RemUint) => &[U(K::IntegerDivisionByZero)],
+        Act::I2(I2::Shl | I2::ShrSint | I2::ShrUint) => &[U(K::ShiftTooFar)],
+        Act::Extract(_) => &[U(K::BitsOutOfRange)],
+        Act::Cast(Cast::RealToSint | Cast::RealToUint | Cast::HalfToBits) => {
+            &[U(K::ConversionOutOfRange)]
+        }
+        Act::Cast(Cast::BitsReal | Cast::LowHalf | Cast::HighHalf) => &[U(K::BornNan)],
+        Act::Cast(Cast::RoundHalf) => OVERFLOW,
+        Act::Index(_) => &[U(K::IndexOutOfBounds)],
+        Act::Endless => &[Fault::Endless],
+        Act::Unfollowed => &[Fault::Unfollowed],
+        _ => &[],
+    }
+}

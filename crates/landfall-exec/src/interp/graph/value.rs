@@ -1,0 +1,38 @@
+//! What a value may be over a box.
+
+use super::super::interval::Interval;
+use super::fault::Faults;
+
+/// The numbers from `low` to `high`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Range {
+    /// The least number.
+    pub low: f64,
+    /// The greatest number.
+    pub high: f64,
+}
+
+impl From<Interval> for Range {
+    fn from(x: Interval) -> Range {
+        Range { low: x.low, high: x.high }
+    }
+}
+
+/// What a graph's values enclose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Arithmetic {
+    /// The values of every conformant device, for the expressions as written.
+    #[default]
+    Permitted,
+    /// The exact real numbers.
+    Exact,
+    /// At a point: one value, rounded to the nearest `f32` after each operation.
+    Nearest,
+}
+
+/// The values of an operation over its operands, and the faults possible there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Applied {
+    pub value: Interval,
+    pub faults: Faults,
+}

@@ -1,0 +1,192 @@
+//! Operations on whole vectors: products, lengths, directions.
+//!
+//! Vectors known to have length one bound the products that they are part of.
+
+use super::super::code::{F1, F2};
+use super::super::interval::Interval;
+use super::super::undefined::UndefinedKind as K;
+use super::Graph;
+use super::arithmetic;
+use super::bounds::Bounds;
+use super::exact::{self, between, contains, is_empty, meet, size};
+use super::fault::{Fault, Faults};
+use super::node::{Act, GuardId, Node, NodeId};
+use super::value::{Applied, Arithmetic};
+
+/// The room for the roundings of a sum of four products of numbers up to one.
+const PRODUCTS: f64 = 1.0 / 1_048_576.0;
+
+/// How far the length of a unit vector among the inputs may be off.
+const UNIT_INPUT: f64 = 3e-7;
+
+/// How far the length of a normalised vector may be off on a device: its formula has an error of at
+/// most 8 ULP.
+const UNIT_COMPUTED: f64 = 1.0 / 524_288.0;
+
+impl Graph {
+    /// Returns the vectors of the inputs that have length one, by scalar.
+    fn unit_size(&self, ids: &[NodeId], how: Arithmetic) -> Option<Interval> {
+        let of = |id: NodeId| match self.nodes[id as usize] {
+            Node { act: Act::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
+            _ => id,
+        };
+        let first = of(*ids.first()?);
+        let vectors = self.unit_of.get(&first)?;
+        let within = |unit: &&usize| {
+            let unit = &self.units[**unit];
+            let mut left = unit.clone();
+            ids.iter().all(|&id| {
+                let found = left.iter().position(|&known| known == of(id));
+                found.map(|at| left.swap_remove(at)).is_some()
+            })
+        };
+        let unit = vectors.iter().find(within)?;
+        let unit = &self.units[*unit];
+        let is_input = matches!(self.nodes[unit[0] as usize].act, Act::Input(_));
+        let error = match (is_input, how) {
+            (true, _) => UNIT_INPUT,
+            (false, Arithmetic::Exact) => 1e-12,
+            (false, _) => UNIT_COMPUTED,
+        };
+        let least = if ids.len() == unit.len() { 1.0 - error } else { 0.0 };
+        Some(between(least, 1.0 + error))
+    }
+}
+
+impl Bounds {
+    /// Operations on whole vectors.
+    pub(super) fn vector(&self, graph: &Graph, node: &Node, guard: GuardId) -> Applied {
+        let how = self.arithmetic;
+        let ids = graph.operands(node);
+        let all: Vec<Interval> = ids.iter().map(|&id| self.seen(graph, guard, id)).collect();
+        if all.iter().any(|x| is_empty(*x)) {
+            return Applied { value: exact::EMPTY, faults: Faults::NONE };
+        }
+        let half = ids.len() / 2;
+        let unit = |ids: &[NodeId]| graph.unit_size(ids, how);
+        match node.act {
+            Act::Dot => {
+                let same = ids[..half] == ids[half..];
+                let product = |i: usize| {
+                    arithmetic::f2(
+                        how,
+                        F2::Mul,
+                        all[i],
+                        all[i + half],
+                        ids[i] == ids[i + half],
+                        [false; 2],
+                    )
+                };
+                let found = sum_of(how, (0..half).map(product));
+                let Some(a) = unit(&ids[..half]) else { return found };
+                let Some(b) = unit(&ids[half..]) else { return found };
+                let most = a.high * b.high + PRODUCTS;
+                let least = if same { a.low * a.low - PRODUCTS } else { -most };
+                let value = meet(found.value, between(least, most));
+                Applied { value: if is_empty(value) { found.value } else { value }, ..found }
+            }
+            Act::Cross(i) => {
+                let (j, k) = ((usize::from(i) + 1) % 3, (usize::from(i) + 2) % 3);
+                let mul = F2::Mul;
+                let of = |a: usize, b: usize| {
+                    arithmetic::f2(how, mul, all[a], all[b], ids[a] == ids[b], [false; 2])
+                };
+                let (left, right) = (of(j, k + 3), of(k, j + 3));
+                let sub = F2::Sub;
+                let found = arithmetic::f2(how, sub, left.value, right.value, false, [false; 2]);
+                let faults = found.faults.and(left.faults).and(right.faults);
+                let (Some(a), Some(b)) = (unit(&ids[..3]), unit(&ids[3..])) else {
+                    return Applied { faults, ..found };
+                };
+                let most = a.high * b.high + PRODUCTS;
+                Applied { value: meet(found.value, between(-most, most)), faults }
+            }
+            Act::Length | Act::Distance => {
+                let terms: Vec<Applied> = match node.act {
+                    Act::Length => all.iter().map(|x| square(how, *x)).collect(),
+                    _ => (0..half)
+                        .map(|i| {
+                            let sub = F2::Sub;
+                            let same = ids[i] == ids[i + half];
+                            let between =
+                                arithmetic::f2(how, sub, all[i], all[i + half], same, [false; 2]);
+                            square(how, between.value)
+                        })
+                        .collect(),
+                };
+                let (squares, faults) = lengths(how, terms, true);
+                let root = arithmetic::f1(how, F1::Sqrt, squares).value;
+                let known = match node.act {
+                    Act::Length => unit(ids),
+                    _ => None,
+                };
+                let value = known.map_or(root, |unit| {
+                    meet(root, between(unit.low - UNIT_COMPUTED, unit.high + UNIT_COMPUTED))
+                });
+                Applied { value: if is_empty(value) { root } else { value }, faults }
+            }
+            _ => self.normalized(graph, node, &all),
+        }
+    }
+
+    fn normalized(&self, graph: &Graph, node: &Node, all: &[Interval]) -> Applied {
+        let how = self.arithmetic;
+        let Act::Normalize(nth) = node.act else {
+            unreachable!("the other operations on vectors are done before")
+        };
+        let terms = all.iter().map(|x| square(how, *x)).collect();
+        let (squares, mut faults) = lengths(how, terms, false);
+        let unit = graph.unit_size(graph.operands(node), how);
+        let least = if how == Arithmetic::Permitted { f64::from(f32::MIN_POSITIVE) } else { 0.0 };
+        let zero = squares.low <= least && all.iter().all(|x| contains(*x, 0.0));
+        let is_unit = unit.is_some_and(|unit| unit.low > 0.5);
+        faults =
+            if is_unit { Faults::NONE } else { faults.and(Faults::when(zero, K::NormalizeOfZero)) };
+        if squares.high <= 0.0 {
+            return Applied { value: exact::EMPTY, faults };
+        }
+        let x = all[usize::from(nth)];
+        let one = between(-1.0 - UNIT_COMPUTED, 1.0 + UNIT_COMPUTED);
+        let inverse = F1::InverseSqrt;
+        let positive = between(squares.low.max(f64::from(f32::MIN_POSITIVE)), squares.high);
+        let value = match is_empty(positive) {
+            true => one,
+            false => {
+                let over = arithmetic::f1(how, inverse, positive).value;
+                let mul = F2::Mul;
+                let product = arithmetic::f2(how, mul, x, over, false, [false; 2]).value;
+                let slack = size(product) * UNIT_COMPUTED;
+                meet(between(product.low - slack, product.high + slack), one)
+            }
+        };
+        Applied { value: if is_empty(value) { one } else { value }, faults }
+    }
+}
+
+fn square(how: Arithmetic, x: Interval) -> Applied {
+    arithmetic::f2(how, F2::Mul, x, x, true, [false; 2])
+}
+
+/// Returns the sum of one to four terms, with the faults of all.
+fn sum_of(how: Arithmetic, terms: impl Iterator<Item = Applied>) -> Applied {
+    let terms: Vec<Applied> = terms.collect();
+    let values: Vec<Interval> = terms.iter().map(|term| term.value).collect();
+    let exact = values.iter().copied().reduce(exact::add).unwrap_or_default();
+    let found = arithmetic::total(how, &values, exact);
+    let faults = terms.iter().fold(found.faults, |all, term| all.and(term.faults));
+    Applied { value: found.value, faults }
+}
+
+/// Returns the sum of squares for a length, and the faults of squares out of range.
+fn lengths(how: Arithmetic, terms: Vec<Applied>, zero_is_fine: bool) -> (Interval, Faults) {
+    let sum = sum_of(how, terms.into_iter());
+    let over = Faults::when(sum.faults.has(Fault::Undefined(K::BornInfinite)), K::SquaresTooLarge);
+    let least = f64::from(f32::MIN_POSITIVE);
+    let value = between(sum.value.low.max(0.0), sum.value.high);
+    // Zero itself has a length; only a value between is lost.
+    let under = how != Arithmetic::Exact
+        && value.low < least
+        && value.high > 0.0
+        && (!zero_is_fine || value.low > 0.0 || value.high > least);
+    (value, over.and(Faults::when(under, K::SquaresTooSmall)))
+}

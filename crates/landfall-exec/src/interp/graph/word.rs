@@ -1,0 +1,173 @@
+//! Integers of 32 bits and bools over enclosures of their operands.
+//!
+//! A word is enclosed by numbers from -2^31 to 2^32, each of which stands for its lowest 32 bits.
+
+use super::super::code::{Cmp, I1, I2};
+use super::super::interval::Interval;
+use super::super::undefined::UndefinedKind as K;
+use super::exact::{self, between, contains, is_empty, point};
+use super::fault::Faults;
+use super::value::Applied;
+
+const HALF: f64 = 2_147_483_648.0;
+const WHOLE: f64 = 4_294_967_296.0;
+
+/// Any word.
+pub(super) const ANY_WORD: Interval = Interval { low: -HALF, high: WHOLE - 1.0 };
+
+/// A bool.
+pub(super) const BIT: Interval = Interval { low: 0.0, high: 1.0 };
+
+/// Returns the numbers that words stand for with or without a sign.
+pub(super) fn signed(x: Interval, signed: bool) -> Interval {
+    let (least, most) = if signed { (-HALF, HALF - 1.0) } else { (0.0, WHOLE - 1.0) };
+    let shift = if signed { -WHOLE } else { WHOLE };
+    if is_empty(x) || x.low >= least && x.high <= most {
+        x
+    } else if x.low + shift >= least && x.high + shift <= most {
+        between(x.low + shift, x.high + shift)
+    } else {
+        between(least, most)
+    }
+}
+
+/// Returns the words of numbers that may be too large.
+fn wrapped(x: Interval) -> Interval {
+    if x.low >= -HALF && x.high < WHOLE { x } else { ANY_WORD }
+}
+
+fn plain(value: Interval) -> Applied {
+    Applied { value, faults: Faults::NONE }
+}
+
+fn bit(x: bool) -> Interval {
+    point(f64::from(u8::from(x)))
+}
+
+pub(super) fn one(f: I1, x: Interval) -> Interval {
+    if is_empty(x) {
+        return x;
+    }
+    match f {
+        I1::LogicalNot => between(1.0 - x.high.min(1.0), 1.0 - x.low.max(0.0)),
+        I1::Neg => wrapped(exact::neg(signed(x, true))),
+        I1::Not => wrapped(exact::sub(point(-1.0), signed(x, true))),
+        I1::AbsSint => wrapped(exact::abs(signed(x, true))),
+        I1::SignSint => exact::step(signed(x, true), |x| if x == 0.0 { 0.0 } else { x.signum() }),
+        I1::TrailingZeros | I1::LeadingZeros | I1::Ones => between(0.0, 32.0),
+        I1::FirstTrailing | I1::FirstLeadingSint | I1::FirstLeadingUint => between(-1.0, 31.0),
+        I1::Narrow16Sint => between(-32768.0, 32767.0),
+        I1::Narrow16Uint => between(0.0, 65535.0),
+        I1::Reverse => ANY_WORD,
+    }
+}
+
+/// Returns the least number of ones that covers a number.
+fn ones(x: f64) -> f64 {
+    let bits = 64 - (x as u64).leading_zeros();
+    ((1u64 << bits) - 1) as f64
+}
+
+pub(super) fn two(f: I2, a: Interval, b: Interval) -> Applied {
+    // A condition that is never evaluated does not hold.
+    if f == I2::And && (is_empty(a) || is_empty(b)) {
+        return plain(point(0.0));
+    }
+    if is_empty(a) || is_empty(b) {
+        return plain(exact::EMPTY);
+    }
+    let is_signed = matches!(
+        f,
+        I2::Add
+            | I2::Sub
+            | I2::Mul
+            | I2::DivSint
+            | I2::RemSint
+            | I2::ShrSint
+            | I2::MinSint
+            | I2::MaxSint
+    );
+    let [x, y] = [a, b].map(|v| signed(v, is_signed));
+    let exactly = a.low == a.high && b.low == b.high;
+    let zero = Faults::when(contains(y, 0.0), K::IntegerDivisionByZero);
+    let shifts = matches!(f, I2::Shl | I2::ShrSint | I2::ShrUint);
+    let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
+    if exactly && !shifts && !divides {
+        let [a, b] = [a.low, b.low].map(|x| x as i64 as u32);
+        let word = super::super::machine::two(f, a, b);
+        return plain(point(match is_signed {
+            true => f64::from(word as i32),
+            false => f64::from(word),
+        }));
+    }
+    let value = match f {
+        I2::Add => wrapped(exact::add(x, y)),
+        I2::Sub => wrapped(exact::sub(x, y)),
+        I2::Mul => wrapped(exact::mul(x, y)),
+        I2::And => between(0.0, x.high.min(y.high)),
+        I2::Or => between(x.low.max(y.low), ones(x.high.max(y.high))),
+        I2::Xor => between(0.0, ones(x.high.max(y.high))),
+        I2::MinSint | I2::MinUint => between(x.low.min(y.low), x.high.min(y.high)),
+        I2::MaxSint | I2::MaxUint => between(x.low.max(y.low), x.high.max(y.high)),
+        I2::Shl => {
+            let far = Faults::when(signed(b, false).high >= 32.0, K::ShiftTooFar);
+            let by = signed(b, false);
+            let by = between(by.low.min(31.0), by.high.min(31.0));
+            let up = exact::mul(x, exact::step(by, f64::exp2));
+            return Applied { value: wrapped(up), faults: far };
+        }
+        I2::ShrSint | I2::ShrUint => {
+            let by = signed(b, false);
+            let far = Faults::when(by.high >= 32.0, K::ShiftTooFar);
+            let by = between(by.low.min(31.0), by.high.min(31.0));
+            let corner = |x: f64, by: f64| (x / by.exp2()).floor();
+            let all = [(x.low, by.low), (x.low, by.high), (x.high, by.low), (x.high, by.high)];
+            let value =
+                all.map(|(x, by)| point(corner(x, by))).into_iter().fold(exact::EMPTY, exact::hull);
+            return Applied { value, faults: far };
+        }
+        I2::DivSint | I2::DivUint => {
+            let over = f == I2::DivSint && x.low == -HALF && contains(y, -1.0);
+            let faults = zero.and(Faults::when(over, K::IntegerOverflow));
+            let parts = [between(y.low.max(1.0), y.high), between(y.low, y.high.min(-1.0))];
+            let parts = parts.into_iter().filter(|part| !is_empty(*part));
+            let value = parts
+                .map(|part| exact::step(exact::div(x, part), f64::trunc))
+                .fold(exact::EMPTY, exact::hull);
+            return Applied { value: wrapped(value), faults };
+        }
+        I2::RemSint | I2::RemUint => {
+            let over = f == I2::RemSint && x.low == -HALF && contains(y, -1.0);
+            let negative = f == I2::RemSint && (x.low < 0.0 || y.low < 0.0);
+            let faults = zero
+                .and(Faults::when(over, K::IntegerOverflow))
+                .and(Faults::when(negative, K::RemainderOfNegative));
+            let most = (exact::size(y) - 1.0).max(0.0).min(exact::size(x));
+            let low = if x.low < 0.0 { -most } else { 0.0 };
+            return Applied { value: between(low, if x.high > 0.0 { most } else { 0.0 }), faults };
+        }
+        I2::Dot4Sint | I2::Dot4Uint => ANY_WORD,
+    };
+    plain(value)
+}
+
+/// Compares numbers; a bool.
+pub(super) fn compare(cmp: Cmp, a: Interval, b: Interval) -> Interval {
+    if is_empty(a) || is_empty(b) {
+        return exact::EMPTY;
+    }
+    let one = a.low == a.high && b.low == b.high;
+    let (always, never) = match cmp {
+        Cmp::Eq => (one && a.low == b.low, a.high < b.low || b.high < a.low),
+        Cmp::Ne => (a.high < b.low || b.high < a.low, one && a.low == b.low),
+        Cmp::Lt => (a.high < b.low, a.low >= b.high),
+        Cmp::Le => (a.high <= b.low, a.low > b.high),
+        Cmp::Gt => (a.low > b.high, a.high <= b.low),
+        Cmp::Ge => (a.low >= b.high, a.high < b.low),
+    };
+    match (always, never) {
+        (true, _) => bit(true),
+        (_, true) => bit(false),
+        (false, false) => BIT,
+    }
+}

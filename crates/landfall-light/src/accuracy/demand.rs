@@ -1,0 +1,286 @@
+//! The demands on a function, and the report of whether they are shown.
+//!
+//! Asks [`prove`](mod@super::prove) what is known of its operations and errors; printed by the
+//! report of `landfall prove`.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::inputs::domain::Domain;
+use super::inputs::{Input, Sample, matched};
+use super::prove::{
+    self, Class, ErrorBound, Goal, Limits, Measure, Proof, Verdict, bound, class, goals,
+};
+use super::stress::{Case, Operation, Writer, operations, simplest};
+use landfall_exec::harness::call::Refusal;
+use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
+use landfall_exec::interp::graph::{Fault, Rounding};
+use landfall_layout::Options;
+use landfall_layout::source::{Files, Source};
+
+/// What to prove, and the limits of the search.
+#[derive(Clone, Debug)]
+pub struct ProveRequest {
+    /// The function and its fixed bindings.
+    pub pure: PureRequest,
+    /// The domain of the inputs as JSON.
+    pub domain: Option<Value>,
+    /// What is demanded; nothing means that no operation breaks.
+    pub demands: Vec<Demand>,
+    /// The roundings whose errors are bounded: where a limit of the error is demanded, and for
+    /// those to `f64`.
+    pub rounding: Rounding,
+    /// The limit of processor time.
+    pub time: Duration,
+    /// The most parts of the domain that are examined.
+    pub parts: u64,
+    /// The seed of the random points.
+    pub seed: u64,
+    /// Set to stop early with what is shown so far.
+    pub stop: Arc<AtomicBool>,
+}
+
+impl Default for ProveRequest {
+    fn default() -> ProveRequest {
+        ProveRequest {
+            pure: PureRequest::default(),
+            domain: None,
+            demands: Vec::new(),
+            rounding: Rounding::Permitted,
+            time: Duration::from_secs(6),
+            parts: u64::MAX,
+            seed: 1,
+            stop: Arc::default(),
+        }
+    }
+}
+
+/// A demand on a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Demand {
+    /// No operation breaks.
+    NoFault,
+    /// No result is NaN.
+    NoNan,
+    /// No result is infinite.
+    NoInfinity,
+    /// No result is off by more units of the last place of an `f32`.
+    MaxUlp(f64),
+    /// No result is off by more steps of 1/255 of full scale.
+    MaxStep(f64),
+}
+
+impl Demand {
+    /// Returns the name in messages and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Demand::NoFault => "no-fault",
+            Demand::NoNan => "no-nan",
+            Demand::NoInfinity => "no-inf",
+            Demand::MaxUlp(_) => "max-ulp",
+            Demand::MaxStep(_) => "max-step",
+        }
+    }
+
+    /// Returns the measure of a limit, and the limit.
+    fn limit(self) -> Option<(Measure, f64)> {
+        match self {
+            Demand::MaxUlp(most) => Some((Measure::Ulp, most)),
+            Demand::MaxStep(most) => Some((Measure::Steps, most)),
+            Demand::NoFault | Demand::NoNan | Demand::NoInfinity => None,
+        }
+    }
+}
+
+/// Whether a demand is met over the domain.
+#[derive(Clone, Debug)]
+pub enum Shown {
+    /// On every conformant device.
+    Shown,
+    /// Not at this input.
+    Broken(Box<Case>),
+    /// Not known.
+    Open,
+}
+
+/// The results of a proof, in the form of `landfall schema prove`.
+#[derive(Debug)]
+pub struct ProveReport {
+    /// The path of the shader, as messages print it.
+    pub path: String,
+    /// The function with its parameter types.
+    pub function: String,
+    /// The inputs of the function, with their ranges.
+    pub inputs: Vec<(Input, String)>,
+    /// The operations that can break, in the order of the text.
+    pub operations: Vec<Operation>,
+    /// The demands.
+    pub demands: Vec<(Demand, Shown)>,
+    /// A bound of the error of every result, if one was asked for.
+    pub error: Option<ErrorBound>,
+    /// The parts of the domain that were examined.
+    pub parts: u64,
+    /// Whether the code was too large to follow.
+    pub too_large: bool,
+    /// The assumptions made for values not given.
+    pub notes: Vec<String>,
+    /// The files of the shader.
+    pub files: Files,
+}
+
+impl ProveReport {
+    /// Whether every demand is shown.
+    pub fn is_shown(&self) -> bool {
+        self.demands.iter().all(|(_, shown)| matches!(shown, Shown::Shown))
+    }
+}
+
+/// Shows that the operations of a function do not break, or finds inputs at which they do.
+///
+/// # Errors
+/// A shader that does not run; a function that does not exist or cannot be called on its own; a
+/// domain that is empty or names other inputs.
+pub fn prove(
+    source: &Source,
+    options: &Options,
+    request: &ProveRequest,
+) -> Result<ProveReport, Box<Refusal>> {
+    let pure = PureFunction::new(source, options, &request.pure)?;
+    let refused = |found| Box::new(Refusal { found: vec![found], files: pure.files.clone() });
+    let inputs = matched::shared(&pure, &[]);
+    let json = request.domain.as_ref();
+    let domain = super::inputs::domain(source, &pure, &inputs, json).map_err(refused)?;
+    let is_stopped = || request.stop.load(Ordering::Relaxed);
+    // The search and each bound of an error take turns.
+    let bounds = request.demands.iter().filter(|demand| demand.limit().is_some()).count();
+    let turns = 1 + bounds as u32 + u32::from(request.rounding == Rounding::Double);
+    let limits = Limits {
+        time: request.time / turns,
+        parts: request.parts,
+        is_stopped: &is_stopped,
+        seed: request.seed,
+    };
+    let found = goals(&pure, &inputs, &domain, &limits);
+    let writer = Writer::new(source, options, &request.pure, &pure, &inputs);
+    let too_large = found.is_none();
+    let mut proof = found.unwrap_or_default();
+    simplify(&mut proof, &pure, &inputs, &domain);
+    let wanted = match request.demands.as_slice() {
+        [] => vec![Demand::NoFault],
+        demands => demands.to_vec(),
+    };
+    let mut error: Option<ErrorBound> = None;
+    if request.rounding == Rounding::Double {
+        let goal = (request.rounding, Measure::Absolute, 0.0);
+        error = bound(&pure, &inputs, &domain, &limits, goal);
+    }
+    let mut demands = Vec::new();
+    for demand in wanted {
+        let shown = match demand.limit() {
+            _ if too_large => Shown::Open,
+            None => shown(demand, &proof, &writer),
+            Some((measure, most)) => {
+                let goal = (request.rounding, measure, most);
+                let bounded = bound(&pure, &inputs, &domain, &limits, goal);
+                error = error.into_iter().chain(bounded).reduce(ErrorBound::and);
+                limited(measure, most, bounded, &proof, request, &writer)
+            }
+        };
+        demands.push((demand, shown));
+    }
+    let within = domain.within.iter().map(|within| within.text());
+    Ok(ProveReport {
+        path: source.path.clone(),
+        function: pure.shown.clone(),
+        inputs: inputs.iter().cloned().zip(within).collect(),
+        demands,
+        error,
+        operations: operations(&proof.goals, &inputs, &writer),
+        parts: proof.parts,
+        too_large,
+        notes: pure.notes.clone(),
+        files: pure.files.clone(),
+    })
+}
+
+/// Simplifies the inputs that were found.
+fn simplify(proof: &mut Proof, pure: &PureFunction, inputs: &[Input], domain: &Domain) {
+    for nth in 0..proof.goals.len() {
+        let goal = &proof.goals[nth];
+        if let (Verdict::Found(sample), Fault::Undefined(_)) = (&goal.verdict, goal.fault) {
+            let breaks = |sample: &Sample| prove::breaks(pure, goal, sample);
+            let simple = simplest(sample, inputs, domain, breaks);
+            proof.goals[nth].verdict = Verdict::Found(simple);
+        }
+    }
+    let simple = |sample: &mut Sample, is: fn(f32) -> bool| {
+        let breaks = |sample: &Sample| prove::results(pure, sample, is);
+        *sample = simplest(sample, inputs, domain, breaks);
+    };
+    if let Some(sample) = &mut proof.nan {
+        simple(sample, f32::is_nan);
+    }
+    if let Some(sample) = &mut proof.infinite {
+        simple(sample, f32::is_infinite);
+    }
+}
+
+/// Returns whether a demand is met.
+fn shown(demand: Demand, proof: &Proof, writer: &Writer<'_>) -> Shown {
+    // The code after a fault is followed as if it had not occurred: a result may be NaN or infinite
+    // only after one.
+    let matters = |goal: &&Goal| match demand {
+        Demand::NoFault => class(goal.fault) == Class::Undefined,
+        Demand::NoNan | Demand::NoInfinity | Demand::MaxUlp(_) | Demand::MaxStep(_) => {
+            class(goal.fault) != Class::Accuracy
+        }
+    };
+    let broken = match demand {
+        Demand::NoFault => {
+            proof.goals.iter().filter(matters).find_map(|goal| match &goal.verdict {
+                Verdict::Found(sample) => Some(sample),
+                Verdict::Absent | Verdict::Open(_) => None,
+            })
+        }
+        Demand::NoNan => proof.nan.as_ref(),
+        Demand::NoInfinity => proof.infinite.as_ref(),
+        Demand::MaxUlp(_) | Demand::MaxStep(_) => None,
+    };
+    if let Some(sample) = broken {
+        return Shown::Broken(Box::new(writer.case(sample)));
+    }
+    match proof.goals.iter().filter(matters).all(|goal| goal.verdict == Verdict::Absent) {
+        true => Shown::Shown,
+        false => Shown::Open,
+    }
+}
+
+/// Returns whether the error is within a limit. Without faults the bound holds for every input.
+fn limited(
+    measure: Measure,
+    most: f64,
+    bounded: Option<ErrorBound>,
+    proof: &Proof,
+    request: &ProveRequest,
+    writer: &Writer<'_>,
+) -> Shown {
+    // Samples are run in `f32`.
+    let worst = match measure {
+        Measure::Ulp => proof.worst[0].as_ref(),
+        Measure::Steps | Measure::Absolute => proof.worst[1].as_ref(),
+    };
+    let broken = worst.filter(|(by, _)| *by > most && request.rounding == Rounding::Permitted);
+    let broken =
+        broken.map(|(_, sample)| sample).or(proof.nan.as_ref()).or(proof.infinite.as_ref());
+    if let Some(sample) = broken {
+        return Shown::Broken(Box::new(writer.case(sample)));
+    }
+    let defined = shown(Demand::NoNan, proof, writer);
+    match (bounded, defined) {
+        (Some(bound), Shown::Shown) if bound.by(measure) <= most => Shown::Shown,
+        _ => Shown::Open,
+    }
+}

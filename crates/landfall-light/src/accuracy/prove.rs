@@ -1,0 +1,406 @@
+//! Shows that the operations of a function cannot break, or finds inputs at which they do.
+//!
+//! [`graph`](landfall_exec::interp::graph) encloses the values of the function over boxes of its
+//! inputs; `split` divides the box until nothing is possible in its parts, `points` tries corners,
+//! axes, equal inputs and what a descent on the operands finds, and the interpreter confirms. Used
+//! by [`stress`](mod@super::stress) and [`demand`](mod@super::demand).
+
+mod errors;
+mod points;
+mod space;
+mod split;
+
+pub use errors::ErrorBound;
+pub(super) use errors::{Measure, bound};
+
+use std::time::{Duration, Instant};
+
+use super::inputs::domain::Domain;
+use super::inputs::input::Sample;
+use super::inputs::random::Random;
+use super::inputs::{Inputs, columns};
+use super::measure::{Outcome, floats, outcome};
+use landfall_exec::harness::call::pure::PureFunction;
+use landfall_exec::interp::graph::{Arithmetic, Bounds, Fault, Graph};
+use landfall_exec::interp::{Precision, Settings, SourceLocation, UndefinedKind};
+use landfall_exec::processor::Stopwatch;
+use points::Scratch;
+use space::Space;
+use split::Split;
+
+/// An operation that can break in one way, and what is known of it.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// What may happen.
+    pub fault: Fault,
+    /// The operation.
+    pub place: SourceLocation,
+    /// What is known.
+    pub verdict: Verdict,
+    /// The graph's sites: components of a vector, calls of a function, iterations of a loop.
+    sites: Vec<usize>,
+    /// The scalars of the inputs that it depends on.
+    pub(super) inputs: Vec<usize>,
+}
+
+/// What is known of an operation over the domain.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// It breaks at an input, on the interpreter.
+    Found(Sample),
+    /// It breaks nowhere in the domain, on any conformant device.
+    Absent,
+    /// It is not known; by input scalar the least and greatest value where it may break.
+    Open(Vec<[f64; 2]>),
+}
+
+/// What it means that an operation breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// The result is not defined.
+    Undefined,
+    /// Half of the digits are lost.
+    Accuracy,
+    /// Numbers are too large or too small for an `f32`.
+    Magnitude,
+}
+
+/// Returns what it means that an operation breaks.
+pub(super) fn class(fault: Fault) -> Class {
+    use UndefinedKind as K;
+    match fault {
+        Fault::Cancellation => Class::Accuracy,
+        Fault::Undefined(K::BornInfinite | K::SquaresTooLarge | K::SquaresTooSmall) => {
+            Class::Magnitude
+        }
+        Fault::Undefined(_) | Fault::Endless | Fault::Unfollowed => Class::Undefined,
+    }
+}
+
+impl Goal {
+    /// Whether an input was found.
+    pub fn is_found(&self) -> bool {
+        matches!(self.verdict, Verdict::Found(_))
+    }
+
+    /// Whether only digits are lost, or numbers leave the range of an `f32`.
+    fn is_minor(&self) -> bool {
+        class(self.fault) != Class::Undefined
+    }
+}
+
+/// The time that a search may take.
+#[derive(Clone)]
+pub(super) struct Limits<'a> {
+    /// The processor time.
+    pub time: Duration,
+    /// The most parts of the box that are examined.
+    pub parts: u64,
+    /// Whether the caller gave up.
+    pub is_stopped: &'a dyn Fn() -> bool,
+    pub seed: u64,
+}
+
+/// The error in units of the last place from which a cancellation counts as found.
+const LOST: f64 = 4096.0;
+
+/// The error that a cancellation must exceed for each unit of the last place that the result moves
+/// by when an input moves by one.
+const BEYOND: f64 = 64.0;
+
+/// The parts examined between two looks at the clock.
+const EACH: u32 = 64;
+
+/// What is known of a function.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Proof {
+    /// The operations that can break.
+    pub goals: Vec<Goal>,
+    /// Inputs whose results are NaN, and infinite.
+    pub nan: Option<Sample>,
+    pub infinite: Option<Sample>,
+    /// The inputs with the largest errors seen: in units of the last place, and in steps.
+    pub worst: [Option<(f64, Sample)>; 2],
+    /// The parts of the box that were examined.
+    pub parts: u64,
+}
+
+/// Returns what is known of each operation of a function that can break; `None` if its code is too
+/// large to follow.
+pub(super) fn goals(
+    pure: &PureFunction,
+    inputs: &Inputs,
+    domain: &Domain,
+    limits: &Limits<'_>,
+) -> Option<Proof> {
+    let began = Stopwatch::start();
+    let space = Space::new(inputs, domain);
+    let graph = pure.graph(&space.root, &space.units)?;
+    let over = || began.elapsed() >= limits.time || (limits.is_stopped)();
+    let (space, graph) = (&space, &graph);
+    let confirm = Confirm { pure, inputs, space, graph, time: limits.time, is_over: &over };
+    let mut proof = Proof { goals: grouped(graph, pure, space), ..Proof::default() };
+    let mut split = Split::new(space, graph, &proof.goals);
+    // What the first look at the whole box excludes needs no search.
+    if !split.step(&proof.goals) {
+        return Some(settled(proof, &split));
+    }
+    let mut random = Random::new(limits.seed, 17);
+    let mut scratch = Scratch { bounds: Bounds::default(), point: Vec::new(), left: 0 };
+    let first = points::first(space, &mut random);
+    confirm.points(&first, &mut proof, &mut scratch);
+    for nth in 0..proof.goals.len() {
+        if proof.goals[nth].is_found() || split.open(nth as u32).is_none() || over() {
+            continue;
+        }
+        let mut near = Vec::new();
+        for &site in proof.goals[nth].sites.iter().take(4) {
+            let site = &graph.sites()[site];
+            let with = (&mut random, &mut scratch);
+            near.extend(points::descend(space, graph, site, &first, with));
+        }
+        confirm.points(&near, &mut proof, &mut scratch);
+    }
+    let mut again = 512;
+    'dividing: loop {
+        for _ in 0..EACH {
+            proof.parts += 1;
+            if !split.step(&proof.goals) {
+                break 'dividing;
+            }
+        }
+        if proof.parts >= limits.parts || over() {
+            break;
+        }
+        // The parts that are left tell where to search once more.
+        if proof.parts >= again {
+            again *= 4;
+            for nth in 0..proof.goals.len() {
+                let goal = &proof.goals[nth];
+                if !goal.is_found() {
+                    let with = (&mut random, &mut scratch);
+                    let near = around(space, graph, goal, &split, nth, with);
+                    confirm.points(&near, &mut proof, &mut scratch);
+                }
+            }
+        }
+    }
+    Some(settled(proof, &split))
+}
+
+/// Returns points in the parts in which a goal may break.
+fn around(
+    space: &Space<'_>,
+    graph: &Graph,
+    goal: &Goal,
+    split: &Split<'_>,
+    nth: usize,
+    (random, scratch): (&mut Random, &mut Scratch),
+) -> Vec<Sample> {
+    let mut starts: Vec<Sample> = Vec::new();
+    for middle in split.middles(nth as u32, 24) {
+        let words = middle.iter().enumerate().map(|(at, x)| space.word(at, *x));
+        let mut sample: Sample = words.collect();
+        if points::fits(space, &mut sample, random) {
+            starts.push(sample);
+        }
+    }
+    let mut near = starts.clone();
+    for &site in goal.sites.iter().take(4) {
+        let with = (&mut *random, &mut *scratch);
+        near.extend(points::descend(space, graph, &graph.sites()[site], &starts, with));
+    }
+    near
+}
+
+/// Groups the sites of a graph by their place in the text; those of constants only where they break.
+fn grouped(graph: &Graph, pure: &PureFunction, space: &Space<'_>) -> Vec<Goal> {
+    let mut goals: Vec<Goal> = Vec::new();
+    let mut bounds = Bounds::default();
+    graph.bounds(&space.root, Arithmetic::Permitted, &mut bounds);
+    for (nth, site) in graph.sites().iter().enumerate() {
+        if site.inputs.is_empty() && !bounds.is_possible(site) {
+            continue;
+        }
+        let place = if site.place.shown.is_empty() { pure.place() } else { site.place.clone() };
+        let same = |goal: &&mut Goal| goal.fault == site.fault && goal.place.span == place.span;
+        match goals.iter_mut().find(same) {
+            Some(goal) => {
+                goal.sites.push(nth);
+                goal.inputs.extend(&site.inputs);
+                goal.inputs.sort_unstable();
+                goal.inputs.dedup();
+            }
+            None => goals.push(Goal {
+                fault: site.fault,
+                place,
+                verdict: Verdict::Absent,
+                sites: vec![nth],
+                inputs: site.inputs.clone(),
+            }),
+        }
+    }
+    goals
+}
+
+/// Gives each goal without an input its verdict.
+fn settled(mut proof: Proof, split: &Split<'_>) -> Proof {
+    for (nth, goal) in proof.goals.iter_mut().enumerate() {
+        if let (false, Some(open)) = (goal.is_found(), split.open(nth as u32)) {
+            goal.verdict = Verdict::Open(open.iter().map(|r| [r.low, r.high]).collect());
+        }
+    }
+    proof
+}
+
+/// The lanes of one call.
+const LANES: usize = 256;
+
+/// Runs points on the interpreter.
+struct Confirm<'c> {
+    pure: &'c PureFunction,
+    inputs: &'c Inputs,
+    space: &'c Space<'c>,
+    graph: &'c Graph,
+    /// The time that a call may take.
+    time: Duration,
+    is_over: &'c dyn Fn() -> bool,
+}
+
+impl Confirm<'_> {
+    /// Runs points and notes the goals that they meet.
+    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+        for some in points.chunks(LANES) {
+            if (self.is_over)() {
+                return;
+            }
+            self.undefined(some, proof);
+            self.lost(some, proof, scratch);
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        // The interpreter checks the time within a call.
+        let deadline = Instant::now().checked_add(self.time);
+        Settings { threads: 1, budget: TURNS, deadline, ..Settings::default() }
+    }
+
+    /// Notes operations without a defined value, as an `f32` execution meets them.
+    fn undefined(&self, some: &[Sample], proof: &mut Proof) {
+        let settings = Settings { watch: true, ..self.settings() };
+        let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
+        for seen in &called.called.notes.undefined {
+            let span = match seen.place.shown.is_empty() {
+                true => self.pure.place().span,
+                false => seen.place.span,
+            };
+            // Not a consequence of numbers that were not finite before.
+            let first = seen.lanes.first().filter(|_| seen.operands.iter().all(|x| x.is_finite()));
+            let Some(sample) = first.and_then(|&lane| some.get(lane)) else { continue };
+            let fault = Fault::Undefined(seen.kind);
+            let met = |goal: &&mut Goal| {
+                !goal.is_found() && goal.fault == fault && goal.place.span == span
+            };
+            for goal in proof.goals.iter_mut().filter(met) {
+                goal.verdict = Verdict::Found(sample.clone());
+            }
+        }
+        for (nth, at) in floats(self.pure) {
+            for (lane, &word) in called.results[nth].words[at].iter().enumerate() {
+                let single = f32::from_bits(word as u32);
+                if called.called.discarded[lane] || single.is_finite() {
+                    continue;
+                }
+                let seen = if single.is_nan() { &mut proof.nan } else { &mut proof.infinite };
+                seen.get_or_insert_with(|| some[lane].clone());
+            }
+        }
+    }
+
+    /// Notes the largest errors, and cancellations with a large error in the result that the inputs' own rounding does not
+    /// explain.
+    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+        let settings = Settings { precision: Precision::Both, ..self.settings() };
+        let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
+        let floats = floats(self.pure);
+        for (lane, sample) in some.iter().enumerate() {
+            let Outcome::Off(off, _) = outcome(&called, &floats, lane) else { continue };
+            for (worst, by) in proof.worst.iter_mut().zip([off.ulp, off.steps]) {
+                if worst.as_ref().is_none_or(|(most, _)| by > *most) {
+                    *worst = Some((by, sample.clone()));
+                }
+            }
+            if off.ulp <= LOST {
+                continue;
+            }
+            self.space.point(sample, &mut scratch.point);
+            self.graph.bounds(&scratch.point, Arithmetic::Permitted, &mut scratch.bounds);
+            let possible = |site: &usize| scratch.bounds.is_possible(&self.graph.sites()[*site]);
+            let mut lost: Vec<&mut Goal> = proof
+                .goals
+                .iter_mut()
+                .filter(|goal| goal.fault == Fault::Cancellation && !goal.is_found())
+                .filter(|goal| goal.sites.iter().any(possible))
+                .collect();
+            let explained = || BEYOND * (1.0 + moved(self.pure, self.inputs, sample));
+            if !lost.is_empty() && off.ulp > explained() {
+                lost.iter_mut().for_each(|goal| goal.verdict = Verdict::Found(sample.clone()));
+            }
+        }
+    }
+}
+
+/// Returns whether a goal's operation breaks at a sample.
+pub(super) fn breaks(pure: &PureFunction, goal: &Goal, sample: &Sample) -> bool {
+    let settings = Settings { watch: true, threads: 1, budget: TURNS, ..Settings::default() };
+    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
+    let met = |seen: &landfall_exec::interp::Undefined| {
+        let finite = seen.operands.iter().all(|x| x.is_finite());
+        Fault::Undefined(seen.kind) == goal.fault && seen.place.span == goal.place.span && finite
+    };
+    called.is_ok_and(|called| called.called.notes.undefined.iter().any(met))
+}
+
+/// Returns whether a result is such at a sample.
+pub(super) fn results(pure: &PureFunction, sample: &Sample, is: fn(f32) -> bool) -> bool {
+    let settings = Settings { threads: 1, budget: TURNS, ..Settings::default() };
+    let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
+    called.is_ok_and(|called| {
+        let single = |(nth, at): (usize, usize)| {
+            f32::from_bits(called.results[nth].words[at].first().copied().unwrap_or(0) as u32)
+        };
+        floats(pure).into_iter().any(|at| is(single(at)))
+    })
+}
+
+/// The most iterations of a loop that are run.
+const TURNS: u32 = 4096;
+
+/// Returns by how many units of the last place the exact result moves if an input moves by one.
+fn moved(pure: &PureFunction, inputs: &Inputs, sample: &Sample) -> f64 {
+    let mut samples = vec![sample.clone()];
+    for at in inputs.iter().filter(|input| input.is_float()).flat_map(|input| input.range()) {
+        for by in [1, u32::MAX] {
+            let mut next = sample.clone();
+            let bits = (sample[at] as u32).wrapping_add(by);
+            if f32::from_bits(bits).is_finite() {
+                next[at] = u64::from(bits);
+                samples.push(next);
+            }
+        }
+    }
+    let settings = Settings { precision: Precision::Double, threads: 1, ..Settings::default() };
+    let Ok(called) = pure.call(&columns(&samples), samples.len(), &settings) else {
+        return f64::INFINITY;
+    };
+    let mut most = 0.0f64;
+    for (nth, at) in floats(pure) {
+        let doubles = &called.results[nth].doubles[at];
+        let unit = landfall_layout::buffer::float::last_place(doubles[0]);
+        for double in &doubles[1..] {
+            let by = (double - doubles[0]).abs() / unit;
+            most = most.max(if by.is_nan() { f64::INFINITY } else { by });
+        }
+    }
+    most
+}

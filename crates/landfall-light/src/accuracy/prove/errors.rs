@@ -1,0 +1,174 @@
+//! Bounds of the largest error over the domain, by dividing it where the bound is largest.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::super::inputs::Inputs;
+use super::super::inputs::domain::Domain;
+use super::Limits;
+use super::space::Space;
+use landfall_exec::harness::call::pure::PureFunction;
+use landfall_exec::interp::graph::{Bounds, Graph, Range, Rounding};
+use landfall_exec::processor::Stopwatch;
+use landfall_layout::buffer::float::last_place;
+
+/// A bound of the error of every result over the whole domain; infinite where none is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBound {
+    /// The absolute error.
+    pub absolute: f64,
+    /// The error in units of the last place of an `f32`.
+    pub ulp: f64,
+    /// The error in steps of 1/255 of full scale, which is at least 1.
+    pub steps: f64,
+}
+
+/// The measure whose largest value is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accuracy) enum Measure {
+    Absolute,
+    Ulp,
+    Steps,
+}
+
+impl ErrorBound {
+    pub(in crate::accuracy) fn by(self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Absolute => self.absolute,
+            Measure::Ulp => self.ulp,
+            Measure::Steps => self.steps,
+        }
+    }
+
+    /// Returns the lower of two bounds of the same errors.
+    pub(in crate::accuracy) fn and(self, other: ErrorBound) -> ErrorBound {
+        ErrorBound {
+            absolute: self.absolute.min(other.absolute),
+            ulp: self.ulp.min(other.ulp),
+            steps: self.steps.min(other.steps),
+        }
+    }
+
+    fn or(self, other: ErrorBound) -> ErrorBound {
+        ErrorBound {
+            absolute: self.absolute.max(other.absolute),
+            ulp: self.ulp.max(other.ulp),
+            steps: self.steps.max(other.steps),
+        }
+    }
+}
+
+const NONE: ErrorBound = ErrorBound { absolute: 0.0, ulp: 0.0, steps: 0.0 };
+
+struct Part {
+    height: f64,
+    bound: ErrorBound,
+    ranges: Vec<Range>,
+    number: u64,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Part) -> bool {
+        self.number == other.number
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Part) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Part) -> Ordering {
+        self.height.total_cmp(&other.height).then(other.number.cmp(&self.number))
+    }
+}
+
+/// The most parts kept.
+const MOST_PARTS: usize = 1 << 18;
+
+/// Returns a bound of the errors of a function, divided until it is at most `enough` by a measure;
+/// `None` if the code is too large to follow.
+pub(in crate::accuracy) fn bound(
+    pure: &PureFunction,
+    inputs: &Inputs,
+    domain: &Domain,
+    limits: &Limits<'_>,
+    (rounding, measure, enough): (Rounding, Measure, f64),
+) -> Option<ErrorBound> {
+    let began = Stopwatch::start();
+    let space = Space::new(inputs, domain);
+    let graph = pure.graph(&space.root, &space.units)?;
+    let mut bounds = Bounds::default();
+    let mut exact = Bounds::default();
+    let mut of = |ranges: &[Range]| over(&graph, ranges, rounding, &mut bounds, &mut exact);
+    let mut parts = BinaryHeap::new();
+    let mut made = 0;
+    let mut push = |ranges: Vec<Range>, parts: &mut BinaryHeap<Part>| {
+        let mut ranges = ranges;
+        if space.cut(&mut ranges) {
+            let bound = of(&ranges);
+            made += 1;
+            parts.push(Part { height: bound.by(measure), bound, ranges, number: made });
+        }
+    };
+    push(space.root.clone(), &mut parts);
+    let mut done = NONE;
+    let mut count = 0u64;
+    while let Some(part) = parts.pop() {
+        let over = count % 64 == 63
+            && (began.elapsed() >= limits.time || (limits.is_stopped)() || count >= limits.parts);
+        count += 1;
+        let widest = (0..part.ranges.len()).filter_map(|at| {
+            let [end, begin] = space.middle(at, part.ranges[at])?;
+            let whole = space.root[at].high - space.root[at].low;
+            Some(((part.ranges[at].high - part.ranges[at].low) / whole, at, end, begin))
+        });
+        let widest = widest.max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, at, end, begin)) = widest else {
+            done = done.or(part.bound);
+            if done.by(measure) > enough {
+                parts.push(part);
+                break;
+            }
+            continue;
+        };
+        if over || part.height <= enough || parts.len() >= MOST_PARTS {
+            parts.push(part);
+            break;
+        }
+        let (mut lower, mut upper) = (part.ranges.clone(), part.ranges);
+        (lower[at].high, upper[at].low) = (end, begin);
+        push(lower, &mut parts);
+        push(upper, &mut parts);
+    }
+    Some(parts.iter().fold(done, |all, part| all.or(part.bound)))
+}
+
+/// Returns the bound over one part.
+fn over(
+    graph: &Graph,
+    ranges: &[Range],
+    rounding: Rounding,
+    bounds: &mut Bounds,
+    exact: &mut Bounds,
+) -> ErrorBound {
+    graph.bounds(ranges, rounding.arithmetic(), bounds);
+    let errors = graph.errors(bounds, rounding);
+    let values = graph.exact_results(ranges, exact);
+    let scale = values.iter().map(|x| least(*x)).fold(1.0, f64::max);
+    let each = errors.iter().zip(&values).map(|(&error, &value)| ErrorBound {
+        absolute: error,
+        ulp: if error == 0.0 { 0.0 } else { error / last_place(least(value)) },
+        steps: 255.0 * error / scale,
+    });
+    each.fold(NONE, ErrorBound::or)
+}
+
+/// Returns the least absolute value.
+fn least(x: Range) -> f64 {
+    x.low.max(-x.high).max(0.0)
+}

@@ -1,0 +1,296 @@
+//! Points at which operations are likely to break: corners, faces, axes, equal inputs, zeros, and
+//! what a descent on the operands finds.
+
+use super::super::inputs::domain::ValueRange;
+use super::super::inputs::input::Sample;
+use super::super::inputs::random::Random;
+use super::space::{Space, is_finite};
+use landfall_exec::interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
+
+/// The most corners of a box that are all tried.
+const CORNERS: usize = 1 << 9;
+
+/// The most and the fewest points around which others vary, and about how many these are.
+const BASES: [usize; 2] = [24, 3];
+const VARIED: usize = 1 << 11;
+
+/// Points drawn at random.
+const RANDOM: usize = 256;
+
+/// Returns the points to try first.
+pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
+    let mut all: Vec<Sample> = Vec::new();
+    let scalars: Vec<usize> =
+        (0..space.root.len()).filter(|&at| space.input(at).is_some()).collect();
+    let at_ends = |mask: usize, random: &mut Random| {
+        let mut sample = vec![0; space.root.len()];
+        for (bit, &at) in scalars.iter().enumerate() {
+            let Range { low, high } = space.root[at];
+            let up = if bit < 60 { mask >> bit & 1 == 1 } else { random.chance(0.5) };
+            sample[at] = space.word(at, if up { high } else { low });
+        }
+        sample
+    };
+    let corners = 1usize.checked_shl(scalars.len() as u32).unwrap_or(usize::MAX);
+    if corners <= CORNERS {
+        all.extend((0..corners).map(|mask| at_ends(mask, random)));
+    } else {
+        all.extend((0..CORNERS).map(|_| {
+            let mask = random.word() as usize;
+            at_ends(mask, random)
+        }));
+    }
+    let [most, fewest] = BASES;
+    let before = all.len();
+    for nth in 0..most {
+        let base = anywhere(space, random, nth == 0);
+        vary(space, &base, &mut all);
+        all.push(base);
+        if nth + 1 >= fewest && all.len() - before >= VARIED {
+            break;
+        }
+    }
+    all.extend((0..RANDOM).map(|_| anywhere(space, random, false)));
+    all.retain_mut(|sample| fits(space, sample, random));
+    all
+}
+
+/// Moves a sample into the domain; returns false if that is impossible.
+pub(super) fn fits(space: &Space<'_>, sample: &mut Sample, random: &mut Random) -> bool {
+    space.domain.fit(sample, space.inputs, random)
+        && is_finite(space.inputs, sample)
+        && space.domain.holds(sample, space.inputs)
+}
+
+/// Returns a point of the box: its middle, or a random one.
+fn anywhere(space: &Space<'_>, random: &mut Random, middle: bool) -> Sample {
+    let mut sample = vec![0; space.root.len()];
+    for (at, word) in sample.iter_mut().enumerate() {
+        let Some(input) = space.input(at) else { continue };
+        let Range { low, high } = space.root[at];
+        let wide = high > 1.0e6 || low < -1.0e6;
+        let x = match (middle, wide) {
+            (true, _) => low / 2.0 + high / 2.0,
+            (false, false) => random.between(low, high),
+            (false, true) => {
+                let x = random.scale(1.0e-3, 1.0e4);
+                (if random.chance(0.5) { x } else { -x }).clamp(low, high)
+            }
+        };
+        *word = space.word(at, if input.is_float() { x } else { x.round() });
+    }
+    sample
+}
+
+/// Adds variations of a point: each input at its ends, at zero, along axes, equal to another one.
+fn vary(space: &Space<'_>, base: &Sample, all: &mut Vec<Sample>) {
+    for (nth, input) in space.inputs.iter().enumerate() {
+        let within = space.domain.within[nth];
+        let mut with = |value: &dyn Fn(usize) -> f64| {
+            let mut sample = base.clone();
+            for (i, at) in input.range().enumerate() {
+                sample[at] = space.word(at, value(i));
+            }
+            all.push(sample);
+        };
+        let Range { low, high } = space.root[input.first];
+        if within != ValueRange::Unit {
+            for x in [low, high, 0.0, 1.0, -1.0] {
+                if low <= x && x <= high {
+                    with(&|_| x);
+                }
+            }
+        }
+        if input.len > 1 && input.len <= 4 {
+            for axis in 0..input.len {
+                for sign in [1.0, -1.0] {
+                    with(&|i| if i == axis { sign } else { 0.0 });
+                    with(&|i| if i == axis { 0.0 } else { sign });
+                }
+            }
+        }
+        for at in input.range().filter(|_| input.len > 1) {
+            for x in [space.root[at].low, space.root[at].high, 0.0] {
+                let mut sample = base.clone();
+                sample[at] = space.word(at, x);
+                all.push(sample);
+            }
+        }
+        for other in &space.inputs[nth + 1..] {
+            if other.len != input.len || other.scalar != input.scalar {
+                continue;
+            }
+            for flip in [0, 1u64 << 31] {
+                let mut sample = base.clone();
+                for (to, from) in other.range().zip(input.range()) {
+                    sample[to] = sample[from] ^ if input.is_float() { flip } else { 0 };
+                }
+                all.push(sample);
+            }
+        }
+    }
+}
+
+/// The room for one search.
+pub(super) struct Scratch {
+    pub bounds: Bounds,
+    pub point: Vec<Range>,
+    /// The points that the current descent may still evaluate.
+    pub left: usize,
+}
+
+/// The values that one descent computes at most.
+const VALUES: usize = 1 << 21;
+
+/// Returns how far an operation is from breaking at a sample.
+fn distance(
+    space: &Space<'_>,
+    graph: &Graph,
+    site: &Site,
+    sample: &Sample,
+    scratch: &mut Scratch,
+) -> Option<Distance> {
+    scratch.left = scratch.left.checked_sub(1)?;
+    space.point(sample, &mut scratch.point);
+    graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
+    scratch.bounds.distance(graph, site)
+}
+
+/// The rounds of a descent.
+const ROUNDS: usize = 40;
+
+/// Searches from a few points for one at which an operation breaks, and returns those nearest to
+/// it.
+pub(super) fn descend(
+    space: &Space<'_>,
+    graph: &Graph,
+    site: &Site,
+    starts: &[Sample],
+    (random, scratch): (&mut Random, &mut Scratch),
+) -> Vec<Sample> {
+    let mut ranked: Vec<(f64, usize)> = Vec::new();
+    let points = VALUES / graph.len().max(1);
+    scratch.left = points;
+    for (nth, start) in starts.iter().take(points / 2).enumerate() {
+        if let Some(found) = distance(space, graph, site, start, scratch) {
+            if found.size().is_finite() {
+                ranked.push((found.size(), nth));
+            }
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut all = Vec::new();
+    for &(_, nth) in ranked.iter().take(3) {
+        let mut descent =
+            Descent { space, graph, site, random, scratch, best: starts[nth].clone() };
+        descent.run();
+        all.push(descent.best);
+    }
+    all
+}
+
+/// A descent from one point.
+struct Descent<'d, 'a> {
+    space: &'d Space<'a>,
+    graph: &'d Graph,
+    site: &'d Site,
+    random: &'d mut Random,
+    scratch: &'d mut Scratch,
+    best: Sample,
+}
+
+impl Descent<'_, '_> {
+    fn at(&mut self, sample: &Sample) -> Option<Distance> {
+        distance(self.space, self.graph, self.site, sample, self.scratch)
+    }
+
+    /// Returns the best point with one scalar changed, if it is in the domain.
+    fn changed(&mut self, at: usize, x: f64) -> Option<(Sample, Distance)> {
+        let mut sample = self.best.clone();
+        sample[at] = self.space.word(at, x);
+        if sample[at] == self.best[at] || !fits(self.space, &mut sample, self.random) {
+            return None;
+        }
+        let found = self.at(&sample)?;
+        Some((sample, found))
+    }
+
+    fn run(&mut self) {
+        let best = self.best.clone();
+        let Some(mut now) = self.at(&best) else { return };
+        let mut reach = 0.5;
+        for _ in 0..ROUNDS {
+            if now.size() == 0.0 {
+                return;
+            }
+            let before = now.size();
+            for &at in &self.site.inputs {
+                let Some(input) = self.space.input(at) else { continue };
+                let is_float = input.is_float();
+                let here = input.number(self.best[at]);
+                let Range { low, high } = self.space.root[at];
+                let step = reach * (high - low).min(2.0 * here.abs().max(1.0));
+                let tries = [
+                    low,
+                    high,
+                    0.0,
+                    here + step,
+                    here - step,
+                    here * (1.0 + reach),
+                    here * (1.0 - reach),
+                ];
+                for x in tries {
+                    let x = if is_float { x } else { x.round() }.clamp(low, high);
+                    let Some((sample, found)) = self.changed(at, x) else { continue };
+                    if found.signed() * now.signed() < 0.0 {
+                        self.bisect(at, here, x, now);
+                        let best = self.best.clone();
+                        let Some(after) = self.at(&best) else { return };
+                        now = after;
+                        break;
+                    }
+                    if found.size() < now.size() {
+                        (self.best, now) = (sample, found);
+                        break;
+                    }
+                }
+            }
+            if now.size() >= before {
+                reach /= 4.0;
+            }
+        }
+    }
+
+    /// Finds a change of sign along one scalar, to neighbouring numbers.
+    fn bisect(&mut self, at: usize, mut from: f64, mut to: f64, start: Distance) {
+        let sign = start.signed();
+        for _ in 0..160 {
+            let Some(input) = self.space.input(at) else { return };
+            let middle = from / 2.0 + to / 2.0;
+            let middle = if input.is_float() { f64::from(middle as f32) } else { middle.round() };
+            if middle == from || middle == to {
+                break;
+            }
+            let Some((sample, found)) = self.changed(at, middle) else {
+                if self.best[at] == self.space.word(at, middle) {
+                    from = middle;
+                    continue;
+                }
+                return;
+            };
+            if found.signed() == 0.0 {
+                self.best = sample;
+                return;
+            }
+            if found.signed() * sign < 0.0 { to = middle } else { from = middle }
+        }
+        for x in [to, from] {
+            if let Some((sample, found)) = self.changed(at, x) {
+                let best = self.best.clone();
+                if self.at(&best).is_none_or(|now| found.size() <= now.size()) {
+                    self.best = sample;
+                }
+            }
+        }
+    }
+}

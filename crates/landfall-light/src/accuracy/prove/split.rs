@@ -1,0 +1,184 @@
+//! Divides the box of the inputs until operations are shown not to break in any part of it.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::Goal;
+use super::space::Space;
+use landfall_exec::interp::graph::{Arithmetic, Bounds, Graph, Range};
+
+/// A part of the box in which some goals are not shown.
+#[derive(Debug)]
+struct Part {
+    /// Whether only digits can be lost in it, or numbers leave the range of an `f32`.
+    minor: bool,
+    depth: u32,
+    number: u64,
+    ranges: Vec<Range>,
+    goals: Vec<u32>,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Part) -> bool {
+        self.number == other.number
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Part) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    /// Parts in which results may be undefined come first, and of those the largest.
+    fn cmp(&self, other: &Part) -> std::cmp::Ordering {
+        let key = |part: &Part| (part.minor, part.depth, part.number);
+        Reverse(key(self)).cmp(&Reverse(key(other)))
+    }
+}
+
+/// The most parts kept by size; further ones are examined one after the other.
+const MOST_PARTS: usize = 1 << 14;
+
+/// The division of the box.
+pub(super) struct Split<'a> {
+    space: &'a Space<'a>,
+    graph: &'a Graph,
+    parts: BinaryHeap<Part>,
+    /// Beyond the most parts, the parts of one part at a time, the smallest last.
+    deep: Vec<Part>,
+    /// The parts that cannot be divided, or for which there was no room.
+    left: Vec<(Vec<Range>, Vec<u32>)>,
+    bounds: Bounds,
+    made: u64,
+}
+
+impl<'a> Split<'a> {
+    pub fn new(space: &'a Space<'a>, graph: &'a Graph, goals: &[Goal]) -> Split<'a> {
+        let all: Vec<u32> = (0..goals.len() as u32).collect();
+        let mut split = Split {
+            space,
+            graph,
+            parts: BinaryHeap::new(),
+            deep: Vec::new(),
+            left: Vec::new(),
+            bounds: Bounds::default(),
+            made: 0,
+        };
+        split.push(goals, 0, space.root.clone(), all);
+        split
+    }
+
+    fn push(&mut self, all: &[Goal], depth: u32, mut ranges: Vec<Range>, goals: Vec<u32>) {
+        if self.space.cut(&mut ranges) {
+            self.made += 1;
+            let minor = goals.iter().all(|&nth| all[nth as usize].is_minor());
+            let part = Part { minor, depth, number: self.made, ranges, goals };
+            match self.parts.len() < MOST_PARTS {
+                true => self.parts.push(part),
+                false => self.deep.push(part),
+            }
+        }
+    }
+
+    /// Examines the largest part; returns false when none is left. The goals that may break in it
+    /// stay with its halves.
+    pub fn step(&mut self, goals: &[Goal]) -> bool {
+        let Some(part) = self.deep.pop().or_else(|| self.parts.pop()) else { return false };
+        let open = |nth: &u32| !goals[*nth as usize].is_found();
+        let mut still: Vec<u32> = part.goals.into_iter().filter(open).collect();
+        if still.is_empty() {
+            return true;
+        }
+        self.graph.bounds(&part.ranges, Arithmetic::Permitted, &mut self.bounds);
+        let sites = self.graph.sites();
+        still.retain(|&nth| {
+            let goal = &goals[nth as usize];
+            goal.sites.iter().any(|&site| self.bounds.is_possible(&sites[site]))
+        });
+        if still.is_empty() {
+            return true;
+        }
+        let chosen = self.dimension(&part.ranges, part.depth, &still, goals);
+        match chosen {
+            Some((at, [end, begin])) if self.deep.len() < MOST_PARTS => {
+                let mut upper = part.ranges.clone();
+                let mut lower = part.ranges;
+                (lower[at].high, upper[at].low) = (end, begin);
+                self.push(goals, part.depth + 1, lower, still.clone());
+                self.push(goals, part.depth + 1, upper, still);
+            }
+            _ => self.left.push((part.ranges, still)),
+        }
+        true
+    }
+
+    /// Returns the scalar to divide and where: of those that an operation depends on, the widest.
+    fn dimension(
+        &self,
+        ranges: &[Range],
+        depth: u32,
+        still: &[u32],
+        goals: &[Goal],
+    ) -> Option<(usize, [f64; 2])> {
+        // The goals take turns, first those of undefined results.
+        let of = |minor: bool| -> Vec<&Goal> {
+            let goals = still.iter().map(|&nth| &goals[nth as usize]);
+            goals.filter(|goal| goal.is_minor() == minor).collect()
+        };
+        let [mut major, mut minor] = [of(false), of(true)];
+        for goals in [&mut major, &mut minor] {
+            let turn = depth as usize % goals.len().max(1);
+            goals.rotate_left(turn);
+        }
+        for goal in major.into_iter().chain(minor) {
+            let mut best: Option<(f64, usize, [f64; 2])> = None;
+            for &at in &goal.inputs {
+                let Some(middle) = self.space.middle(at, ranges[at]) else { continue };
+                let (whole, part) = (self.space.root[at], ranges[at]);
+                let wide = width(part) / width(whole).max(f64::MIN_POSITIVE);
+                if best.is_none_or(|(most, _, _)| wide > most) {
+                    best = Some((wide, at, middle));
+                }
+            }
+            if let Some((_, at, middle)) = best {
+                return Some((at, middle));
+            }
+        }
+        None
+    }
+
+    /// Returns the least box around all parts in which a goal is not shown; `None` if there are
+    /// none.
+    pub fn open(&self, goal: u32) -> Option<Vec<Range>> {
+        let parts = self.parts.iter().chain(&self.deep).map(|part| (&part.ranges, &part.goals));
+        let left = self.left.iter().map(|(ranges, goals)| (ranges, goals));
+        let mine = parts.chain(left).filter(|(_, goals)| goals.contains(&goal));
+        mine.map(|(ranges, _)| ranges.clone()).reduce(|mut all, more| {
+            for (range, more) in all.iter_mut().zip(&more) {
+                range.low = range.low.min(more.low);
+                range.high = range.high.max(more.high);
+            }
+            all
+        })
+    }
+
+    /// Returns the middles of the largest parts of a goal, as starting points.
+    pub fn middles(&self, goal: u32, most: usize) -> Vec<Vec<f64>> {
+        let parts = self.parts.iter().filter(|part| part.goals.contains(&goal));
+        let all = parts.map(|part| &part.ranges);
+        let left = self.left.iter().filter(|(_, goals)| goals.contains(&goal));
+        let all = all.chain(left.map(|(ranges, _)| ranges)).take(most);
+        all.map(|ranges| ranges.iter().map(|r| r.low / 2.0 + r.high / 2.0).collect()).collect()
+    }
+}
+
+/// Returns the width of a range, in which each power of two far out counts alike.
+fn width(Range { low, high }: Range) -> f64 {
+    let scale = |x: f64| x.abs().min(1.0) + x.abs().max(1.0).log2();
+    let signed = |x: f64| scale(x) * if x < 0.0 { -1.0 } else { 1.0 };
+    signed(high) - signed(low)
+}

@@ -1,0 +1,117 @@
+//! What is known of the operations that can break, with inputs by path.
+//!
+//! Made from the goals of [`prove`](mod@crate::accuracy::prove); listed by the reports of
+//! `landfall stress` and `landfall prove`.
+
+use super::case::{Case, Writer};
+use super::deadline::Deadline;
+use super::shrink::shrink;
+use crate::accuracy::inputs::domain::Domain;
+use crate::accuracy::inputs::{Input, Sample};
+use crate::accuracy::prove::{Class, Goal, Verdict, class};
+use landfall_exec::interp::graph::Fault;
+use landfall_exec::interp::{SourceLocation, UndefinedKind};
+
+/// What is known of one operation.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// What may happen.
+    pub fault: Fault,
+    /// The operation.
+    pub place: SourceLocation,
+    /// What is known.
+    pub known: Known,
+}
+
+/// What is known of an operation, with inputs by path.
+#[derive(Clone, Debug)]
+pub enum Known {
+    /// It breaks at this input.
+    Found(Box<Case>),
+    /// It breaks nowhere in the domain.
+    Absent,
+    /// It may break where the inputs are from the least to the greatest of these values.
+    Open(Vec<(String, [f64; 2])>),
+}
+
+impl Operation {
+    /// Returns what it means that it breaks.
+    pub fn class(&self) -> Class {
+        class(self.fault)
+    }
+
+    /// Returns the verdict's name in messages and JSON.
+    pub fn verdict(&self) -> &'static str {
+        match self.known {
+            Known::Found(_) => "found",
+            Known::Absent => "absent",
+            Known::Open(_) => "open",
+        }
+    }
+}
+
+/// Returns the number of operations of a class found to break, shown not to, and open.
+pub fn counts(operations: &[Operation], class: Class) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for operation in operations.iter().filter(|operation| operation.class() == class) {
+        match operation.known {
+            Known::Found(_) => counts[0] += 1,
+            Known::Absent => counts[1] += 1,
+            Known::Open(_) => counts[2] += 1,
+        }
+    }
+    counts
+}
+
+/// Returns the operations of a proof in the order of the text.
+pub(in crate::accuracy) fn operations(
+    goals: &[Goal],
+    inputs: &[Input],
+    writer: &Writer<'_>,
+) -> Vec<Operation> {
+    let open = |ranges: &Vec<[f64; 2]>, goal: &Goal| -> Vec<(String, [f64; 2])> {
+        let mine = goal.inputs.iter().filter_map(|&at| {
+            let input = inputs.iter().find(|input| input.range().contains(&at))?;
+            let path = writer.path(at).unwrap_or_else(|| input.path.clone());
+            Some((path, ranges[at]))
+        });
+        mine.collect()
+    };
+    // A division by zero is infinite, too.
+    let is_counted = |goal: &&Goal| {
+        let divides = |other: &Goal| {
+            other.fault == Fault::Undefined(UndefinedKind::DivisionByZero)
+                && other.place.span == goal.place.span
+                && other.verdict != Verdict::Absent
+        };
+        goal.fault != Fault::Undefined(UndefinedKind::BornInfinite) || !goals.iter().any(divides)
+    };
+    let mut all: Vec<Operation> = goals
+        .iter()
+        .filter(is_counted)
+        .map(|goal| Operation {
+            fault: goal.fault,
+            place: goal.place.clone(),
+            known: match &goal.verdict {
+                Verdict::Found(sample) => Known::Found(Box::new(writer.case(sample))),
+                Verdict::Absent => Known::Absent,
+                Verdict::Open(ranges) => Known::Open(open(ranges, goal)),
+            },
+        })
+        .collect();
+    all.sort_by_key(|operation| {
+        let span = operation.place.span;
+        (span.file, span.start, span.end, operation.fault)
+    });
+    all
+}
+
+/// Returns the simplest sample of the domain that still breaks.
+pub(in crate::accuracy) fn simplest(
+    sample: &Sample,
+    inputs: &[Input],
+    domain: &Domain,
+    breaks: impl FnMut(&Sample) -> bool,
+) -> Sample {
+    shrink(sample, inputs, domain, &Deadline::default(), breaks)
+}

@@ -1,0 +1,87 @@
+//! What [`prove`](mod@crate::accuracy::prove) finds and shows, as a part of the search.
+//!
+//! Its inputs are examined with the samples; the report ends with what is known of each operation.
+
+use std::time::Duration;
+
+use super::Request;
+use super::climb::Climbs;
+use super::deadline::Deadline;
+use super::find::{self, Raw};
+use super::generate::Generator;
+use super::kept::{Exemplars, Kept, Why};
+use super::plan::Plan;
+use crate::accuracy::inputs::Inputs;
+use crate::accuracy::inputs::domain::Domain;
+use crate::accuracy::prove::{Goal, Limits, Proof, Verdict, goals};
+use landfall_exec::harness::call::pure::PureFunction;
+use landfall_exec::interp::graph::Fault;
+
+/// The error in units of the last place from which a cancellation is a finding.
+const LOST: f64 = 4096.0;
+
+/// The parts of the domain that are examined: the same on every machine.
+const PARTS: u64 = 1 << 13;
+
+/// The time for the proof if there is no limit.
+const UNHURRIED: Duration = Duration::from_secs(30);
+
+/// The tag of samples that were found so.
+const TAG: u32 = 1 << 23;
+
+/// Returns the findings among kept samples and those that the proof adds, and what is known of each
+/// operation.
+pub(super) fn findings(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    mut exemplars: Exemplars,
+    climbs: &mut Climbs<'_, '_>,
+    request: &Request,
+) -> (Vec<Raw>, Proof) {
+    let proof = proof(pure, generator.inputs, generator.domain, request, &plan.until);
+    let lost = witnesses(&proof.goals, &mut exemplars);
+    let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
+    let plan = Plan { ulp: plan.ulp.min(LOST), ..plan.clone() };
+    let lost = find::findings(pure, generator, &plan, lost, climbs);
+    raws.extend(find::unknown(pure, &raws, lost));
+    (raws, proof)
+}
+
+/// Returns what is known of each operation; nothing of code that is too large to follow.
+fn proof(
+    pure: &PureFunction,
+    inputs: &Inputs,
+    domain: &Domain,
+    request: &Request,
+    until: &Deadline,
+) -> Proof {
+    // Examining the samples needs the rest.
+    let until = until.sooner(until.left().unwrap_or(UNHURRIED) / 4);
+    let is_stopped = || until.is_over();
+    let time = request.time.map_or(UNHURRIED, |time| time / 4);
+    let limits = Limits { time, parts: PARTS, is_stopped: &is_stopped, seed: request.seed };
+    goals(pure, inputs, domain, &limits).unwrap_or_default()
+}
+
+/// Adds the inputs at which operations break to the samples to examine, and returns those at which
+/// differences lose their digits.
+fn witnesses(goals: &[Goal], exemplars: &mut Exemplars) -> Exemplars {
+    let mut lost = Exemplars::default();
+    for (nth, goal) in goals.iter().enumerate() {
+        let Verdict::Found(sample) = &goal.verdict else { continue };
+        let tag = TAG + nth as u32;
+        let kept = Kept { sample: sample.clone(), severity: 0.0, at: (usize::MAX, nth) };
+        let span = goal.place.span;
+        match goal.fault {
+            Fault::Undefined(kind) => {
+                exemplars.insert((tag, Why::Undefined(kind, span.file, span.start)), kept);
+            }
+            Fault::Cancellation => {
+                lost.insert((tag, Why::Above), kept);
+            }
+            Fault::Endless | Fault::Unfollowed => {}
+        }
+    }
+    lost
+}

@@ -1,0 +1,78 @@
+//! `landfall prove`: shows that no operation of a function breaks, or finds an input at which one
+//! does.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use landfall::report::prove as print;
+use landfall_exec::harness::call::pure::PureRequest;
+use landfall_exec::interp::Floats;
+use landfall_exec::interp::graph::Rounding;
+use landfall_layout::Error;
+use landfall_layout::source::Files;
+use landfall_light::accuracy::demand::{Demand, ProveRequest, prove};
+
+use crate::args::{ProveArgs, ProveFormat};
+use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
+use crate::run::textures;
+use crate::{data, given, read, watch, write};
+
+pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    let form = match args.format {
+        ProveFormat::Human => FindingForm::Human,
+        ProveFormat::Json => FindingForm::Json,
+    };
+    let style = streams.style(form);
+    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let (source, mut request) = match made {
+        Ok(made) => made,
+        Err(error) => {
+            streams.report(&style.text(&[request_finding(error)], &Files::default()));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    let stop = watch::flag();
+    request.stop = Arc::clone(&stop);
+    let options = read::options(&args.read);
+    given::record(&write::files_of(&source, &options));
+    let proved = match prove(&source, &options, &request) {
+        Ok(proved) => proved,
+        Err(refusal) => {
+            streams.report(&style.text(&refusal.found, &refusal.files));
+            return Ok(Outcome::CouldNot);
+        }
+    };
+    let listed = if args.all { print::Listed::All } else { print::Listed::Few };
+    match args.format {
+        ProveFormat::Human => streams.product(&print::text(&proved, listed, streams.paint))?,
+        ProveFormat::Json => streams.json(&print::json(&proved))?,
+    }
+    Ok(match (proved.is_shown(), stop.load(Ordering::Relaxed)) {
+        (true, _) => Outcome::Clean,
+        (false, true) => Outcome::Interrupted,
+        (false, false) => Outcome::Findings,
+    })
+}
+
+fn request(args: &ProveArgs) -> Result<ProveRequest, Error> {
+    let domain = match &args.domain {
+        None => None,
+        Some(text) => Some(data::file_or_value("--domain", text)?),
+    };
+    let flags = [(args.no_nan, Demand::NoNan), (args.no_inf, Demand::NoInfinity)];
+    let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, demand)| demand);
+    let limits = [args.max_ulp.map(Demand::MaxUlp), args.max_step.map(Demand::MaxStep)];
+    Ok(ProveRequest {
+        pure: PureRequest {
+            function: args.function.clone(),
+            data: data::blocks(args.data.as_deref())?,
+            textures: textures(&args.textures)?,
+            floats: Floats::AsWritten,
+        },
+        domain,
+        demands: flags.chain(limits.into_iter().flatten()).collect(),
+        rounding: if args.f64 { Rounding::Double } else { Rounding::Permitted },
+        time: args.time,
+        ..ProveRequest::default()
+    })
+}

@@ -1,0 +1,115 @@
+//! The report of `landfall prove`: what is known of each operation, and of each demand.
+//!
+//! Formats the data of [`accuracy::demand`](landfall_light::accuracy::demand); the report of
+//! `landfall stress` ends with the same counts.
+
+mod json;
+
+use std::fmt::Write as _;
+
+pub use self::json::{OperationObject, json, operations};
+pub use super::schema::PROVE_SCHEMA;
+use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
+use landfall_layout::format::phrases;
+use landfall_layout::source::Files;
+use landfall_layout::text::escape;
+use landfall_light::accuracy::demand::{ProveReport, Shown};
+use landfall_light::accuracy::prove::Class;
+use landfall_light::accuracy::stress::messages::{figure, number};
+use landfall_light::accuracy::stress::{Known, Operation, counts};
+
+/// Which operations are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listed {
+    /// Those that break, or may break, with an undefined result.
+    Few,
+    /// Every operation.
+    All,
+}
+
+/// Returns the text: the operations, the counts, the demands.
+pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
+    let mut text = String::new();
+    let path = paint.text(FAINT, &escape::name(&proved.path));
+    let _ = writeln!(text, "{}  {path}", paint.text(STRONG, &proved.function));
+    if proved.too_large {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, "the code is too large to follow"));
+    }
+    let shown = proved.operations.iter().filter(|operation| match listed {
+        Listed::All => true,
+        Listed::Few => {
+            operation.class() == Class::Undefined && !matches!(operation.known, Known::Absent)
+        }
+    });
+    for operation in shown {
+        let _ = writeln!(text, "  {}", line(operation, &proved.files, paint));
+    }
+    for count in summary(&proved.operations) {
+        let _ = writeln!(text, "  {count}");
+    }
+    if let Some(bound) = &proved.error {
+        let [absolute, ulp, steps] = [bound.absolute, bound.ulp, bound.steps].map(figure);
+        let _ = writeln!(text, "  error at most {absolute}, {ulp} ULP, {steps} steps");
+    }
+    for (demand, shown) in &proved.demands {
+        let name = demand.name();
+        let _ = match shown {
+            Shown::Shown => writeln!(text, "  {name}: shown on every conformant device"),
+            Shown::Open => {
+                writeln!(text, "  {}", paint.text(CAUTION, &format!("{name}: not shown")))
+            }
+            Shown::Broken(case) => {
+                let line = format!("{name}: broken with {}", case.shown());
+                writeln!(text, "  {}", paint.text(CAUTION, &line))
+            }
+        };
+    }
+    for note in &proved.notes {
+        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+    }
+    text
+}
+
+/// Returns one operation with its input or the box that is left.
+fn line(operation: &Operation, files: &Files, paint: Paint) -> String {
+    let excerpt = files.text(operation.place.span).lines().next().unwrap_or_default().trim();
+    let head = format!("{:6}  {}: {}", operation.verdict(), operation.place.shown, operation.fault);
+    let excerpt = escape::name(excerpt);
+    let rest = match &operation.known {
+        Known::Found(case) => format!(" in `{excerpt}` with {}", case.shown()),
+        Known::Absent => format!(" in `{excerpt}`"),
+        Known::Open(ranges) => {
+            let each = ranges.iter().map(|(path, [low, high])| {
+                format!("{path} from {} to {}", number(*low), number(*high))
+            });
+            let each: Vec<String> = each.collect();
+            match each.is_empty() {
+                true => format!(" in `{excerpt}`"),
+                false => format!(" in `{excerpt}` where {}", each.join(", ")),
+            }
+        }
+    };
+    match operation.known {
+        Known::Absent => paint.text(FAINT, &(head + &rest)),
+        Known::Found(_) | Known::Open(_) => head + &rest,
+    }
+}
+
+/// Returns the counts of operations found to break, shown not to, and open: one line for each class
+/// with any.
+pub fn summary(operations: &[Operation]) -> Vec<String> {
+    let line = |class: Class, noun: &str, can: &str| {
+        let [found, absent, open] = counts(operations, class);
+        let all = phrases::counted(found + absent + open, noun);
+        format!("{all} can {can}: {found} found, {absent} proved absent, {open} open")
+    };
+    let mut lines = vec![line(Class::Undefined, "operation", "break")];
+    if counts(operations, Class::Accuracy) != [0; 3] {
+        lines.push(line(Class::Accuracy, "subtraction", "cancel"));
+    }
+    let [found, _, open] = counts(operations, Class::Magnitude);
+    if found + open > 0 {
+        lines.push(line(Class::Magnitude, "operation", "leave the range of an f32"));
+    }
+    lines
+}

@@ -1,0 +1,151 @@
+//! The JSON report of a proof.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use landfall_layout::format::SCHEMA_VERSION;
+use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::source::Files;
+use landfall_light::accuracy::demand::{ProveReport, Shown};
+use landfall_light::accuracy::prove::Class;
+use landfall_light::accuracy::stress::{Case, Known, Operation, command};
+
+#[derive(Serialize)]
+struct Object<'a> {
+    schema_version: u32,
+    tool: Tool,
+    path: &'a str,
+    function: &'a str,
+    inputs: Vec<InputObject<'a>>,
+    parts: u64,
+    too_large: bool,
+    operations: Vec<OperationObject>,
+    error: Option<ErrorObject>,
+    demands: Vec<DemandObject>,
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct InputObject<'a> {
+    path: &'a str,
+    domain: &'a str,
+}
+
+/// What is known of one operation.
+#[derive(Serialize)]
+pub struct OperationObject {
+    fault: &'static str,
+    class: &'static str,
+    verdict: &'static str,
+    function: String,
+    path: String,
+    line: u32,
+    column: u32,
+    excerpt: String,
+    input: Option<Value>,
+    command: Option<String>,
+    open: Option<Value>,
+}
+
+#[derive(Serialize)]
+struct ErrorObject {
+    absolute: Option<f64>,
+    ulp: Option<f64>,
+    steps: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct DemandObject {
+    demand: &'static str,
+    verdict: &'static str,
+    input: Option<Value>,
+    command: Option<String>,
+}
+
+/// Returns the report as JSON, in the form of `landfall schema prove`.
+pub fn json(proved: &ProveReport) -> String {
+    let inputs = proved.inputs.iter();
+    let object = Object {
+        schema_version: SCHEMA_VERSION,
+        tool: Tool::LANDFALL,
+        path: &proved.path,
+        function: &proved.function,
+        inputs: inputs.map(|(input, domain)| InputObject { path: &input.path, domain }).collect(),
+        parts: proved.parts,
+        too_large: proved.too_large,
+        operations: operations(&proved.operations, &proved.files),
+        error: proved.error.as_ref().map(|bound| ErrorObject {
+            absolute: finite(bound.absolute),
+            ulp: finite(bound.ulp),
+            steps: finite(bound.steps),
+        }),
+        demands: proved
+            .demands
+            .iter()
+            .map(|(demand, shown)| {
+                let case = match shown {
+                    Shown::Broken(case) => Some(case),
+                    Shown::Shown | Shown::Open => None,
+                };
+                DemandObject {
+                    demand: demand.name(),
+                    verdict: match shown {
+                        Shown::Shown => "shown",
+                        Shown::Broken(_) => "broken",
+                        Shown::Open => "open",
+                    },
+                    input: case.map(|case| input(case)),
+                    command: case.map(|case| command(&case.arguments)),
+                }
+            })
+            .collect(),
+        notes: &proved.notes,
+    };
+    format!("{}\n", to_lines(&object, 0))
+}
+
+/// Returns what is known of each operation.
+pub fn operations(operations: &[Operation], files: &Files) -> Vec<OperationObject> {
+    let each = operations.iter().map(|operation| {
+        let place = files.locate(operation.place.span);
+        let case = match &operation.known {
+            Known::Found(case) => Some(case),
+            Known::Absent | Known::Open(_) => None,
+        };
+        OperationObject {
+            fault: operation.fault.text(),
+            class: match operation.class() {
+                Class::Undefined => "undefined",
+                Class::Accuracy => "accuracy",
+                Class::Magnitude => "magnitude",
+            },
+            verdict: operation.verdict(),
+            function: operation.place.function.clone(),
+            path: place.path,
+            line: place.line,
+            column: place.column,
+            excerpt: files.text(operation.place.span).to_string(),
+            input: case.map(|case| input(case)),
+            command: case.map(|case| command(&case.arguments)),
+            open: match &operation.known {
+                Known::Open(ranges) => {
+                    let ranges =
+                        ranges.iter().map(|(path, ends)| (path.clone(), ends.to_vec().into()));
+                    Some(Value::Object(ranges.collect()))
+                }
+                Known::Found(_) | Known::Absent => None,
+            },
+        }
+    });
+    each.collect()
+}
+
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+fn input(case: &Case) -> Value {
+    let inputs = case.inputs.iter();
+    let value = |text: &str| serde_json::from_str(text).unwrap_or(Value::Null);
+    Value::Object(inputs.map(|(path, text)| (path.clone(), value(text))).collect())
+}

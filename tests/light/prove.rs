@@ -1,0 +1,118 @@
+//! Proofs: functions with a known singular set are found to break at their lines, their mended twins
+//! are shown not to; no value lies outside of its bounds.
+
+mod bounds;
+mod command;
+mod functions;
+mod soundness;
+
+use std::time::Duration;
+
+use landfall_exec::harness::call::pure::PureRequest;
+use landfall_layout::{Options, Source};
+use landfall_light::accuracy::demand::{ProveReport, ProveRequest, prove};
+use landfall_light::accuracy::prove::Class;
+use landfall_light::accuracy::stress::{Known as Verdict, Operation};
+
+/// A fragment shader with a function.
+fn fragment(code: &str) -> Source {
+    Source::new("f.frag", format!("#version 450\n{code}\nvoid main() {{}}\n"))
+}
+
+/// Proves the function `f`, by a number of parts that is the same on every machine.
+fn run(code: &str, domain: &str) -> ProveReport {
+    let request = ProveRequest {
+        pure: PureRequest { function: "f".to_string(), ..PureRequest::default() },
+        domain: Some(serde_json::from_str(domain).expect("the test's domain is JSON")),
+        time: Duration::from_secs(600),
+        parts: 1 << 15,
+        ..ProveRequest::default()
+    };
+    prove(&fragment(code), &Options::default(), &request)
+        .unwrap_or_else(|refusal| panic!("{code}: {:?}", refusal.found))
+}
+
+/// The lines and faults found, without numbers out of range.
+fn found(report: &ProveReport) -> Vec<(u32, &'static str)> {
+    let is_found = |verdict: &Verdict| matches!(verdict, Verdict::Found(_));
+    let broken = report.operations.iter().filter(|operation| is_found(&operation.known));
+    let line = |operation: &Operation| {
+        (report.files.locate(operation.place.span).line, operation.fault.text())
+    };
+    let mut all: Vec<_> = broken.map(line).collect();
+    all.dedup();
+    all
+}
+
+#[test]
+fn known_singular_sets_are_found_at_their_lines() {
+    for known in functions::all() {
+        let report = run(known.code, known.domain);
+        let found = found(&report);
+        for (number, line) in known.code.lines().enumerate() {
+            let Some((_, fault)) = line.split_once("// ") else { continue };
+            // After the line of the version.
+            let expected = (number as u32 + 2, fault);
+            assert!(found.contains(&expected), "{}: {expected:?} is not in {found:?}", known.name);
+        }
+    }
+}
+
+#[test]
+fn mended_twins_are_shown_not_to_break() {
+    for known in functions::all() {
+        let report = run(known.twin, known.domain);
+        let undefined = |class: Class| matches!(class, Class::Undefined | Class::Accuracy);
+        for operation in report.operations.iter().filter(|o| undefined(o.class())) {
+            let line = report.files.locate(operation.place.span).line;
+            let what = format!("{}: line {line}: {}", known.name, operation.fault);
+            assert!(!matches!(operation.known, Verdict::Found(_)), "{what}: {:?}", operation.known);
+            if operation.class() == Class::Undefined {
+                assert!(
+                    matches!(operation.known, Verdict::Absent),
+                    "{what}: {:?}",
+                    operation.known
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_input_that_is_found_breaks_the_function_when_it_is_run() {
+    let report = run("float f(vec3 d) {\n    return 1.0 / d.x;\n}", r#"{"d": "unit"}"#);
+    let Verdict::Found(case) = &report.operations[0].known else {
+        panic!("{:?}", report.operations[0].known);
+    };
+    assert!(case.results[0].single.is_infinite(), "{case:?}");
+}
+
+#[test]
+fn a_branch_excludes_what_it_tests() {
+    let guarded = "float f(float a, float b) {
+    if (a * a - b < 0.0) return -1.0;
+    return a - sqrt(a * a - b);
+}";
+    let report = run(guarded, r#"{"a": [-10, 10], "b": [-10, 10]}"#);
+    let root = report.operations.iter().find(|o| o.fault.text() == "root of a negative number");
+    assert!(matches!(root.map(|root| &root.known), Some(Verdict::Absent)), "{root:?}");
+}
+
+#[test]
+fn loops_are_followed_up_to_their_bound() {
+    let summed = "float f(int n, float x) {
+    float sum = 1.0;
+    for (int i = 0; i < n; i++) {
+        sum += x * float(i);
+    }
+    return 1.0 / sum;
+}";
+    let report = run(summed, r#"{"n": [0, 12], "x": [0, 1]}"#);
+    assert!(report.operations.iter().all(|o| !matches!(o.known, Verdict::Found(_))));
+    let division = report.operations.iter().find(|o| o.fault.text() == "division by zero");
+    assert!(matches!(division.map(|d| &d.known), Some(Verdict::Absent)), "{division:?}");
+    // More iterations than are followed are not called proved.
+    let report = run(summed, r#"{"n": [0, 100000], "x": [0, 1]}"#);
+    let left = report.operations.iter().find(|o| o.fault.text() == "loop of many iterations");
+    assert!(matches!(left.map(|left| &left.known), Some(Verdict::Open(_))), "{left:?}");
+}

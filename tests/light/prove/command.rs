@@ -1,0 +1,65 @@
+//! `landfall prove` as a process.
+
+use snapbox::str;
+
+use crate::support::command::Place;
+
+const AXIS: &str = "#version 450
+float f(vec3 d) {
+    return 1.0 / d.x;
+}
+float g(vec3 d) {
+    return 1.0 / (abs(d.x) + 0.001);
+}
+void main() {}
+";
+
+#[test]
+fn a_demand_that_is_broken_exits_with_1() {
+    let place = Place::new("prove-broken");
+    place.write("axis.frag", AXIS);
+    let domain = "{\"d\": \"unit\"}";
+    place
+        .run(&["prove", "axis.frag", "--fn", "f", "--domain", domain, "--no-inf"])
+        .code(1)
+        .stdout_eq(str![[r#"
+f(vec3)  axis.frag
+  found   axis.frag:3:12: division by zero in `1.0 / d.x` with d = (0, 0, 1)
+  1 operation can break: 1 found, 0 proved absent, 0 open
+  no-inf: broken with d = (0, 0, 1)
+
+"#]])
+        .stderr_eq("");
+}
+
+#[test]
+fn a_demand_that_is_shown_exits_with_0() {
+    let place = Place::new("prove-shown");
+    place.write("axis.frag", AXIS);
+    let domain = "{\"d\": \"unit\"}";
+    place
+        .run(&["prove", "axis.frag", "--fn", "g", "--domain", domain, "--no-inf", "--no-nan"])
+        .code(0)
+        .stdout_eq(str![[r#"
+g(vec3)  axis.frag
+  1 operation can break: 0 found, 1 proved absent, 0 open
+  no-nan: shown on every conformant device
+  no-inf: shown on every conformant device
+
+"#]])
+        .stderr_eq("");
+}
+
+#[test]
+fn a_function_that_is_missing_exits_with_2() {
+    let place = Place::new("prove-missing");
+    place.write("axis.frag", AXIS);
+    place.run(&["prove", "axis.frag", "--fn", "h"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[unknown-function]: the shader has no function `h`
+ --> axis.frag
+  |
+  = help: did you mean `f`? its functions are `f(vec3)`, `g(vec3)`
+
+
+"#]]);
+}
