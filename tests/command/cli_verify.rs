@@ -305,8 +305,8 @@ fn es_shaders_are_read_on_the_driver() {
              void main() {{ o = vec4(u.l[1].p + u.m[0] * tint, u.w[2]); }}\n"
         )
     };
-    folder.write("a.frag", &fragment("L l[4]; mat3 m; float w[3];"));
-    folder.write("swapped.frag", &fragment("mat3 m; L l[4]; float w[3];"));
+    folder.write("a.frag", fragment("L l[4]; mat3 m; float w[3];"));
+    folder.write("swapped.frag", fragment("mat3 m; L l[4]; float w[3];"));
     folder.write(
         "b.vert",
         "#version 300 es\nlayout(std140) uniform Camera { mat4 view; vec3 eye; float near; };\n\

@@ -393,6 +393,20 @@ fn single_results_are_what_the_hazards_state() {
     let mirrored = highlight64([0.0, 1.0, 0.0], [-along, -below, 0.0], [1.0, 0.0, 0.0], 32.0);
     stated(Hazard::HighlightFromBehind, format!("{mirrored:.2} bright at a grazing view"));
     stated(Hazard::AmbientPerLight, format!("of 0.05 add up to {:.1}", 128.0 * 0.05));
+    let unit = 2.0f32.powi(-24);
+    assert_eq!((0..500).fold(1.0f32, |sum, _| sum + unit), 1.0);
+    let sum = 1.0 + 500.0 * f64::from(unit);
+    stated(Hazard::KahanWithoutPrecise, format!("1.0 instead of {sum:.7}"));
+    let moved = |angle: f64| width(3.0 * f64::from(unit), angle);
+    let edge = Hazard::ConeEdge.info().citation;
+    let words = format!("{:.1e} degrees at 12.5 degrees, by {:.1e} at 1", moved(12.5), moved(1.0));
+    assert!(edge.contains(&words), "{words}: {edge}");
+    let above = format!("3 ULP ({:.0e})", 3.0 * f32::EPSILON);
+    holds(Hazard::BaseAboveOne, &[above]);
+    // The share by which a square in f32 differs from the exact one.
+    let lost = |x: f32| (f64::from(x * x) / f64::from(x).powi(2) - 1.0).abs();
+    holds(Hazard::ZeroVector, &["errors begin at lengths of 1e-20".to_string()]);
+    assert!(lost(1.0e-19) < 2.0e-7 && lost(1.0e-20) > 1.0e-6, "{}", lost(1.0e-20));
     let length = |distance: f32| distance / (distance * distance).sqrt();
     let brighter = f64::from(length(1.0e-22)).powi(32);
     stated(Hazard::Underflow, format!("At a distance of 1e-22 a highlight is {brighter:.2} times"));

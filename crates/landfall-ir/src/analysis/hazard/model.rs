@@ -152,8 +152,8 @@ pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "a compiler may simplify the compensation of a sum to 0",
-    why: "(t - s) - y is 0 in real numbers; Mesa returns 1.0 for 1.0000298 where the operations \
-          are not marked `precise`.",
+    why: "(t - s) - y is 0 in real numbers; Mesa adds 2^-24 to 1 five hundred times and returns 1.0 \
+          instead of 1.0000298 where the operations are not marked `precise`.",
     threshold: None,
     robust: "declare the variables `precise`; in WGSL, sum in several lanes, or pairwise",
     citation: "GLSL 4.60 4.9 (`precise`); WGSL 15.7.3 (reassociation is permitted)",
