@@ -2,7 +2,7 @@
 
 use snapbox::str;
 
-use crate::support::command::Place;
+use crate::support::command::{self, Place};
 
 const AXIS: &str = "#version 450
 float f(vec3 d) {
@@ -62,4 +62,13 @@ error[unknown-function]: the shader has no function `h`
 
 
 "#]]);
+}
+
+/// An array of lights has a thousand numbers and half a million pairs of them.
+#[test]
+fn many_inputs_are_searched_within_bounds_of_memory() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/hazards/loop_to_max.wgsl");
+    let prove = ["prove", file, "--fn", "lit", "--time", "0.2", "--max-memory", "1024"];
+    let ran = command::run(&prove);
+    assert_eq!(ran.code, 1, "{}", ran.err);
 }

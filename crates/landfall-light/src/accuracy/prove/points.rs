@@ -14,6 +14,9 @@ const CORNERS: usize = 1 << 9;
 const BASES: [usize; 2] = [24, 3];
 const VARIED: usize = 1 << 11;
 
+/// About the most variations of one point; of more, as with arrays of lights, some are drawn.
+const MOST_VARIATIONS: usize = 1 << 13;
+
 /// Points drawn at random.
 const RANDOM: usize = 256;
 
@@ -44,7 +47,7 @@ pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
     let before = all.len();
     for nth in 0..most {
         let base = anywhere(space, random, nth == 0);
-        vary(space, &base, &mut all);
+        vary(space, &base, random, &mut all);
         all.push(base);
         if nth + 1 >= fewest && all.len() - before >= VARIED {
             break;
@@ -83,10 +86,17 @@ fn anywhere(space: &Space<'_>, random: &mut Random, middle: bool) -> Sample {
 }
 
 /// Adds variations of a point: each input at its ends, at zero, along axes, equal to another one.
-fn vary(space: &Space<'_>, base: &Sample, all: &mut Vec<Sample>) {
+fn vary(space: &Space<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sample>) {
+    // Each input has up to 33 variations of its own, and two for each other input.
+    let inputs = space.inputs.len();
+    let share = MOST_VARIATIONS as f64 / (inputs * (inputs + 33)).max(1) as f64;
+    let mut is_drawn = || share >= 1.0 || random.chance(share);
     for (nth, input) in space.inputs.iter().enumerate() {
         let within = space.domain.within[nth];
         let mut with = |value: &dyn Fn(usize) -> f64| {
+            if !is_drawn() {
+                return;
+            }
             let mut sample = base.clone();
             for (i, at) in input.range().enumerate() {
                 sample[at] = space.word(at, value(i));
@@ -111,6 +121,9 @@ fn vary(space: &Space<'_>, base: &Sample, all: &mut Vec<Sample>) {
         }
         for at in input.range().filter(|_| input.len > 1) {
             for x in [space.root[at].low, space.root[at].high, 0.0] {
+                if !is_drawn() {
+                    continue;
+                }
                 let mut sample = base.clone();
                 sample[at] = space.word(at, x);
                 all.push(sample);
@@ -121,6 +134,9 @@ fn vary(space: &Space<'_>, base: &Sample, all: &mut Vec<Sample>) {
                 continue;
             }
             for flip in [0, 1u64 << 31] {
+                if !is_drawn() {
+                    continue;
+                }
                 let mut sample = base.clone();
                 for (to, from) in other.range().zip(input.range()) {
                     sample[to] = sample[from] ^ if input.is_float() { flip } else { 0 };
