@@ -30,6 +30,36 @@ fn doubling() -> String {
     )
 }
 
+/// A loop of as many turns as its input says.
+const TURNS: &str = "#version 450
+float turns(vec3 p, int count) {
+    float sum = 0.0;
+    for (int i = 0; i < count; i++) {
+        sum += 1.0 / (dot(p, p) - float(i));
+    }
+    return sum / sqrt(p.x - p.y);
+}
+void main() {}
+";
+
+/// A function of an array of lights.
+const LIGHTS: &str = "#version 450
+struct Light { vec3 position; float range; vec3 direction; float cutoff; vec3 color; float power; };
+layout(std140, binding = 0) uniform Scene { Light lights[64]; int count; } scene;
+vec3 lit(vec3 p, vec3 n) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 64; i++) {
+        Light light = scene.lights[i];
+        vec3 to = light.position - p;
+        float cone = dot(normalize(to), light.direction) - light.cutoff;
+        float falloff = pow(cone, light.power) / (dot(to, to) * light.range);
+        sum += light.color * falloff * max(dot(normalize(n), normalize(to)), 0.0);
+    }
+    return sum;
+}
+void main() {}
+";
+
 const SCENE: &str = r#"{
   "size": [640, 480],
   "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 60},
@@ -55,6 +85,8 @@ fn folder(name: &str) -> PathBuf {
     put("big.frag", &block_of(400_000));
     put("members.frag", &block_of(12_000));
     put("deep.frag", &doubling());
+    put("turns.frag", TURNS);
+    put("lights.frag", LIGHTS);
     let face = "f 1 2 3\n".repeat(400_000);
     put("mesh.obj", &format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}"));
     put("scene.json", SCENE);
@@ -78,6 +110,11 @@ fn commands() -> Vec<Vec<&'static str>> {
         "verify tree --backend gpu",
         "run deep.frag --fn f26 --args [1] --backend cpu",
         "stress deep.frag --fn f26",
+        "stress turns.frag --fn turns --samples 100000000",
+        "prove turns.frag --fn turns --time 30",
+        "prove turns.frag --fn turns --max-ulp 0.1 --time 30",
+        "prove lights.frag --fn lit --time 30",
+        "prove lights.frag --fn lit --f64 --time 30",
         "bench deep.frag --fn f26",
         "render scene.json --reference --model multi --out picture.png",
         "lights tree",

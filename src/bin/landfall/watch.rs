@@ -30,9 +30,9 @@ const MEMORY_EVERY: u32 = 3;
 /// Time that a command has to end on its own after Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Time that `stress` has to write the report of its samples after Ctrl-C.
+/// Processor time that `stress` and `prove` have to report what they found after Ctrl-C.
 #[cfg(feature = "exec")]
-const REPORT_PATIENCE: Duration = Duration::from_secs(5);
+const REPORT_PATIENCE: Duration = Duration::from_millis(400);
 
 /// Time that the output collected so far has to reach its reader.
 const FLUSH: Duration = Duration::from_millis(100);
@@ -83,16 +83,16 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if flag::register_conditional_default(SIGINT, Arc::clone(&stop)).is_ok() {
         let _ = flag::register(SIGINT, Arc::clone(&stop));
     }
-    let (own_time, patience) = match command {
+    let (own_time, wait): (Duration, fn()) = match command {
         #[cfg(feature = "exec")]
-        Command::Stress(args) => (args.time.saturating_mul(2), REPORT_PATIENCE),
+        Command::Stress(args) => (args.time.saturating_mul(2), wait_for_report),
         #[cfg(feature = "exec")]
-        Command::Prove(args) => (args.time.saturating_mul(2), REPORT_PATIENCE),
-        _ => (Duration::ZERO, PATIENCE),
+        Command::Prove(args) => (args.time.saturating_mul(2), wait_for_report),
+        _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
     let watch = Watch {
         stop,
-        patience,
+        wait,
         time: budget.max_time.unwrap_or(TIME.max(own_time)),
         memory: budget.max_memory.saturating_mul(1 << 20),
         style: streams.style(FindingForm::Human),
@@ -102,9 +102,19 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     let _ = thread::Builder::new().name("watch".to_string()).spawn(move || watch.run());
 }
 
+/// On a busy machine, what was found takes longer to write.
+#[cfg(feature = "exec")]
+fn wait_for_report() {
+    let since = landfall_exec::processor::Stopwatch::start();
+    while since.elapsed() < REPORT_PATIENCE {
+        thread::sleep(INTERVAL);
+    }
+}
+
 struct Watch {
     stop: Arc<AtomicBool>,
-    patience: Duration,
+    /// Waits until the command had its time to end on its own.
+    wait: fn(),
     time: Duration,
     /// In bytes.
     memory: u64,
@@ -118,7 +128,7 @@ impl Watch {
         for look in 1u32.. {
             thread::sleep(INTERVAL);
             if self.stop.load(Ordering::Relaxed) {
-                thread::sleep(self.patience);
+                (self.wait)();
                 self.end(INTERRUPTED);
             }
             if began.elapsed() > self.time {

@@ -4,7 +4,7 @@
 //! report of `landfall prove`.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use serde_json::Value;
@@ -153,21 +153,20 @@ pub fn prove(
     let inputs = matched::shared(&pure, &[]);
     let json = request.domain.as_ref();
     let domain = super::inputs::domain(source, &pure, &inputs, json).map_err(refused)?;
-    let is_stopped = || request.stop.load(Ordering::Relaxed);
     // The search and each bound of an error take turns.
     let bounds = request.demands.iter().filter(|demand| demand.limit().is_some()).count();
     let turns = 1 + bounds as u32 + u32::from(request.rounding == Rounding::Double);
     let limits = Limits {
         time: request.time / turns,
         parts: request.parts,
-        is_stopped: &is_stopped,
+        stop: Arc::clone(&request.stop),
         seed: request.seed,
     };
     let found = goals(&pure, &inputs, &domain, &limits);
     let writer = Writer::new(source, options, &request.pure, &pure, &inputs);
     let too_large = found.is_none();
     let mut proof = found.unwrap_or_default();
-    simplify(&mut proof, &pure, &inputs, &domain);
+    simplify(&mut proof, &pure, &inputs, &domain, &request.stop);
     let wanted = match request.demands.as_slice() {
         [] => vec![Demand::NoFault],
         demands => demands.to_vec(),
@@ -206,19 +205,25 @@ pub fn prove(
     })
 }
 
-/// Simplifies the inputs that were found.
-fn simplify(proof: &mut Proof, pure: &PureFunction, inputs: &[Input], domain: &Domain) {
+/// Simplifies the inputs that were found, until the caller stops it.
+fn simplify(
+    proof: &mut Proof,
+    pure: &PureFunction,
+    inputs: &[Input],
+    domain: &Domain,
+    stop: &Arc<AtomicBool>,
+) {
     for nth in 0..proof.goals.len() {
         let goal = &proof.goals[nth];
         if let (Verdict::Found(sample), Fault::Undefined(_)) = (&goal.verdict, goal.fault) {
             let breaks = |sample: &Sample| prove::breaks(pure, goal, sample);
-            let simple = simplest(sample, inputs, domain, breaks);
+            let simple = simplest(sample, inputs, domain, stop, breaks);
             proof.goals[nth].verdict = Verdict::Found(simple);
         }
     }
     let simple = |sample: &mut Sample, is: fn(f32) -> bool| {
         let breaks = |sample: &Sample| prove::results(pure, sample, is);
-        *sample = simplest(sample, inputs, domain, breaks);
+        *sample = simplest(sample, inputs, domain, stop, breaks);
     };
     if let Some(sample) = &mut proof.nan {
         simple(sample, f32::is_nan);

@@ -13,6 +13,8 @@ mod split;
 pub use errors::ErrorBound;
 pub(super) use errors::{Measure, bound};
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::inputs::domain::Domain;
@@ -91,14 +93,24 @@ impl Goal {
 
 /// The time that a search may take.
 #[derive(Clone)]
-pub(super) struct Limits<'a> {
+pub(super) struct Limits {
     /// The processor time.
     pub time: Duration,
     /// The most parts of the box that are examined.
     pub parts: u64,
-    /// Whether the caller gave up.
-    pub is_stopped: &'a dyn Fn() -> bool,
+    /// Set by the caller to give up.
+    pub stop: Arc<AtomicBool>,
     pub seed: u64,
+}
+
+impl Limits {
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn is_over(&self, began: &Stopwatch) -> bool {
+        self.is_stopped() || began.elapsed() >= self.time
+    }
 }
 
 /// The error in units of the last place from which a cancellation counts as found.
@@ -131,14 +143,14 @@ pub(super) fn goals(
     pure: &PureFunction,
     inputs: &Inputs,
     domain: &Domain,
-    limits: &Limits<'_>,
+    limits: &Limits,
 ) -> Option<Proof> {
     let began = Stopwatch::start();
     let space = Space::new(inputs, domain);
     let graph = pure.graph(&space.root, &space.units)?;
-    let over = || began.elapsed() >= limits.time || (limits.is_stopped)();
+    let over = || limits.is_over(&began);
     let (space, graph) = (&space, &graph);
-    let confirm = Confirm { pure, inputs, space, graph, time: limits.time, is_over: &over };
+    let confirm = Confirm { pure, inputs, space, graph, limits, began: &began };
     let mut proof = Proof { goals: grouped(graph, pure, space), ..Proof::default() };
     let mut split = Split::new(space, graph, &proof.goals);
     // What the first look at the whole box excludes needs no search.
@@ -146,11 +158,12 @@ pub(super) fn goals(
         return Some(settled(proof, &split));
     }
     let mut random = Random::new(limits.seed, 17);
-    let mut scratch = Scratch { bounds: Bounds::default(), point: Vec::new(), left: 0 };
-    let first = points::first(space, &mut random);
+    let mut scratch =
+        Scratch { bounds: Bounds::default(), point: Vec::new(), left: 0, stop: &limits.stop };
+    let first = points::first(space, &mut random, &limits.stop);
     confirm.points(&first, &mut proof, &mut scratch);
     for nth in 0..proof.goals.len() {
-        if proof.goals[nth].is_found() || split.open(nth as u32).is_none() || over() {
+        if proof.goals[nth].is_found() || !split.is_open(nth as u32) || over() {
             continue;
         }
         let mut near = Vec::new();
@@ -165,7 +178,7 @@ pub(super) fn goals(
     'dividing: loop {
         for _ in 0..EACH {
             proof.parts += 1;
-            if !split.step(&proof.goals) {
+            if limits.is_stopped() || !split.step(&proof.goals) {
                 break 'dividing;
             }
         }
@@ -177,7 +190,7 @@ pub(super) fn goals(
             again *= 4;
             for nth in 0..proof.goals.len() {
                 let goal = &proof.goals[nth];
-                if !goal.is_found() {
+                if !goal.is_found() && !over() {
                     let with = (&mut random, &mut scratch);
                     let near = around(space, graph, goal, &split, nth, with);
                     confirm.points(&near, &mut proof, &mut scratch);
@@ -195,7 +208,7 @@ fn around(
     goal: &Goal,
     split: &Split<'_>,
     nth: usize,
-    (random, scratch): (&mut Random, &mut Scratch),
+    (random, scratch): (&mut Random, &mut Scratch<'_>),
 ) -> Vec<Sample> {
     let mut starts: Vec<Sample> = Vec::new();
     for middle in split.middles(nth as u32, 24) {
@@ -245,8 +258,9 @@ fn grouped(graph: &Graph, pure: &PureFunction, space: &Space<'_>) -> Vec<Goal> {
 
 /// Gives each goal without an input its verdict.
 fn settled(mut proof: Proof, split: &Split<'_>) -> Proof {
-    for (nth, goal) in proof.goals.iter_mut().enumerate() {
-        if let (false, Some(open)) = (goal.is_found(), split.open(nth as u32)) {
+    let open = split.open(proof.goals.len());
+    for (goal, open) in proof.goals.iter_mut().zip(open) {
+        if let (false, Some(open)) = (goal.is_found(), open) {
             goal.verdict = Verdict::Open(open.iter().map(|r| [r.low, r.high]).collect());
         }
     }
@@ -262,16 +276,15 @@ struct Confirm<'c> {
     inputs: &'c Inputs,
     space: &'c Space<'c>,
     graph: &'c Graph,
-    /// The time that a call may take.
-    time: Duration,
-    is_over: &'c dyn Fn() -> bool,
+    limits: &'c Limits,
+    began: &'c Stopwatch,
 }
 
 impl Confirm<'_> {
     /// Runs points and notes the goals that they meet.
-    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch<'_>) {
         for some in points.chunks(LANES) {
-            if (self.is_over)() {
+            if self.limits.is_over(self.began) {
                 return;
             }
             self.undefined(some, proof);
@@ -281,8 +294,9 @@ impl Confirm<'_> {
 
     fn settings(&self) -> Settings {
         // The interpreter checks the time within a call.
-        let deadline = Instant::now().checked_add(self.time);
-        Settings { threads: 1, budget: TURNS, deadline, ..Settings::default() }
+        let deadline = Instant::now().checked_add(self.limits.time);
+        let stop = Some(Arc::clone(&self.limits.stop));
+        Settings { threads: 1, budget: TURNS, deadline, stop, ..Settings::default() }
     }
 
     /// Notes operations without a defined value, as an `f32` execution meets them.
@@ -319,7 +333,7 @@ impl Confirm<'_> {
 
     /// Notes the largest errors, and cancellations with a large error in the result that the inputs' own rounding does not
     /// explain.
-    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
+    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch<'_>) {
         let settings = Settings { precision: Precision::Both, ..self.settings() };
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
         let floats = floats(self.pure);
@@ -330,7 +344,7 @@ impl Confirm<'_> {
                     *worst = Some((by, sample.clone()));
                 }
             }
-            if off.ulp <= LOST {
+            if off.ulp <= LOST || self.limits.is_stopped() {
                 continue;
             }
             self.space.point(sample, &mut scratch.point);

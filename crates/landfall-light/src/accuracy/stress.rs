@@ -208,8 +208,9 @@ pub fn stress(
         tally.merge(&climbs.tally);
     }
     drivers.flush();
-    // Reported samples are run again one by one, regardless of the time limit.
-    let writing = Plan { until: Deadline::default(), ..plan.clone() };
+    // Reported samples are run again one by one, regardless of limits.
+    let until = Deadline::after(None, &request.stop).with_grace(Duration::MAX);
+    let writing = Plan { until, ..plan.clone() };
     Ok(report::report(report::ReportParts {
         source,
         options,
@@ -226,7 +227,7 @@ pub fn stress(
         drivers,
         endless,
         every,
-        stopped: sampled.stopped || until.is_stopped(),
+        stopped: sampled.stopped || plan.until.is_stopped(),
         rate: ran as f64 / sampling.as_secs_f64().max(1.0e-9),
         threads,
         seconds: began.elapsed().as_secs_f64(),

@@ -96,7 +96,7 @@ pub(in crate::accuracy) fn bound(
     pure: &PureFunction,
     inputs: &Inputs,
     domain: &Domain,
-    limits: &Limits<'_>,
+    limits: &Limits,
     (rounding, measure, enough): (Rounding, Measure, f64),
 ) -> Option<ErrorBound> {
     let began = Stopwatch::start();
@@ -119,8 +119,8 @@ pub(in crate::accuracy) fn bound(
     let mut done = NONE;
     let mut count = 0u64;
     while let Some(part) = parts.pop() {
-        let over = count % 64 == 63
-            && (began.elapsed() >= limits.time || (limits.is_stopped)() || count >= limits.parts);
+        let over = limits.is_stopped()
+            || count % 64 == 63 && (limits.is_over(&began) || count >= limits.parts);
         count += 1;
         let widest = (0..part.ranges.len()).filter_map(|at| {
             let [end, begin] = space.middle(at, part.ranges[at])?;

@@ -1,6 +1,8 @@
 //! Points at which operations are likely to break: corners, faces, axes, equal inputs, zeros, and
 //! what a descent on the operands finds.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::super::inputs::domain::ValueRange;
 use super::super::inputs::input::Sample;
 use super::super::inputs::random::Random;
@@ -20,8 +22,9 @@ const MOST_VARIATIONS: usize = 1 << 13;
 /// Points drawn at random.
 const RANDOM: usize = 256;
 
-/// Returns the points to try first.
-pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
+/// Returns the points to try first; none or fewer once the caller gives up.
+pub(super) fn first(space: &Space<'_>, random: &mut Random, stop: &AtomicBool) -> Vec<Sample> {
+    let is_stopped = || stop.load(Ordering::Relaxed);
     let mut all: Vec<Sample> = Vec::new();
     let scalars: Vec<usize> =
         (0..space.root.len()).filter(|&at| space.input(at).is_some()).collect();
@@ -35,6 +38,9 @@ pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
         sample
     };
     let corners = 1usize.checked_shl(scalars.len() as u32).unwrap_or(usize::MAX);
+    if is_stopped() {
+        return all;
+    }
     if corners <= CORNERS {
         all.extend((0..corners).map(|mask| at_ends(mask, random)));
     } else {
@@ -47,6 +53,9 @@ pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
     let before = all.len();
     for nth in 0..most {
         let base = anywhere(space, random, nth == 0);
+        if is_stopped() {
+            break;
+        }
         vary(space, &base, random, &mut all);
         all.push(base);
         if nth + 1 >= fewest && all.len() - before >= VARIED {
@@ -54,7 +63,7 @@ pub(super) fn first(space: &Space<'_>, random: &mut Random) -> Vec<Sample> {
         }
     }
     all.extend((0..RANDOM).map(|_| anywhere(space, random, false)));
-    all.retain_mut(|sample| fits(space, sample, random));
+    all.retain_mut(|sample| !is_stopped() && fits(space, sample, random));
     all
 }
 
@@ -148,11 +157,13 @@ fn vary(space: &Space<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sam
 }
 
 /// The room for one search.
-pub(super) struct Scratch {
+pub(super) struct Scratch<'s> {
     pub bounds: Bounds,
     pub point: Vec<Range>,
     /// The points that the current descent may still evaluate.
     pub left: usize,
+    /// Set to end the descent.
+    pub stop: &'s AtomicBool,
 }
 
 /// The values that one descent computes at most.
@@ -164,9 +175,12 @@ fn distance(
     graph: &Graph,
     site: &Site,
     sample: &Sample,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<'_>,
 ) -> Option<Distance> {
     scratch.left = scratch.left.checked_sub(1)?;
+    if scratch.stop.load(Ordering::Relaxed) {
+        return None;
+    }
     space.point(sample, &mut scratch.point);
     graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
     scratch.bounds.distance(graph, site)
@@ -182,7 +196,7 @@ pub(super) fn descend(
     graph: &Graph,
     site: &Site,
     starts: &[Sample],
-    (random, scratch): (&mut Random, &mut Scratch),
+    (random, scratch): (&mut Random, &mut Scratch<'_>),
 ) -> Vec<Sample> {
     let mut ranked: Vec<(f64, usize)> = Vec::new();
     let points = VALUES / graph.len().max(1);
@@ -206,16 +220,16 @@ pub(super) fn descend(
 }
 
 /// A descent from one point.
-struct Descent<'d, 'a> {
+struct Descent<'d, 'a, 's> {
     space: &'d Space<'a>,
     graph: &'d Graph,
     site: &'d Site,
     random: &'d mut Random,
-    scratch: &'d mut Scratch,
+    scratch: &'d mut Scratch<'s>,
     best: Sample,
 }
 
-impl Descent<'_, '_> {
+impl Descent<'_, '_, '_> {
     fn at(&mut self, sample: &Sample) -> Option<Distance> {
         distance(self.space, self.graph, self.site, sample, self.scratch)
     }

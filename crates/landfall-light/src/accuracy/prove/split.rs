@@ -151,19 +151,35 @@ impl<'a> Split<'a> {
         None
     }
 
-    /// Returns the least box around all parts in which a goal is not shown; `None` if there are
-    /// none.
-    pub fn open(&self, goal: u32) -> Option<Vec<Range>> {
+    /// The parts that are left, and the goals that may break in each.
+    fn remaining(&self) -> impl Iterator<Item = (&Vec<Range>, &Vec<u32>)> {
         let parts = self.parts.iter().chain(&self.deep).map(|part| (&part.ranges, &part.goals));
-        let left = self.left.iter().map(|(ranges, goals)| (ranges, goals));
-        let mine = parts.chain(left).filter(|(_, goals)| goals.contains(&goal));
-        mine.map(|(ranges, _)| ranges.clone()).reduce(|mut all, more| {
-            for (range, more) in all.iter_mut().zip(&more) {
-                range.low = range.low.min(more.low);
-                range.high = range.high.max(more.high);
+        parts.chain(self.left.iter().map(|(ranges, goals)| (ranges, goals)))
+    }
+
+    /// Whether a goal may break in any part.
+    pub fn is_open(&self, goal: u32) -> bool {
+        self.remaining().any(|(_, goals)| goals.contains(&goal))
+    }
+
+    /// Returns for each goal the least box around all parts in which it may break; `None` if there
+    /// are none.
+    pub fn open(&self, goals: usize) -> Vec<Option<Vec<Range>>> {
+        let mut all: Vec<Option<Vec<Range>>> = vec![None; goals];
+        for (ranges, goals) in self.remaining() {
+            for &goal in goals {
+                match &mut all[goal as usize] {
+                    Some(open) => {
+                        for (range, more) in open.iter_mut().zip(ranges) {
+                            range.low = range.low.min(more.low);
+                            range.high = range.high.max(more.high);
+                        }
+                    }
+                    none => *none = Some(ranges.clone()),
+                }
             }
-            all
-        })
+        }
+        all
     }
 
     /// Returns the middles of the largest parts of a goal, as starting points.

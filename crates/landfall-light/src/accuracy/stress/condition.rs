@@ -19,13 +19,17 @@ pub struct Condition {
     pub path: String,
 }
 
-/// Returns the condition of a function at a sample; `None` if its result is not finite.
+/// Returns the condition of a function at a sample; `None` if its result is not finite, or after a
+/// stop.
 pub(super) fn condition(
     pure: &PureFunction,
     inputs: &[Input],
     sample: &Sample,
     plan: &Plan,
 ) -> Option<Condition> {
+    if plan.until.is_stopped() {
+        return None;
+    }
     let scalars: Vec<usize> =
         inputs.iter().filter(|input| input.is_float()).flat_map(Input::range).collect();
     let mut samples = vec![sample.clone()];

@@ -3,6 +3,9 @@
 //! Made from the goals of [`prove`](mod@crate::accuracy::prove); listed by the reports of
 //! `landfall stress` and `landfall prove`.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use super::case::{Case, Writer};
 use super::deadline::Deadline;
 use super::shrink::shrink;
@@ -106,12 +109,13 @@ pub(in crate::accuracy) fn operations(
     all
 }
 
-/// Returns the simplest sample of the domain that still breaks.
+/// Returns the simplest sample of the domain that still breaks, or the simplest until stopped.
 pub(in crate::accuracy) fn simplest(
     sample: &Sample,
     inputs: &[Input],
     domain: &Domain,
+    stop: &Arc<AtomicBool>,
     breaks: impl FnMut(&Sample) -> bool,
 ) -> Sample {
-    shrink(sample, inputs, domain, &Deadline::default(), breaks)
+    shrink(sample, inputs, domain, &Deadline::after(None, stop), breaks)
 }

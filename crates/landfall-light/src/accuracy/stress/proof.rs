@@ -2,6 +2,7 @@
 //!
 //! Its inputs are examined with the samples; the report ends with what is known of each operation.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::Request;
@@ -56,11 +57,14 @@ fn proof(
     request: &Request,
     until: &Deadline,
 ) -> Proof {
+    if until.is_stopped() {
+        return Proof::default();
+    }
     // Examining the samples needs the rest.
-    let until = until.sooner(until.left().unwrap_or(UNHURRIED) / 4);
-    let is_stopped = || until.is_over();
-    let time = request.time.map_or(UNHURRIED, |time| time / 4);
-    let limits = Limits { time, parts: PARTS, is_stopped: &is_stopped, seed: request.seed };
+    let left = until.left().unwrap_or(UNHURRIED) / 4;
+    let time = request.time.map_or(UNHURRIED, |time| time / 4).min(left);
+    let stop = Arc::clone(&request.stop);
+    let limits = Limits { time, parts: PARTS, stop, seed: request.seed };
     goals(pure, inputs, domain, &limits).unwrap_or_default()
 }
 

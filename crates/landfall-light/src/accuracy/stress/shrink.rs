@@ -34,16 +34,26 @@ pub(super) fn shrink(
         let before = best.clone();
         if round == 0 {
             for input in inputs {
+                if until.is_over() {
+                    return best;
+                }
+                let now = cost(input, &best[input.range()]);
                 for whole in wholes(input) {
+                    if cost(input, &whole) >= now {
+                        continue;
+                    }
                     let mut next = best.clone();
-                    input.range().zip(&whole).for_each(|(at, x)| next[at] = *x);
-                    if cost(inputs, &next) < cost(inputs, &best) && attempt(&mut best, next) {
+                    next[input.range()].copy_from_slice(&whole);
+                    if attempt(&mut best, next) {
                         break;
                     }
                 }
             }
         }
         for input in inputs {
+            if until.is_over() {
+                return best;
+            }
             for at in input.range() {
                 let now = simplicity(input, best[at]);
                 for x in simpler(input, best[at]) {
@@ -108,8 +118,8 @@ fn simpler(input: &Input, word: u64) -> Vec<u64> {
     all.into_iter().filter(|y| y.is_finite()).map(|y| u64::from(y.to_bits())).collect()
 }
 
-fn cost(inputs: &[Input], sample: &Sample) -> u32 {
-    inputs.iter().flat_map(|i| i.range().map(|at| simplicity(i, sample[at]))).sum()
+fn cost(input: &Input, words: &[u64]) -> u32 {
+    words.iter().map(|&word| simplicity(input, word)).sum()
 }
 
 /// Returns the complexity of a word: the less, the simpler.
