@@ -55,7 +55,9 @@
 //! | feature | adds |
 //! |---|---|
 //! | none (`default-features = false`) | layouts, locks, diffs, buffers, code generation, [`Build`] |
-//! | `cli` (default) | the command and its lints |
+//! | `cli` (default) | the command and its lints of layouts |
+//! | `naga` | constant expressions beyond Landfall's own, naga's layout beside it, ports to WGSL |
+//! | `analysis` | lints that follow the code of functions, of lighting above all |
 //! | `exec` | commands that execute shaders on the interpreter |
 //! | `gl`, `gpu` | the OpenGL and wgpu backends |
 //! | `full` | everything |

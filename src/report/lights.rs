@@ -12,7 +12,7 @@ use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
 
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::hazards::Bound;
+use landfall_ir::analysis::occurrence::Bound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Diagnostic, Severity};

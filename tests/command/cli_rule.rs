@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::hazards::Kind;
+use landfall_ir::analysis::occurrence::Kind;
 use landfall_light::reference::Undef;
 use landfall_lint::LINTS;
 use landfall_lint::hazards::lint_of;

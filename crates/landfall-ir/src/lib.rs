@@ -1,11 +1,18 @@
 //! Lowering of GLSL and WGSL to naga IR with Landfall's offsets, and analyses of the IR.
 
 pub mod analysis;
+#[cfg(feature = "lowering")]
 pub mod call_graph;
+#[cfg(feature = "lowering")]
 mod glsl;
+#[cfg(feature = "lowering")]
 mod lower;
+#[cfg(feature = "lowering")]
 pub mod module;
+#[cfg(feature = "lowering")]
 mod stack;
+#[cfg(feature = "lowering")]
 mod wgsl;
 
+#[cfg(feature = "lowering")]
 pub use module::Module;

@@ -31,7 +31,15 @@ impl Lint {
     pub fn hazards(&self) -> &'static [Hazard] {
         match self.check {
             Check::Hazard(kind) => kind.hazards(),
-            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => &[],
+            Check::Shader(_) | Check::Naga(_) | Check::Tree(_) | Check::Elsewhere => &[],
+        }
+    }
+
+    /// Whether this build can find it; the feature `analysis` brings those that it cannot.
+    pub fn is_built(&self) -> bool {
+        match self.check {
+            Check::Hazard(_) | Check::Naga(_) => cfg!(feature = "analysis"),
+            Check::Shader(_) | Check::Tree(_) | Check::Elsewhere => true,
         }
     }
 }
@@ -41,10 +49,13 @@ impl Lint {
 pub enum Check {
     /// One shader.
     Shader(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
+    /// One shader that naga parses, in builds with the feature `analysis`.
+    Naga(fn(&Subject<'_>, &Settings) -> Vec<Finding>),
     /// All shaders of a run.
     Tree(fn(&[Subject<'_>], &Settings) -> Vec<Finding>),
-    /// One shader with lights; all lints of this variant share one analysis.
-    Hazard(landfall_ir::analysis::hazards::Kind),
+    /// One shader with lights, in builds with the feature `analysis`; all lints of this variant share
+    /// one analysis.
+    Hazard(landfall_ir::analysis::occurrence::Kind),
     /// A lock, a report of `verify`, or another source outside this crate's lint functions.
     Elsewhere,
 }

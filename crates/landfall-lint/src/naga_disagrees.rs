@@ -34,7 +34,7 @@ struct Outer { first: u32, inner: Inner } // inner at 16; naga reads 4
 ",
     fix: "Write the padding out: pad members instead of `@align`, one dimension instead of two, \
           `vec4` instead of small structures.",
-    check: Check::Shader(check),
+    check: Check::Naga(check),
 };
 
 /// Returns whether the lint applies to texts of that language, so that naga has to parse them.

@@ -31,17 +31,20 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
 /// Returns the findings in one shader, including those that comments allow.
 pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut hazards = Vec::new();
-    for lint in LINTS {
-        match lint.check {
-            Check::Shader(check) if level(lint.code, settings) > Level::Allow => {
-                findings.extend(check(subject, settings));
-            }
-            Check::Hazard(kind) if level(lint.code, settings) > Level::Allow => hazards.push(kind),
-            Check::Shader(_) | Check::Hazard(_) | Check::Tree(_) | Check::Elsewhere => {}
+    let wanted = || LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
+    for lint in wanted().filter(|lint| lint.is_built()) {
+        if let Check::Shader(check) | Check::Naga(check) = lint.check {
+            findings.extend(check(subject, settings));
         }
     }
-    findings.extend(super::hazards::findings(subject, &hazards));
+    #[cfg(feature = "analysis")]
+    {
+        let kinds = wanted().filter_map(|lint| match lint.check {
+            Check::Hazard(kind) => Some(kind),
+            _ => None,
+        });
+        findings.extend(super::hazards::findings(subject, &kinds.collect::<Vec<_>>()));
+    }
     at_levels(findings, settings)
 }
 
@@ -53,7 +56,7 @@ pub fn ask_tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
             Check::Tree(check) if level(lint.code, settings) > Level::Allow => {
                 findings.extend(check(subjects, settings));
             }
-            Check::Shader(_) | Check::Hazard(_) | Check::Tree(_) | Check::Elsewhere => {}
+            _ => {}
         }
     }
     at_levels(findings, settings)

@@ -1,10 +1,11 @@
 //! `unused-block`: a block that no function accesses.
 
+use rustc_hash::FxHashSet;
+
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::bytes;
 use landfall_layout::finding::{Finding, Level, Place};
-use landfall_layout::naga_compare::used::{Used, used};
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::Language;
 
@@ -25,7 +26,7 @@ layout(std140, set = 0, binding = 1) uniform Fog { vec4 color; } fog;
 void main() { gl_Position = camera.view[0]; }
 ",
     fix: "Remove the block, or use it.",
-    check: Check::Shader(check),
+    check: Check::Naga(check),
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
@@ -56,6 +57,9 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     findings
 }
 
+/// The paths of a block that functions access.
+pub(super) type Used = FxHashSet<String>;
+
 /// Returns the parts of each block that functions access, where that is known.
 pub(super) fn touched(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
     let shader = subject.shader;
@@ -71,5 +75,12 @@ pub(super) fn touched(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
     if conditional || shader.blocks.is_empty() {
         return None;
     }
-    used(subject.source, &subject.options.read, &shader.blocks)
+    #[cfg(feature = "analysis")]
+    return landfall_layout::naga_compare::used::used(
+        subject.source,
+        &subject.options.read,
+        &shader.blocks,
+    );
+    #[cfg(not(feature = "analysis"))]
+    None
 }

@@ -5,9 +5,9 @@ use rustc_hash::FxHashMap;
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::bytes;
+use super::unused_block::Used;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
-use landfall_layout::naga_compare::used::Used;
 use landfall_layout::shape::Type;
 use landfall_layout::source::Span;
 
@@ -30,7 +30,7 @@ layout(std140, set = 0, binding = 0) uniform Camera {
 void main() { gl_Position = camera.view[0]; }
 ",
     fix: "Remove the member from the block and from every copy, or use it.",
-    check: Check::Shader(check),
+    check: Check::Naga(check),
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {

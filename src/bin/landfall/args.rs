@@ -10,6 +10,7 @@ mod examples;
 mod floats;
 mod help;
 mod levels;
+#[cfg(feature = "analysis")]
 mod lights;
 mod lock;
 #[cfg(not(feature = "exec"))]
@@ -41,8 +42,11 @@ pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
 pub use help::parse;
+#[cfg(feature = "analysis")]
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
+#[cfg(not(feature = "analysis"))]
+pub use missing::LightsArgs;
 #[cfg(not(feature = "exec"))]
 pub use missing::{BenchArgs, DevicesArgs, ProveArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
 #[cfg(feature = "exec")]

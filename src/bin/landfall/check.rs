@@ -25,6 +25,7 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
+use landfall_lint::LINTS;
 
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
@@ -138,6 +139,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.notes(&fix::summary(&applied));
     }
     note_locks(&pass, &basis, args, streams);
+    note_missing(streams);
     Ok(left_out.unwrap_or(outcome))
 }
 
@@ -198,6 +200,17 @@ fn note_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     }
     if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
+    }
+}
+
+/// Notes the lints that this build cannot find.
+fn note_missing(streams: &Streams) {
+    let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
+    if missing > 0 {
+        streams.notes(&format!(
+            "{missing} lints, of lighting code above all, are not in this build: cargo install \
+             landfall --features analysis\n"
+        ));
     }
 }
 

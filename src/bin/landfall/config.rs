@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use landfall_layout::file::FileWriter;
+use landfall_layout::finding::Level;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
 use landfall_lint::settings::Target as Limits;
@@ -234,7 +235,7 @@ impl Config {
     /// The lint settings of the configuration, overridden by flags.
     pub fn settings(
         &self,
-        levels: &[(String, landfall_layout::finding::Level)],
+        levels: &[(String, Level)],
         targets: &[Api],
     ) -> Result<Settings, Diagnostic> {
         let mut settings = self.settings.clone();
@@ -250,6 +251,9 @@ impl Config {
                     false => found,
                 });
             }
+            if let Some(missing) = missing(code, *level) {
+                return Err(missing);
+            }
             settings.levels.push((code.clone(), *level));
         }
         if !targets.is_empty() {
@@ -262,6 +266,18 @@ impl Config {
 /// Whether a level can be set for this code.
 pub fn is_code(code: &str) -> bool {
     code == "warnings" || code == "all" || lint(code).is_some() || renamed(code).is_some()
+}
+
+/// The finding for a lint that a level enables, but that this build cannot find.
+pub fn missing(code: &str, level: Level) -> Option<Diagnostic> {
+    let lint = lint(renamed(code).unwrap_or(code))?;
+    let is_missing = level > Level::Allow && !lint.is_built();
+    is_missing.then(|| {
+        let message =
+            format!("the lint `{code}` is not in this build: it needs the feature `analysis`");
+        Diagnostic::bare(Code::UnknownLint, Severity::Error, message)
+            .with_help("cargo install landfall --features analysis")
+    })
 }
 
 /// The finding for an unknown lint code on the command line.

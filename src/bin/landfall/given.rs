@@ -129,7 +129,10 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         | Command::Prove(_)
         | Command::Render(_)
         | Command::Bench(_) => return None,
+        #[cfg(feature = "analysis")]
         Command::Lights(args) => &args.read.text,
+        #[cfg(not(feature = "analysis"))]
+        Command::Lights(_) => return None,
         Command::Lock(args) => &args.read.text,
         Command::Diff(args) => &args.read.text,
         Command::Check(args) => &args.text,

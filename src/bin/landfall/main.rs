@@ -24,6 +24,7 @@ mod explain;
 mod given;
 mod inputs;
 mod layout;
+#[cfg(feature = "analysis")]
 mod lights;
 mod lock;
 mod merge;
@@ -89,7 +90,10 @@ fn main() -> ExitCode {
         | Command::Render(_)
         | Command::Bench(_)
         | Command::Devices(_) => missing::run(&args.command),
+        #[cfg(feature = "analysis")]
         Command::Lights(args) => lights::run(args, &streams),
+        #[cfg(not(feature = "analysis"))]
+        Command::Lights(_) => missing::run(&args.command),
         #[cfg(feature = "exec")]
         Command::Devices(args) => devices::run(args, &streams),
         Command::Lock(args) => lock::run(args, &streams),

@@ -1,4 +1,5 @@
-//! Commands that run shaders, in a build without the feature `exec`.
+//! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
+//! needs `analysis`.
 
 use landfall_layout::Error;
 
@@ -15,9 +16,11 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Render(_) => "render",
         Command::Bench(_) => "bench",
         Command::Devices(_) => "devices",
+        Command::Lights(_) => "lights",
         _ => unreachable!("every other command is in every build"),
     };
-    let message = "is not in this build of landfall: it needs the feature `exec`";
+    let feature = if name == "lights" { "analysis" } else { "exec" };
+    let message = format!("is not in this build of landfall: it needs the feature `{feature}`");
     let help = "install all features: cargo install landfall --features full; in a checkout: cargo \
                 run --release --features full";
     Err(Failure::Error(Error::new(name, message).with_help(help)))
@@ -29,6 +32,14 @@ mod tests {
 
     use super::*;
     use crate::args::Args;
+
+    #[cfg(not(feature = "analysis"))]
+    #[test]
+    fn lights_names_the_smaller_feature() {
+        let args = Args::parse_from(["landfall", "lights", "a.frag", "--deny", "likely"]);
+        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
+        assert!(error.message.contains("`analysis`"), "{}", error.message);
+    }
 
     #[test]
     fn every_missing_command_names_the_feature_that_brings_it() {

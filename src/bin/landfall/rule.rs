@@ -43,6 +43,14 @@ impl Rule {
         }
     }
 
+    /// Whether this build can find it.
+    fn is_built(self) -> bool {
+        match self {
+            Rule::Lint(lint) => lint.is_built(),
+            Rule::Hazard(_) => true,
+        }
+    }
+
     fn level(self) -> &'static str {
         match self {
             Rule::Lint(lint) => lint.level.name(),
@@ -118,7 +126,11 @@ fn table(rules: &[Rule], paint: Paint) -> String {
         let lines = wrapped(rule.what(), WIDTH.saturating_sub(width + 9));
         let what = lines.join(&format!("\n{indent}"));
         let code = format!("{:<width$}", rule.code());
-        let _ = writeln!(text, "{}  {:<5}  {what}", strong(&code, paint), rule.level());
+        let mark = if rule.is_built() { ' ' } else { '*' };
+        let _ = writeln!(text, "{}  {:<5}{mark} {what}", strong(&code, paint), rule.level());
+    }
+    if rules.iter().any(|rule| !rule.is_built()) {
+        let _ = writeln!(text, "\n* not in this build: cargo install landfall --features analysis");
     }
     text
 }
@@ -141,6 +153,9 @@ fn explanation(rule: Rule, paint: Paint) -> String {
 fn lint_explanation(lint: &'static Lint, paint: Paint) -> String {
     let head = strong(lint.code, paint);
     let mut text = format!("{head}  ({} by default)\n", lint.level.name());
+    if !lint.is_built() {
+        text.push_str("\nnot in this build: cargo install landfall --features analysis\n");
+    }
     sections(&mut text, &[("what", lint.what), ("why", lint.why), ("fix", lint.fix)], paint);
     let _ = write!(text, "\n{}\n", strong("example", paint));
     for line in lint.example.trim_end().lines() {

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::hazards::{Bound, Certainty};
+use landfall_ir::analysis::occurrence::{Bound, Certainty};
 use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, held};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::{BlockLayout, MemberLayout};

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::hazards::Bound;
+use landfall_ir::analysis::occurrence::Bound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::format::json::{Tool, to_lines};

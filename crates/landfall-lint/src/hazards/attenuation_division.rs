@@ -3,7 +3,7 @@
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::hazards::Kind;
+use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "attenuation-division",

@@ -1,7 +1,7 @@
 //! Positions of lights with reduced precision, found in the text because the IR has no precisions.
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::hazards::{Certainty, Kind, Occurrence};
+use landfall_ir::analysis::occurrence::{Certainty, Kind, Occurrence};
 use landfall_ir::analysis::roles::{LightBinding, Role};
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::{Language, Span};

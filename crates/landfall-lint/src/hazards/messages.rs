@@ -1,7 +1,7 @@
 //! The text of a hazard's finding, and what the lints write it from.
 
 use landfall_ir::analysis::hazard::{Hazard, Threshold};
-use landfall_ir::analysis::hazards::{Certainty, Occurrence};
+use landfall_ir::analysis::occurrence::{Certainty, Occurrence};
 use landfall_layout::source::Language;
 
 /// The text of a finding.

@@ -2,7 +2,7 @@
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
-use landfall_ir::analysis::hazards::{Certainty, Kind};
+use landfall_ir::analysis::occurrence::{Certainty, Kind};
 
 pub(crate) const LINT: Lint = Lint {
     code: "pow-of-negative",

@@ -4,8 +4,8 @@
 //! hazard lints run only where the tokens they depend on occur. The scan may err in one direction
 //! only: it may pass a shader that has no hazard.
 
-use landfall_ir::analysis::hazards::Kind;
 use landfall_ir::analysis::identifier::words;
+use landfall_ir::analysis::occurrence::Kind;
 use landfall_ir::analysis::roles::LightBinding;
 use landfall_layout::ShaderLayout;
 use landfall_layout::source::Language;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use landfall_ir::analysis::hazards::Certainty;
+use landfall_ir::analysis::occurrence::Certainty;
 
 use super::ReadArgs;
 

@@ -1,5 +1,5 @@
-//! Arguments of the commands that run shaders, in a build without the feature `exec`: accepted and
-//! ignored, so that the error can name the feature.
+//! Arguments of the commands that are not in this build: accepted and ignored, so that the error can
+//! name the missing feature.
 
 use std::ffi::OsString;
 
@@ -15,6 +15,8 @@ pub struct MissingArgs {
 
 pub type BenchArgs = MissingArgs;
 pub type DevicesArgs = MissingArgs;
+#[cfg(not(feature = "analysis"))]
+pub type LightsArgs = MissingArgs;
 pub type ProveArgs = MissingArgs;
 pub type RenderArgs = MissingArgs;
 pub type RunArgs = MissingArgs;

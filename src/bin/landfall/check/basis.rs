@@ -61,7 +61,10 @@ impl Basis {
         let rust_files =
             rust_files.map(|file| (file.path.clone(), Hash::of(file.text.as_bytes()))).collect();
         Basis {
-            version: env!("CARGO_PKG_VERSION").to_string(),
+            version: match cfg!(feature = "analysis") {
+                true => env!("CARGO_PKG_VERSION").to_string(),
+                false => concat!(env!("CARGO_PKG_VERSION"), " without analysis").to_string(),
+            },
             root: scope.root,
             locks: scope.locks,
             searched: scope.searched,

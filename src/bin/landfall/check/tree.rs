@@ -114,8 +114,8 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
 fn is_asked(code: &str, basis: &Basis) -> bool {
-    match lint(code).map(|lint| lint.check) {
-        Some(Check::Shader(_) | Check::Hazard(_)) => true,
+    match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
+        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
         // The other copy may be in a file that was not checked.
         Some(Check::Tree(_)) => basis.whole,
         Some(Check::Elsewhere) => {

@@ -9,7 +9,7 @@ use landfall_lint::{LINTS, Settings};
 
 use super::root::{Root, slashes};
 use super::toml::{self, Keys, Text};
-use super::{figure, is_code};
+use super::{figure, is_code, missing};
 use crate::args;
 
 const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
@@ -52,7 +52,10 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
             continue;
         };
         match LEVELS.into_iter().find(|level| level.name() == name.value) {
-            Some(level) => levels.push((code.value, level)),
+            Some(level) => match missing(&code.value, level) {
+                Some(found) => keys.add(found.with_label(code.span, "")),
+                None => levels.push((code.value, level)),
+            },
             None => keys.unknown(Code::WrongValue, "level", &name, &LEVELS.map(Level::name)),
         }
     }
@@ -206,6 +209,24 @@ mod tests {
         let text = "[levels]\nmat3-padding = \"warn\"\nwarnings = \"deny\"\nall = \"warn\"\n";
         let levels: Vec<String> = settings(text).levels.into_iter().map(|(code, _)| code).collect();
         assert_eq!(levels, ["all", "warnings", "mat3-padding"]);
+    }
+
+    #[cfg(not(feature = "analysis"))]
+    #[test]
+    fn a_level_enables_no_lint_that_this_build_lacks() {
+        let root = Root::new(Path::new("..")).unwrap();
+        let read = |text: &str| {
+            let document = Document::new("landfall.toml", text.to_string());
+            let settings = document.read(|keys| super::read(keys, &root));
+            settings.map(|settings| settings.levels.len()).map_err(|(found, _)| found)
+        };
+        assert_eq!(read("[levels]\npow-of-zero = \"allow\"\nwarnings = \"deny\"\n"), Ok(2));
+        for code in ["pow-of-zero", "unused-member", "naga-disagrees", "power-of-zero"] {
+            let refused = read(&format!("[levels]\n{code} = \"warn\"\n")).unwrap_err();
+            assert_eq!(refused.len(), 1, "{refused:?}");
+            assert!(refused[0].message.contains("it needs the feature `analysis`"), "{refused:?}");
+            assert_eq!(refused[0].help.as_deref(), Some("cargo install landfall --features analysis"));
+        }
     }
 
     #[test]
