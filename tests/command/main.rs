@@ -26,5 +26,6 @@ mod nothing_done;
 mod readme;
 mod reference;
 mod schema;
+mod slopes;
 mod unified;
 mod writers;

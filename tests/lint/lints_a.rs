@@ -28,7 +28,9 @@ fn found(code: &str, files: &[(&str, &str)], settings: &Settings) -> Vec<Finding
     let subjects: Vec<Subject<'_>> =
         pairs.map(|(source, shader)| Subject { source, options: &options, shader }).collect();
     match lint(code).expect("there is such a lint").check {
-        Check::Shader(check) => subjects.iter().flat_map(|s| check(s, settings)).collect(),
+        Check::Shader(check) | Check::Naga(check) => {
+            subjects.iter().flat_map(|s| check(s, settings)).collect()
+        }
         Check::Tree(check) => check(&subjects, settings),
         Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
     }

@@ -30,7 +30,7 @@ fn found_with(code: &str, path: &str, text: &str, settings: &Settings) -> Vec<Fi
     assert!(!shader.has_errors(), "{:#?}", shader.diagnostics);
     let subject = Subject { source: &source, options: &options, shader: &shader };
     match lint(code).expect("a lint of that code").check {
-        Check::Shader(check) => check(&subject, settings),
+        Check::Shader(check) | Check::Naga(check) => check(&subject, settings),
         Check::Tree(check) => check(&[subject], settings),
         Check::Hazard(_) | Check::Elsewhere => panic!("{code} is not asked like this"),
     }
@@ -92,7 +92,7 @@ fn every_example_is_reported() {
         let mut settings = Settings::default();
         settings.permutations.push(vec![("SHADOWS".to_string(), String::new())]);
         match lint.check {
-            Check::Shader(_) => {
+            Check::Shader(_) | Check::Naga(_) => {
                 let found = found_with(code, path, lint.example, &settings);
                 assert!(!found.is_empty(), "{code}");
                 assert!(found.iter().all(|finding| finding.code == code), "{found:#?}");

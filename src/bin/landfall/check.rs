@@ -138,8 +138,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.fix {
         streams.notes(&fix::summary(&applied));
     }
-    note_locks(&pass, &basis, args, streams);
-    note_missing(streams);
+    closing_notes(&pass, &basis, args, streams);
     Ok(left_out.unwrap_or(outcome))
 }
 
@@ -194,22 +193,17 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer
 }
 
-fn note_locks(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
+fn closing_notes(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
     if pass.accepted > 0 {
         streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
     if basis.locks.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
     }
-}
-
-/// Notes the lints that this build cannot find.
-fn note_missing(streams: &Streams) {
     let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
     if missing > 0 {
         streams.notes(&format!(
-            "{missing} lints, of lighting code above all, are not in this build: cargo install \
-             landfall --features analysis\n"
+            "{missing} lints that follow code are not in this build: they need the feature `analysis`\n"
         ));
     }
 }

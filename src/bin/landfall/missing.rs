@@ -19,10 +19,14 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Lights(_) => "lights",
         _ => unreachable!("every other command is in every build"),
     };
-    let feature = if name == "lights" { "analysis" } else { "exec" };
+    let (feature, all) = match name {
+        "lights" => ("analysis", "analysis"),
+        _ => ("exec", "full"),
+    };
     let message = format!("is not in this build of landfall: it needs the feature `{feature}`");
-    let help = "install all features: cargo install landfall --features full; in a checkout: cargo \
-                run --release --features full";
+    let help = format!(
+        "cargo install landfall --features {all}; in a checkout: cargo run --release --features {all}"
+    );
     Err(Failure::Error(Error::new(name, message).with_help(help)))
 }
 

@@ -31,7 +31,9 @@ fn asked(code: &str, settings: &Settings, shaders: &[(&str, &str)]) -> Vec<Findi
         .collect();
     match lint(code).expect("it is listed").check {
         Check::Tree(check) => check(&subjects, settings),
-        Check::Shader(_) | Check::Hazard(_) | Check::Elsewhere => panic!("{code} looks at a tree"),
+        Check::Shader(_) | Check::Naga(_) | Check::Hazard(_) | Check::Elsewhere => {
+            panic!("{code} looks at a tree")
+        }
     }
 }
 

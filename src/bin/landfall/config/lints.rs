@@ -225,7 +225,10 @@ mod tests {
             let refused = read(&format!("[levels]\n{code} = \"warn\"\n")).unwrap_err();
             assert_eq!(refused.len(), 1, "{refused:?}");
             assert!(refused[0].message.contains("it needs the feature `analysis`"), "{refused:?}");
-            assert_eq!(refused[0].help.as_deref(), Some("cargo install landfall --features analysis"));
+            assert_eq!(
+                refused[0].help.as_deref(),
+                Some("cargo install landfall --features analysis")
+            );
         }
     }
 
