@@ -36,11 +36,10 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Done { bench, missing, files } = match done {
         Ok(Some(done)) => done,
         Ok(None) => return Ok(Outcome::CouldNot),
-        Err(Failure::Error(error)) => {
+        Err(error) => {
             streams.report(&style.text(&[request_finding(error)], &Files::default()));
             return Ok(Outcome::CouldNot);
         }
-        Err(Failure::BrokenPipe) => return Err(Failure::BrokenPipe),
     };
     files.iter().for_each(given::record);
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {

@@ -30,7 +30,7 @@ use landfall_lint::LINTS;
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{read, watch};
+use crate::{read, watch, write};
 use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
@@ -182,7 +182,8 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     }
     let shaders = pass.checked.iter().flat_map(Checked::files);
     let rust = run.basis.settings.rust_files.iter().map(|file| &file.path);
-    let mut writer = FileWriter::new(shaders.chain(rust));
+    let mut writer = write::writer();
+    writer.protect(shaders.chain(rust));
     writer.protect(&args.verified);
     writer.protect(config.file.as_deref());
     let lock = |c: &Checked| {

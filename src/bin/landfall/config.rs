@@ -23,7 +23,7 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
-use crate::read;
+use crate::{read, write};
 use toml::{Document, Keys, Text};
 
 pub use root::{Root, slashes};
@@ -182,7 +182,7 @@ impl Config {
     /// that is outside the project or was named on the command line.
     pub fn writer(&self, folder: &Path, named: bool) -> FileWriter {
         match named {
-            true => FileWriter::default().inside(folder),
+            true => write::writer().inside(folder),
             false => self.root.writer(folder),
         }
     }

@@ -29,7 +29,7 @@ const SYNTAX: &[Code] = &[
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.naga && !cfg!(feature = "naga") {
         let error = Error::new("--naga", "is not in this build: it needs the feature `analysis`");
-        return Err(error.with_help("cargo install landfall --features analysis").into());
+        return Err(error.with_help("cargo install landfall --features analysis"));
     }
     let format = args.format.form();
     let form = if format == Format::Json { FindingForm::Json } else { FindingForm::Human };

@@ -56,7 +56,7 @@ mod write;
 use std::process::ExitCode;
 
 use args::Command;
-use output::{Failure, Streams};
+use output::Streams;
 
 fn main() -> ExitCode {
     let args = args::parse();
@@ -115,9 +115,7 @@ fn main() -> ExitCode {
             given::finish(&streams);
             outcome.into()
         }
-        // The reader of the output closed the pipe, as `head` does.
-        Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
-        Err(Failure::Error(error)) => {
+        Err(error) => {
             streams.failure(error);
             output::Outcome::CouldNot.into()
         }

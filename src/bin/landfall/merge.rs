@@ -3,17 +3,16 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use landfall_layout::file::FileWriter;
-
 use crate::args::MergeArgs;
 use crate::check::check_shader::Checked;
 use crate::check::{NO_LOCKS, reports, shard, tree};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
+use crate::write;
 
 pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if let Some(error) = reports::refused(&args.formats) {
-        return Err(error.into());
+        return Err(error);
     }
     let mut whole = shard::together(&args.reports)?;
     whole.basis.read_rust_files()?;
@@ -30,7 +29,8 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         texts: &texts,
         shard: None,
     };
-    let mut writer = FileWriter::new(&args.reports);
+    let mut writer = write::writer();
+    writer.protect(&args.reports);
     writer.protect(whole.pass.checked.iter().flat_map(Checked::files));
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
     if whole.basis.locks.is_none() {

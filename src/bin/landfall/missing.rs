@@ -27,7 +27,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
     let help = format!(
         "cargo install landfall --features {all}; in a checkout: cargo run --release --features {all}"
     );
-    Err(Failure::Error(Error::new(name, message).with_help(help)))
+    Err(Error::new(name, message).with_help(help))
 }
 
 #[cfg(test)]
@@ -41,7 +41,7 @@ mod tests {
     #[test]
     fn lights_names_the_smaller_feature() {
         let args = Args::parse_from(["landfall", "lights", "a.frag", "--deny", "likely"]);
-        let Err(Failure::Error(error)) = run(&args.command) else { panic!("it ran") };
+        let Err(error) = run(&args.command) else { panic!("it ran") };
         assert!(error.message.contains("`analysis`"), "{}", error.message);
     }
 
@@ -50,7 +50,7 @@ mod tests {
         for name in ["verify", "run", "stress", "prove", "render", "bench", "devices"] {
             let args =
                 Args::parse_from(["landfall", name, "a.frag", "--backend", "gpu", "-f=json"]);
-            let Err(Failure::Error(error)) = run(&args.command) else {
+            let Err(error) = run(&args.command) else {
                 panic!("{name} ran");
             };
             assert_eq!(error.path, name);

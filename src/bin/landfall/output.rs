@@ -1,7 +1,7 @@
 //! The output streams: results on stdout, findings and progress on stderr.
 
 use landfall_layout::diagnostic::Code;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -52,18 +52,7 @@ impl From<Outcome> for ExitCode {
 }
 
 /// The error that ended a command.
-#[derive(Debug)]
-pub enum Failure {
-    /// The reading end of stdout was closed.
-    BrokenPipe,
-    Error(Error),
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Failure {
-        Failure::Error(error)
-    }
-}
+pub type Failure = Error;
 
 /// Converts an error about a file or about arguments to a finding.
 #[cfg(feature = "exec")]
@@ -118,6 +107,9 @@ pub struct Streams {
     /// Colours of findings on stderr.
     finding_paint: Paint,
     quiet: bool,
+    /// Whether the reader of stdout closed it, as `head` does: the rest of the output is dropped, and
+    /// the exit code is that of the whole.
+    unread: Cell<bool>,
     /// Whether the last line of stderr is a progress line, which other output must erase.
     progress: RefCell<bool>,
 }
@@ -147,6 +139,7 @@ impl Streams {
             paint: paint(to_stdout),
             finding_paint: paint(to_stderr),
             quiet,
+            unread: Cell::new(false),
             progress: RefCell::new(false),
         }
     }
@@ -188,8 +181,7 @@ impl Streams {
         if text.is_empty() {
             return Ok(());
         }
-        open()?;
-        self.buffer().write_all(text.as_bytes()).map_err(|cause| stdout_failure(&cause))
+        self.written(|| self.buffer().write_all(text.as_bytes()))
     }
 
     /// Streams output to stdout unchanged; names in it come from layouts and are escaped.
@@ -197,8 +189,22 @@ impl Streams {
         &self,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
+        self.written(|| write(&mut *self.buffer()))
+    }
+
+    /// Writes to stdout, unless its reader is gone.
+    fn written(&self, write: impl FnOnce() -> io::Result<()>) -> Result<(), Failure> {
         open()?;
-        write(&mut *self.buffer()).map_err(|cause| stdout_failure(&cause))
+        if self.unread.get() {
+            return Ok(());
+        }
+        match write() {
+            Err(cause) if cause.kind() == io::ErrorKind::BrokenPipe => {
+                self.unread.set(true);
+                Ok(())
+            }
+            done => done.map_err(|cause| stdout_failure(&cause)),
+        }
     }
 
     /// Checks that stdout can take binary data.
@@ -216,17 +222,20 @@ impl Streams {
 
     /// Writes binary data to stdout, past the handling of colours.
     pub fn bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
-        open()?;
         self.finish()?;
-        let mut stdout = io::stdout().lock();
-        let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
-        written.map_err(|cause| stdout_failure(&cause))
+        self.written(|| {
+            let mut stdout = io::stdout().lock();
+            stdout.write_all(bytes).and_then(|()| stdout.flush())
+        })
     }
 
     /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
-        self.buffer().flush().map_err(|cause| stdout_failure(&cause))
+        match self.buffer().buffer().is_empty() {
+            true => Ok(()),
+            false => self.written(|| self.buffer().flush()),
+        }
     }
 
     /// The formatter of findings.
@@ -290,15 +299,10 @@ fn open() -> Result<(), Failure> {
         return Ok(());
     }
     let error = Error::new("<stdout>", "is closed: the output would be lost");
-    Err(error.with_help("redirect it to a file, or to /dev/null to discard it").into())
+    Err(error.with_help("redirect it to a file, or to /dev/null to discard it"))
 }
 
 fn stdout_failure(cause: &io::Error) -> Failure {
-    if cause.kind() == io::ErrorKind::BrokenPipe {
-        return Failure::BrokenPipe;
-    }
-    Failure::Error(Error::new(
-        "<stdout>",
-        format!("cannot be written: {}", landfall_layout::file::reason(cause)),
-    ))
+    let message = format!("cannot be written: {}", landfall_layout::file::reason(cause));
+    Error::new("<stdout>", message)
 }

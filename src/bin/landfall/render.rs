@@ -67,7 +67,7 @@ fn print_bind(
 ) -> Result<Outcome, Failure> {
     let renderer = match request.renderer() {
         Ok(Some(renderer)) => renderer,
-        Ok(None) => return Err(request.no_shader().into()),
+        Ok(None) => return Err(request.no_shader()),
         Err(error) => {
             let (found, files) = request.findings(&error);
             streams.report(&style.text(&found, files));
@@ -101,13 +101,7 @@ impl From<RenderError> for Stop {
 
 impl From<Error> for Stop {
     fn from(error: Error) -> Stop {
-        Stop::Failure(error.into())
-    }
-}
-
-impl From<Failure> for Stop {
-    fn from(failure: Failure) -> Stop {
-        Stop::Failure(failure)
+        Stop::Failure(error)
     }
 }
 

@@ -12,11 +12,17 @@ pub fn protecting<'a>(
     named: impl IntoIterator<Item = &'a Path>,
     shaders: impl IntoIterator<Item = &'a Files>,
 ) -> FileWriter {
-    let mut writer = FileWriter::new(named);
+    let mut writer = writer();
+    writer.protect(named);
     for files in shaders {
         protect(&mut writer, files);
     }
     writer
+}
+
+/// A writer that does not overwrite the file that standard input is redirected from.
+pub fn writer() -> FileWriter {
+    FileWriter::new(["/dev/stdin"])
 }
 
 /// Also protects a shader and its includes.

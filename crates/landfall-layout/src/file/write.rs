@@ -118,6 +118,7 @@ impl FileWriter {
                 .with_help("remove it, or choose another directory"));
         }
         if is_device || is_stream(path) {
+            self.allows(path)?;
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);
         }
@@ -196,9 +197,14 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
     FileWriter::default().write(path, bytes).map(|_| ())
 }
 
-/// Whether a path names an open stream: `/dev/stdout` may refer to a file that is being written.
+/// Whether a path names an open stream: `/dev/stdout`, which may refer to a file that is being
+/// written, `/dev/fd/N`, or `/proc/PID/fd/N`.
 fn is_stream(path: &Path) -> bool {
-    cfg!(unix) && (path.starts_with("/dev") || path.starts_with("/proc"))
+    let is_standard = ["/dev/stdin", "/dev/stdout", "/dev/stderr"].map(Path::new).contains(&path);
+    let folder = folder_of(path);
+    let is_open = folder == Path::new("/dev/fd")
+        || folder.starts_with("/proc") && folder.file_name() == Some(OsStr::new("fd"));
+    cfg!(unix) && (is_standard || is_open)
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -57,8 +57,7 @@ pub fn bench(
     if kind_of_path(&args.subject).is_some() {
         let shown = args.subject.display().to_string();
         return Err(Error::new(shown, "is a shader, not a scene")
-            .with_help("measure a function of a shader with `--fn NAME`")
-            .into());
+            .with_help("measure a function of a shader with `--fn NAME`"));
     }
     let wanted = Wanted {
         scene: &args.subject,
@@ -74,7 +73,7 @@ pub fn bench(
     let unknown = args.model_of.iter().find(|(of, _)| variants.iter().all(|(name, _)| name != of));
     if let Some((name, _)) = unknown {
         let message = format!("sets the model of `{name}`, which is not a variant");
-        return Err(Error::new("--model-of", message).into());
+        return Err(Error::new("--model-of", message));
     }
     let mut sources = Sources::default();
     let mut renderers: Vec<Option<Renderer>> = Vec::new();
@@ -93,7 +92,7 @@ pub fn bench(
                     Ok(Some(renderer)) => Some(renderer),
                     Ok(None) => {
                         let what = "needs the scene's shader, but the scene names none";
-                        return Err(wrong(name, what).into());
+                        return Err(wrong(name, what));
                     }
                     Err(error) => {
                         let (found, files) = request.findings(&error);

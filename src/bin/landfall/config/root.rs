@@ -52,7 +52,7 @@ impl Root {
     /// that is outside the project.
     pub fn writer(&self, folder: &Path) -> FileWriter {
         let tree = if self.below(folder).is_some() { self.path("") } else { folder.to_path_buf() };
-        FileWriter::default().inside(&tree)
+        crate::write::writer().inside(&tree)
     }
 
     /// The path of a file in messages, independent of its spelling on the command line.

@@ -115,8 +115,7 @@ impl<'a> Writer<'a> {
                 path.display()
             );
             return Err(Error::new(target.display().to_string(), message)
-                .with_help("write the layouts of each directory to a directory of its own")
-                .into());
+                .with_help("write the layouts of each directory to a directory of its own"));
         }
         write::protect(&mut self.writer, &done.files);
         self.own(&target, &done.files)?;
@@ -196,7 +195,7 @@ impl<'a> Writer<'a> {
 /// A writer for `--out` that does not overwrite inputs.
 fn writer(args: &LayoutArgs) -> FileWriter {
     match &args.out {
-        Some(out) => FileWriter::new(&args.files).inside(out),
+        Some(out) => write::protecting(args.files.iter().map(PathBuf::as_path), []).inside(out),
         None => FileWriter::default(),
     }
 }
