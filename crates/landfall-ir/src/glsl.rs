@@ -94,6 +94,8 @@ pub struct Lowerer<'a> {
     overrides: &'a [(String, String)],
     /// The layouts of the shader's blocks.
     layouts: Vec<BlockLayout>,
+    /// Their indices by the spans of their names.
+    layout_at: FxHashMap<Span, usize>,
     pub blocks: Vec<ModuleBlock>,
     pub memories: Vec<globals::Memory>,
     /// The memory of each of `blocks`.
@@ -157,6 +159,7 @@ pub(super) fn lower(
         wanted_inputs: inputs,
         bases: Bases::new(&laid_out.files),
         overrides: &options.read.overrides,
+        layout_at: laid_out.blocks.iter().enumerate().map(|(n, block)| (block.span, n)).collect(),
         layouts: laid_out.blocks,
         blocks: Vec::new(),
         memories: Vec::new(),

@@ -75,11 +75,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         });
         vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
-    let bounded = match source.language {
-        Language::Glsl => naga_front::is_bounded_glsl(text),
-        Language::Wgsl => naga_front::is_bounded(text),
-    };
-    if !bounded {
+    if !naga_front::is_bounded(text) {
         return Err(refused(
             None,
             "the shader is too long or nested too deeply for naga".to_string(),

@@ -13,11 +13,12 @@ const DEEPEST_BRACKETS: u32 = 64;
 /// The limit on chained operators with nested operands: `1 + 1 + 1 + …`, `a ? b : c ? …`.
 const LONGEST_CHAIN: u32 = 200;
 
-/// The limit on declarations, which may depend on each other.
+/// The limit on declarations, which may depend on each other, and on functions, which naga compares
+/// with all others of their name.
 const MOST_STATEMENTS: usize = 4_000;
 
 /// The limit on members of nested structures: naga 30.0.1 visits every member of every member when
-/// it lays out a GLSL structure.
+/// it lays out a GLSL structure, and when it validates one of either language.
 const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
 /// The limit on the length of a text in bytes.
@@ -49,9 +50,6 @@ pub(crate) fn glsl_whole(
     stage: Option<Stage>,
     defines: &[(String, String)],
 ) -> Option<Module> {
-    if !is_bounded_glsl(text) {
-        return None;
-    }
     let stage = match stage.map_or(Some(ExecutableStage::Vertex), ExecutableStage::of)? {
         ExecutableStage::Vertex => naga::ShaderStage::Vertex,
         ExecutableStage::Fragment => naga::ShaderStage::Fragment,
@@ -67,12 +65,8 @@ pub fn is_bounded(text: &str) -> bool {
     text.len() <= LONGEST_TEXT
         && nesting(text) <= DEEPEST_BRACKETS
         && longest_chain(text) <= LONGEST_CHAIN
-        && text.bytes().filter(|&byte| byte == b';').count() <= MOST_STATEMENTS
-}
-
-/// Whether a GLSL text is within the limits for naga.
-pub fn is_bounded_glsl(text: &str) -> bool {
-    is_bounded(text) && nested_members(text) <= MOST_NESTED_MEMBERS
+        && text.bytes().filter(|byte| b";{".contains(byte)).count() <= MOST_STATEMENTS
+        && nested_members(text) <= MOST_NESTED_MEMBERS
 }
 
 /// Estimates the number of members of a text's structures, counting the members of nested

@@ -4,8 +4,10 @@
 //! [`run`](super::run). Stored with paths and lines, so that suppressions can be cached and merged
 //! from several runs.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
 use super::levels::level as level_of;
@@ -43,8 +45,10 @@ pub fn allows(files: &Files, language: Language) -> Vec<Allow> {
         if marker.find(file.text.as_bytes()).is_none() {
             continue;
         }
-        let text = Text { files, file: number as u32, text: &file.text };
-        for comment in comments(&file.text, language) {
+        let (text, file) = (&*file.text, number as u32);
+        let breaks = memchr::memchr_iter(b'\n', text.as_bytes()).collect();
+        let text = Text { files, file, text, breaks, runs: runs(text) };
+        for comment in comments(text.text, language) {
             text.read(comment, &mut found);
         }
     }
@@ -56,14 +60,49 @@ pub fn suppress(findings: &mut Vec<Finding>, allows: &mut [Allow]) {
     if allows.is_empty() {
         return;
     }
-    findings.retain(|finding| {
-        let mut kept = true;
-        for allow in allows.iter_mut().filter(|allow| allow.covers(finding)) {
-            allow.used = true;
-            kept = false;
+    let mut lines: FxHashMap<(&str, &str), Vec<u32>> = FxHashMap::default();
+    for finding in findings.iter() {
+        let place = finding.place();
+        lines.entry((&finding.code, &place.path)).or_default().push(place.line);
+    }
+    lines.values_mut().for_each(|lines| lines.sort_unstable());
+    for allow in allows.iter_mut().filter(|allow| !allow.garbled) {
+        let Some(lines) = lines.get(&(allow.now(), &*allow.place.path)) else { continue };
+        allow.used |= allow.lines.is_none_or(|(first, last)| {
+            lines.get(lines.partition_point(|line| *line < first)).is_some_and(|line| *line <= last)
+        });
+    }
+    let covered = Covered::by(allows.iter());
+    findings.retain(|finding| !covered.has(finding));
+}
+
+/// The lines that comments apply to, by code and file, sorted and disjoint.
+struct Covered<'a>(FxHashMap<(&'a str, &'a str), Vec<(u32, u32)>>);
+
+impl<'a> Covered<'a> {
+    fn by(allows: impl Iterator<Item = &'a Allow>) -> Covered<'a> {
+        let mut all: FxHashMap<(&str, &str), Vec<(u32, u32)>> = FxHashMap::default();
+        for allow in allows.filter(|allow| !allow.garbled) {
+            let lines = allow.lines.unwrap_or((0, u32::MAX));
+            all.entry((allow.now(), &allow.place.path)).or_default().push(lines);
         }
-        kept
-    });
+        for lines in all.values_mut() {
+            lines.sort_unstable();
+            lines.dedup_by(|next, before| {
+                let meets = next.0 <= before.1;
+                before.1 = if meets { before.1.max(next.1) } else { before.1 };
+                meets
+            });
+        }
+        Covered(all)
+    }
+
+    fn has(&self, finding: &Finding) -> bool {
+        let place = finding.place();
+        let Some(lines) = self.0.get(&(finding.code.as_ref(), &*place.path)) else { return false };
+        let after = lines.partition_point(|(first, _)| *first <= place.line);
+        after > 0 && place.line <= lines[after - 1].1
+    }
 }
 
 /// Returns the findings of comments that suppressed nothing. `asked` returns whether this run
@@ -80,26 +119,22 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     let mut idle: Vec<&Allow> = allows.iter().filter(is_idle).collect();
     idle.sort_by(|a, b| a.place.cmp(&b.place));
     idle.dedup_by(|a, b| a.place == b.place);
-    let used = |idle: &Allow| allows.iter().any(|a| a.used && a.place == idle.place);
-    idle.retain(|idle| renamed(&idle.code).is_some() || !used(idle));
+    let used: BTreeSet<&Place> = allows.iter().filter(|a| a.used).map(|a| &a.place).collect();
+    idle.retain(|idle| renamed(&idle.code).is_some() || !used.contains(&idle.place));
     let mut findings: Vec<Finding> =
         idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
     for finding in &mut findings {
         finding.severity = level.severity().unwrap_or(finding.severity);
     }
-    findings.retain(|finding| {
-        !allows.iter().any(|allow| allow.code == UNUSED && allow.covers(finding))
-    });
+    let covered = Covered::by(allows.iter().filter(|allow| allow.code == UNUSED));
+    findings.retain(|finding| !covered.has(finding));
     findings
 }
 
 impl Allow {
-    fn covers(&self, finding: &Finding) -> bool {
-        let line = finding.place().line;
-        !self.garbled
-            && renamed(&self.code).unwrap_or(&self.code) == finding.code
-            && self.place.path == finding.place().path
-            && self.lines.is_none_or(|(first, last)| (first..=last).contains(&line))
+    /// The current code of the lint.
+    fn now(&self) -> &str {
+        renamed(&self.code).unwrap_or(&self.code)
     }
 
     fn idle(&self, settings: &Settings, asked: impl Fn(&str) -> bool) -> Option<Finding> {
@@ -147,6 +182,22 @@ struct Text<'a> {
     files: &'a Files,
     file: u32,
     text: &'a str,
+    /// The line feeds of the text.
+    breaks: Vec<usize>,
+    /// By line, the number of allow comments in a row that begin lines from there on.
+    runs: Vec<u32>,
+}
+
+fn runs(text: &str) -> Vec<u32> {
+    let is_allow = |line: &str| {
+        let line = line.trim_start();
+        line.starts_with('/') && line.contains("landfall:")
+    };
+    let mut runs: Vec<u32> = text.split('\n').map(|line| u32::from(is_allow(line))).collect();
+    for line in (1..runs.len()).rev() {
+        runs[line - 1] *= 1 + runs[line];
+    }
+    runs
 }
 
 impl Text<'_> {
@@ -236,12 +287,8 @@ impl Text<'_> {
         if !self.is_alone(comment) {
             return (own, last);
         }
-        let rest = self.text[comment.end..].split('\n').skip(1);
-        let more = rest.take_while(|line| {
-            let line = line.trim_start();
-            line.starts_with('/') && line.contains("landfall:")
-        });
-        (own, last + 1 + more.count() as u32)
+        let next = self.breaks.partition_point(|at| *at < comment.end) + 1;
+        (own, last + 1 + self.runs.get(next).copied().unwrap_or(0))
     }
 
     /// Returns the text to remove with a comment: the spaces before it, or its whole line.

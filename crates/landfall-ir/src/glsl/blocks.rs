@@ -73,7 +73,7 @@ impl<'a> Lowerer<'a> {
             let message = format!("block `{}` belongs to an unsupported stage", block.name.text);
             return Err(refuse(span, message));
         }
-        let found = self.layouts.iter().find(|layout| layout.span == span);
+        let found = self.layout_at.get(&span).map(|&index| &self.layouts[index]);
         let Some(layout) = found.cloned() else {
             return Err(refuse(span, format!("block `{}` has no layout", block.name.text)));
         };

@@ -6,6 +6,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
+use crate::naga_front::is_bounded;
 use crate::source::{Language, Source, Span, Stage};
 use crate::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
@@ -92,6 +93,9 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
         Some(Stage::Compute) => naga::ShaderStage::Compute,
         _ => return Err(vec![refused("it supports vertex, fragment and compute shaders only")]),
     };
+    if !is_bounded(&source.text) {
+        return Err(vec![refused("it is too long, or nested too deeply, for naga")]);
+    }
     let read = || {
         let options = naga::front::glsl::Options::from(stage);
         let parsed = naga::front::glsl::Frontend::default().parse(&options, &source.text);

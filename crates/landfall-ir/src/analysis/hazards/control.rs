@@ -15,7 +15,7 @@ impl<'m> Walk<'m> {
         reject: &'m Block,
     ) -> Flow {
         let mark = self.mark();
-        let before = self.cells.clone();
+        let before = self.copied_cells();
         self.control.conditions.push(condition);
         self.assume(condition, true);
         let accepts = self.block(frame, accept);
@@ -72,7 +72,7 @@ impl<'m> Walk<'m> {
         selector: Id,
         cases: &'m [naga::SwitchCase],
     ) -> Flow {
-        let before = self.cells.clone();
+        let before = self.copied_cells();
         let mut ends: Vec<Vec<Id>> = Vec::new();
         let mut falls_on = false;
         for case in cases {
@@ -82,7 +82,7 @@ impl<'m> Walk<'m> {
             let flow = self.block(frame, &case.body);
             falls_on = case.fall_through && flow == Flow::Falls;
             if !falls_on && flow != Flow::Leaves {
-                ends.push(self.cells.clone());
+                ends.push(self.copied_cells());
             }
         }
         if ends.is_empty() && !cases.is_empty() {
@@ -114,7 +114,7 @@ impl<'m> Walk<'m> {
         continuing: &'m Block,
         break_if: Option<Handle<Expression>>,
     ) {
-        let before = self.cells.clone();
+        let before = self.copied_cells();
         let outer = std::mem::take(&mut self.left);
         let outer_guards = std::mem::take(&mut self.control.left);
         // Once to see what it changes, once more with that unknown.
@@ -143,7 +143,7 @@ impl<'m> Walk<'m> {
             self.settled.insert(looping, facts);
             self.cells[cell] = looping;
         }
-        let top = self.cells.clone();
+        let top = self.copied_cells();
         self.turn(frame, body, continuing, break_if);
         let breaks = self.control.breaks[breaks..].to_vec();
         let mut states = std::mem::replace(&mut self.left, outer);

@@ -43,6 +43,8 @@ pub struct Walk<'m> {
     pub accesses: Vec<(Id, Access)>,
     pub powers: Vec<Power>,
     globals: FxHashMap<Handle<naga::GlobalVariable>, Value>,
+    /// The index of the block that each variable holds.
+    blocks: FxHashMap<Handle<naga::GlobalVariable>, usize>,
     constants: FxHashMap<Handle<Expression>, Id>,
     /// The values of variables at each `break` and `continue` of a loop.
     pub left: Vec<Vec<Id>>,
@@ -138,12 +140,19 @@ impl<'m> Walk<'m> {
             accesses: Vec::new(),
             powers: Vec::new(),
             globals: FxHashMap::default(),
+            blocks: module.blocks.iter().enumerate().map(|(n, b)| (b.variable, n)).collect(),
             constants: FxHashMap::default(),
             left: Vec::new(),
             control: ControlRecord::default(),
             steps: 0,
             depth: 0,
         }
+    }
+
+    /// Returns the values of all variables; copying many counts as steps.
+    pub fn copied_cells(&mut self) -> Vec<Id> {
+        self.steps += (self.cells.len() / 64) as u32;
+        self.cells.clone()
     }
 
     pub fn is_cut_short(&self) -> bool {
@@ -156,6 +165,10 @@ impl<'m> Walk<'m> {
         self.assumed.clear();
         self.relations.clear();
         self.globals.clear();
+        self.steps += (self.ir.global_variables.len() / 64) as u32;
+        if self.is_cut_short() {
+            return None;
+        }
         for (handle, variable) in self.ir.global_variables.iter() {
             let value = self.global(handle, variable, is_entry);
             self.globals.insert(handle, value);
@@ -186,7 +199,7 @@ impl<'m> Walk<'m> {
         let name = variable.name.clone().unwrap_or_default();
         let own = matches!(variable.space, AddressSpace::Private | AddressSpace::WorkGroup);
         if !own {
-            let block = self.module.blocks.iter().position(|block| block.variable == handle);
+            let block = self.blocks.get(&handle).copied();
             let fresh = self.graph.next();
             let path = if block.is_some() { String::new() } else { name.clone() };
             let leaf = super::graph::Leaf {
@@ -354,7 +367,8 @@ impl<'m> Walk<'m> {
                 self.run_loop(frame, body, continuing, *break_if);
             }
             Statement::Break | Statement::Continue => {
-                self.left.push(self.cells.clone());
+                let cells = self.copied_cells();
+                self.left.push(cells);
                 let breaks = matches!(statement, Statement::Break);
                 self.control.left.extend(&self.control.conditions);
                 if breaks {

@@ -165,7 +165,7 @@ impl<'a> Preprocessor<'a> {
             parameters = Some(names.map(|t| t.text).collect());
             tokens.drain(..=close);
         }
-        let definition = Macro { name: name.text, parameters, body: tokens, span: name.span };
+        let definition = Macro::new(name, parameters, tokens);
         self.brace_macros |= definition.has_unpaired_brace();
         if let Some(before) = self.macros.get(name.text) {
             let given = self.files.get(before.span.file).is_some_and(|f| f.path.starts_with("-D "));
@@ -270,10 +270,9 @@ impl<'a> Preprocessor<'a> {
     fn report_undefined(&mut self, names: &[(String, Span)]) {
         for (name, span) in names {
             // Extension macros and `VULKAN` are often tested where undefined.
-            if name.starts_with("GL_") || self.undefined_reported.contains(name) {
+            if name.starts_with("GL_") || !self.undefined_reported.insert(name.clone()) {
                 continue;
             }
-            self.undefined_reported.push(name.clone());
             let message = format!("`{name}` is not defined and evaluates to 0");
             let help =
                 format!("write `defined({name}) && {name}`, or define it with `--define {name}=N`");
@@ -385,7 +384,7 @@ impl<'a> Preprocessor<'a> {
             if !self.macros.contains_key(name.text) {
                 let text = self.keep("1");
                 let body = vec![Lexer::new(text, 0).next(&mut Vec::new())];
-                let macro_ = Macro { name: name.text, parameters: None, body, span: name.span };
+                let macro_ = Macro::new(*name, None, body);
                 self.macros.insert(name.text, Rc::new(macro_));
             }
         }

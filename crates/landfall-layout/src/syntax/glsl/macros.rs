@@ -1,5 +1,7 @@
 //! Macro definitions, and token pasting.
 
+use std::cell::Cell;
+
 use super::lexer::{Lexer, Token};
 use super::preprocess::Texts;
 use crate::source::Span;
@@ -8,17 +10,26 @@ use std::sync::Arc;
 /// A macro defined by `#define`.
 #[derive(Debug)]
 pub struct Macro<'a> {
-    /// The name.
-    pub name: &'a str,
     /// The parameters of a function-like macro.
     pub parameters: Option<Vec<&'a str>>,
     /// The replacement tokens.
     pub body: Vec<Token<'a>>,
     /// The span of the name.
     pub span: Span,
+    /// Whether its expansion is being read, in which its name is not expanded again.
+    pub expanding: Cell<bool>,
 }
 
-impl Macro<'_> {
+impl<'a> Macro<'a> {
+    /// A macro of that name.
+    pub(crate) fn new(
+        name: Token<'a>,
+        parameters: Option<Vec<&'a str>>,
+        body: Vec<Token<'a>>,
+    ) -> Macro<'a> {
+        Macro { parameters, body, span: name.span, expanding: Cell::new(false) }
+    }
+
     /// Whether both macros have the same replacement, so that redefinition is allowed.
     pub(crate) fn same_as(&self, other: &Macro<'_>) -> bool {
         self.parameters == other.parameters

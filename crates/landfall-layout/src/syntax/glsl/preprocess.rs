@@ -10,7 +10,7 @@ use std::cell::{Cell, OnceCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use typed_arena::Arena;
 
 use super::directive::Condition;
@@ -35,7 +35,7 @@ pub struct Preprocessor<'a> {
     /// Names removed by `#undef`, the language's own macros among them.
     pub(super) undefined: Vec<&'a str>,
     /// Undefined names in conditions that were reported.
-    pub(super) undefined_reported: Vec<String>,
+    pub(super) undefined_reported: FxHashSet<String>,
     pub(super) conditions: Vec<Condition>,
     pub(super) frames: Vec<Frame<'a>>,
     /// Texts included so far by path, so that a file is read once.
@@ -92,7 +92,7 @@ pub(super) enum Frame<'a> {
     /// A file; `conditions` is the number open when it began.
     File { lexer: Lexer<'a>, conditions: usize },
     /// The expansion of a macro, in which its name is not expanded again.
-    Macro { name: &'a str, tokens: Vec<Token<'a>>, at: usize },
+    Macro { definition: Rc<Macro<'a>>, tokens: Vec<Token<'a>>, at: usize },
     /// Tokens put back, or expanded on their own.
     Tokens { tokens: Vec<Token<'a>>, at: usize },
 }
@@ -115,7 +115,7 @@ impl<'a> Preprocessor<'a> {
             files,
             macros: FxHashMap::default(),
             undefined: Vec::new(),
-            undefined_reported: Vec::new(),
+            undefined_reported: FxHashSet::default(),
             conditions: Vec::new(),
             frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
             included: FxHashMap::default(),
@@ -217,7 +217,9 @@ impl<'a> Preprocessor<'a> {
                         *at += 1;
                         return *token;
                     }
-                    self.frames.pop();
+                    if let Some(Frame::Macro { definition, .. }) = self.frames.pop() {
+                        definition.expanding.set(false);
+                    }
                 }
                 Some(Frame::File { lexer, .. }) => {
                     let token = lexer.next(&mut self.comments);

@@ -31,11 +31,7 @@ impl<'a> Preprocessor<'a> {
                 None => token,
             });
         };
-        let active = self.frames.iter().any(|frame| match frame {
-            Frame::Macro { name, .. } => *name == token.text,
-            Frame::File { .. } | Frame::Tokens { .. } => false,
-        });
-        if active {
+        if definition.expanding.get() {
             token.frozen = true;
             return Some(token);
         }
@@ -57,7 +53,8 @@ impl<'a> Preprocessor<'a> {
             return None;
         }
         let tokens = paste(tokens, self.texts);
-        self.frames.push(Frame::Macro { name: definition.name, tokens, at: 0 });
+        definition.expanding.set(true);
+        self.frames.push(Frame::Macro { definition, tokens, at: 0 });
         None
     }
 
