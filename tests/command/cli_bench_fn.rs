@@ -286,7 +286,7 @@ error[cannot-call]: `nothing(float)` cannot be sampled: it returns nothing
     refused(
         &["--fn", "sampled"],
         str![[r#"
-error[cannot-call]: `sampled(sampler2D, vec2)` cannot be sampled: `image` is a `sampler2D`, which is not a plain value
+error[cannot-call]: `sampled(sampler2D, vec2)` cannot be sampled: `image` is a `sampler2D`, but arguments can only be numbers, vectors, matrices, and arrays or structures of them
  --> all.frag
   |
   = help: name the function that calls it

@@ -252,7 +252,7 @@ error[unknown-function]: no function `third` has these parameters
             "with",
             "[1]",
             str![[r#"
-error[cannot-call]: `with(sampler2D)` cannot be called: `t` is a `sampler2D`, which is not a plain value
+error[cannot-call]: `with(sampler2D)` cannot be called: `t` is a `sampler2D`, but arguments can only be numbers, vectors, matrices, and arrays or structures of them
  --> misfits.frag
   |
   = help: call the function that calls it

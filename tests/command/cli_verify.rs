@@ -80,7 +80,7 @@ a.frag
       cpu wind.x  reads byte 32, expected 16  dynamic
       … and 2 more
       this is its offset in std430; it starts at 32 instead of 16
-    not probed: `fog`: the given layout has no such leaf
+    not probed: `fog`: the given layout has no member of this path
 
 "#]]);
 }

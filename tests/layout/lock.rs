@@ -380,7 +380,7 @@ fn layout_drift_says_what_moved_with_both_numbers() {
     assert_eq!(
         drift.message,
         "`Lights` differs from its lock: `all` changed its array stride from 16 to 32; \
-         uploads made for the lock's layout are misread"
+         buffers filled for the lock's layout are misread"
     );
     assert_eq!(
         (drift.place().path.as_str(), drift.place().line, drift.place().column),
@@ -410,7 +410,7 @@ fn drift_that_misreads_nothing_is_said_in_other_words() {
     assert_eq!(
         found[0].message,
         "`Lights` differs from its lock: `more` (`int`) uses former padding at 68; \
-         old uploads still land, but the lock is out of date"
+         buffers filled for it are still read correctly, but the lock is out of date"
     );
     let found = drifted(SHADER, &SHADER.replace("range", "reach"));
     assert_eq!(

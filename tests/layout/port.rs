@@ -252,7 +252,7 @@ fn what_cannot_be_ported_is_refused_by_name() {
         (
             "struct M { sampler2D a; float b; }; uniform M m;\nvoid f(M x) {}\n\
              void main() { M copy = m; f(copy); }",
-            "this copies `M`, which contains handles",
+            "this copies `M`, which contains samplers or images",
         ),
         (
             "#define U uniform vec3\nU eye;\nvoid main() { gl_FragColor = vec4(eye, 1.0); }",
@@ -274,7 +274,7 @@ fn what_cannot_be_ported_is_refused_by_name() {
         (
             "struct M { sampler2D a; }; uniform M m;\n#define A m.a\n\
              void main() { gl_FragColor = texture2D(A, vec2(0.5)); }",
-            "a macro uses `m`, which contains handles",
+            "a macro uses `m`, which contains samplers or images",
         ),
     ] {
         assert_eq!(text(source), Err(message.to_string()), "{source}");

@@ -104,7 +104,7 @@ fn more_handles_than_the_limit_are_refused_by_number() {
     let source = Source::new("a.frag", text.replace("out vec4", "uniform S10 s;\nout vec4"));
     let found = port(&source, &PortOptions::default()).expect_err("too many");
     assert!(
-        found.iter().any(|found| found.message.contains("more than 1024 handles")),
+        found.iter().any(|found| found.message.contains("more than 1024 samplers and images")),
         "{found:?}"
     );
 }

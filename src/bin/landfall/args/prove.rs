@@ -49,8 +49,8 @@ pub struct ProveArgs {
     /// Demand that errors are at most STEPS steps of 1/255 of full scale
     #[arg(help_heading = "Demands", long, value_name = "STEPS", value_parser = at_most)]
     pub max_step: Option<f64>,
-    /// Bound the error of floats computed in f64, rounded to nearest, instead of in f32 on any
-    /// conformant device
+    /// Bound the error of the function computed in f64 on a processor, instead of in f32 on any
+    /// device that conforms to WGSL and Vulkan
     #[arg(help_heading = "Demands", long)]
     pub f64: bool,
     /// List every operation, proved ones too

@@ -83,7 +83,7 @@ pub static ABOVE_ONE: Threshold = Threshold {
 pub static CHANGE: Threshold = Threshold {
     value: 1e-3,
     of: "change of the result, as a share of full scale",
-    why: "a quarter of one of 255 steps: a smaller change alters an 8-bit picture only where a value is halfway between two codes.",
+    why: "a quarter of one of 255 steps: a smaller change alters an 8-bit picture only where a value is halfway between two 8-bit values.",
 };
 
 /// Distance from the origin at which coordinates begin to cancel.
