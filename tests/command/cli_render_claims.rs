@@ -141,11 +141,14 @@ fn lights_past_the_turns_of_a_driver_are_refused_on_it() {
     let shader = "shaders/many_lights/plain_450.frag";
     let arguments = ["render", &scene, "--shader", shader, "--size", "2x2", "--backend", "gpu"];
     let refused = command::run(&arguments);
-    refused.code(2).stdout_eq("");
-    // The name of the driver is between the two.
-    let message = &refused.err;
-    assert!(message.contains("the shader loops over 65536 lights, but llvmpipe"), "{message}");
-    assert!(message.contains("leaves all loops after 65535 turns"), "{message}");
+    refused.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[reader]: the shader loops over 65536 lights, but [DRIVER]
+ --> shaders/many_lights/plain_450.frag
+
+
+"#]]);
+    // It ends the line, after the name of the driver.
+    assert!(refused.err.contains("leaves all loops after 65535 turns"), "{}", refused.err);
     let cpu = command::run(&[&arguments[..6], &["--backend", "cpu"]].concat());
     cpu.code(0);
 }
