@@ -4,6 +4,8 @@
 //! draws the same picture with both.
 
 use crate::support;
+use crate::support::command::golden;
+use snapbox::str;
 
 use std::path::Path;
 
@@ -304,14 +306,22 @@ fn numbers_of_layout_qualifiers_are_constant_expressions() {
          void main() { c = a + b + texture(t, vec2(0.0)); }\n",
     )
     .expect("it is portable");
-    for line in [
-        "layout(set = 0, binding = 2, std140) uniform U { vec4 a; };",
-        "layout(set = 0, binding = 5) uniform sampler2D t;",
-        "layout(location = N - 2) out vec4 c;",
-        "layout(set = 0, binding = 0, std140) uniform DefaultBlock {",
-    ] {
-        assert!(new.contains(line), "{line}\n{new}");
-    }
+    golden().eq(
+        new,
+        str![[r#"
+#version 450
+#define BASE 2
+const int N = 3;
+layout(set = 0, binding = 2, std140) uniform U { vec4 a; };
+layout(set = 0, binding = 5) uniform sampler2D t;
+layout(location = N - 2) out vec4 c;
+layout(set = 0, binding = 0, std140) uniform DefaultBlock {
+    vec4 b;
+};
+void main() { c = a + b + texture(t, vec2(0.0)); }
+
+"#]],
+    );
 }
 
 /// Broken text is refused or ported, never a panic.

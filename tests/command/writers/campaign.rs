@@ -138,13 +138,16 @@ fn a_full_disk_leaves_the_old_files() {
         said += &format!("{}: {first}\n", command[0]);
         assert!(files(&place.0) == before, "{command:?} changed a file in {target}");
     }
-    golden().eq(said, str![[r#"
+    golden().eq(
+        said,
+        str![[r#"
 lock: error[output]: `layouts/s/0.frag.json` cannot be written: file too large
 emit: error[output]: `m.rs` cannot be written: file too large
 check: error[output]: `f/0.frag` cannot be written: file too large
 render: error[output]: `p.png` cannot be written: file too large
 
-"#]]);
+"#]],
+    );
 }
 
 #[test]
