@@ -52,7 +52,7 @@ pub fn human(comparison: &Comparison) -> String {
             Psnr::Nothing => "nothing to compare".to_string(),
         },
     );
-    row("flip", format!("mean {}, max {}", phrases::figure(flip.mean), phrases::figure(flip.max)));
+    row("FLIP", format!("mean {}, max {}", phrases::figure(flip.mean), phrases::figure(flip.max)));
     row(
         "non-finite",
         match non_finite.pixels {

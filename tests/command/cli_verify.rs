@@ -450,7 +450,7 @@ a.frag
       spirv lights[1].power  reads byte 44, expected 60  reported
     time
       spirv time  reads byte 0, expected 16  reported
-  spirv ✗ run on gpu: 1536 of 3,072 words differ from landfall's module
+  spirv ✗ run on gpu: 1536 of 3,072 32-bit words differ from landfall's module
 
 "#]]);
     // What wgpu cannot bind is said, and no failure.

@@ -283,7 +283,7 @@ linear       max 0 steps, 99.9 % within 0, mean 0
 8-bit        max 0 steps (srgb); 0 channels differ by 1, 0 by 2, 0 by 3 or more, of 46
 flips        0 % of the 8-bit values
 psnr         infinite: all 8-bit values are equal
-flip         mean 0, max 0
+FLIP         mean 0, max 0
 non-finite   3 pixels: 0 channels of the first picture, 2 of the second
 
 "#]],
@@ -316,7 +316,7 @@ linear       max 0 steps, 99.9 % within 0, mean 0
 8-bit        max 0 steps (srgb); 0 channels differ by 1, 0 by 2, 0 by 3 or more, of 1194
 flips        0 % of the 8-bit values
 psnr         infinite: all 8-bit values are equal
-flip         mean 0, max 0
+FLIP         mean 0, max 0
 non-finite   none
 
 "#]],

@@ -9,7 +9,15 @@ use super::budget::seconds;
 use super::stress::at_most;
 use super::{ReadArgs, setting};
 
+/// What is known of operations and demands, as the help states it.
+const VERDICTS: &str = "\
+Verdicts on an operation:
+  found   an input was found for which it breaks
+  absent  it is proved that it breaks for no input in the ranges
+  open    neither";
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = VERDICTS)]
 pub struct ProveArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]

@@ -8,7 +8,18 @@ use clap::ValueEnum;
 use super::budget::seconds;
 use super::{BackendName, ReadArgs};
 
+/// The rows of a comparison, as the help states them.
+const ROWS: &str = "\
+Rows of a comparison:
+  linear      difference of the linear values, in steps of 1/255
+  8-bit       difference of the values from 0 to 255, after --transfer
+  flips       share of the 8-bit values that differ
+  psnr        peak signal-to-noise ratio of the 8-bit values
+  FLIP        difference as seen by a viewer, from 0 to 1 (Andersson et al. 2020)
+  non-finite  pixels with NaN or infinity, which are not compared";
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = ROWS)]
 pub struct RenderArgs {
     /// The scene, described by `landfall schema scene`
     #[arg(value_name = "SCENE.json")]
