@@ -248,7 +248,7 @@ fn every_command_ends_at_its_limit_of_time() {
         assert_nothing_unfinished(&folder, &arguments);
     }
     golden().eq(
-        Vec::from_iter(errors).concat(),
+        errors.into_iter().collect::<String>(),
         str![[r#"
 error[too-large]: `landfall` took longer than the limit of 0.05 s
   |
@@ -274,7 +274,7 @@ fn every_command_ends_at_its_limit_of_memory() {
         errors.insert(error(&said).to_string());
     }
     golden().eq(
-        Vec::from_iter(errors).concat(),
+        errors.into_iter().collect::<String>(),
         str![[r#"
 error[too-large]: `landfall` needs more than the limit of 4 MiB
   |

@@ -138,9 +138,8 @@ fn no_output_is_written_over_an_input() {
         fs::remove_file(place.0.join(link)).unwrap();
         fs::remove_file(place.0.join(hard)).unwrap();
     }
-    let said: Vec<String> = said.into_iter().collect();
     golden().eq(
-        said.concat(),
+        said.into_iter().collect::<String>(),
         str![[r#"
 error[output]: `FILE` is an input of this command, and would be overwritten
   |
