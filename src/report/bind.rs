@@ -61,13 +61,18 @@ fn reason(decision: &Decision) -> (bool, String) {
     let Decision { readings, probes, outcome, .. } = decision;
     match outcome {
         Outcome::Agrees => {
-            (true, format!("1 of {readings} readings is lit as the reference, {probes} probes"))
+            let why = "interpretations matches the reference";
+            (true, format!("1 of {readings} {why} on {probes} test fragments"))
         }
-        Outcome::Same => (true, format!("by name; {readings} readings give the same light")),
+        Outcome::Same => {
+            (true, format!("by name; all {readings} interpretations give the same light"))
+        }
         Outcome::Named => {
-            (false, format!("by name; none of {readings} readings is lit as the reference"))
+            (false, format!("by name; none of {readings} interpretations matches the reference"))
         }
-        Outcome::NotRun(why) => (false, format!("by name; the interpreter cannot run it: {why}")),
+        Outcome::NotRun(why) => {
+            (false, format!("by name; the interpreter cannot run the shader: {why}"))
+        }
     }
 }
 

@@ -43,16 +43,16 @@ pub fn human(comparison: &Comparison) -> String {
             codes.channels
         ),
     );
-    row("flips", format!("{} % of the codes", phrases::figure(100.0 * codes.flips)));
+    row("flips", format!("{} % of the 8-bit values", phrases::figure(100.0 * codes.flips)));
     row(
         "psnr",
         match psnr {
-            Psnr::Identical => "infinite: all codes are the same".to_string(),
+            Psnr::Identical => "infinite: all 8-bit values are equal".to_string(),
             Psnr::Db(db) => format!("{db:.2} dB"),
             Psnr::Nothing => "nothing to compare".to_string(),
         },
     );
-    row("flip", format!("mean {}, max {}", phrases::figure(flip.mean), phrases::figure(flip.max)));
+    row("FLIP", format!("mean {}, max {}", phrases::figure(flip.mean), phrases::figure(flip.max)));
     row(
         "non-finite",
         match non_finite.pixels {

@@ -61,7 +61,8 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     }
     if let Some(checked) = &savings.checked {
         let line = format!(
-            "at most {} of 255 from the picture with all lights, on {} fragments of this backend",
+            "differs by at most {} of 1/255 from the picture with all lights, on {} fragments of this \
+             backend",
             steps_of(checked.steps),
             number(checked.fragments)
         );
@@ -107,9 +108,10 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
 fn claim(error: &Claim) -> Option<(bool, String)> {
     match error {
         Claim::Exact(why) => Some((true, format!("exact: {why}"))),
-        Claim::Proven { steps, by } => {
-            Some((true, format!("at most {} of 255 too dark, proven by {by}", steps_of(*steps))))
-        }
+        Claim::Proven { steps, by } => Some((
+            true,
+            format!("too dark by at most {} of 1/255, proven by {by}", steps_of(*steps)),
+        )),
         Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
             let sample = match every {
@@ -121,7 +123,7 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
             Some((
                 false,
                 format!(
-                    "measured, not proven: up to {} of 255, {part:.2} % of the codes differ, on \
+                    "measured, not proven: up to {} of 1/255, {part:.2} % of the 8-bit values differ, on \
                      {} fragments{sample}",
                     steps_of(*steps),
                     number(*fragments),

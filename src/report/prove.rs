@@ -33,7 +33,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     let path = paint.text(FAINT, &escape::name(&proved.path));
     let _ = writeln!(text, "{}  {path}", paint.text(STRONG, &proved.function));
     if proved.too_large {
-        let _ = writeln!(text, "  {}", paint.text(CAUTION, "the code is too large to follow"));
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, "the code is too large to analyse"));
     }
     let shown = proved.operations.iter().filter(|operation| match listed {
         Listed::All => true,
@@ -54,9 +54,9 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     for (demand, shown) in &proved.demands {
         let name = demand.name();
         let _ = match shown {
-            Shown::Shown => writeln!(text, "  {name}: shown on every conformant device"),
+            Shown::Shown => writeln!(text, "  {name}: proved for every conformant device"),
             Shown::Open => {
-                writeln!(text, "  {}", paint.text(CAUTION, &format!("{name}: not shown")))
+                writeln!(text, "  {}", paint.text(CAUTION, &format!("{name}: not proved")))
             }
             Shown::Broken(case) => {
                 let line = format!("{name}: broken with {}", case.shown());
@@ -98,18 +98,18 @@ fn line(operation: &Operation, files: &Files, paint: Paint) -> String {
 /// Returns the counts of operations found to break, shown not to, and open: one line for each class
 /// with any.
 pub fn summary(operations: &[Operation]) -> Vec<String> {
-    let line = |class: Class, noun: &str, can: &str| {
+    let line = |class: Class, noun: &str, fault: &str| {
         let [found, absent, open] = counts(operations, class);
         let all = phrases::counted(found + absent + open, noun);
-        format!("{all} can {can}: {found} found, {absent} proved absent, {open} open")
+        format!("{fault}: {found} found, {absent} proved absent, {open} open, in {all}")
     };
-    let mut lines = vec![line(Class::Undefined, "operation", "break")];
+    let mut lines = vec![line(Class::Undefined, "operation", "undefined results")];
     if counts(operations, Class::Accuracy) != [0; 3] {
-        lines.push(line(Class::Accuracy, "subtraction", "cancel"));
+        lines.push(line(Class::Accuracy, "subtraction", "cancelled digits"));
     }
     let [found, _, open] = counts(operations, Class::Magnitude);
     if found + open > 0 {
-        lines.push(line(Class::Magnitude, "operation", "leave the range of an f32"));
+        lines.push(line(Class::Magnitude, "operation", "results beyond the range of f32"));
     }
     lines
 }

@@ -63,7 +63,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         );
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(
-                "    one ULP of `{}` moves the result by {} steps; condition {}",
+                "    one ULP of `{}` moves the result by {} steps; condition number {}",
                 condition.path,
                 figure(condition.steps),
                 figure(condition.number)
@@ -88,7 +88,8 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     if folded > 0 {
         let noun = if shown.is_empty() { "finding" } else { "further finding" };
         let findings = phrases::counted(folded, noun);
-        let line = format!("{findings} only with values that do not occur in scenes; --all");
+        let line =
+            format!("{findings} only with values that do not occur in scenes, printed with --all");
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
     if !stressed.operations.is_empty() {

@@ -106,10 +106,11 @@ fn compiled(run: &CompiledRun) -> (Style, String) {
     let reason = reason.as_deref().unwrap_or("no reason given");
     match outcome {
         Outcome::Confirmed => {
-            (PLAIN, format!("✓ run on {backend}: {compared} words match landfall's module"))
+            (PLAIN, format!("✓ run on {backend}: {compared} 32-bit words match landfall's module"))
         }
         Outcome::Disagrees => {
-            let message = format!("✗ run on {backend}: {differing} of {compared} words differ");
+            let message =
+                format!("✗ run on {backend}: {differing} of {compared} 32-bit words differ");
             (CAUTION, format!("{message} from landfall's module"))
         }
         Outcome::Failed | Outcome::Skipped => (FAINT, format!("not run on {backend}: {reason}")),
@@ -170,7 +171,7 @@ fn elsewhere(
         let pad = " ".repeat(width - read.path.width());
         let saw = match read.byte_read {
             Some(byte) => format!("reads byte {byte}"),
-            None => "reads nothing of the upload".to_string(),
+            None => "reads none of the uploaded bytes".to_string(),
         };
         let _ = writeln!(
             text,

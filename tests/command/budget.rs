@@ -2,10 +2,15 @@
 //!
 //! Each command gets an input that takes it longer than the moment at which it is ended.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+use snapbox::str;
+
+use crate::support::command::golden;
 
 /// A block of that many members.
 fn block_of(members: usize) -> String {
@@ -223,20 +228,35 @@ fn an_interrupted_lock_removes_no_lock() {
     assert_eq!((output.status.code(), locks()), (Some(130), 300));
 }
 
+/// The error at the end of what a command said.
+fn error(said: &str) -> &str {
+    said.rfind("error[").map_or("", |at| &said[at..])
+}
+
 #[test]
 fn every_command_ends_at_its_limit_of_time() {
     let folder = folder("time");
     fs::write(folder.join("values.json"), "{}").unwrap();
     fs::write(folder.join("bytes.bin"), vec![0; 16 * 400_000]).unwrap();
+    let mut errors = BTreeSet::new();
     for arguments in commands() {
         let limited: Vec<&str> = [&arguments[..], &["--max-time", "0.05"]].concat();
         let (output, _) = output(start(&folder, &limited)).join().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-        assert!(said.contains("took longer than the limit of 0.05 s"), "{arguments:?}: {said}");
-        assert!(said.contains("--max-time"), "{arguments:?}: {said}");
+        errors.insert(error(&said).to_string());
         assert_nothing_unfinished(&folder, &arguments);
     }
+    golden().eq(
+        errors.into_iter().collect::<String>(),
+        str![[r#"
+error[too-large]: `landfall` took longer than the limit of 0.05 s
+  |
+  = help: raise the limit with `--max-time SECONDS`
+
+
+"#]],
+    );
 }
 
 #[cfg(target_os = "linux")]
@@ -245,14 +265,24 @@ fn every_command_ends_at_its_limit_of_memory() {
     let folder = folder("memory");
     fs::write(folder.join("values.json"), "{}").unwrap();
     fs::write(folder.join("bytes.bin"), vec![0; 16 * 400_000]).unwrap();
+    let mut errors = BTreeSet::new();
     for arguments in commands() {
         let limited: Vec<&str> = [&arguments[..], &["--max-memory", "4"]].concat();
         let (output, _) = output(start(&folder, &limited)).join().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-        assert!(said.contains("needs more than the limit of 4 MiB"), "{arguments:?}: {said}");
-        assert!(said.contains("--max-memory"), "{arguments:?}: {said}");
+        errors.insert(error(&said).to_string());
     }
+    golden().eq(
+        errors.into_iter().collect::<String>(),
+        str![[r#"
+error[too-large]: `landfall` needs more than the limit of 4 MiB
+  |
+  = help: raise the limit with `--max-memory MIB`, or use fewer files
+
+
+"#]],
+    );
 }
 
 #[test]
@@ -286,19 +316,33 @@ fn one_evaluation_of_many_calls_ends_at_the_limit() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("budget").join("calls");
     fs::create_dir_all(folder.join("tmp")).unwrap();
     fs::write(folder.join("deep.frag"), doubling()).unwrap();
-    for (line, reason) in [
+    for (line, expected) in [
         (
             "run deep.frag --fn f26 --args [1] --backend cpu --limit 1",
-            "the code was still running at the time limit",
+            str![[r#"
+error[cannot-run]: cpu: the code was still running at the time limit: in `f[..]`, deep.frag:[..]
+
+
+"#]],
         ),
-        ("stress deep.frag --fn f26 --time 1", "no sample ended within the time limit of 1 s"),
+        (
+            "stress deep.frag --fn f26 --time 1",
+            str![[r#"
+error[cannot-run]: no sample ended within the time limit of 1 s
+ --> --time
+  |
+  = help: raise the limit, or call the function with fewer calls and iterations
+
+
+"#]],
+        ),
     ] {
         let began = Instant::now();
         let arguments: Vec<&str> = line.split(' ').collect();
         let output = start(&folder, &arguments).wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{line}: {said}");
-        assert!(said.contains(reason), "{line}: {said}");
+        golden().eq(error(&said), expected);
         // Without the limit they take more than 40 s of processor time.
         assert!(began.elapsed() < Duration::from_secs(20), "{line}: {:?}", began.elapsed());
     }
@@ -350,7 +394,17 @@ fn a_mesh_of_too_many_triangles_is_refused_with_its_limit() {
     let output = start(&folder, &[&arguments[..], &limit].concat()).wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("exceeds the limit of 1048576 triangles in a mesh"), "{said}");
-    assert!(said.contains("mesh.obj:1048580"), "{said}");
+    golden().eq(
+        said,
+        str![[r#"
+error[wrong-mesh]: exceeds the limit of 1048576 triangles in a mesh
+       --> mesh.obj:1048580:1
+        |
+1048580 | f 1 2 3
+        | ^
+
+
+"#]],
+    );
     assert!(!folder.join("a.png").exists());
 }

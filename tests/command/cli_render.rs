@@ -104,10 +104,10 @@ inputs
   Normal                   normal
   TexCoords                uv
 decided by running the shader
-  sign           dirLight.direction: 1 of 2 readings is lit as the reference, 24 probes
-  sign and unit  spotLight.direction, spotLight.cutOff, spotLight.outerCutOff: 1 of 12 readings is lit as the reference, 21 probes
-  order          pointLights[].constant, pointLights[].linear, pointLights[].quadratic: 1 of 6 readings is lit as the reference, 8 probes
-  order          spotLight.constant, spotLight.linear, spotLight.quadratic: 1 of 6 readings is lit as the reference, 8 probes
+  sign           dirLight.direction: 1 of 2 interpretations matches the reference on 24 test fragments
+  sign and unit  spotLight.direction, spotLight.cutOff, spotLight.outerCutOff: 1 of 12 interpretations matches the reference on 21 test fragments
+  order          pointLights[].constant, pointLights[].linear, pointLights[].quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
+  order          spotLight.constant, spotLight.linear, spotLight.quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
 
 "#]],
     );
@@ -329,8 +329,10 @@ error[output]: `gone.png` cannot be read: no such file or directory
         (
             vec![SCENE, "--shader", SHADER, "--bind", r#"{"viewPos": "camera"}"#],
             str![[r#"
-error[unknown-quantity]: `viewPos` is bound to `camera`, which no scene has; `--print-bind` shows the names that exist
+error[unknown-quantity]: `viewPos` is bound to `camera`, which is not a property of a scene
  --> shaders/scenes/six_lights.json
+  |
+  = help: write the name of a property, such as `camera.position`, `ambient.color`, `point.count`, `point[].color`, `spot[0].outer_cos` or `material.shininess`; of a fragment `position`, `normal`, `uv` or `pixel`
 
 
 "#]],

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use snapbox::str;
 
-use crate::support::command::{self, Place, Ran};
+use crate::support::command::{self, Place, Ran, golden};
 
 /// One function of each kind of parameter; `gain` is loose, `scale` is initialised by the shader.
 const SHADER: &str = "#version 330
@@ -85,6 +85,11 @@ fn every_reader_gives_back_out_and_inout_parameters() {
     }
 }
 
+/// The last line of a report: its note, if it has one.
+fn last(text: &str) -> &str {
+    text.lines().last().unwrap_or_default()
+}
+
 #[test]
 fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
     let place = shader("assumed.frag", SHADER);
@@ -92,7 +97,7 @@ fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
         let call = ["--fn", "look", "--args", "[[0, 0]]", "--backend", backend];
         let text = ran(&place, &call);
         assert_eq!(row(&text, "result.y")[0], "1.0", "{backend}");
-        assert!(text.contains("`tex` is white"), "{text}");
+        golden().eq(last(&text), str!["  `tex` is white by default: set a colour with --texture"]);
         let text = ran(&place, &[&call[..], &["--texture", "tex=[1, 0.5, 0.25, 1]"]].concat());
         assert_eq!(row(&text, "result.y")[0], "0.5", "{backend}");
         assert!(!text.contains("white"), "{text}");
@@ -101,7 +106,7 @@ fn textures_are_white_unless_given_and_inputs_zero_unless_given() {
     for backend in ["cpu", "gl", "gpu"] {
         let text = ran(&place, &["--fn", "lit", "--args", light, "--backend", backend]);
         assert_eq!(row(&text, "result.z")[0], "6.0", "{backend}");
-        assert!(text.contains("`v_normal` defaults to zero"), "{text}");
+        golden().eq(last(&text), str!["  `v_normal` defaults to zero: set it with --input"]);
     }
     for backend in ["cpu", "gl", "gpu"] {
         let input = ["--input", "v_normal=[0, 0, 0.5]", "--backend", backend];
@@ -252,7 +257,7 @@ error[unknown-function]: no function `third` has these parameters
             "with",
             "[1]",
             str![[r#"
-error[cannot-call]: `with(sampler2D)` cannot be called: `t` is a `sampler2D`, which is not a plain value
+error[cannot-call]: `with(sampler2D)` cannot be called: `t` is a `sampler2D`, but arguments can only be numbers, vectors, matrices, and arrays or structures of them
  --> misfits.frag
   |
   = help: call the function that calls it
@@ -412,7 +417,8 @@ both(vec2)  two_textures.frag
         .stderr_eq(str![]);
     let stress = ["stress", "two_textures.frag", "--samples", "256"];
     let ran = place.run(&[&stress[..], &call].concat());
-    assert!(ran.out.contains("`ab` is white"), "{}\n{}", ran.out, ran.err);
+    let note = ran.out.lines().find(|line| line.contains("`ab`")).unwrap_or(&ran.err);
+    golden().eq(note, str!["  `ab` is white by default: set a colour with --texture"]);
 }
 
 #[test]
@@ -466,7 +472,7 @@ void main() { colour = vec4(f(1.0)); }
         let text = ran(&place, &[&call[..], &given].concat());
         // 2 * 3 + 0 + 100 / 2.
         assert_eq!(row(&text, "result")[0], "56.0", "{backend}");
-        assert!(text.contains("`Stage.w` defaults to zero"), "{backend}: {text}");
+        golden().eq(last(&text), str!["  `Stage.w` defaults to zero: set it with --input"]);
     }
     let stress = ["stress", "stage.frag", "--fn", "f", "--samples", "64", "--format", "json"];
     let report = place.run(&stress).json();

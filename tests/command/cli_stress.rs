@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 use snapbox::str;
 
-use crate::support::command::{self, Ran};
+use crate::support::command::{self, Ran, golden};
 
 /// A function that is exact, one that breaks at zero, and one that is inaccurate near 1.
 const SHADER: &str = "#version 450
@@ -64,7 +64,14 @@ fn it_exits_with_1_past_a_limit_and_on_what_is_not_finite() {
         assert_eq!(said.contains("error"), code == 2, "{function} {more:?}: {said}");
     }
     let output = stress(&path, &["--fn", "halve"]);
-    assert!(output.err.contains("`halved`"), "the nearest name");
+    output.code(2).stderr_eq(str![[r#"
+error[unknown-function]: the shader has no function `halve`
+ --> [TMP]/cli_stress/exits.frag
+  |
+  = help: did you mean `halved`? its functions are `halved(float)`, `direction(vec3)`, `nearly(float)`
+
+
+"#]]);
 }
 
 #[test]
@@ -171,11 +178,23 @@ void main() {}
     let domains: Vec<&str> =
         report["inputs"].as_array().unwrap().iter().filter_map(|i| i["domain"].as_str()).collect();
     assert_eq!(domains, ["-3..-1", "1..4294967295"]);
-    for domain in [r#"{"a": [0.5, 0.6]}"#, r#"{"b": [-5, -1]}"#] {
-        let output = run(domain);
-        let said = &output.err;
-        assert_eq!(output.code, 2, "{domain}: {said}");
-        assert!(said.contains("int` is from "), "{domain}: {said}");
+    for (domain, expected) in [
+        (
+            r#"{"a": [0.5, 0.6]}"#,
+            str![[r#"
+{"severity":"error","code":"bad-domain","message":"`a`: no `int` is from 0.5 to 0.6","path":"--domain","line":null,"column":null,"end_line":null,"end_column":null,"labels":[],"notes":[],"help":"widen it"}
+
+"#]],
+        ),
+        (
+            r#"{"b": [-5, -1]}"#,
+            str![[r#"
+{"severity":"error","code":"bad-domain","message":"`b`: no `uint` is from -5 to -1","path":"--domain","line":null,"column":null,"end_line":null,"end_column":null,"labels":[],"notes":[],"help":"widen it"}
+
+"#]],
+        ),
+    ] {
+        run(domain).code(2).stderr_eq(expected);
     }
 }
 
@@ -319,12 +338,23 @@ fn a_command_has_the_macros_textures_folders_and_stage_the_function_was_read_wit
 #[test]
 fn a_time_no_clock_reaches_is_refused_in_words() {
     let path = shader("late.frag");
+    let mut said = String::new();
     for time in ["1e19", "1e300", "inf", "NaN", "0"] {
         let output = stress(&path, &["--fn", "halved", "--samples", "10", "--time", time]);
-        let said = &output.err;
-        assert_eq!(output.code, 2, "{time}: {said}");
-        assert!(said.contains("a limit is above 0"), "{time}: {said}");
+        said += output.code(2).err.lines().next().unwrap_or_default();
+        said.push('\n');
     }
+    golden().eq(
+        said,
+        str![[r#"
+error: invalid value '1e19' for '--time <SECONDS>': a limit is above 0 and up to 1000000000 s
+error: invalid value '1e300' for '--time <SECONDS>': a limit is above 0 and up to 1000000000 s
+error: invalid value 'inf' for '--time <SECONDS>': a limit is above 0 and up to 1000000000 s
+error: invalid value 'NaN' for '--time <SECONDS>': a limit is above 0 and up to 1000000000 s
+error: invalid value '0' for '--time <SECONDS>': a limit is above 0 and up to 1000000000 s
+
+"#]],
+    );
 }
 
 #[test]
@@ -353,10 +383,10 @@ void main() {}
         let m = found["case"]["inputs"]["u.m"].as_f64();
         assert!(m.is_some_and(|m| (1.0..=2.0).contains(&m)), "{found:#}");
     }
-    let output = against("h");
-    let said = &output.err;
-    assert_eq!(output.code, 2, "{said}");
-    assert!(said.contains("`h(float, float)` does not fit: it reads `more`, and"), "{said}");
+    against("h").code(2).stderr_eq(str![[r#"
+{"severity":"error","code":"cannot-compare","message":"`h(float, float)` does not fit: it reads `more`, and `f(float)`, which it is compared with, reads `x`, `u.k`","path":"--against","line":null,"column":null,"end_line":null,"end_column":null,"labels":[],"notes":[],"help":null}
+
+"#]]);
 }
 
 #[test]

@@ -80,7 +80,7 @@ a.frag
       cpu wind.x  reads byte 32, expected 16  dynamic
       … and 2 more
       this is its offset in std430; it starts at 32 instead of 16
-    not probed: `fog`: the given layout has no such leaf
+    not probed: `fog`: the given layout has no member of this path
 
 "#]]);
 }
@@ -450,7 +450,7 @@ a.frag
       spirv lights[1].power  reads byte 44, expected 60  reported
     time
       spirv time  reads byte 0, expected 16  reported
-  spirv ✗ run on gpu: 1536 of 3,072 words differ from landfall's module
+  spirv ✗ run on gpu: 1536 of 3,072 32-bit words differ from landfall's module
 
 "#]]);
     // What wgpu cannot bind is said, and no failure.

@@ -4,6 +4,8 @@
 
 use std::fs;
 
+use snapbox::str;
+
 use crate::support::c::{BOTH, compile};
 use crate::support::command::{Place, Ran};
 use crate::support::rustc;
@@ -196,7 +198,15 @@ fn locks_and_differences_show_names_as_names() {
         place.read(&lock).replace("\"name\": \"B\"", "\"name\": \"B\\n::error::\\u202e\\u001b\"");
     place.write(&lock, text);
     let ran = checked(&place, &["diff", &lock, NAME]);
-    assert!(ran.code == 2 && ran.err.contains("has a control character"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `layouts/::error file=x::�`a|<b>␛[2J�
+               #﹟[error]p
+               ./::warning::w �.frag.json` has a control character in `name`, at line 6
+  |
+  = help: locks are not edited by hand: write it again with `landfall lock`
+
+
+"#]]);
     checked(&place, &["check"]);
 }
 

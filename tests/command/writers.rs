@@ -3,6 +3,7 @@
 
 pub mod campaign;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
@@ -11,7 +12,7 @@ use std::process::{Command, Stdio};
 use snapbox::str;
 
 use crate::cli_check::place::{CLEAN, idle};
-use crate::support::command::{Place, Ran};
+use crate::support::command::{Place, Ran, golden};
 
 const LEGACY: &str = "#version 120
 uniform vec3 tint;
@@ -60,11 +61,6 @@ pub fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     }
     found.sort();
     found
-}
-
-fn refused(ran: &Ran, words: &str, command: &[&str]) {
-    assert_eq!(ran.code, 2, "{command:?}: {}\n{}", ran.out, ran.err);
-    assert!(ran.err.contains(words) && ran.err.contains("help: "), "{command:?}: {}", ran.err);
 }
 
 #[test]
@@ -119,6 +115,8 @@ fn no_output_is_written_over_an_input() {
             ],
         ),
     ];
+    // What each command said, with its target as `FILE`.
+    let mut said = BTreeSet::new();
     for (target, command) in cases {
         let kind = Path::new(target).extension().unwrap().to_str().unwrap();
         let (link, hard) = (format!("link.{kind}"), format!("hard.{kind}"));
@@ -133,12 +131,23 @@ fn no_output_is_written_over_an_input() {
                 false => all.push(target),
             }
             let ran = place.run(&all);
-            refused(&ran, "is an input of this command", &all);
+            assert_eq!(ran.code, 2, "{all:?}: {}\n{}", ran.out, ran.err);
+            said.insert(ran.err.replace(&format!("`{target}`"), "`FILE`"));
             assert!(files(&place.0) == before, "{all:?} changed a file");
         }
         fs::remove_file(place.0.join(link)).unwrap();
         fs::remove_file(place.0.join(hard)).unwrap();
     }
+    golden().eq(
+        said.into_iter().collect::<String>(),
+        str![[r#"
+error[output]: `FILE` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]],
+    );
 }
 
 #[test]
@@ -150,9 +159,21 @@ fn a_picture_is_not_written_over_the_one_it_is_compared_with_nor_over_the_scene(
     assert_eq!(ran.code, 0, "{}", ran.err);
     let before = files(&place.0);
     let over = [&render[..], &["scene.pfm"]].concat();
-    refused(&place.run(&over), "is an input of this command", &over);
+    place.run(&over).code(2).stderr_eq(str![[r#"
+error[output]: `scene.pfm` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]]);
     let compared = [&render[..], &["a.png", "--compare", "a.png"]].concat();
-    refused(&place.run(&compared), "is an input of this command", &compared);
+    place.run(&compared).code(2).stderr_eq(str![[r#"
+error[output]: `a.png` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]]);
     let unchanged = |path: &str| {
         let at = place.0.join(path).display().to_string();
         before.iter().find(|(name, _)| *name == at).unwrap().1 == fs::read(at).unwrap()
@@ -166,7 +187,13 @@ fn two_reports_of_one_file_by_two_names_are_refused() {
     place.write("a.frag", CLEAN).write("r.json", "");
     symlink("r.json", place.0.join("link.json")).unwrap();
     let command = ["check", "a.frag", "-f", "json=r.json", "-f", "sarif=link.json"];
-    refused(&place.run(&command), "is an input of this command", &command);
+    place.run(&command).code(2).stderr_eq(str![[r#"
+error[output]: `link.json` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]]);
     assert!(place.read("r.json").contains("\"findings\""));
 }
 
@@ -178,7 +205,14 @@ fn locks_are_neither_written_over_files_of_others_nor_are_those_removed() {
     place.write("assets/bytes.frag.json", [0xff, 0, 1]);
     let before = files(&place.0.join("assets"));
     let command = ["lock", "--locks", "assets", "--prune"];
-    refused(&place.run(&command), "is not a landfall lock", &command);
+    place.run(&command).code(2).stderr_eq(str![[r#"
+error[unreadable-file]: `assets/a.frag.json` has the name of a lock but is not a landfall lock
+  |
+  = help: move it away, keep locks elsewhere with `--locks DIR`, or overwrite it with `--force`
+
+0 locks written, 0 unchanged
+
+"#]]);
     assert!(files(&place.0.join("assets")) == before);
     // A lock that was cut off, or that git could not merge, is one.
     assert_eq!(place.run(&["lock", "--locks", "assets", "--force"]).code, 0);
@@ -206,7 +240,17 @@ fn layouts_are_written_only_over_layouts() {
         let extension = if matches!(format, "table" | "listing") { "txt" } else { format };
         let target = format!("o/a.frag.{extension}");
         place.write(&target, "mine, all of it\n");
-        refused(&place.run(&command), "was not written by `landfall layout`", &command);
+        let said = place.run(&command).code(2).err.replace(&target, "FILE");
+        golden().eq(
+            said,
+            str![[r#"
+error[output]: `FILE` already exists and was not written by `landfall layout`
+  |
+  = help: name another directory, or overwrite it with `--force`
+
+
+"#]],
+        );
         assert_eq!(place.read(&target), "mine, all of it\n");
         assert_eq!(place.run(&[&command[..], &["--force"]].concat()).code, 0);
         let written = place.read(&target);
@@ -255,7 +299,12 @@ laid out 1 of 1 shader, the rest is unchanged
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
-    assert!(with("the key of whoever checks").err.contains("laid out 0 of 1"));
+    with("the key of whoever checks").stderr_eq(str![[r#"
+checked 1 shader: 1 warning; 1 fixable with --fix
+laid out 0 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     let other = with("the key of somebody else");
     other.stderr_eq(str![[r#"
 checked 1 shader: 1 warning; 1 fixable with --fix
@@ -265,7 +314,12 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
 "#]]);
     assert_eq!(other.out, honest.out);
     // Now the cache is theirs; to us it is worth nothing.
-    assert!(with("the key of whoever checks").err.contains("laid out 1 of 1"));
+    with("the key of whoever checks").stderr_eq(str![[r#"
+checked 1 shader: 1 warning; 1 fixable with --fix
+laid out 1 of 1 shader, the rest is unchanged
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     let name = fs::read_dir(place.0.join("c")).unwrap().map(|entry| entry.unwrap().path());
     let file = name.filter(|path| path.extension().is_some_and(|e| e == "json")).last().unwrap();
     let text = fs::read_to_string(&file).unwrap();
@@ -325,6 +379,7 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
             &["check", "--fix", "-W", "unused-allow", "-W", "stale-comment"],
         ),
     ];
+    let mut said = String::new();
     for (name, leads, link, command) in cases {
         let place = fresh(name);
         place.write("s/b.frag", CLEAN).write("v.json", "{}");
@@ -334,10 +389,60 @@ fn nothing_is_written_through_a_link_out_of_the_tree() {
         let ran = place.run(command);
         assert!(files(&outside.0) == before, "{name}: {command:?} wrote outside\n{}", ran.err);
         if name != "accept" {
-            let told = ran.err + &ran.out;
-            assert!(ran.code == 2 && told.contains("symbolic link"), "{name}: {told}");
+            ran.code(2);
+            said += &format!("{name}: {}{}", ran.err, ran.out);
         }
     }
+    golden().eq(said, str![[r#"
+locks: error[output]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/a.frag.json`, out of `[TMP]/writers-links-locks`
+  |
+  = help: remove the link, or name its target
+
+error[output]: `layouts/s/b.frag.json` leads through a symbolic link to `[TMP]/writers-outside/s/b.frag.json`, out of `[TMP]/writers-links-locks`
+  |
+  = help: remove the link, or name its target
+
+0 locks written, 0 unchanged
+lock: error[output]: `layouts/a.frag.json` leads through a symbolic link to `[TMP]/writers-outside/new.json`, out of `[TMP]/writers-links-lock`
+  |
+  = help: remove the link, or name its target
+
+1 lock written, 0 unchanged
+out: error[output]: `o/a.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/new.txt`, out of `[TMP]/writers-links-out/o`
+  |
+  = help: remove the link, or name its target
+
+deep: error[output]: `o/s/b.frag.txt` leads through a symbolic link to `[TMP]/writers-outside/b.frag.txt`, out of `[TMP]/writers-links-deep/o`
+  |
+  = help: remove the link, or name its target
+
+emit: error[output]: `m.rs` leads through a symbolic link to `[TMP]/writers-outside/new.rs`, out of `[TMP]/writers-links-emit`
+  |
+  = help: remove the link, or name its target
+
+encode: error[output]: `v.bin` leads through a symbolic link to `[TMP]/writers-outside/kept`, out of `[TMP]/writers-links-encode`
+  |
+  = help: remove the link, or name its target
+
+fix: checked 3 shaders: 1 error, 1 warning; 1 fixable with --fix
+fixed 0 edits in 0 files
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+error[output]: `l.frag` leads through a symbolic link to `[TMP]/writers-outside/far.frag`, out of `[TMP]/writers-links-fix`
+ --> l.frag
+  |
+  = help: remove the link, or name its target
+
+warning[unused-allow]: `allow(stale-comment)` suppresses nothing in line 4
+ --> l.frag:4:36
+  |
+4 |     vec4 color; // landfall: allow(stale-comment)
+  |                                    ^^^^^^^^^^^^^ no such finding
+  |
+  = help: remove it
+
+3 shaders: 1 error, 1 warning
+
+"#]]);
     // A cache is no more than a help: it is left out.
     let place = fresh("cache");
     symlink(&away, place.0.join("c")).unwrap();
@@ -362,7 +467,13 @@ fn a_read_only_file_stays() {
     permissions.set_readonly(true);
     fs::set_permissions(place.0.join("m.rs"), permissions).unwrap();
     let command = ["emit", "s/a.frag", "--lang", "rust", "-o", "m.rs"];
-    refused(&place.run(&command), "is read-only", &command);
+    place.run(&command).code(2).stderr_eq(str![[r#"
+error[output]: `m.rs` cannot be written: it is read-only
+  |
+  = help: make it writable, or name another file
+
+
+"#]]);
     assert_eq!(place.read("m.rs"), "mine");
 }
 

@@ -5,7 +5,9 @@
 //! and `libvulkan1`); a missing one fails.
 #![cfg(unix)]
 
+use crate::support::command::golden;
 use crate::support::jobs;
+use snapbox::str;
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -335,7 +337,7 @@ fn a_program_that_is_not_there_is_named() {
     let launch = Launch { program: "/nonexistent/landfall".into(), ..script("") };
     let failure = Subprocess::open(launch).err().unwrap();
     assert_eq!(failure.kind, FailureKind::Missing);
-    assert!(failure.message.contains("/nonexistent/landfall"), "{failure}");
+    golden().eq(failure.message, str!["the driver process does not start: /nonexistent/landfall"]);
 }
 
 #[test]

@@ -243,6 +243,7 @@ help: continue the path with `.pos`, `.color`, `.intensity`, `.constant`, `.line
         said("data[3].intensity.x"),
         "`data[3].intensity` is `float` and takes no further index or component"
     );
+    let mut all = String::new();
     for path in [
         "data[3",
         "data[-1].color",
@@ -260,9 +261,32 @@ help: continue the path with `.pos`, `.color`, `.intensity`, `.constant`, `.line
         "data[3].color\0\0",
         "data\0[3].color",
     ] {
-        let text = said(path);
-        assert!(text.contains("is not a path") || text.contains("no member"), "{path}: {text}");
+        all += &format!("{path:?}: {}\n", said(path).replace('\0', "\\0"));
     }
+    golden().eq(
+        all,
+        str![[r#"
+"data[3": `data[3` is not a path: expected `]` at byte 6
+"data[-1].color": `data[-1].color` is not a path: expected a number at byte 5
+"data[3].": `data[3].` is not a path: expected a name at byte 8
+".data": `.data` is not a path: expected a name at byte 0
+"data[3]color": `data[3]color` is not a path: expected `.` or `[` at byte 7
+"data[x].color": `data[x].color` is not a path: expected a number at byte 5
+"data[3]..color": `data[3]..color` is not a path: expected a name at byte 8
+"[3]": `[3]` is not a path: expected a name at byte 0
+"data[ 3].color": `data[ 3].color` is not a path: expected a number at byte 5
+"u_point_light_array.": `u_point_light_array.` is not a path: expected a name at byte 20
+"é[1]": no member `é` in the block (path `é[1]`)
+"data[é]": `data[é]` is not a path: expected a number at byte 5
+"data[3].color\0": no member `color\0` in `data[3]` (path `data[3].color\0`)
+help: did you mean `data[3].color`?
+"data[3].color\0\0": no member `color\0\0` in `data[3]` (path `data[3].color\0\0`)
+help: did you mean `data[3].color`?
+"data\0[3].color": no member `data\0` in the block (path `data\0[3].color`)
+help: did you mean `data[3].color`?
+
+"#]],
+    );
     assert!(buffer.bytes().iter().all(|&byte| byte == 0));
 }
 

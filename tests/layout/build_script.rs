@@ -5,6 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use snapbox::str;
+
+use crate::support::command::golden;
+
 const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/example");
 
 /// Runs a cargo command in a copy of the example; all copies share what they depend on.
@@ -92,6 +96,11 @@ fn a_grown_structure_no_longer_compiles_with_the_old_call() {
     assert!(told.contains("takes 5 arguments but 4"), "{told}");
 }
 
+/// What landfall says in the output of a build that failed, the last of it.
+fn landfalls(told: &str) -> &str {
+    told.find("landfall failed").map_or(told, |at| &told[at..])
+}
+
 fn a_broken_shader_is_shown_with_its_line() {
     let copy = Copy::new("broken");
     copy.edit("shaders/include/light.glsl", "vec3 color;", "vec5 color;");
@@ -99,13 +108,28 @@ fn a_broken_shader_is_shown_with_its_line() {
     let build = cargo(&copy.0, "build");
     let told = text(&build.stderr);
     assert!(!build.status.success());
+    golden().eq(
+        landfalls(&told),
+        str![[r#"
+landfall failed
+
+  error[unknown-type]: unknown type `vec5`
+   --> shaders/include/light.glsl:4:5
+    |
+  4 |     vec5 color;    // linear
+    |     ^^^^
+    |
+    = help: did you mean `vec2`?
+
+  error[array-size]: array `alive` has size 0, but an array has at least 1 element
+    --> shaders/particles.comp:12:16
+     |
+  12 |     uint alive[0];
+     |                ^
+
+"#]],
+    );
     for part in [
-        "unknown type `vec5`",
-        "shaders/include/light.glsl:4:5",
-        "vec5 color;    // linear",
-        "did you mean `vec2`?",
-        "array `alive` has size 0",
-        "shaders/particles.comp:12:16",
         "cargo::rerun-if-changed=shaders/include/light.glsl",
         "cargo::rerun-if-changed=shaders/lights.frag",
     ] {
@@ -119,7 +143,31 @@ fn a_vanished_include_is_named() {
     fs::remove_file(copy.0.join("shaders/include/light.glsl")).expect("the include");
     fs::remove_file(copy.0.join("shaders/particles.comp")).expect("a shader");
     let told = text(&cargo(&copy.0, "build").stderr);
-    assert!(told.contains("`light.glsl` not found"), "{told}");
-    assert!(told.contains("looked for `shaders/include/light.glsl`"), "{told}");
-    assert!(told.contains("`shaders/particles.comp` cannot be read"), "{told}");
+    golden().eq(
+        landfalls(&told),
+        str![[r#"
+landfall failed
+
+  error[missing-include]: `light.glsl` not found
+   --> shaders/lights.frag:3:2
+    |
+  3 | #include "light.glsl"
+    |  ^^^^^^^^^^^^^^^^^^^^
+    |
+    = note: looked for `shaders/light.glsl`
+    = note: looked for `shaders/include/light.glsl`
+    = help: pass its directory with `-I DIR`
+
+  error[unknown-type]: unknown type `PointLight`
+    --> shaders/lights.frag:10:5
+     |
+  10 |     PointLight lights[MAX_LIGHTS];
+     |     ^^^^^^^^^^
+     |
+     = help: declare a structure before its use
+
+  error[unreadable-file]: `shaders/particles.comp` cannot be read: no such file or directory
+
+"#]],
+    );
 }

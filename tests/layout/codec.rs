@@ -138,56 +138,68 @@ fn missing_members_are_zero_or_an_error_as_asked() {
 fn bad_values_are_refused_with_their_place() {
     let block = block(LIGHTS);
     let cases = [
-        (
-            r#"{"data":[{"colour":[1,2,3]}]}"#,
-            "no member `colour` in `data[0]` (path `data[0].colour`)\nhelp: did you mean `data[0].color`?",
-        ),
-        (r#"{"dta":[]}"#, "did you mean `data`?"),
-        (
-            r#"{"data[128].pos":[1,2,3]}"#,
-            "index 128 in `data[128].pos` is out of range: the length is 128",
-        ),
-        (r#"{"data":[{},{"pos":[1,2]}]}"#, "`data[1].pos`: `vec3` has 3 elements, not 2"),
-        (r#"{"data":[{"pos":[1,2,3,4]}]}"#, "`data[0].pos`: `vec3` has 3 elements, not 4"),
-        (
-            r#"{"data":[{"pos":1}]}"#,
-            "`data[0].pos`: expected an array of 3 numbers for `vec3`, found 1",
-        ),
-        (
-            r#"{"data":{"pos":1}}"#,
-            "`data`: expected an array for `PointLight[128]`, found an object",
-        ),
-        (
-            r#"{"data":[[1]]}"#,
-            "`data[0]`: expected an object of members for `PointLight`, found an array of 1 value",
-        ),
-        (
-            r#"{"data":[null]}"#,
-            "`data[0]`: expected an object of members for `PointLight`, found null",
-        ),
-        (r#"{"data[3].pos":[1,"x",3]}"#, "`data[3].pos[1]`: expected a number, \"inf\""),
-        (r#"{"data[3].pos":[1,1e39,3]}"#, "`data[3].pos[1]`: 1e+39 does not fit `float`"),
-        (r#"{"data[3].pos":[1,"nan:0x7f800000",3]}"#, "does not fit `float`"),
-        (r#"{"data[3].pos":[1,true,3]}"#, "expected a number for `float`, found true"),
-        (
-            r#"{"actually_used_count":2147483648}"#,
-            "`actually_used_count`: 2147483648 does not fit `int`",
-        ),
-        (
-            r#"{"actually_used_count":1.5}"#,
-            "`actually_used_count`: expected an integer for `int`, found 1.5",
-        ),
-        (r#"{"actually_used_count":"1"}"#, "expected an integer for `int`, found \"1\""),
-        (
-            r#"{"data":[{"pos":[1,2,3]}],"data[0].pos.x":4}"#,
-            "`data[0].pos.x`: its value is given twice",
-        ),
-        ("[]", "the block: expected an object of members for `PointLightBlock`"),
+        r#"{"data":[{"colour":[1,2,3]}]}"#,
+        r#"{"dta":[]}"#,
+        r#"{"data[128].pos":[1,2,3]}"#,
+        r#"{"data":[{},{"pos":[1,2]}]}"#,
+        r#"{"data":[{"pos":[1,2,3,4]}]}"#,
+        r#"{"data":[{"pos":1}]}"#,
+        r#"{"data":{"pos":1}}"#,
+        r#"{"data":[[1]]}"#,
+        r#"{"data":[null]}"#,
+        r#"{"data[3].pos":[1,"x",3]}"#,
+        r#"{"data[3].pos":[1,1e39,3]}"#,
+        r#"{"data[3].pos":[1,"nan:0x7f800000",3]}"#,
+        r#"{"data[3].pos":[1,true,3]}"#,
+        r#"{"actually_used_count":2147483648}"#,
+        r#"{"actually_used_count":1.5}"#,
+        r#"{"actually_used_count":"1"}"#,
+        r#"{"data":[{"pos":[1,2,3]}],"data[0].pos.x":4}"#,
+        "[]",
     ];
-    for (json, wanted) in cases {
-        let error = said(&block, json);
-        assert!(error.contains(wanted), "{json}\n{error}");
-    }
+    let all: Vec<String> =
+        cases.iter().map(|json| format!("{json}\n  {}\n", said(&block, json))).collect();
+    golden().eq(all.concat(), str![[r#"
+{"data":[{"colour":[1,2,3]}]}
+  no member `colour` in `data[0]` (path `data[0].colour`)
+help: did you mean `data[0].color`?
+{"dta":[]}
+  no member `dta` in the block (path `dta`)
+help: did you mean `data`?
+{"data[128].pos":[1,2,3]}
+  index 128 in `data[128].pos` is out of range: the length is 128
+{"data":[{},{"pos":[1,2]}]}
+  `data[1].pos`: `vec3` has 3 elements, not 2
+{"data":[{"pos":[1,2,3,4]}]}
+  `data[0].pos`: `vec3` has 3 elements, not 4
+{"data":[{"pos":1}]}
+  `data[0].pos`: expected an array of 3 numbers for `vec3`, found 1
+{"data":{"pos":1}}
+  `data`: expected an array for `PointLight[128]`, found an object
+{"data":[[1]]}
+  `data[0]`: expected an object of members for `PointLight`, found an array of 1 value
+{"data":[null]}
+  `data[0]`: expected an object of members for `PointLight`, found null
+{"data[3].pos":[1,"x",3]}
+  `data[3].pos[1]`: expected a number, "inf", "-inf", "nan" or "nan:0x…" (a NaN by its bits) for `float`, found "x"
+{"data[3].pos":[1,1e39,3]}
+  `data[3].pos[1]`: 1e+39 does not fit `float`
+{"data[3].pos":[1,"nan:0x7f800000",3]}
+  `data[3].pos[1]`: "nan:0x7f800000" does not fit `float`
+{"data[3].pos":[1,true,3]}
+  `data[3].pos[1]`: expected a number for `float`, found true
+{"actually_used_count":2147483648}
+  `actually_used_count`: 2147483648 does not fit `int`
+{"actually_used_count":1.5}
+  `actually_used_count`: expected an integer for `int`, found 1.5
+{"actually_used_count":"1"}
+  `actually_used_count`: expected an integer for `int`, found "1"
+{"data":[{"pos":[1,2,3]}],"data[0].pos.x":4}
+  `data[0].pos.x`: its value is given twice
+[]
+  the block: expected an object of members for `PointLightBlock`, found an array of 0 values
+
+"#]]);
     let many = format!(r#"{{"data":[{}]}}"#, vec!["{}"; 129].join(","));
     assert_eq!(said(&block, &many), "`data`: `PointLight[128]` has 128 elements, not 129");
 }
@@ -203,17 +215,33 @@ fn integers_fit_to_the_last_one() {
     let made = bytes(&block, json).unwrap();
     assert_eq!(text(&block, &made), json);
     let cases = [
-        (r#"{"a":9223372036854775808}"#, "int64_t"),
-        (r#"{"b":-1}"#, "uint64_t"),
-        (r#"{"c":128}"#, "int8_t"),
-        (r#"{"c":-129}"#, "int8_t"),
-        (r#"{"d":65536}"#, "uint16_t"),
-        (r#"{"e":65520}"#, "float16_t"),
+        r#"{"a":9223372036854775808}"#,
+        r#"{"b":-1}"#,
+        r#"{"c":128}"#,
+        r#"{"c":-129}"#,
+        r#"{"d":65536}"#,
+        r#"{"e":65520}"#,
     ];
-    for (json, ty) in cases {
-        let error = said(&block, json);
-        assert!(error.contains(&format!("does not fit `{ty}`")), "{error}");
-    }
+    let all: Vec<String> =
+        cases.iter().map(|json| format!("{json}\n  {}\n", said(&block, json))).collect();
+    golden().eq(
+        all.concat(),
+        str![[r#"
+{"a":9223372036854775808}
+  `a`: 9223372036854775808 does not fit `int64_t`
+{"b":-1}
+  `b`: -1 does not fit `uint64_t`
+{"c":128}
+  `c`: 128 does not fit `int8_t`
+{"c":-129}
+  `c`: -129 does not fit `int8_t`
+{"d":65536}
+  `d`: 65536 does not fit `uint16_t`
+{"e":65520}
+  `e`: 65520 does not fit `float16_t`
+
+"#]],
+    );
 }
 
 #[test]

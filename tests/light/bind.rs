@@ -277,8 +277,7 @@ fn what_is_said_stands_over_what_is_guessed() {
         ),
         (
             r#"{"viewPos": "camera.postion"}"#,
-            "`viewPos` is bound to `camera.postion`, which no scene has; `--print-bind` shows the \
-             names that exist",
+            "`viewPos` is bound to `camera.postion`, which is not a property of a scene",
             "did you mean `camera.position`?",
         ),
     ] {

@@ -401,7 +401,7 @@ fn what_is_refused_says_what_to_write_and_takes_it() {
         Err(other) => panic!("{other}"),
         Ok(renderer) => panic!("bound: {:?}", renderer.map.decisions),
     };
-    golden().eq(refused.to_string(), str!["the sign of `light.direction` cannot be told: of 2 readings, none lights 24 probes in the order of the reference"]);
+    golden().eq(refused.to_string(), str!["the sign of `light.direction` cannot be inferred: of 2 interpretations, none matches the reference on 24 test fragments"]);
     golden().eq(refused.help().unwrap_or_default(), str![[r#"say what they hold, with `--bind '{"light.direction": "-directional[0].direction"}'` or `--bind '{"light.direction": "directional[0].direction"}'`"#]]);
     let bind = serde_json::json!({"light.direction": "-directional[0].direction"});
     let bind = bind.as_object().expect("an object");

@@ -281,9 +281,9 @@ fn no_number_is_never_the_same_as_a_number() {
 pixels       16 compared
 linear       max 0 steps, 99.9 % within 0, mean 0
 8-bit        max 0 steps (srgb); 0 channels differ by 1, 0 by 2, 0 by 3 or more, of 46
-flips        0 % of the codes
-psnr         infinite: all codes are the same
-flip         mean 0, max 0
+flips        0 % of the 8-bit values
+psnr         infinite: all 8-bit values are equal
+FLIP         mean 0, max 0
 non-finite   3 pixels: 0 channels of the first picture, 2 of the second
 
 "#]],
@@ -314,9 +314,9 @@ fn undefined_fragments_are_left_out_and_counted_and_do_not_glow() {
 pixels       398 compared, 2 left out as undefined
 linear       max 0 steps, 99.9 % within 0, mean 0
 8-bit        max 0 steps (srgb); 0 channels differ by 1, 0 by 2, 0 by 3 or more, of 1194
-flips        0 % of the codes
-psnr         infinite: all codes are the same
-flip         mean 0, max 0
+flips        0 % of the 8-bit values
+psnr         infinite: all 8-bit values are equal
+FLIP         mean 0, max 0
 non-finite   none
 
 "#]],

@@ -191,11 +191,11 @@ fn widths_of_cones_are_what_the_thresholds_state() {
     let steps = |divisor: f64| 255.0 * above / divisor;
     let numbers = [
         format!("up to {above:.1e} above 1"),
-        format!("{:.1} of 255 steps at 1e-4, {:.0} at 1e-6", steps(1.0e-4), steps(1.0e-6)),
+        format!("{:.1} steps of 1/255 at 1e-4, {:.0} at 1e-6", steps(1.0e-4), steps(1.0e-6)),
         format!("0.5 and 1 degrees divides by {:.2e}", degrees(0.5) - degrees(1.0)),
     ];
     holds(Hazard::EqualCutOffs, &numbers);
-    assert!(steps(1.0e-7) > 255.0, "all of them at 1e-7");
+    assert!(steps(1.0e-7) > 255.0, "all 255 at 1e-7");
     holds(Hazard::ConeEdge, &[format!("{:.1e} degrees wide at 12.5 degrees", width(1.0e-6, 12.5))]);
     let next = f64::from(1.0f32.next_down());
     let numbers = [
@@ -214,8 +214,8 @@ fn powers_and_steps_are_what_the_hazards_state() {
     holds(Hazard::BaseAboveOne, &numbers);
     holds(Hazard::LargeExponent, &["by 16 it loses four bits".to_string()]);
     assert_eq!(16.0f64.log2(), 4.0);
-    assert!((0.2..0.3).contains(&(255.0 * 0.001)), "a quarter of one of 255 steps");
-    holds(Hazard::HighlightFromBehind, &["a quarter of one of 255 steps".to_string()]);
+    assert!((0.2..0.3).contains(&(255.0 * 0.001)), "a quarter of a step of 1/255");
+    holds(Hazard::HighlightFromBehind, &["a quarter of a step of 1/255".to_string()]);
     let constant = [1.0, 0.09, 0.032];
     let text = Hazard::LoneConstant.info().why;
     let times = format!("{:.0} times too bright", constant[0] / constant[2]);
@@ -291,8 +291,8 @@ fn highlights_lose_by_their_exponent_what_the_hazard_states() {
         255.0 * worst
     };
     let hazard = Hazard::LargeExponent;
-    about(hazard, "0.005 of 255 steps at 32", 0.005, error(32.0));
-    about(hazard, "0.04 of 255 steps off at exponent 256", 0.04, error(256.0));
+    about(hazard, "0.005 steps of 1/255 at 32", 0.005, error(32.0));
+    about(hazard, "0.04 steps of 1/255 off at exponent 256", 0.04, error(256.0));
     about(hazard, "0.65 at 4096", 0.65, error(4096.0));
     about(hazard, "10 at 65536", 10.0, error(65536.0));
 }
@@ -337,8 +337,8 @@ fn far_from_origin(distance: f64) -> [f64; 2] {
 #[test]
 fn positions_far_from_the_origin_lose_what_the_hazard_states() {
     let hazard = Hazard::FarFromOrigin;
-    about(hazard, "0.08 of 255 steps at this distance", 0.08, far_from_origin(1.0e3)[0]);
-    about(hazard, "1 of 255 steps at 1e4", 1.0, far_from_origin(1.0e4)[0]);
+    about(hazard, "0.08 steps of 1/255 at this distance", 0.08, far_from_origin(1.0e3)[0]);
+    about(hazard, "1 step of 1/255 at 1e4", 1.0, far_from_origin(1.0e4)[0]);
     about(hazard, "9 at 1e5", 9.0, far_from_origin(1.0e5)[0]);
     let [here, relative] = far_from_origin(1.0e6);
     about(hazard, "80 at 1e6", 80.0, here);
@@ -366,7 +366,7 @@ fn normalised_vectors_and_cosines_exceed_one_as_often_as_the_hazards_state() {
 fn narrow_cones_lose_what_the_hazard_states() {
     let hazard = Hazard::NarrowCone;
     for (words, stated, inner, outer) in [
-        ("12.5 and 15 degrees is 0.01 of", 0.01, 12.5, 15.0),
+        ("12.5 and 15 degrees is 0.01 steps of", 0.01, 12.5, 15.0),
         ("and 2 degrees 0.2", 0.2, 1.0, 2.0),
         ("0.5 and 1 degrees 0.7", 0.7, 0.5, 1.0),
         ("19 from 0.1 to 0.2", 19.0, 0.1, 0.2),

@@ -220,7 +220,9 @@ impl Lowerer<'_> {
             let message = match ty {
                 Ty::Array(_, None) => format!("`{ty}` has no size and cannot be used as a value"),
                 Ty::Array(..) | Ty::Struct(_) => {
-                    format!("`{ty}` is too large for a value, or has none")
+                    format!(
+                        "`{ty}` cannot be used as a value: it is too large, or holds a sampler, image or runtime-sized array"
+                    )
                 }
                 _ => format!("a `{ty}` cannot be used as a value"),
             };

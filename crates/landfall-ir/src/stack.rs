@@ -17,7 +17,7 @@ pub(super) fn on_a_large_stack<T: Send>(
         let message = match thread.map(|thread| thread.join()) {
             Ok(Ok(result)) => return result,
             Ok(Err(_)) => "landfall failed on this shader; please report it",
-            Err(_) => "no memory for a thread",
+            Err(_) => "not enough memory for another thread",
         };
         Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
     })

@@ -18,6 +18,11 @@ pub use decide::{Decision, Outcome, Topic, decide};
 pub use fill::{BlockWriter, Lit, OverflowPolicy, Tiles};
 pub use infer::{infer, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};
+
+/// Examples of each group of names of a scene's properties.
+const PROPERTIES: &str = "the name of a property, such as `camera.position`, `ambient.color`, \
+                          `point.count`, `point[].color`, `spot[0].outer_cos` or \
+                          `material.shininess`; of a fragment `position`, `normal`, `uv` or `pixel`";
 pub use read::overridden;
 
 /// The sources of a shader's members, textures and inputs.
@@ -242,10 +247,13 @@ impl BindError {
             BindError::TooManyLights { .. } => {
                 Some("leave out the lights without a slot with `--leave-out`".to_string())
             }
-            BindError::UnknownTarget { nearest, .. }
-            | BindError::UnknownQuantity { nearest, .. } => {
+            BindError::UnknownTarget { nearest, .. } => {
                 nearest.as_ref().map(|nearest| format!("did you mean `{nearest}`?"))
             }
+            BindError::UnknownQuantity { nearest, .. } => Some(match nearest {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("write {PROPERTIES}"),
+            }),
             BindError::CameraElsewhere => Some(
                 "light the scene in view space with `\"space\": \"view\"`, or bind the member that \
                  holds the camera: `--bind '{\"eye\": \"camera.position\"}'`"
@@ -286,7 +294,7 @@ impl fmt::Display for BindError {
             BindError::UnknownQuantity { key, word, .. } => {
                 write!(
                     f,
-                    "`{key}` is bound to `{word}`, which no scene has; `--print-bind` shows the names that exist"
+                    "`{key}` is bound to `{word}`, which is not a property of a scene"
                 )
             }
             BindError::CameraElsewhere => f.write_str(
@@ -294,11 +302,11 @@ impl fmt::Display for BindError {
             ),
             BindError::Undecided { keys, topic, agreed, readings, probes, .. } => {
                 let names: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
-                let many = if *agreed == 0 { "none" } else { "several" };
+                let many = if *agreed == 0 { "none matches" } else { "several match" };
                 write!(
                     f,
-                    "the {topic} of {} cannot be told: of {readings} readings, {many} lights \
-                     {probes} probes in the order of the reference",
+                    "the {topic} of {} cannot be inferred: of {readings} interpretations, {many} \
+                     the reference on {probes} test fragments",
                     names.join(", ")
                 )
             }

@@ -224,8 +224,8 @@ impl Plan {
                 _ if !applied => {}
                 _ if !holds => {
                     step.did = format!(
-                        "not applied: the shader's own light changes by {} steps where lights are \
-                         left out, and {} are permitted",
+                        "not applied: without these lights the shader's result changes by {} \
+                         steps, more than the permitted {}",
                         figure(checked.steps),
                         figure(permitted.unwrap_or_default()),
                     );

@@ -75,10 +75,14 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
     };
     let loose = now.or(was).is_some_and(|block| block.space == AddressSpace::Default);
     let effect = match (worst.class, loose) {
-        (Class::Breaking, false) => "uploads made for the lock's layout are misread",
-        (Class::Breaking, true) => "values set for the lock's uniforms do not arrive",
-        (Class::Compatible, false) => "old uploads still land, but the lock is out of date",
-        (Class::Compatible, true) => "old values still arrive, but the lock is out of date",
+        (Class::Breaking, false) => "buffers filled for the lock's layout are misread",
+        (Class::Breaking, true) => "values set for the lock's uniforms have no effect",
+        (Class::Compatible, false) => {
+            "buffers filled for it are still read correctly, but the lock is out of date"
+        }
+        (Class::Compatible, true) => {
+            "values set for its uniforms still apply, but the lock is out of date"
+        }
         (Class::Cosmetic, _) => "no byte changes, but the lock is out of date",
     };
     let message = format!("`{}` differs from its lock: {}; {effect}", block.name, worst.message);

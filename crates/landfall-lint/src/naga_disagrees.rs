@@ -66,8 +66,8 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     let cause = cause::of(block, leaf, naga);
     let more = match differing.len() - 1 {
         0 => String::new(),
-        1 => ", and 1 more leaf".to_string(),
-        n => format!(", and {n} more leaves"),
+        1 => ", and 1 more member".to_string(),
+        n => format!(", and {n} more members"),
     };
     let message = format!(
         "naga, so wgpu, reads `{}` of block `{}` {}{more}",

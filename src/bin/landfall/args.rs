@@ -170,7 +170,7 @@ pub enum LayoutFormat {
     Listing,
     /// JSON, described by `landfall schema layout`
     Json,
-    /// One row per leaf
+    /// One row per scalar, vector and matrix
     Csv,
     /// Markdown tables
     Md,

@@ -62,7 +62,7 @@ fn a_layout_that_drifts_fails_until_it_is_accepted() {
     let before = place.read("layouts/s/deep/b.frag.json");
     let ran = check(&place, &[]);
     ran.code(1).stdout_eq(str![[r#"
-s/a.frag:2:37: error[layout-drift] `Light` differs from its lock: `position` changed from `vec4` to `mat4`; uploads made for the lock's layout are misread
+s/a.frag:2:37: error[layout-drift] `Light` differs from its lock: `position` changed from `vec4` to `mat4`; buffers filled for the lock's layout are misread
 
 "#]]);
     let ran = check(&place, &["--accept"]);

@@ -6,7 +6,7 @@ use std::process::Stdio;
 use snapbox::str;
 
 use crate::cli_check::place::{CLEAN, idle};
-use crate::support::command::{Place, Ran};
+use crate::support::command::{Place, Ran, golden};
 
 #[test]
 fn exit_codes_tell_clean_from_findings_from_could_not() {
@@ -32,7 +32,14 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
     assert_eq!(code, 2, "{err}");
     assert!(found.iter().any(|f| f["code"] == "unused-allow"), "the others are checked");
     assert!(found.iter().any(|f| f["place"]["path"] == "d.frag"), "{found:?}");
-    assert!(err.contains("checked 4 shaders: 2 errors, 1 denied"), "{err}");
+    golden().eq(
+        err,
+        str![[r#"
+checked 4 shaders: 2 errors, 1 denied; 1 fixable with --fix
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]],
+    );
     assert_eq!(place.run(&["check", "gone.frag"]).code, 2);
     let empty = place.write("empty/x.txt", "").run(&["check", "empty"]);
     empty.code(2).stdout_eq(str![[r#"

@@ -51,10 +51,59 @@ fn a_text_for_both_is_read_as_its_version_says_and_the_difference_is_reported() 
 #[test]
 fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
     let shader = read(BOTH, None);
-    for format in [Format::Table, Format::Listing, Format::Markdown] {
-        let options = EmitOptions::new(format);
-        let text = document(&shader, &options);
-        assert!(text.contains("read for OpenGL") && text.contains("for Vulkan"), "{text}");
+    for (format, expected) in [
+        (
+            Format::Table,
+            str![[r#"
+a.frag (fragment)
+  read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+
+uniform U u · std140 · 32 bytes
+  offset  size  align  type   name
+       0     4      4  float  scale
+       4    12                -- hole
+      16    16     16  vec4   a
+  32 bytes: 20 used, 12 padding (37.5 %)
+
+"#]],
+        ),
+        (
+            Format::Listing,
+            str![[r#"
+// a.frag
+// read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+
+/*            align(16) size(32) */ layout(std140) uniform U {
+/* offset( 0) align( 4) size( 4) */     float scale;
+/* offset( 4)           size(12) */     // -- hole
+/* offset(16) align(16) size(16) */     vec4 a;
+/*                               */ } u;
+// 32 bytes: 20 used, 12 padding (37.5 %)
+
+"#]],
+        ),
+        (
+            Format::Markdown,
+            str![[r#"
+# `a.frag`
+
+Note: read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout.
+
+## `uniform U u`
+
+std140
+
+| offset | size | stride | type | path |
+|--:|--:|--:|---|---|
+| 0 | 4 |  | `float` | `scale` |
+| 16 | 16 |  | `vec4` | `a` |
+
+32 bytes: 20 used, 12 padding (37.5 %)
+
+"#]],
+        ),
+    ] {
+        golden().eq(document(&shader, &EmitOptions::new(format)), expected);
     }
     let json = document(&shader, &EmitOptions::new(Format::Json));
     assert!(json.contains("\"assumed_target\":\"opengl\""), "{json}");
@@ -65,9 +114,14 @@ fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
     let json = lock::read("a.json", &json).unwrap();
     assert_eq!(json.assumed_target, Some(Target::OpenGl));
     let rust = landfall_layout::codegen::rust::rust(&[&shader], &Default::default()).text;
-    assert!(rust.contains("read for OpenGL"), "{rust}");
+    golden().eq(assumed(&rust), str!["// (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
     let c = landfall_layout::codegen::c::c(&[&shader], &Default::default()).text;
-    assert!(c.contains("read for OpenGL"), "{c}");
+    golden().eq(assumed(&c), str![" *   (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
+}
+
+/// The line of generated code that names the API that was assumed.
+fn assumed(code: &str) -> &str {
+    code.lines().find(|line| line.contains("read for")).unwrap_or(code)
 }
 
 /// What only Vulkan's GLSL has decides where it is compiled, not where it is mentioned.

@@ -25,7 +25,7 @@ fn a_demand_that_is_broken_exits_with_1() {
         .stdout_eq(str![[r#"
 f(vec3)  axis.frag
   found   axis.frag:3:12: division by zero in `1.0 / d.x` with d = (0, 0, 1)
-  1 operation can break: 1 found, 0 proved absent, 0 open
+  undefined results: 1 found, 0 proved absent, 0 open, in 1 operation
   no-inf: broken with d = (0, 0, 1)
 
 "#]])
@@ -42,9 +42,9 @@ fn a_demand_that_is_shown_exits_with_0() {
         .code(0)
         .stdout_eq(str![[r#"
 g(vec3)  axis.frag
-  1 operation can break: 0 found, 1 proved absent, 0 open
-  no-nan: shown on every conformant device
-  no-inf: shown on every conformant device
+  undefined results: 0 found, 1 proved absent, 0 open, in 1 operation
+  no-nan: proved for every conformant device
+  no-inf: proved for every conformant device
 
 "#]])
         .stderr_eq("");

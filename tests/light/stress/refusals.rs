@@ -75,7 +75,7 @@ fn what_cannot_be_called_by_itself_is_refused_by_name() {
         (
             "looks",
             str![
-                "`looks(sampler2D, vec2)` cannot be sampled: `t` is a `sampler2D`, which is not a plain value; name the function that calls it"
+                "`looks(sampler2D, vec2)` cannot be sampled: `t` is a `sampler2D`, but arguments can only be numbers, vectors, matrices, and arrays or structures of them; name the function that calls it"
             ],
         ),
     ] {

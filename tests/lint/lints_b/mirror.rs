@@ -68,7 +68,10 @@ fn a_field_before_its_byte_is_reported_with_both_numbers_and_the_padding() {
     );
     assert_eq!(lines(&found), ["5:5 `color` is at byte 12 of `Light`, the shader reads it at 16"]);
     assert_eq!(help(&found[0]), "put `_pad_12: [u8; 4]` before `color`");
-    assert_eq!(found[0].notes[0], "`gain` is off by the same 4 bytes and lands once this does");
+    assert_eq!(
+        found[0].notes[0],
+        "`gain` is off by the same 4 bytes and is right once this is fixed"
+    );
     assert_eq!((found[0].place().path.as_str(), found[0].place().end_column), ("src/light.rs", 10));
     let member = &found[0].related()[0].at;
     assert_eq!((member.path.as_str(), member.line, member.column), ("a.frag", 4, 10));

@@ -27,7 +27,7 @@ fn align_in_a_nested_structure_is_blamed_with_both_bytes() {
     assert_eq!(
         said(&finding),
         "1:27 naga, so wgpu, reads `inner.value` of block `Outer` from byte 4 instead of 16, and \
-         1 more leaf"
+         1 more member"
     );
     golden().eq(&finding.notes[0], str!["naga ignores that `@align` on a member aligns the structure `Inner` around it (gfx-rs/wgpu#4377)"]);
     assert_eq!(finding.notes[1], "it reads `pair[].value` from byte 20 instead of 32");
@@ -122,6 +122,6 @@ fn many_leaves_are_counted_and_a_few_are_named() {
     let members: String = (0..20).map(|n| format!("m{n}: u32, ")).collect();
     let text = NESTED.replace("pair: array<Inner, 2>", &members);
     let finding = one("naga-disagrees", "a.wgsl", &text);
-    assert!(finding.message.ends_with("and 20 more leaves"), "{finding:?}");
+    assert!(finding.message.ends_with("and 20 more members"), "{finding:?}");
     assert_eq!(finding.notes.last().map(String::as_str), Some("and 16 more"));
 }

@@ -273,17 +273,15 @@ fn json(_: &Module) -> io::Result<Vec<u8>> {
 fn unexpected(reply: Reply) -> Failure {
     match reply {
         Reply::Failed(failure) => failure,
-        other => {
-            Failure::died("the driver process replied to another request", format!("{other:?}"))
-        }
+        other => Failure::died(
+            "the driver process sent a reply that does not fit the request",
+            format!("{other:?}"),
+        ),
     }
 }
 
 fn garbled(cause: io::Error) -> Failure {
-    Failure::died(
-        "the driver process and the command do not understand each other",
-        cause.to_string(),
-    )
+    Failure::died("a message of the driver process cannot be decoded", cause.to_string())
 }
 
 fn unsendable(cause: io::Error) -> Failure {

@@ -231,7 +231,12 @@ impl Job<'_> {
         let number = module.ir.functions.len() - 1;
         let signature = match program.signature(number) {
             Ok(Some(signature)) => signature,
-            Ok(None) => return Ok(Err(Failure::refused("a parameter is not a plain value", ""))),
+            Ok(None) => {
+                return Ok(Err(Failure::refused(
+                    "a parameter is not made of numbers: it is a sampler, image or pointer",
+                    "",
+                )));
+            }
             Err(what) => {
                 let message = format!("the interpreter does not support {what}");
                 return Ok(Err(Failure::refused(message, "")));

@@ -120,7 +120,11 @@ pub fn coverage(
                     }
                 }
                 Err(failure) => {
-                    let why = format!("`{}` over {}: {failure}", entry.name, filling.words());
+                    let why = format!(
+                        "`{}` with {} in its blocks: {failure}",
+                        entry.name,
+                        filling.words()
+                    );
                     if !failures.contains(&why) {
                         failures.push(why);
                     }

@@ -178,7 +178,7 @@ impl Module {
 
 fn read(words: &[u32]) -> Result<Module, Failure> {
     if words.len() < 5 || words[0] != MAGIC {
-        return Err(Failure::refused("the words are not SPIR-V", ""));
+        return Err(Failure::refused("the data is not SPIR-V", ""));
     }
     let mut module = Module::default();
     let mut rest = &words[5..];

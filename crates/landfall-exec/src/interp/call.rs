@@ -89,7 +89,9 @@ impl Program {
             if !(fits || words.is_empty() && argument.pointer) {
                 let (name, scalars) = (&argument.name, argument.regs.len());
                 let lanes = call.lanes;
-                return refuse(format!("argument `{name}` is {scalars} scalars of {lanes} lanes"));
+                return refuse(format!(
+                    "argument `{name}` takes {scalars} columns of {lanes} values each"
+                ));
             }
         }
         let number = number as u32;

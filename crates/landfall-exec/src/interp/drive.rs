@@ -247,11 +247,11 @@ impl Program {
     fn stopped(&self, stopped: Stopped) -> Failure {
         let (kind, what, origin) = match stopped {
             Stopped::Budget(origin) => {
-                (FailureKind::TimedOut, "a loop exceeded the budget of iterations", origin)
+                (FailureKind::TimedOut, "a loop ran for more iterations than its limit", origin)
             }
             Stopped::Calls(origin) => (
                 FailureKind::Refused,
-                "one evaluation makes more calls than the evaluator runs",
+                "one invocation makes more function calls than the interpreter's limit",
                 origin,
             ),
             Stopped::Deadline(origin) => {

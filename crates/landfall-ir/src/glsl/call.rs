@@ -264,8 +264,9 @@ impl<'a> Body<'_, 'a> {
                 Operand::Handle(chosen) => Ok(Argument::Handles(None, chosen, ty.clone())),
                 Operand::Lvalue(place) => {
                     let Some(way) = place.path.clone() else {
-                        return self
-                            .refuse("a sampler or image is selected by two variable indices");
+                        return self.refuse(
+                            "a sampler or image has two variable indices: use a constant for one",
+                        );
                     };
                     let rest = if holds_values(ty) { Some(self.load_rest(&place)?) } else { None };
                     Ok(Argument::Handles(rest, Chosen::At(way, ty.clone()), ty.clone()))
@@ -320,15 +321,16 @@ impl<'a> Body<'_, 'a> {
                 });
                 if several.count() > 1 {
                     return self
-                        .refuse("a call selects two samplers or images by variable indices");
+                        .refuse("a call takes two samplers or images with variable indices: use a constant index for one");
                 }
                 self.with_handle(&chosen, returns, |this, pair| {
                     this.emit_with(function, &arguments, returns, Some(pair))
                 })?
             }
             Some(_) => {
-                return self
-                    .refuse("a structure with samplers or images is selected by a variable index");
+                return self.refuse(
+                    "a structure with samplers or images has a variable index: use a constant one",
+                );
             }
         };
         for argument in &arguments {

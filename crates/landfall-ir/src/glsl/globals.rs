@@ -308,7 +308,10 @@ impl<'a> Lowerer<'a> {
         match qualifiers.storage {
             Storage::Const => {
                 let Some(init) = &declarator.init else {
-                    return Err(refuse(name.span, format!("`{}` has no value", name.text)));
+                    return Err(refuse(
+                        name.span,
+                        format!("constant `{}` has no initialiser", name.text),
+                    ));
                 };
                 let (value, known) = match self.override_of(qualifiers, name.text, &ty) {
                     Some(value) => (Some(value.clone()), Some(value)),
@@ -352,7 +355,8 @@ impl<'a> Lowerer<'a> {
                 Ok(())
             }
             Storage::InOut | Storage::Buffer | Storage::Varying | Storage::Foreign => {
-                let message = format!("the storage of `{}` is not supported by naga", name.text);
+                let message =
+                    format!("naga does not support the storage qualifier of `{}`", name.text);
                 Err(refuse(name.span, message))
             }
         }

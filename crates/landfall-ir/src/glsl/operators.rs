@@ -256,7 +256,7 @@ impl Body<'_, '_> {
         }
         match result {
             Some(result) => Ok(result),
-            None => self.refuse(format!("a `{ty}` has no values to compare")),
+            None => self.refuse(format!("a `{ty}` holds nothing that can be compared")),
         }
     }
 }

@@ -68,6 +68,6 @@ fn spelled(ir: &naga::Module, ty: Handle<naga::Type>) -> String {
             format!("array<{}, {len}>", spelled(ir, *base))
         }
         TypeInner::Array { base, .. } => format!("array<{}>", spelled(ir, *base)),
-        _ => ty.name.clone().unwrap_or_else(|| "a handle".to_string()),
+        _ => ty.name.clone().unwrap_or_else(|| "a sampler or image".to_string()),
     }
 }

@@ -167,7 +167,8 @@ impl<'s, 'a> Handles<'s, 'a> {
         self.refuse_macros(problems);
         if let Some(name) = self.too_many {
             let span = self.structures[name].name.span;
-            let message = format!("structure `{name}` contains more than {MOST_HANDLES} handles");
+            let message =
+                format!("structure `{name}` contains more than {MOST_HANDLES} samplers and images");
             problems.push(Diagnostic::error(Code::NotPortable, span, message));
         }
     }
@@ -335,9 +336,11 @@ impl<'s, 'a> Handles<'s, 'a> {
     }
 
     fn copied(&self, at: usize, structure: &str) -> Diagnostic {
-        let message = format!("this copies `{structure}`, which contains handles");
+        let message = format!("this copies `{structure}`, which contains samplers or images");
         Diagnostic::error(Code::NotPortable, self.shader.span(at), message)
-            .with_note("handles cannot be copied, so they are moved out of the structure")
+            .with_note(
+                "samplers and images cannot be copied, so they are moved out of the structure",
+            )
             .with_help("use the uniform itself, or pass it to a function")
     }
 
@@ -351,7 +354,7 @@ impl<'s, 'a> Handles<'s, 'a> {
                 let token = &self.shader.raw.tokens[at];
                 let span =
                     crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
-                let message = format!("a macro uses `{word}`, which contains handles");
+                let message = format!("a macro uses `{word}`, which contains samplers or images");
                 problems.push(
                     Diagnostic::error(Code::NotPortable, span, message)
                         .with_help("expand the macro by hand"),

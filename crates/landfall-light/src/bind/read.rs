@@ -93,7 +93,8 @@ fn source(key: &str, value: &Value) -> Result<Source, BindError> {
         other => other.as_f64(),
     };
     let misfit = || {
-        let why = "must be a quantity, a number, an array of up to four numbers, or null";
+        let why = "must be the name of a property of the scene, such as \"camera.position\", a \
+                   number, an array of up to four numbers, or null";
         BindError::Misfit { key: key.to_string(), why: why.to_string() }
     };
     match value {

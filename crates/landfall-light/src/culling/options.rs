@@ -102,7 +102,8 @@ pub const PARTS: &[(&str, &str)] = &[
     ),
     (
         "gates[=STEPS]",
-        "count what comparisons before a light and its highlight skip; highlights below STEPS/255 too",
+        "count the work saved by comparisons before each light and each highlight that skip terms of \
+         exactly zero; with STEPS also highlights below STEPS/255",
     ),
     ("tiles[=PIXELS]", "a list of lights for each tile of the picture, exact; default 8 pixels"),
     (
@@ -111,16 +112,23 @@ pub const PARTS: &[(&str, &str)] = &[
     ),
     (
         "budget=STEPS",
-        "drop lights that together contribute at most STEPS/255 anywhere, by the model",
+        "drop lights that together contribute at most STEPS/255 to any fragment, by the bounds of the \
+         lighting model",
     ),
     ("budget-srgb=STEPS", "as `budget`, for an sRGB target"),
     (
         "interpolate[=DIAMETERS[xNODES]]",
-        "on planes, compute lights farther than DIAMETERS of a patch at NODES by NODES points of it \
-         and interpolate, measured; default 4x3",
+        "on planes, interpolate a light farther away than DIAMETERS times the size of a patch from \
+         NODES by NODES points of it; the error is measured; default 4x3",
     ),
-    ("cut=VALUE", "cut off each light where it contributes VALUE, such as 5/256; measured"),
-    ("below=VALUE", "drop each light that contributes less than VALUE in a region; measured"),
+    (
+        "cut=VALUE",
+        "end each light where it contributes VALUE, such as 5/256; the error is measured",
+    ),
+    (
+        "below=VALUE",
+        "drop each light that contributes less than VALUE in a region; the error is measured",
+    ),
     ("always", "apply `tiles` or `clusters` even where they cost more than they save"),
 ];
 

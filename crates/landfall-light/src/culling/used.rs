@@ -55,7 +55,7 @@ pub(super) fn used(
         let empty = looped as usize - there;
         let after = fragments * lights.len() as u64;
         let did = format!(
-            "{} of {looped} slots lit: {empty} empty and {dark} dark dropped from the loop",
+            "{} of {looped} slots kept: {empty} empty and {dark} with a black light dropped",
             lights.len(),
         );
         let error = Claim::Exact(

@@ -231,11 +231,11 @@ impl Shift {
         if let Some(finding) = self.finding.and_then(|at| found.get_mut(at)) {
             self.followers.push(format!("`{}`", field.name));
             let (are, land) = match self.followers.len() {
-                1 => ("is", "lands"),
-                _ => ("are", "land"),
+                1 => ("is", "is right"),
+                _ => ("are", "are right"),
             };
             finding.notes = vec![format!(
-                "{} {are} off by the same {} and {land} once this does",
+                "{} {are} off by the same {} and {land} once this is fixed",
                 first_few(&self.followers),
                 bytes(by.unsigned_abs() as u64),
             )];

@@ -10,39 +10,72 @@ use super::budget::seconds;
 use super::render::size;
 use super::{BackendName, ReadArgs, setting};
 
-/// The exit codes, as the help states them.
-const EXITS: &str = "Exit codes: 0: measured; 2: wrong arguments, nothing could be measured, or a \
-                     backend named by --backend is missing (results of the others are printed).";
+/// The columns of the report and the exit codes, as the help states them.
+const NOTES: &str = "\
+Columns (* marks variants that no other dominates):
+  ns/light         time for one light of one fragment, with quartiles
+  net              less the time of a trivial shader or function
+  max, 99.9 %      largest error, and the error that 99.9 % stay below
+  step             error in steps of 1/255 of full scale
+  permitted        largest error of any device that conforms to WGSL and Vulkan;
+                   `any` where these set no bound
+  unsure           samples in which another device may take another branch
+  flips            channels with another 8-bit value than the reference
+  differing        calls with another integer or boolean result
+  non-finite       results that are NaN or infinite, but not in the reference
+  undefined        results left out because the reference is undefined there
+  lights, slots    lights evaluated and slots looped over, per fragment
+  powers           calls of `pow` per fragment
+  dominated by     variants that are better in a column and worse in none
+
+Exit codes: 0: measured; 2: wrong arguments, nothing could be measured, or a
+backend named by --backend is missing (results of the others are printed).";
+
+/// The forms of a variant.
+const VARIANTS: &str = "\
+A variant to measure, and its name in the report; repeatable [default: the
+scene's shader and the compiled kernels; with --fn, the function]
+
+Variants of a scene:
+  FILE               the fragment shader in FILE
+  FILE+plan:PARTS    the same, without the lights that `render --skip PARTS` skips
+  plan:PARTS         the scene's shader, likewise
+  rust:seed          compiled into landfall: the formulas as published
+  rust:ungated       compiled: robust formulas, every term evaluated
+  rust:robust        compiled: robust formulas, skipping terms that are exactly zero
+  rust:robust=POWER  compiled: the same, skipping also highlights below POWER
+
+Variants of a function (--fn):
+  FILE               the function of the same name in FILE
+  FILE#NAME          the function NAME in FILE
+  #NAME              the function NAME in the same file
+
+At the end of any that runs a shader, on backend cpu only:
+  :half              rounds every float to f16
+  :mediump           rounds floats that OpenGL ES declares mediump or lowp to f16";
 
 /// Options that need `--fn`. clap drops `requires` beside an option that conflicts with `--fn`, so
 /// those options conflict with these too.
 const OF_FUNCTIONS: [&str; 6] = ["domain", "data", "textures", "truth", "samples", "seed"];
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXITS)]
+#[command(after_help = NOTES)]
 pub struct BenchArgs {
     /// The scene to light, or with --fn a shader
     #[arg(value_name = "SCENE.json|FILE")]
     pub subject: PathBuf,
-    /// Measure calls of a function, with inputs in the range of scenes: NAME, or an overload such
-    /// as 'NAME(vec3, float)'
+    /// Measure calls of a function, with inputs like those of scenes: NAME, or an overload such as
+    /// 'NAME(vec3, float)'
     #[arg(
         help_heading = "Variants", long = "fn", value_name = "NAME",
         conflicts_with_all = ["size", "model", "model_of", "bind", "most"]
     )]
     pub function: Option<String>,
-    /// A named variant to measure, once per variant [default: the scene's shader and the compiled
-    /// kernels; the function]
-    ///
-    /// A scene takes a shader's FILE; rust:seed, rust:ungated or rust:robust, kernels compiled into
-    /// landfall, of which rust:robust skips lights without a contribution and rust:robust=POWER
-    /// also specular terms below POWER; plan:PARTS, which skips lights as `render --skip` does; or
-    /// FILE+plan:PARTS. With --fn: FILE, FILE#NAME, or #NAME in the same file. The suffix :half
-    /// rounds every float to f16, :mediump only those that OpenGL ES declares mediump or lowp; both
-    /// on backend cpu only
+    /// A variant to measure, and its name in the report; repeatable [default: the scene's shader and
+    /// the compiled kernels; with --fn, the function]
     #[arg(
         help_heading = "Variants", long = "variant", value_name = "NAME=VARIANT",
-        value_parser = setting
+        value_parser = setting, long_help = VARIANTS
     )]
     pub variants: Vec<(String, String)>,
     /// Backends to run shaders on [default: all available]
@@ -87,7 +120,8 @@ pub struct BenchArgs {
         conflicts_with_all = OF_FUNCTIONS
     )]
     pub model_of: Vec<(String, String)>,
-    /// Scene values for block members, as a JSON file or object
+    /// Properties of the scene, or numbers, for members, textures and inputs of the shader, as a JSON
+    /// file or object such as {"eye": "camera.position"}
     #[arg(
         help_heading = "Scenes", long, value_name = "FILE|JSON", conflicts_with_all = OF_FUNCTIONS
     )]

@@ -9,7 +9,15 @@ use super::budget::seconds;
 use super::stress::at_most;
 use super::{ReadArgs, setting};
 
+/// What is known of operations and demands, as the help states it.
+const VERDICTS: &str = "\
+Verdicts on an operation:
+  found   an input was found for which it breaks
+  absent  it is proved that it breaks for no input in the ranges
+  open    neither";
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = VERDICTS)]
 pub struct ProveArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
@@ -49,8 +57,8 @@ pub struct ProveArgs {
     /// Demand that errors are at most STEPS steps of 1/255 of full scale
     #[arg(help_heading = "Demands", long, value_name = "STEPS", value_parser = at_most)]
     pub max_step: Option<f64>,
-    /// Bound the error of floats computed in f64, rounded to nearest, instead of in f32 on any
-    /// conformant device
+    /// Bound the error of the function computed in f64 on a processor, instead of in f32 on any
+    /// device that conforms to WGSL and Vulkan
     #[arg(help_heading = "Demands", long)]
     pub f64: bool,
     /// List every operation, proved ones too

@@ -8,7 +8,18 @@ use clap::ValueEnum;
 use super::budget::seconds;
 use super::{BackendName, ReadArgs};
 
+/// The rows of a comparison, as the help states them.
+const ROWS: &str = "\
+Rows of a comparison:
+  linear      difference of the linear values, in steps of 1/255
+  8-bit       difference of the values from 0 to 255, after --transfer
+  flips       share of the 8-bit values that differ
+  psnr        peak signal-to-noise ratio of the 8-bit values
+  FLIP        difference as seen by a viewer, from 0 to 1 (Andersson et al. 2020)
+  non-finite  pixels with NaN or infinity, which are not compared";
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = ROWS)]
 pub struct RenderArgs {
     /// The scene, described by `landfall schema scene`
     #[arg(value_name = "SCENE.json")]
@@ -40,24 +51,25 @@ pub struct RenderArgs {
     /// Write the picture to FILE: .png with 8 bits, .exr or .pfm with floats
     #[arg(help_heading = "Picture", short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Transfer function from linear values to 8-bit codes, in PNG and in comparisons
+    /// Transfer function from linear to 8-bit values, in PNG and in comparisons
     #[arg(help_heading = "Picture", long, value_name = "CURVE", default_value = "linear")]
     pub transfer: TransferName,
     /// Compare with `reference`, another backend or a picture FILE; with --out, also write pictures
     /// of the difference
     #[arg(help_heading = "Comparison", long, value_name = "PICTURE", value_delimiter = ',')]
     pub compare: Vec<String>,
-    /// Exit with 1 if an 8-bit code differs by more than STEPS
+    /// Exit with 1 if an 8-bit value differs by more than STEPS
     #[arg(help_heading = "Comparison", long, value_name = "STEPS", requires = "compare")]
     pub max_step: Option<u8>,
     /// Lighting model of the reference: multi, array, view_space, casters or a JSON object
     /// [default: the scene's, or inferred from the shader]
     #[arg(help_heading = "Shader and scene", long, value_name = "MODEL")]
     pub model: Option<String>,
-    /// Scene values for block members, as a JSON file or object
+    /// Properties of the scene, or numbers, for members, textures and inputs of the shader, as a JSON
+    /// file or object such as {"eye": "camera.position"}
     #[arg(help_heading = "Shader and scene", long, value_name = "FILE|JSON")]
     pub bind: Vec<String>,
-    /// Print the values of every member, texture and input instead of rendering
+    /// Print the source of every member, texture and input instead of rendering
     #[arg(help_heading = "Output", long)]
     pub print_bind: bool,
     /// Skip lights and code that the scene does not need: comma-separated parts such as

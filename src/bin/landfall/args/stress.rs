@@ -8,7 +8,19 @@ use clap::ValueEnum;
 use super::budget::seconds;
 use super::{BackendName, FloatsArgs, ReadArgs, setting};
 
+/// The rows of the table, as the help states them.
+const ROWS: &str = "\
+Rows of the table, by the source of the samples:
+  coincidences  inputs that are equal, opposite, zero or at a limit
+  scenes        values as they occur in scenes
+  bits          random finite floats, each exponent equally likely
+  mixed         values of scenes, but one input of random bits
+  special       inputs with infinity or NaN
+  climbed       found by changing the worst samples of the other rows
+  every         every input of a small domain, instead of all other rows";
+
 #[derive(Debug, clap::Args)]
+#[command(after_help = ROWS)]
 pub struct StressArgs {
     /// The shader; - reads stdin
     #[arg(value_name = "FILE")]
@@ -61,7 +73,8 @@ pub struct StressArgs {
     /// Print findings with values that do not occur in scenes, too
     #[arg(help_heading = "Output", long)]
     pub all: bool,
-    /// Robust form to compare at each finding; #NAME if the function has another name
+    /// Shader with a robust form of the function, called with the inputs of each finding; #NAME if
+    /// the function has another name there
     #[arg(help_heading = "Output", long, value_name = "FILE[#NAME]")]
     pub against: Option<String>,
     #[command(flatten)]

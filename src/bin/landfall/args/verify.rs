@@ -16,7 +16,8 @@ pub struct VerifyArgs {
     /// Files, directories and globs; - reads stdin
     #[arg(value_name = "FILE", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Backends to run probes on [default: all available]
+    /// Backends that run the probes, generated shaders that read one member each [default: all
+    /// available]
     #[arg(
         help_heading = "Backends",
         long = "backend",

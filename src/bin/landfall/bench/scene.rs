@@ -153,11 +153,11 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
     if args.variants.is_empty() {
         let mut all = vec![
             ("seed".to_string(), VariantKind::Rust(Form::Seed, 0.0)),
-            ("robust".to_string(), rust(Gates::NONE, 0.0)),
-            ("robust, exact gates".to_string(), rust(Gates::ALL, 0.0)),
-            ("robust, powers from 2^-24".to_string(), rust(Gates::ALL, 2f64.powi(-24))),
-            ("robust, powers from 1/64 step".to_string(), rust(Gates::ALL, 1.0 / 64.0 / 255.0)),
-            ("robust, powers from 1/8 step".to_string(), rust(Gates::ALL, 1.0 / 8.0 / 255.0)),
+            ("ungated".to_string(), rust(Gates::NONE, 0.0)),
+            ("robust".to_string(), rust(Gates::ALL, 0.0)),
+            ("robust, highlights from 2^-24".to_string(), rust(Gates::ALL, 2f64.powi(-24))),
+            ("robust, highlights from 1/64 step".to_string(), rust(Gates::ALL, 1.0 / 64.0 / 255.0)),
+            ("robust, highlights from 1/8 step".to_string(), rust(Gates::ALL, 1.0 / 8.0 / 255.0)),
         ];
         if let Some(shader) = &own.shader {
             all.push((shader.path.clone(), VariantKind::Shader(None, Floats::AsWritten, None)));

@@ -117,7 +117,7 @@ impl<'c> Bound<'c> {
                     {
                         let names = format!("`{}` and `{}`", other.name, block.name);
                         let message =
-                            format!("{names} are both at binding {} in the source", block.binding);
+                            format!("{names} both have binding {} in the source", block.binding);
                         return Err(Failure::refused(message, ""));
                     }
                     block.binding
@@ -294,5 +294,5 @@ fn unreadable(length: usize) -> Failure {
 }
 
 pub(super) fn no_objects(cause: String) -> Failure {
-    Failure::died("the driver cannot create an object", cause)
+    Failure::died("the driver cannot create a buffer, texture or framebuffer", cause)
 }

@@ -92,7 +92,7 @@ impl Display {
             other => {
                 let other = match other {
                     Some(Err(cause)) => cause.to_string(),
-                    Some(Ok(_)) | None => "no default display".to_string(),
+                    Some(Ok(_)) | None => "EGL has no default display".to_string(),
                 };
                 Err(Failure::missing(
                     format!("no OpenGL driver: EGL cannot open a display; {INSTALL}"),
@@ -140,7 +140,9 @@ impl Context {
         let config = egl
             .choose_first_config(display, &wanted)
             .map_err(|e| missing("eglChooseConfig", e.to_string()))?
-            .ok_or_else(|| missing("eglChooseConfig", "no configuration matches".to_string()))?;
+            .ok_or_else(|| {
+                missing("eglChooseConfig", "no EGL configuration supports it".to_string())
+            })?;
         let mut last = None;
         let context = kind.versions().iter().find_map(|&(major, minor)| {
             let mut attributes =

@@ -103,7 +103,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
     let gl = &context.gl;
     let takes_corners = partner == Partner::Vertex && matches!(texts, [(Stage::Fragment, _)]);
     let ours = takes_corners.then(|| passing_vertex(version(texts[0].1)));
-    let gone = |what: String| Failure::died("the driver cannot create an object", what);
+    let gone = |what: String| Failure::died("the driver cannot create a shader or program", what);
     // SAFETY: objects are made, used and deleted in the current context.
     unsafe {
         let id = gl.create_program().map_err(gone)?;

@@ -166,7 +166,9 @@ impl Uniforms {
             let all: Option<Vec<_>> =
                 indices.iter().map(|&index| gl.get_active_uniform(program, index)).collect();
             Ok(Uniforms {
-                all: all.ok_or_else(|| incomplete("a uniform has no name".to_string()))?,
+                all: all.ok_or_else(|| {
+                    incomplete("the driver lists a uniform without a name".to_string())
+                })?,
                 block: facts(glow::UNIFORM_BLOCK_INDEX),
                 offset: facts(glow::UNIFORM_OFFSET),
                 array_stride: facts(glow::UNIFORM_ARRAY_STRIDE),
@@ -247,9 +249,12 @@ fn small(value: i32) -> Result<u32, Failure> {
 }
 
 fn nonsense(value: i32) -> Failure {
-    incomplete(format!("{value} instead of a count"))
+    incomplete(format!("the driver returned {value} where a count is expected"))
 }
 
 fn incomplete(log: String) -> Failure {
-    Failure::died("the driver's reflection of the program is inconsistent", log)
+    Failure::died(
+        "the driver returns invalid data about the uniforms and blocks of the program",
+        log,
+    )
 }

@@ -132,7 +132,7 @@ impl Process {
         };
         let how = match status {
             Some(status) => ending(status),
-            None => "closed its output and does not end".to_string(),
+            None => "closed its output but is still running".to_string(),
         };
         // Its last output may still be in the pipe.
         let _ = self.stderr_ended.recv_timeout(Duration::from_millis(500));

@@ -32,7 +32,7 @@ impl Frame {
         self.blobs
             .get_mut(blob)
             .map(std::mem::take)
-            .ok_or_else(|| invalid("it refers to data that it does not contain"))
+            .ok_or_else(|| invalid("the message refers to data that it does not contain"))
     }
 
     /// Returns the message with a header.
@@ -95,7 +95,11 @@ fn length(from: &mut impl Read) -> io::Result<u64> {
 fn bytes(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     from.take(length).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 == length { Ok(bytes) } else { Err(invalid("a message is cut off")) }
+    if bytes.len() as u64 == length {
+        Ok(bytes)
+    } else {
+        Err(invalid("the message is shorter than its header states"))
+    }
 }
 
 pub(super) fn invalid(what: &str) -> io::Error {

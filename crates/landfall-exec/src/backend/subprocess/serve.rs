@@ -155,9 +155,10 @@ impl Server<'_> {
         match self.driver.as_mut() {
             Some(Driver::Gl(gl)) => gl.reflect(sources).map(Reply::Reflected),
             #[cfg(feature = "gpu")]
-            Some(Driver::Gpu(_)) => {
-                Err(Failure::refused("only OpenGL lists active uniforms", "use the backend `gl`"))
-            }
+            Some(Driver::Gpu(_)) => Err(Failure::refused(
+                "only OpenGL reports the offsets of uniforms",
+                "use the backend `gl`",
+            )),
             None => Err(Failure::died("the driver was not opened", "")),
         }
     }
@@ -202,7 +203,8 @@ fn list(driver_kind: &DriverKind) -> Result<Vec<BackendEntry>, Failure> {
 
 #[cfg(feature = "gpu")]
 fn module(json: &[u8]) -> io::Result<Module> {
-    super::ir::read(json).map_err(|e| invalid(&format!("a module cannot be read: {e}")))
+    super::ir::read(json)
+        .map_err(|e| invalid(&format!("the shader module in the message cannot be decoded: {e}")))
 }
 
 #[cfg(not(feature = "gpu"))]

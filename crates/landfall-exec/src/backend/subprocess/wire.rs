@@ -174,7 +174,10 @@ impl WireJob {
                 Some(blob) => Some(words(&frame.take(blob)?).into()),
                 None => None,
             };
-            let known = |id| module(id).ok_or_else(|| invalid("no such module"));
+            let known = |id| {
+                module(id)
+                    .ok_or_else(|| invalid("the message names a shader module that was not sent"))
+            };
             stages.push(StageCode {
                 stage: stage(&code.stage)?,
                 entry: code.entry,
@@ -263,12 +266,12 @@ impl WireFound {
 }
 
 pub(super) fn stage(name: &str) -> io::Result<Stage> {
-    Stage::from_name(name).ok_or_else(|| invalid("no such stage"))
+    Stage::from_name(name).ok_or_else(|| invalid(&format!("`{name}` is not a shader stage")))
 }
 
 fn known(backend: &str) -> io::Result<BackendKind> {
     let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
-    kind.ok_or_else(|| invalid("no such backend"))
+    kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
 }
 
 fn words(bytes: &[u8]) -> Vec<u32> {

@@ -50,10 +50,7 @@ pub(super) fn run(
             Err(PollError::Timeout) if begun.elapsed() < job.limit => {}
             Err(PollError::Timeout) => return Err(Failure::timed_out(job.limit)),
             Err(cause @ PollError::WrongSubmissionIndex(..)) => {
-                return Err(Failure::died(
-                    "wgpu does not know the submission of the job",
-                    cause.to_string(),
-                ));
+                return Err(Failure::died("wgpu lost the submitted job", cause.to_string()));
             }
         }
     }

@@ -121,8 +121,8 @@ fn taken<'m>(
 pub(super) fn opaque(info: &FunctionInfo) -> String {
     let words = ["sampler", "texture", "image"];
     let opaque = info.parameters.iter().find(|p| words.iter().any(|w| p.ty.contains(w)));
-    opaque.map_or("a parameter is not a plain value".to_string(), |p| {
-        format!("`{}` is a `{}`, which is not a plain value", p.name, p.ty)
+    opaque.map_or("a parameter is not made of numbers: it is a sampler, image or pointer".to_string(), |p| {
+        format!("`{}` is a `{}`, but arguments can only be numbers, vectors, matrices, and arrays or structures of them", p.name, p.ty)
     })
 }
 

@@ -57,7 +57,12 @@ impl FragmentShader {
         let spans = match first {
             Some((_, numbers)) => match &numbers.permitted {
                 Some(spans) => &spans[..],
-                None => return Err(Failure::refused("the colour is not a float", "")),
+                None => {
+                    return Err(Failure::refused(
+                        "the output at location 0 is not a float, so no error bound is known for it",
+                        "",
+                    ));
+                }
             },
             None => &[],
         };

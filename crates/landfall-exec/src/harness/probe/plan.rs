@@ -144,7 +144,7 @@ pub fn plans(
     for (index, leaf) in block.leaves.iter().enumerate() {
         let expected = match by_path.get(leaf.path.as_str()) {
             None => {
-                plans.leave_out(leaf, "the given layout has no such leaf");
+                plans.leave_out(leaf, "the given layout has no member of this path");
                 continue;
             }
             Some(expected) => expected,
@@ -178,7 +178,7 @@ pub fn plans(
             for element in elements {
                 for (column, row) in components(&leaf.ty) {
                     let Some(byte) = byte_of(expected, element, column, row, scalar) else {
-                        plans.leave_out(leaf, "the given layout has another type for it");
+                        plans.leave_out(leaf, "the given layout has another type for this member");
                         continue;
                     };
                     let read = Read {
@@ -265,8 +265,10 @@ fn component(leaf: &Leaf) -> Result<Scalar, String> {
     let scalar = match &leaf.ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => *scalar,
         Type::Vector { scalar, .. } | Type::Matrix { scalar, .. } => *scalar,
-        Type::Address(name) => return Err(format!("a `{name}` is an address, not a value")),
-        Type::Struct(_) | Type::Array { .. } => return Err("it is not a leaf".to_string()),
+        Type::Address(name) => return Err(format!("it is the address of a `{name}`, not a value")),
+        Type::Struct(_) | Type::Array { .. } => {
+            return Err("it is a structure or array, not a scalar, vector or matrix".to_string());
+        }
     };
     match (scalar.kind, scalar.width) {
         (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, 4)

@@ -210,7 +210,10 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
         block.leaves.iter().map(|leaf| (leaf.offset, leaf.strides.clone())).collect()
     };
     let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
-        return Err(failure("the ported shader has its uniforms at other offsets".to_string()));
+        return Err(failure(
+            "the shader that `landfall port` makes of it has its uniforms at other offsets"
+                .to_string(),
+        ));
     };
     let source = raised(Cow::Borrowed(&ported.source));
     let text = glsl::text(&source, block, need.element, need.plan, need.stage);

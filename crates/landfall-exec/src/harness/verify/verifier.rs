@@ -110,10 +110,13 @@ impl Verifier<'_> {
         }
         match self.block.space {
             AddressSpace::BufferReference => {
-                return Some("a buffer reference is read through an address".to_string());
+                return Some("it is a buffer reference, which shaders read through an address: it cannot be bound".to_string());
             }
             AddressSpace::ShaderRecord => {
-                return Some("shader records belong to ray tracing pipelines".to_string());
+                return Some(
+                    "it is a shader record of a ray tracing pipeline, which no backend runs"
+                        .to_string(),
+                );
             }
             AddressSpace::Uniform
             | AddressSpace::Storage

@@ -27,7 +27,7 @@ impl Fault {
             Fault::Undefined(kind) => kind.text(),
             Fault::Cancellation => "subtraction of nearly equal numbers",
             Fault::Endless => "loop of many iterations",
-            Fault::Unfollowed => "code that is not followed",
+            Fault::Unfollowed => "code that the analysis cannot follow",
         }
     }
 }

@@ -202,7 +202,11 @@ fn calls_that_double_are_refused_at_their_limit() {
     assert!(call("f9", 1).is_ok() && call("f10", 2).is_ok());
     let failure = call("f10", 1).expect_err("it makes more than 1024 calls");
     assert_eq!(failure.kind, FailureKind::Refused);
-    assert!(failure.message.contains("more calls than the evaluator runs"), "{}", failure.message);
+    assert!(
+        failure.message.contains("more function calls than the interpreter"),
+        "{}",
+        failure.message
+    );
 }
 
 #[test]

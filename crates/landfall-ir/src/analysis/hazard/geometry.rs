@@ -160,7 +160,7 @@ pub(super) static FAR_FROM_ORIGIN: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "coordinates far from the origin cancel",
-    why: "The error grows with the distance: 1 of 255 steps at 1e4, 9 at 1e5, 80 at 1e6, in a room \
+    why: "The error grows with the distance: 1 step of 1/255 at 1e4, 9 at 1e5, 80 at 1e6, in a room \
           of 3 m; positions relative to the camera keep it below 0.01.",
     threshold: Some(&ORIGIN),
     robust: "upload positions relative to the camera, subtracted in `f64`",
@@ -175,7 +175,7 @@ pub(super) static NARROW_CONE: HazardInfo = HazardInfo {
     level: Level::Warn,
     what: "two cosines near 1 are subtracted, which leaves no digits of a narrow cone",
     why: "The cosine of a small angle is 1 minus half its square, of which f32 keeps no digits \
-          below 0.02 degrees: 0.7 of 255 steps off from 0.5 to 1 degree, 19 from 0.1 to 0.2, all 255 from 0.05 to 0.06.",
+          below 0.02 degrees: 0.7 steps of 1/255 off from 0.5 to 1 degree, 19 from 0.1 to 0.2, all 255 from 0.05 to 0.06.",
     threshold: Some(&NARROW),
     robust: "use the difference of the unit vectors: `vec3 e = l - axis; clamp((mo - 0.5 * dot(e, e)) / (mo - mi), \
              0.0, 1.0)` with `mo = 1 - outer`, `mi = 1 - inner`",

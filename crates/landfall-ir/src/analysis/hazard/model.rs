@@ -124,7 +124,7 @@ pub(super) static LARGE_EXPONENT: HazardInfo = HazardInfo {
     aliases: &[],
     level: Level::Warn,
     what: "the power multiplies the relative error of its base by the exponent",
-    why: "A highlight computed from f32 vectors is up to 0.04 of 255 steps off at exponent 256, \
+    why: "A highlight computed from f32 vectors is up to 0.04 steps of 1/255 off at exponent 256, \
           0.65 at 4096, 10 at 65536, however exact `pow` is.",
     threshold: Some(&EXPONENT),
     robust: "above 256 use the difference of the unit vectors `v` (to the eye) and `r` (reflected): \

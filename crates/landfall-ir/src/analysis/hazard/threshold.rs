@@ -58,8 +58,8 @@ pub static CONE_WIDTH: Threshold = Threshold {
     value: 1e-4,
     of: "difference of cosines the cone divides by",
     why: "a dot product of two normalised f32 vectors is up to 2.4e-7 above 1, and the division \
-          multiplies that by the reciprocal of this number: 0.6 of 255 steps at 1e-4, 61 at 1e-6 \
-          and all of them at 1e-7, where a cone of zero width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \
+          multiplies that by the reciprocal of this number: 0.6 steps of 1/255 at 1e-4, 61 at 1e-6 \
+          and all 255 at 1e-7, where a cone of zero width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \
           cannot draw narrower ones anyway (`narrow-cone`).",
 };
 
@@ -83,7 +83,7 @@ pub static ABOVE_ONE: Threshold = Threshold {
 pub static CHANGE: Threshold = Threshold {
     value: 1e-3,
     of: "change of the result, as a share of full scale",
-    why: "a quarter of one of 255 steps: a smaller change alters an 8-bit picture only where a value is halfway between two codes.",
+    why: "a quarter of a step of 1/255: a smaller change alters an 8-bit picture only where a value is halfway between two 8-bit values.",
 };
 
 /// Distance from the origin at which coordinates begin to cancel.
@@ -91,14 +91,14 @@ pub static ORIGIN: Threshold = Threshold {
     value: 1e3,
     of: "coordinate",
     why: "with light, eye and surface in a cube of 3 m, 1 m or more apart, and exponent 32: 0.08 \
-          of 255 steps at this distance, 1 at 1e4. It is the last power of ten below half a step.",
+          steps of 1/255 at this distance, 1 at 1e4. It is the last power of ten below half a step.",
 };
 
 /// The cosine of the half angle of a narrow cone.
 pub static NARROW: Threshold = Threshold {
     value: 0.999,
     of: "cosine of the cone's half angle",
-    why: "2.6 degrees: by cosines a cone of 12.5 and 15 degrees is 0.01 of 255 steps off, one of 1 \
+    why: "2.6 degrees: by cosines a cone of 12.5 and 15 degrees is 0.01 steps of 1/255 off, one of 1 \
           and 2 degrees 0.2, one of 0.5 and 1 degrees 0.7 and one of 0.05 and 0.06 degrees all \
           255; by the difference of the vectors none is off by more than 0.15.",
 };
@@ -118,7 +118,7 @@ pub static EXPONENT: Threshold = Threshold {
     of: "exponent",
     why: "the relative error of the base is multiplied by the exponent: by 16 it loses four bits, \
           more than `pow` itself may; below that the error was there before. What shows depends \
-          on the picture: from f32 vectors it is up to 0.005 of 255 steps at 32, 0.04 at 256, 0.65 \
+          on the picture: from f32 vectors it is up to 0.005 steps of 1/255 at 32, 0.04 at 256, 0.65 \
           at 4096 and 10 at 65536.",
 };
 

@@ -188,7 +188,8 @@ impl BlockReader<'_> {
         let opaque: Vec<&str> =
             opaque.iter().map(|node| place.text(node, "opaque")).collect::<Result<_, _>>()?;
         if members.iter().fold(0u64, |sum, m| sum.saturating_add(m.ty.leaves())) > MOST_LEAVES {
-            let message = format!("has a block with more than {MOST_LEAVES} leaves");
+            let message =
+                format!("has a block with more than {MOST_LEAVES} scalars, vectors and matrices");
             return Err(place.error(object.at, &message).with_help(WRITE_AGAIN));
         }
         let name = place.text(name_node, "name")?;

@@ -66,7 +66,10 @@ impl Names for Lookup<'_, '_> {
             }
             Definition::Later(tokens) => {
                 if self.depth == DEEPEST_CHAIN {
-                    return Err(Problem::new(span, "goes through too many constants"));
+                    return Err(Problem::new(
+                        span,
+                        format!("goes through more than {DEEPEST_CHAIN} constants"),
+                    ));
                 }
                 self.depth += 1;
                 let value = evaluate_tokens(tokens, span, self);

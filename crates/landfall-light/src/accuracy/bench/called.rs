@@ -165,7 +165,7 @@ impl Workload for Called<'_> {
             (Part::Whole, _) => *pure,
             (Part::Trivial, Some(trivial)) => trivial,
             (Part::Trivial, None) | (Part::Unlit, _) => {
-                return Err("this part of the workload was not prepared".to_string());
+                return Err("internal error: the samples of this run were not prepared".to_string());
             }
         };
         let settings = calls.settings(Precision::Single);

@@ -74,7 +74,7 @@ impl Workload for OnDriver<'_> {
             (Part::Whole, _) => &self.whole,
             (Part::Trivial, Some(trivial)) => trivial,
             (Part::Trivial, None) | (Part::Unlit, _) => {
-                return Err("this part of the workload was not prepared".to_string());
+                return Err("internal error: the samples of this run were not prepared".to_string());
             }
         };
         Ok(self.call(driven)?.1)

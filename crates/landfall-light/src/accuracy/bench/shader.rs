@@ -78,7 +78,9 @@ impl Workload for Shader<'_> {
             (Part::Unlit, Some(unlit), _) => (shader, unlit.iter().collect()),
             (Part::Trivial, _, Some((shader, prepared))) => (shader, vec![prepared]),
             (Part::Unlit, None, _) | (Part::Trivial, _, None) => {
-                return Err("this part of the workload was not prepared".to_string());
+                return Err(
+                    "internal error: the fragments of this run were not prepared".to_string()
+                );
             }
         };
         let mut backend = self.backend.borrow_mut();

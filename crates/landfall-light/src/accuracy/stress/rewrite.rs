@@ -45,7 +45,8 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form = "from the difference of the vectors, absolute error of the comparison";
+        let form =
+            "absolute error of the comparison, if computed from the difference of the vectors";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }
@@ -58,7 +59,7 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form = "from the difference of the vectors, absolute error of the power";
+        let form = "absolute error of the power, if computed from the difference of the vectors";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }

@@ -107,7 +107,7 @@ fn made(
     let outputs = variable(OUTPUTS, bindings[1], StorageAccess::LOAD | StorageAccess::STORE);
     let function = entry(pure, places, &mut ir, [inputs, outputs], stage);
     let function = function.ok_or_else(|| {
-        let message = "a parameter or result is no plain value";
+        let message = "a parameter or result is not made of numbers";
         vec![Diagnostic::error(
             landfall_layout::diagnostic::Code::CannotRun,
             landfall_layout::Span::default(),
