@@ -27,5 +27,6 @@ mod readme;
 mod reference;
 mod schema;
 mod slopes;
+mod streams;
 mod unified;
 mod writers;

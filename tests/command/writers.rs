@@ -123,7 +123,8 @@ fn no_output_is_written_over_an_input() {
         symlink(target, place.0.join(&link)).unwrap();
         fs::hard_link(place.0.join(target), place.0.join(&hard)).unwrap();
         let before = files(&place.0);
-        for target in [target, &link, &hard] {
+        let behind = format!("/proc/self/cwd/{target}");
+        for target in [target, &link, &hard, &behind] {
             let mut all = command.clone();
             let joined = format!("{}{target}", all.last().unwrap());
             match all.last().unwrap().ends_with('=') {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use landfall_layout::codegen::c::{COptions, c};
 use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, ShaderLayout};
+use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
@@ -43,11 +43,15 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if failed {
         return Ok(Outcome::CouldNot);
     }
+    if shaders.iter().all(|shader| shader.blocks.is_empty()) {
+        let what = Diagnostic::bare(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
+        report(&[what], &Files::default());
+    }
     let (text, refused) = text(args, &shaders);
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
-        failed |= found.severity == landfall_layout::Severity::Error;
+        failed |= found.severity == Severity::Error;
     }
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),

@@ -129,6 +129,8 @@ impl Watch {
             thread::sleep(INTERVAL);
             if self.stop.load(Ordering::Relaxed) {
                 (self.wait)();
+                let note = "interrupted: results that were not printed yet are lost\n";
+                let _ = anstream::stderr().write_all(note.as_bytes());
                 self.end(INTERRUPTED);
             }
             if began.elapsed() > self.time {

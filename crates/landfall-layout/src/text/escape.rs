@@ -29,7 +29,12 @@ pub fn is_bidi(c: char) -> bool {
 
 /// Whether a terminal acts on the character instead of displaying it.
 fn is_hostile(c: char) -> bool {
-    c.is_control() || is_bidi(c)
+    c.is_control() || is_bidi(c) || is_invisible(c)
+}
+
+/// Whether a character has no width, so that two names may look the same.
+fn is_invisible(c: char) -> bool {
+    matches!(c, '\u{ad}' | '\u{180e}' | '\u{200b}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
 }
 
 /// Returns a visible replacement for a character that has an effect.

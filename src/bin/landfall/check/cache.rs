@@ -53,7 +53,9 @@ impl Cache {
         let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
         let cache = Cache { file, key, basis, writer, ..Cache::default() };
-        let read = fs::read_to_string(&cache.file).ok().and_then(|text| cache.read(&text));
+        let bytes = is_ours(&cache.file).then(|| fs::read(&cache.file).ok()).flatten();
+        let text = bytes.and_then(|bytes| String::from_utf8(bytes).ok());
+        let read = text.and_then(|text| cache.read(&text));
         match read {
             Some(read) => {
                 let known = read.checked.into_iter().map(|c| (c.path.clone(), c)).collect();
@@ -95,6 +97,11 @@ impl Cache {
                 "# Made by landfall; may be removed at any time.\n*\n",
             )?;
         }
+        if self.file.exists() && !is_ours(&self.file) {
+            let message = "is not a cache of landfall, and is left as it is";
+            return Err(Error::new(self.file.display().to_string(), message)
+                .with_help("remove it, or name another directory with `--cache-dir`"));
+        }
         // The name, a hash of the settings, is unique to this cache.
         self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
         self.forget_oldest(folder);
@@ -123,6 +130,10 @@ impl Cache {
 /// Whether a file is a cache, with any seal.
 fn is_ours(path: &Path) -> bool {
     use std::io::Read as _;
+    // Pipes and devices may have no end.
+    if !path.is_file() {
+        return false;
+    }
     let mut start = Vec::new();
     let file = fs::File::open(path).map(|file| file.take(MARK.len() as u64));
     file.and_then(|mut file| file.read_to_end(&mut start)).is_ok_and(|_| start == MARK.as_bytes())

@@ -9,11 +9,14 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::Error;
-use landfall_layout::file::reason;
+use landfall_layout::file::{read_whole, reason};
 
 use super::hash::Hash;
 
 const VARIABLE: &str = "LANDFALL_CACHE_KEY";
+
+/// The maximum length of a key's file in bytes.
+const LONGEST: u64 = 1 << 16;
 
 /// The minimum length of a key in characters.
 const SHORTEST: usize = 16;
@@ -47,7 +50,7 @@ pub fn key() -> Result<Vec<u8>, Error> {
         Error::new(file.display().to_string(), message).with_help(format!("set `{VARIABLE}`"))
     };
     for _ in 0..2 {
-        match fs::read(&file) {
+        match read_whole(&file, LONGEST) {
             Ok(key) if key.len() >= SHORTEST => return Ok(key),
             Ok(_) => fs::remove_file(&file).map_err(failed)?,
             Err(_) => {}
@@ -60,7 +63,7 @@ pub fn key() -> Result<Vec<u8>, Error> {
             Ok(()) | Err(_) => {}
         }
     }
-    fs::read(&file).map_err(failed)
+    read_whole(&file, LONGEST)
 }
 
 /// The user's file of the key: in the XDG state directory, or `LOCALAPPDATA` on Windows.

@@ -47,9 +47,9 @@ pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
     Ok(None)
 }
 
-/// Whether a file or link of this name exists: a broken link is an error, not a missing file.
+/// Whether anything of this name exists: a broken link or a directory is an error, not a missing file.
 fn holds(path: &Path) -> bool {
-    path.symlink_metadata().is_ok_and(|found| !found.is_dir())
+    path.symlink_metadata().is_ok()
 }
 
 /// Fails if the configuration exists but cannot be read.
