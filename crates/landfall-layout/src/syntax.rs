@@ -25,6 +25,8 @@ pub struct Parsed {
     /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
     /// name one.
     pub assumed: Option<Target>,
+    /// Whether OpenGL is assumed because of uniforms outside blocks, which Vulkan's GLSL lacks.
+    pub assumed_of_loose: bool,
     /// Whether a WGSL shader requires `uniform_buffer_standard_layout`.
     pub standard_uniforms: bool,
 }

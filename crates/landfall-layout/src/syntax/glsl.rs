@@ -34,7 +34,7 @@ use rustc_hash::FxHashMap;
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
-use crate::source::{ReadOptions, Source, Span};
+use crate::source::{ReadOptions, Source, Span, Target};
 use crate::syntax::Parsed;
 use ast::Item;
 use declarations::DeclarationReader;
@@ -198,6 +198,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     let assumed = match preprocessor.tests_vulkan.get() {
         true => match preprocessor.decision() {
             Decision::Assumed(target) => Some(target),
+            Decision::Loose => Some(Target::OpenGl),
             Decision::Known(_) | Decision::Either => None,
         },
         false => None,
@@ -205,6 +206,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     Parsed {
         shape: Shape { blocks, overrides },
         assumed,
+        assumed_of_loose: preprocessor.decision() == Decision::Loose,
         standard_uniforms: false,
         files: std::mem::take(&mut preprocessor.files),
         diagnostics,
