@@ -2,6 +2,7 @@
 //! comments may hold. The oracles are glslangValidator and the OpenGL driver.
 
 mod bounds;
+mod by_use;
 mod campaign;
 mod illegal;
 mod lines;

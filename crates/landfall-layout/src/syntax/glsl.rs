@@ -26,6 +26,7 @@ pub mod raw;
 mod splice;
 mod target;
 pub mod types;
+mod uses;
 
 use std::borrow::Cow;
 
@@ -166,8 +167,9 @@ fn with_lengths<'a>(
         return None;
     }
     let mut whole = self::reader(source, options, texts, Bodies::Keep);
-    whole.read(|_, _| ());
-    let lengths = implicit_size::lengths(&mut whole, &members);
+    let mut items = Vec::new();
+    whole.read(|_, item| items.push(item));
+    let lengths = implicit_size::lengths(&mut whole, items, &members);
     Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
 

@@ -244,7 +244,7 @@ impl<'a> DeclarationReader<'a> {
             let len = if dim.tokens.is_empty() {
                 match open {
                     OpenLength::Runtime if index == 0 => ArrayLen::Runtime,
-                    OpenLength::FromUse if all.len() == 1 => {
+                    OpenLength::FromUse if index == 0 => {
                         ArrayLen::Fixed(self.implicit_length(name, dim.span)?)
                     }
                     _ => return Err(unsized_array(name, dim.span).with_note(ONLY_TAILS)),
@@ -263,7 +263,7 @@ impl<'a> DeclarationReader<'a> {
         if self.parser.is_es() {
             return Err(error.with_note(ONLY_TAILS));
         }
-        match self.lengths.get(name.text).copied() {
+        match self.lengths.get(&(self.instance, name.text)).copied() {
             Some(Ok(length)) => Ok(length),
             Some(Err(Unknown::Unused)) => {
                 Err(error.with_note("no constant index says how long it is (GLSL 4.60 §4.1.9)"))
@@ -276,7 +276,8 @@ impl<'a> DeclarationReader<'a> {
                 Err(error.with_label(at, "so its length is not taken from its uses"))
             }
             None => {
-                let member = Unsized { name: name.text, span: name.span, brackets: span };
+                let instance = self.instance;
+                let member = Unsized { instance, name: name.text, brackets: span };
                 self.unsized_members.push(member);
                 Err(error.with_note(ONLY_TAILS))
             }
