@@ -5,6 +5,7 @@ mod bounds;
 mod by_use;
 mod campaign;
 mod illegal;
+mod illegal_names;
 mod lines;
 mod refused;
 mod target;

@@ -19,10 +19,12 @@ mod legality;
 pub mod lexer;
 mod macros;
 mod members;
+mod nested;
 pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod reserved;
 mod splice;
 mod target;
 pub mod types;
@@ -59,6 +61,9 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         reader = again;
         reader.read(|parser, _| parser.forget());
     }
+    let preprocessor = reader.parser.preprocessor();
+    let nested = nested::blocks(source, options, &preprocessor.bodies);
+    nested.into_iter().for_each(|error| preprocessor.report(error));
     shape(&mut reader, source, gather, empty)
 }
 

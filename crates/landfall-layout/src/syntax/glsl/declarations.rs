@@ -124,6 +124,7 @@ impl<'a> DeclarationReader<'a> {
         for error in self.globals.declare(&self.parser, item) {
             self.report(error);
         }
+        self.check_names(item);
         match item {
             Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
             Item::Block(block) => self.block(block),
@@ -135,7 +136,8 @@ impl<'a> DeclarationReader<'a> {
                 }
             }
             Item::Variables(declaration) => self.variables(declaration),
-            Item::Interface(_) | Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
+            Item::Interface(block) => self.interface(block),
+            Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
         }
     }
 

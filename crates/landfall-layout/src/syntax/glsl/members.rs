@@ -118,6 +118,7 @@ impl<'a> DeclarationReader<'a> {
         result: &mut Members,
     ) {
         let Declaration { tokens, qualifiers, ty: spec, names, broken } = declaration;
+        result.problems.extend(self.structure_inside(declaration));
         let ty = match &spec.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),
@@ -135,6 +136,9 @@ impl<'a> DeclarationReader<'a> {
         }
         if *broken {
             return; // a syntax error, reported before
+        }
+        if let TypeName::Name(token) = &ty {
+            self.check_type(token);
         }
         let comment = self.comments_of(tokens);
         let last_declaration = self.parser.tokens().get(tokens.end).is_some_and(|t| t.is("}"));
@@ -344,6 +348,9 @@ impl<'a> DeclarationReader<'a> {
     /// Reads `uniform TYPE a, b;` outside a block.
     pub(super) fn loose_uniforms(&mut self, ty: &TypeName<'a>, declaration: &Declaration<'a>) {
         let first = self.parser.tokens()[declaration.tokens.start];
+        if let TypeName::Name(token) = ty {
+            self.check_type(token);
+        }
         let mut problems = Vec::new();
         let owner = Token { text: "", ..first };
         let resolved = self.resolve(ty, &owner, &mut problems);
