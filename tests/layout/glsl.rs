@@ -425,7 +425,7 @@ fn a_missing_semicolon_costs_one_finding() {
 #[test]
 fn line_endings_and_byte_order_marks_do_not_matter() {
     let text = "\u{feff}#version 330\r\nlayout(std140) uniform B {\r\n    vec3 a; // é\r\n    Foo b;\r\n};\r\n";
-    assert_eq!(findings(text), ["unknown-type 4:5"]);
+    assert_eq!(findings(text), ["unknown-type 4:5", "byte-order-mark 1:1"]);
 }
 
 #[test]
