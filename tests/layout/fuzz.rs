@@ -234,6 +234,7 @@ fn binary_junk_is_laid_out_or_refused() {
                 language,
                 stage: Some(Stage::Fragment),
                 foreign: None,
+                byte_order_mark: false,
             };
             lay_out(&source, seed);
         }

@@ -114,7 +114,8 @@ fn what_only_some_shaders_have_survives_it() {
 #extension GL_EXT_scalar_block_layout : require
 layout(constant_id = 0) const int N = 3;
 layout(buffer_reference, std430) buffer Node { Node next; vec3 at; Node all[2]; };
-layout(set = 1, binding = 2) uniform Many { struct { vec2 a; float b; } inner[N]; } many[2][3];
+struct Inner { vec2 a; float b; };
+layout(set = 1, binding = 2) uniform Many { Inner inner[N]; } many[2][3];
 layout(std430) buffer Tail { Node first; dmat2x3 m[2]; layout(row_major) mat3 rows[]; };
 void main() {}
 ",

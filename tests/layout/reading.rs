@@ -2,8 +2,10 @@
 //! comments may hold. The oracles are glslangValidator and the OpenGL driver.
 
 mod bounds;
+mod by_use;
 mod campaign;
 mod illegal;
+mod illegal_names;
 mod lines;
 mod refused;
 mod target;

@@ -105,9 +105,10 @@ pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
 /// the parse.
 pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> ShaderLayout {
     let (assumed, bodies) = (parsed.assumed, parsed.bodies.clone());
+    let of_loose = parsed.assumed_of_loose;
     let mut shader = placed(source, options, parsed);
     if let Some(target) = assumed.filter(|_| !shader.has_errors()) {
-        compare_targets(source, options, &mut shader, target);
+        compare_targets(source, options, &mut shader, target, of_loose);
     }
     #[cfg(feature = "naga")]
     // naga panics on some texts that are rejected here, so it only gets texts without errors.
@@ -120,7 +121,13 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
 }
 
 /// Lays out the shader for the other API as well, and records the differences in `shader`.
-fn compare_targets(source: &Source, options: &Options, shader: &mut ShaderLayout, target: Target) {
+fn compare_targets(
+    source: &Source,
+    options: &Options,
+    shader: &mut ShaderLayout,
+    target: Target,
+    of_loose: bool,
+) {
     let read = ReadOptions { target: Some(targets::other(target)), ..options.read.clone() };
     let options = Options { read, naga: false, ..options.clone() };
     let parsed = crate::syntax::parse(source, &options.read, options.gather);
@@ -128,7 +135,7 @@ fn compare_targets(source: &Source, options: &Options, shader: &mut ShaderLayout
     if there.has_errors() {
         return; // a text invalid for the other API is not written for it
     }
-    if let Some(mut found) = targets::compare(&shader.blocks, &there.blocks, target) {
+    if let Some(mut found) = targets::compare(&shader.blocks, &there.blocks, target, of_loose) {
         shader.assumed_target = Some(target);
         shader.diagnostics.append(&mut found);
     }

@@ -151,6 +151,8 @@ pub struct Source {
     pub stage: Option<Stage>,
     /// Bytes of the file that are not UTF-8, read as Latin-1.
     pub foreign: Option<Foreign>,
+    /// Whether the file begins with a byte-order mark.
+    pub byte_order_mark: bool,
 }
 
 /// Bytes of a file that are not UTF-8, which GLSL allows in comments (4.60 §3.1). Each is read as
@@ -170,7 +172,9 @@ impl Source {
         let path = path.into();
         let (language, stage) = kind_of_path(Path::new(&path)).unwrap_or((Language::Glsl, None));
         let text: Arc<str> = text.into();
-        Source { path, text: normalized(text), language, stage, foreign: None }
+        let byte_order_mark = text.starts_with('\u{feff}');
+        let text = normalized(text);
+        Source { path, text, language, stage, foreign: None, byte_order_mark }
     }
 
     /// Creates a source from the bytes of a file.

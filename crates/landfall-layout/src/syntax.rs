@@ -6,7 +6,7 @@ pub(crate) mod wgsl;
 
 use std::borrow::Cow;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
 
@@ -25,16 +25,26 @@ pub struct Parsed {
     /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
     /// name one.
     pub assumed: Option<Target>,
+    /// Whether OpenGL is assumed because of uniforms outside blocks, which Vulkan's GLSL lacks.
+    pub assumed_of_loose: bool,
     /// Whether a WGSL shader requires `uniform_buffer_standard_layout`.
     pub standard_uniforms: bool,
 }
 
 /// Parses the declarations of a shader. With `gather`, loose uniforms become one std140 block.
 pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
-    match source.language {
+    let mut parsed = match source.language {
         Language::Glsl => glsl::read(source, options, gather),
         Language::Wgsl => wgsl::read(source, options),
+    };
+    if source.byte_order_mark {
+        let message = "the file begins with a byte-order mark";
+        let warning = Diagnostic::warning(Code::ByteOrderMark, Span::default(), message);
+        let note = "compilers refuse that character, unless the program that reads the file \
+                    removes it";
+        parsed.diagnostics.push(warning.with_note(note).with_help("save the file without one"));
     }
+    parsed
 }
 
 /// Returns a text without its line continuations, which WGSL does not have.

@@ -4,7 +4,7 @@
 use super::{Client, Severity, read};
 use crate::support::glslang;
 
-fn is_taken(text: &str) -> bool {
+pub(super) fn is_taken(text: &str) -> bool {
     let vulkan =
         glslang::Options { client: Client::Vulkan, reflect: false, ..glslang::Options::default() };
     glslang::accepts(text, "frag") || glslang::blocks(text, "frag", &vulkan).is_ok()
@@ -16,12 +16,12 @@ fn severities(text: &str, code: &str) -> Vec<Severity> {
 }
 
 /// A shader with these declarations; without a version of its own it is 4.50.
-fn shader(declarations: &str) -> String {
+pub(super) fn shader(declarations: &str) -> String {
     let version = if declarations.starts_with("#version") { "" } else { "#version 450\n" };
     format!("{version}{declarations}\nvoid main() {{}}\n")
 }
 
-fn hold(code: &str, severity: Severity, illegal: &[&str], legal: &[&str]) {
+pub(super) fn hold(code: &str, severity: Severity, illegal: &[&str], legal: &[&str]) {
     for declarations in illegal {
         let text = shader(declarations);
         assert!(!is_taken(&text), "glslang takes {text}");

@@ -111,3 +111,20 @@ fn texts_of_other_languages_are_named_and_refused() {
         assert!(!read(text, None).has_errors(), "{text}: {:?}", read(text, None).diagnostics);
     }
 }
+
+/// Neither GLSL nor WGSL has that character; glslang refuses it.
+#[test]
+fn a_byte_order_mark_is_a_warning() {
+    let plain =
+        "#version 450\nlayout(std140, binding = 0) uniform U { vec4 a; };\nvoid main() {}\n";
+    let marked = format!("\u{feff}{plain}");
+    for (text, taken) in [(plain, true), (&*marked, false)] {
+        assert_eq!(is_taken(text, Client::OpenGl), taken);
+        let warnings = if taken { vec![] } else { vec![Severity::Warning] };
+        assert_eq!(severities(text, "byte-order-mark"), warnings);
+        assert!(!read(text, None).has_errors());
+    }
+    let wgsl = "\u{feff}@group(0) @binding(0) var<storage> g: vec4f;";
+    let shader = ::landfall::layout(&::landfall::Source::new("a.wgsl", wgsl), &Default::default());
+    assert_eq!(super::codes(&shader), ["byte-order-mark"]);
+}

@@ -4,6 +4,7 @@ use snapbox::str;
 
 use super::{Client, Target, codes, leaves, of_driver, of_glslang, open, read};
 use crate::support::command::golden;
+use crate::support::glslang;
 use landfall_layout::format::{EmitOptions, Format, document};
 use landfall_layout::layout::targets::CODE;
 use landfall_layout::lock;
@@ -153,6 +154,7 @@ fn a_word_of_vulkan_decides_outside_conditions_and_in_those_that_hold() {
         ("#version 430", assumed(Target::OpenGl)),
         ("", assumed(Target::OpenGl)),
         // Vulkan takes none of these.
+        ("#version 450 compatibility", sure(Target::OpenGl)),
         ("#version 120", sure(Target::OpenGl)),
         ("#version 300 es", sure(Target::OpenGl)),
         ("#version 100", sure(Target::OpenGl)),
@@ -195,4 +197,41 @@ fn a_branch_that_is_an_error_is_no_other_reading() {
                 layout(std140) uniform U { vec4 a; };\n#else\nlayout(std140) uniform U { float b; };\n#endif\n";
     let shader = read(text, None);
     assert_eq!((leaves(&shader), shader.assumed_target), (vec!["U.b 0".to_string()], None));
+}
+
+/// Vulkan's GLSL has no uniforms outside blocks but opaque ones; glslang takes them with `-R`.
+#[test]
+fn uniforms_outside_blocks_are_those_of_opengl_unless_vulkans_compiler_does_not_see_them() {
+    let shader = |head: &str| {
+        format!(
+            "#version 450\n{head}\n#ifdef VULKAN\n\
+             layout(set = 0, binding = 0, std140) uniform U {{ vec4 a; }} u;\n#else\n\
+             layout(std140) uniform U {{ float scale; vec4 a; }} u;\n#endif\nvoid main() {{}}\n"
+        )
+    };
+    let of_vulkan =
+        glslang::Options { client: Client::Vulkan, reflect: false, ..Default::default() };
+    for (head, target) in [
+        ("uniform float loose;", Target::OpenGl),
+        ("struct S { float x; };\nuniform S loose;", Target::OpenGl),
+        ("layout(location = 3) uniform mat4 loose[2];", Target::OpenGl),
+        ("#ifndef GUARD\nuniform float loose;\n#endif", Target::OpenGl),
+        ("#ifndef VULKAN\nuniform float loose;\n#endif", Target::Vulkan),
+        ("layout(binding = 1) uniform sampler2D loose;", Target::Vulkan),
+        ("// uniform float loose;", Target::Vulkan),
+    ] {
+        let text = shader(head);
+        let taken = glslang::blocks(&text, "frag", &of_vulkan).is_ok();
+        assert_eq!(taken, target == Target::Vulkan, "{head}");
+        assert!(glslang::accepts(&text, "frag"), "{head}");
+        let shader = read(&text, None);
+        let notes = [
+            (Target::OpenGl, "read for OpenGL: uniforms outside blocks"),
+            (Target::Vulkan, "read for Vulkan: the shader tests `VULKAN`"),
+        ];
+        let (_, start) = notes.iter().find(|(of, _)| *of == target).unwrap();
+        assert_eq!((shader.assumed_target, codes(&shader)), (Some(target), vec![CODE]), "{head}");
+        let note = &shader.diagnostics[0].notes[0];
+        assert!(note.starts_with(start), "{head}: {note}");
+    }
 }

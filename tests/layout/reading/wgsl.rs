@@ -58,3 +58,20 @@ fn a_text_that_requires_standard_layouts_has_no_uniform_constraints() {
         assert_eq!(found, told, "{head}");
     }
 }
+
+/// WGSL §4.1.2: a feature that a compiler does not know is an error in it; ours may be the older.
+#[test]
+fn unknown_language_features_and_address_spaces_of_naga_are_warnings() {
+    let variable = "@group(0) @binding(0) var<storage> g: vec4f;";
+    for (text, code) in [
+        (format!("requires nonsense;\n{variable}"), vec!["unknown-name"]),
+        (format!("requires pointer_composite_access, nonsense;\n{variable}"), vec!["unknown-name"]),
+        (format!("requires pointer_composite_access, subgroup_id,;\n{variable}"), vec![]),
+        ("var<push_constant> p: vec4f;".to_string(), vec!["unknown-address-space"]),
+        ("var<immediate> p: vec4f;".to_string(), vec![]),
+    ] {
+        let shader = read(&text);
+        assert!(!shader.has_errors() && shader.blocks.len() == 1, "{:?}", shader.diagnostics);
+        assert_eq!(codes(&shader), code, "{text}");
+    }
+}

@@ -42,6 +42,7 @@ codes! {
     Bind = "bind";
     BlockTooLarge = "block-too-large";
     BrokenType = "broken-type";
+    ByteOrderMark = "byte-order-mark";
     ByteOutOfRange = "byte-out-of-range";
     CannotBench = "cannot-bench";
     CannotCall = "cannot-call";

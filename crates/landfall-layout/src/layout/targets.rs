@@ -42,19 +42,24 @@ pub fn note(assumed: Option<Target>) -> Option<String> {
 }
 
 /// Returns diagnostics for the blocks laid out differently under the other API, `there`; `None` if
-/// all are laid out alike.
+/// all are laid out alike. With `of_loose`, loose uniforms say that `target` is OpenGL.
 pub(crate) fn compare(
     here: &[BlockLayout],
     there: &[BlockLayout],
     target: Target,
+    of_loose: bool,
 ) -> Option<Vec<Diagnostic>> {
+    let why = match of_loose {
+        true => "uniforms outside blocks are valid for Vulkan with relaxed rules only",
+        false => "the shader tests `VULKAN` and is valid for both APIs",
+    };
     let mut differs = here.len() != there.len();
     let mut found = Vec::new();
     for block in here {
         let same = |b: &&BlockLayout| b.name == block.name && b.space == block.space;
         match there.iter().find(same) {
             Some(copy) => found.extend(
-                change(block, copy).map(|(text, span)| diagnostic(block, &text, span, target)),
+                change(block, copy).map(|(text, span)| diagnostic(block, &text, span, target, why)),
             ),
             None => differs = true,
         }
@@ -93,10 +98,16 @@ fn change(block: &BlockLayout, copy: &BlockLayout) -> Option<(String, Option<Spa
     (here != there).then(|| (format!("it is {there} bytes instead of {here}"), None))
 }
 
-fn diagnostic(block: &BlockLayout, text: &str, span: Option<Span>, target: Target) -> Diagnostic {
+fn diagnostic(
+    block: &BlockLayout,
+    text: &str,
+    span: Option<Span>,
+    target: Target,
+    why: &str,
+) -> Diagnostic {
     let (this, that) = (name(target), name(other(target)));
     let message = format!("block `{}` is laid out differently for {that}: {text}", block.name);
     Diagnostic::warning(Code::TargetChangesLayout, span.unwrap_or(block.span), message)
-        .with_note(format!("read for {this}: the shader tests `VULKAN` and is valid for both APIs"))
+        .with_note(format!("read for {this}: {why}"))
         .with_help(format!("pass `--target {}` or `--target {}`", key(target), key(other(target))))
 }

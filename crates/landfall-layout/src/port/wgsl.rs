@@ -35,8 +35,7 @@ pub(super) fn write(source: &Source, options: &Options) -> Result<Source, Vec<Di
     let text = naga::back::wgsl::write_string(&module, &info, flags)
         .map_err(|error| vec![refused(&error.to_string())])?;
     let path = std::path::Path::new(&source.path).with_extension("wgsl").display().to_string();
-    let wgsl =
-        Source { path, text: text.into(), language: Language::Wgsl, stage: None, foreign: None };
+    let wgsl = Source { language: Language::Wgsl, stage: None, ..Source::new(path, text) };
     let problems = differences(&layout(source, options).blocks, &layout(&wgsl, options).blocks);
     if problems.is_empty() { Ok(wgsl) } else { Err(problems) }
 }

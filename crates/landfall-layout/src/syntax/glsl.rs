@@ -19,13 +19,16 @@ mod legality;
 pub mod lexer;
 mod macros;
 mod members;
+mod nested;
 pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod reserved;
 mod splice;
 mod target;
 pub mod types;
+mod uses;
 
 use std::borrow::Cow;
 
@@ -34,7 +37,7 @@ use rustc_hash::FxHashMap;
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
-use crate::source::{ReadOptions, Source, Span};
+use crate::source::{ReadOptions, Source, Span, Target};
 use crate::syntax::Parsed;
 use ast::Item;
 use declarations::DeclarationReader;
@@ -58,6 +61,9 @@ pub(super) fn read(source: &Source, options: &ReadOptions, gather: bool) -> Pars
         reader = again;
         reader.read(|parser, _| parser.forget());
     }
+    let preprocessor = reader.parser.preprocessor();
+    let nested = nested::blocks(source, options, &preprocessor.bodies);
+    nested.into_iter().for_each(|error| preprocessor.report(error));
     shape(&mut reader, source, gather, empty)
 }
 
@@ -166,8 +172,9 @@ fn with_lengths<'a>(
         return None;
     }
     let mut whole = self::reader(source, options, texts, Bodies::Keep);
-    whole.read(|_, _| ());
-    let lengths = implicit_size::lengths(&mut whole, &members);
+    let mut items = Vec::new();
+    whole.read(|_, item| items.push(item));
+    let lengths = implicit_size::lengths(&mut whole, items, &members);
     Some(DeclarationReader { lengths, ..self::reader(source, options, texts, bodies) })
 }
 
@@ -198,6 +205,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     let assumed = match preprocessor.tests_vulkan.get() {
         true => match preprocessor.decision() {
             Decision::Assumed(target) => Some(target),
+            Decision::Loose => Some(Target::OpenGl),
             Decision::Known(_) | Decision::Either => None,
         },
         false => None,
@@ -205,6 +213,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
     Parsed {
         shape: Shape { blocks, overrides },
         assumed,
+        assumed_of_loose: preprocessor.decision() == Decision::Loose,
         standard_uniforms: false,
         files: std::mem::take(&mut preprocessor.files),
         diagnostics,

@@ -80,7 +80,8 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let shape = Shape { blocks, overrides: reader.overrides };
     let diagnostics = reader.reports.finish();
     let standard_uniforms = outline.standard_uniforms;
-    Parsed { shape, files, diagnostics, bodies: outline.bodies, assumed: None, standard_uniforms }
+    let bodies = outline.bodies;
+    Parsed { shape, files, diagnostics, bodies, standard_uniforms, ..Parsed::default() }
 }
 
 /// Returns the functions of a text, attributes included.

@@ -29,6 +29,7 @@ pub(crate) fn fragment(of: &Source) -> Source {
         language: Language::Glsl,
         stage: Some(Stage::Fragment),
         foreign: None,
+        byte_order_mark: false,
     }
 }
 

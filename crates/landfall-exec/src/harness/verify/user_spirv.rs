@@ -175,6 +175,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         language: Language::Wgsl,
         stage: None,
         foreign: None,
+        byte_order_mark: false,
     };
     let module = Module::new(&source, &Options::default());
     let module =

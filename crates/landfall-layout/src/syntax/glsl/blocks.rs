@@ -23,6 +23,7 @@ impl<'a> DeclarationReader<'a> {
         let bindless =
             self.parser.preprocessor().extensions.iter().any(|e| e.ends_with("bindless_texture"));
         let runtime_tail = qualifiers.storage == Storage::Buffer;
+        self.instance = block.instance.map(|instance| instance.text);
         let mut read =
             self.members(MemberOwner::Block { bindless, runtime_tail }, &name, &block.members);
         if !block.closed {

@@ -81,6 +81,11 @@ impl Names for Lookup<'_, '_> {
 }
 
 impl<'a> Constants<'a> {
+    /// Returns the value of a name.
+    pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
+        Lookup { constants: self, overrides: Vec::new(), depth: 0 }.value(name, span)
+    }
+
     fn evaluate(&self, tokens: &[Token<'a>], span: Span) -> (Result<Value, Problem>, Vec<usize>) {
         let mut names = Lookup { constants: self, overrides: Vec::new(), depth: 0 };
         let value = evaluate_tokens(tokens, span, &mut names);

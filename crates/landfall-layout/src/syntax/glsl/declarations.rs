@@ -31,6 +31,8 @@ pub(super) struct DeclarationReader<'a> {
     pub loose_opaque: Vec<Arc<str>>,
     /// Members of blocks whose length is left to their use.
     pub unsized_members: Vec<Unsized<'a>>,
+    /// The instance of the block whose members are read.
+    pub instance: Option<&'a str>,
     /// Lengths of such members, once the bodies were read for them.
     pub lengths: Lengths<'a>,
     pub globals: Globals<'a>,
@@ -61,10 +63,10 @@ pub(super) enum Named<'a> {
 /// A member whose length the text leaves open.
 #[derive(Clone, Debug)]
 pub(super) struct Unsized<'a> {
+    /// The instance of its block, if that has one.
+    pub instance: Option<&'a str>,
     /// The member's name.
     pub name: &'a str,
-    /// The place of the name in its declaration.
-    pub span: Span,
     /// The place of its `[]`.
     pub brackets: Span,
 }
@@ -76,12 +78,12 @@ pub(super) enum Unknown {
     Unused,
     /// The index here is not constant.
     NotConstant(Span),
-    /// The name is also declared here, or used without an index.
+    /// The name is used without an index here, or what stands here cannot be read.
     Ambiguous(Span),
 }
 
-/// The length of each member by name, or why it is not known.
-pub(super) type Lengths<'a> = FxHashMap<&'a str, Result<u32, Unknown>>;
+/// The length of each member by its block's instance and its name, or why it is not known.
+pub(super) type Lengths<'a> = FxHashMap<(Option<&'a str>, &'a str), Result<u32, Unknown>>;
 
 impl<'a> DeclarationReader<'a> {
     pub fn new(parser: Parser<'a>) -> DeclarationReader<'a> {
@@ -95,6 +97,7 @@ impl<'a> DeclarationReader<'a> {
             loose: Vec::new(),
             loose_opaque: Vec::new(),
             unsized_members: Vec::new(),
+            instance: None,
             lengths: Lengths::default(),
             globals: Globals::default(),
         }
@@ -121,6 +124,7 @@ impl<'a> DeclarationReader<'a> {
         for error in self.globals.declare(&self.parser, item) {
             self.report(error);
         }
+        self.check_names(item);
         match item {
             Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
             Item::Block(block) => self.block(block),
@@ -132,7 +136,8 @@ impl<'a> DeclarationReader<'a> {
                 }
             }
             Item::Variables(declaration) => self.variables(declaration),
-            Item::Interface(_) | Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
+            Item::Interface(block) => self.interface(block),
+            Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
         }
     }
 

@@ -1,7 +1,7 @@
 //! Declarations that no compiler takes although their bytes are known: qualifiers that blocks and
 //! their members may not have, and blocks before the version that has them.
 
-use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage};
+use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage, TypeBase};
 use super::declarations::DeclarationReader;
 use super::lexer::Token;
 use super::parser::diagnostic_at;
@@ -29,6 +29,10 @@ const NOT_ON_MEMBERS: &[&str] = &[
 /// Entries of `layout(…)` that no `uniform` or `buffer` block takes.
 const NOT_ON_BLOCKS: &[&str] = &["location", "component", "index", "offset", "constant_id"];
 
+/// Entries of `layout(…)` that no `in` or `out` block takes.
+const NOT_ON_INTERFACES: &[&str] =
+    &["std140", "std430", "shared", "packed", "row_major", "column_major", "binding"];
+
 impl<'a> DeclarationReader<'a> {
     /// Returns what makes a block illegal in every version; `written` are the rules in effect.
     pub(super) fn illegal(
@@ -44,6 +48,11 @@ impl<'a> DeclarationReader<'a> {
             found.push(self.not_allowed(&self.parser.token_of(&id.name), "a block"));
         }
         found.extend(self.other_qualifiers(&block.qualifiers, "a block"));
+        found.extend(self.two_storages(block));
+        found.extend(self.reserved_names(block));
+        if space == AddressSpace::PushConstant {
+            self.illegal_push_constants(block, &mut found);
+        }
         for member in &block.members {
             self.illegal_member(member, block.qualifiers.storage, &mut found);
         }
@@ -111,6 +120,63 @@ impl<'a> DeclarationReader<'a> {
             *word == "const" || INTERPOLATION.contains(word) || OTHER_STORAGE.contains(word)
         };
         self.words(qualifiers).filter(other).map(|token| self.not_allowed(&token, on)).collect()
+    }
+
+    /// `uniform buffer U { … }`
+    fn two_storages(&self, block: &BlockDecl<'a>) -> Option<Diagnostic> {
+        let storage = |token: &Token<'a>| token.is("uniform") || token.is("buffer");
+        let mut all = self.words(&block.qualifiers).filter(storage);
+        let first = all.next()?;
+        let second = all.find(|token| token.text != first.text)?;
+        let message = format!("`{}` and `{}` exclude each other", first.text, second.text);
+        let note = "GLSL 4.60 §4.3: a declaration has one storage qualifier";
+        Some(diagnostic_at(&second, Code::LayoutQualifier, message).with_note(note))
+    }
+
+    /// GL_KHR_vulkan_glsl: push constants are one `uniform` block without a descriptor.
+    fn illegal_push_constants(&self, block: &BlockDecl<'a>, found: &mut Vec<Diagnostic>) {
+        for id in block.qualifiers.layout.iter().filter(|id| id.is("binding") || id.is("set")) {
+            found.push(self.not_allowed(&self.parser.token_of(&id.name), "push constants"));
+        }
+        if block.qualifiers.storage == Storage::Buffer {
+            let at = self.words(&block.qualifiers).find(|token| token.is("buffer"));
+            found.extend(at.map(|token| {
+                let message = "push constants are a `uniform` block, not `buffer`";
+                diagnostic_at(&token, Code::LayoutQualifier, message).with_help("write `uniform`")
+            }));
+        }
+        if let Some(dim) = block.dims.first() {
+            let message = format!("push constants `{}` cannot be an array", block.name.text);
+            found.push(Diagnostic::error(Code::LayoutQualifier, dim.span, message));
+        }
+    }
+
+    /// Reports what an `in` or `out` block may not have (GLSL 4.60 §4.4.5).
+    pub(super) fn interface(&mut self, block: &BlockDecl<'a>) {
+        if !matches!(block.qualifiers.storage, Storage::In | Storage::Out) {
+            return;
+        }
+        let wrong = |id: &&LayoutId<'a>| NOT_ON_INTERFACES.iter().any(|name| id.is(name));
+        let ids = block.qualifiers.layout.iter().filter(wrong);
+        let all: Vec<_> = ids.map(|id| self.parser.token_of(&id.name)).collect();
+        for token in all {
+            let found = self.not_allowed(&token, "a block of inputs or outputs");
+            self.report(found);
+        }
+    }
+
+    /// GLSL 4.60 §4.1.8; GLSL 1.10 had structures inside others.
+    pub(super) fn structure_inside(&self, member: &Declaration<'a>) -> Option<Diagnostic> {
+        let TypeBase::Struct(structure) = &member.ty.base else { return None };
+        let version = self.parser.version()?;
+        if version.number == 110 {
+            return None;
+        }
+        let token = self.parser.token_of(&structure.name);
+        let message = "a structure is declared inside a structure or block";
+        let error = diagnostic_at(&token, Code::Syntax, message);
+        let note = "GLSL 4.60 §4.1.8: structures are not declared inside others";
+        Some(error.with_note(note).with_help("declare it before, and use its name here"))
     }
 
     fn not_allowed(&self, token: &Token<'a>, on: &str) -> Diagnostic {
@@ -183,6 +249,19 @@ impl<'a> DeclarationReader<'a> {
                 "a `uniform` block in std430 needs GL_EXT_scalar_block_layout".to_string(),
                 "write `#extension GL_EXT_scalar_block_layout : require`, or use std140"
                     .to_string(),
+            ));
+        }
+        let binding = block.qualifiers.find("binding").is_some();
+        let needed = if version.es { 310 } else { 420 };
+        let packs = ["GL_ARB_shading_language_420pack", "GL_ARB_shader_storage_buffer_object"];
+        if missing.is_none() && binding && declared && version.number < needed && !has(&packs) {
+            let (es, or) = match version.es {
+                true => (" es", String::new()),
+                false => ("", format!(" or `#extension {} : enable`", packs[0])),
+            };
+            missing = Some((
+                format!("`binding` needs `#version {needed}{es}`"),
+                format!("write `#version {needed}{es}`{or}"),
             ));
         }
         if let Some((message, help)) = missing {

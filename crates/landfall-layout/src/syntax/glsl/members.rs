@@ -118,6 +118,7 @@ impl<'a> DeclarationReader<'a> {
         result: &mut Members,
     ) {
         let Declaration { tokens, qualifiers, ty: spec, names, broken } = declaration;
+        result.problems.extend(self.structure_inside(declaration));
         let ty = match &spec.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),
@@ -135,6 +136,9 @@ impl<'a> DeclarationReader<'a> {
         }
         if *broken {
             return; // a syntax error, reported before
+        }
+        if let TypeName::Name(token) = &ty {
+            self.check_type(token);
         }
         let comment = self.comments_of(tokens);
         let last_declaration = self.parser.tokens().get(tokens.end).is_some_and(|t| t.is("}"));
@@ -244,7 +248,7 @@ impl<'a> DeclarationReader<'a> {
             let len = if dim.tokens.is_empty() {
                 match open {
                     OpenLength::Runtime if index == 0 => ArrayLen::Runtime,
-                    OpenLength::FromUse if all.len() == 1 => {
+                    OpenLength::FromUse if index == 0 => {
                         ArrayLen::Fixed(self.implicit_length(name, dim.span)?)
                     }
                     _ => return Err(unsized_array(name, dim.span).with_note(ONLY_TAILS)),
@@ -263,7 +267,7 @@ impl<'a> DeclarationReader<'a> {
         if self.parser.is_es() {
             return Err(error.with_note(ONLY_TAILS));
         }
-        match self.lengths.get(name.text).copied() {
+        match self.lengths.get(&(self.instance, name.text)).copied() {
             Some(Ok(length)) => Ok(length),
             Some(Err(Unknown::Unused)) => {
                 Err(error.with_note("no constant index says how long it is (GLSL 4.60 §4.1.9)"))
@@ -276,7 +280,8 @@ impl<'a> DeclarationReader<'a> {
                 Err(error.with_label(at, "so its length is not taken from its uses"))
             }
             None => {
-                let member = Unsized { name: name.text, span: name.span, brackets: span };
+                let instance = self.instance;
+                let member = Unsized { instance, name: name.text, brackets: span };
                 self.unsized_members.push(member);
                 Err(error.with_note(ONLY_TAILS))
             }
@@ -343,6 +348,9 @@ impl<'a> DeclarationReader<'a> {
     /// Reads `uniform TYPE a, b;` outside a block.
     pub(super) fn loose_uniforms(&mut self, ty: &TypeName<'a>, declaration: &Declaration<'a>) {
         let first = self.parser.tokens()[declaration.tokens.start];
+        if let TypeName::Name(token) = ty {
+            self.check_type(token);
+        }
         let mut problems = Vec::new();
         let owner = Token { text: "", ..first };
         let resolved = self.resolve(ty, &owner, &mut problems);

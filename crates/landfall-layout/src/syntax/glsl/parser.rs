@@ -17,7 +17,7 @@ use rustc_hash::FxHashSet;
 
 use super::ast::{Expr, Name, Precision, Precisions, Storage, Tokens};
 use super::lexer::{Kind, Token};
-use super::preprocess::Preprocessor;
+use super::preprocess::{Preprocessor, Version};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::source::Span;
 pub use syntax_error::{Parsed, SyntaxError, Wanted};
@@ -141,6 +141,11 @@ impl<'a> Parser<'a> {
     /// Whether the shader is written for OpenGL ES.
     pub fn is_es(&self) -> bool {
         self.preprocessor.as_ref().is_some_and(|preprocessor| preprocessor.version.es)
+    }
+
+    /// The version, if there is a preprocessor.
+    pub(super) fn version(&self) -> Option<Version> {
+        self.preprocessor.as_ref().map(|preprocessor| preprocessor.version)
     }
 
     /// All tokens read so far; those of bodies are missing where they are skipped.

@@ -146,7 +146,7 @@ impl<'a> Preprocessor<'a> {
         match self.decision() {
             Decision::Known(target) => Some(target),
             Decision::Assumed(Target::Vulkan) => Some(Target::Vulkan),
-            Decision::Assumed(Target::OpenGl) | Decision::Either => None,
+            Decision::Assumed(Target::OpenGl) | Decision::Either | Decision::Loose => None,
         }
     }
 

@@ -2,10 +2,12 @@
 //!
 //! A text is Vulkan's if, read as OpenGL's with conditions evaluated, it contains anything that
 //! only Vulkan GLSL has. A text without such signs that tests for `VULKAN` is written for both
-//! APIs.
+//! APIs, unless what it declares for Vulkan is something that only OpenGL has.
 
+use super::declarations::DeclarationReader;
 use super::lexer::{Kind, Token};
-use super::preprocess::{Preprocessor, Texts, Version};
+use super::parser::{Bodies, Parser};
+use super::preprocess::{Preprocessor, Profile, Texts, Version};
 use crate::source::{ReadOptions, Target};
 use std::sync::Arc;
 
@@ -38,6 +40,9 @@ pub enum Decision {
     Known(Target),
     /// Assumed: the text tests for `VULKAN` and is valid for both.
     Assumed(Target),
+    /// OpenGL, although the text tests for `VULKAN`: what Vulkan's compilers would read has loose
+    /// uniforms, which they take only with relaxed rules.
+    Loose,
     /// The text is the same for both.
     Either,
 }
@@ -52,9 +57,10 @@ struct Signs {
 }
 
 /// Whether Vulkan's compilers accept that version: GLSL 1.40, GLSL ES 3.10 and later
-/// (GL_KHR_vulkan_glsl; glslang's own bound for desktop).
+/// (GL_KHR_vulkan_glsl; glslang's own bound for desktop). They have no compatibility profile.
 fn is_vulkans(version: Version) -> bool {
-    version.number >= if version.es { 310 } else { 140 }
+    let oldest = if version.es { 310 } else { 140 };
+    version.number >= oldest && version.profile != Profile::Compatibility
 }
 
 /// Whether a text of that version that tests for `VULKAN` is read for Vulkan.
@@ -79,9 +85,23 @@ pub fn decide(
     match version {
         _ if signs.vulkan => Decision::Known(Target::Vulkan),
         _ if !signs.asks => Decision::Either,
+        _ if has_loose_uniforms(path, text, options) => Decision::Loose,
         Some(version) if prefers_vulkan(version) => Decision::Assumed(Target::Vulkan),
         Some(_) | None => Decision::Assumed(Target::OpenGl),
     }
+}
+
+/// Whether the text, read for Vulkan, declares a uniform outside blocks that is no opaque handle.
+fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> bool {
+    if memchr::memmem::find(text.as_bytes(), b"uniform").is_none() && !text.contains("#include") {
+        return false;
+    }
+    let options = ReadOptions { target: Some(Target::Vulkan), ..options.clone() };
+    let texts = Texts::new();
+    let preprocessor = Preprocessor::new(path, text, &texts, &options);
+    let mut reader = DeclarationReader::new(Parser::new(preprocessor, Bodies::Skip));
+    reader.read(|parser, _| parser.forget());
+    !reader.loose.is_empty()
 }
 
 /// Whether the text may contain a sign and so must be read: it has some of the bytes of one, or

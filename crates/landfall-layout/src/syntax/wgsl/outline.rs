@@ -135,19 +135,7 @@ fn declaration<'a>(
             return Err(reports.refuse(report::bracket_attribute(token)));
         }
         (Kind::Word, "enable" | "requires" | "diagnostic") => {
-            let mut words = lexer.clone();
-            let end = skip_to_semicolon(lexer, reports)?;
-            loop {
-                let word = words.next();
-                match (word.kind, lexer.text_of(token), words.text_of(word)) {
-                    (Kind::End | Kind::Sign(b';'), ..) => return Ok(end),
-                    (Kind::Word, "enable", "f16") => outline.f16 = true,
-                    (Kind::Word, "requires", "uniform_buffer_standard_layout") => {
-                        outline.standard_uniforms = true;
-                    }
-                    _ => {}
-                }
-            }
+            return directive(lexer, outline, reports, token);
         }
         (Kind::Word, "const_assert") => return skip_to_semicolon(lexer, reports),
         (Kind::Word, "import") => return Err(reports.refuse(report::preprocessor(lexer, token))),
@@ -208,6 +196,31 @@ fn declaration<'a>(
     }
     outline.items.push(item);
     Ok(end)
+}
+
+/// Reads from after `enable`, `requires` or `diagnostic`, which is `first`, past the `;`.
+fn directive<'a>(
+    lexer: &mut Lexer<'a>,
+    outline: &mut Outline<'a>,
+    reports: &mut Reports,
+    first: Token,
+) -> Result<u32, report::Refused> {
+    let mut words = lexer.clone();
+    let end = skip_to_semicolon(lexer, reports)?;
+    loop {
+        let word = words.next();
+        match (word.kind, lexer.text_of(first), words.text_of(word)) {
+            (Kind::End | Kind::Sign(b';'), ..) => return Ok(end),
+            (Kind::Word, "enable", "f16") => outline.f16 = true,
+            (Kind::Word, "requires", feature) => {
+                outline.standard_uniforms |= feature == "uniform_buffer_standard_layout";
+                if !report::LANGUAGE_FEATURES.contains(&feature) {
+                    reports.push(report::unknown_feature(feature, word));
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Skips from a struct's name past its `}`.

@@ -8,6 +8,24 @@ use crate::source::Span;
 /// The limit on diagnostics per file; later ones tend to follow from earlier ones.
 const MOST_REPORTS: usize = 100;
 
+/// The language features of WGSL (§4.1.2) and those proposed for it.
+pub(super) const LANGUAGE_FEATURES: [&str; 14] = [
+    "buffer_view",
+    "fragment_depth",
+    "immediate_address_space",
+    "linear_indexing",
+    "packed_4x8_integer_dot_product",
+    "pointer_composite_access",
+    "readonly_and_readwrite_storage_textures",
+    "subgroup_id",
+    "subgroup_uniformity",
+    "swizzle_assignment",
+    "texture_and_sampler_let",
+    "texture_formats_tier1",
+    "uniform_buffer_standard_layout",
+    "unrestricted_pointer_parameters",
+];
+
 /// An error that has been reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refused;
@@ -50,6 +68,14 @@ impl Reports {
 /// Returns the span of a token.
 pub(super) fn span(token: Token) -> Span {
     Span { file: 0, start: token.start, end: token.end }
+}
+
+/// Returns the warning about a language feature that landfall does not know.
+pub(super) fn unknown_feature(name: &str, token: Token) -> Diagnostic {
+    let message = format!("unknown language feature `{name}`");
+    let warning = Diagnostic::warning(Code::UnknownName, span(token), message);
+    let note = "compilers that do not know a required feature refuse the shader (WGSL §4.1.2)";
+    misspelt(warning, name, LANGUAGE_FEATURES.into_iter()).with_note(note)
 }
 
 /// Returns the diagnostic for an unexpected token.

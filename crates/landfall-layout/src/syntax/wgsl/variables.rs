@@ -96,8 +96,14 @@ fn address_space(
     match name {
         "uniform" => Ok(Some(AddressSpace::Uniform)),
         "storage" => Ok(Some(AddressSpace::Storage)),
-        // naga's name before version 28 was `push_constant`.
-        "immediate" | "push_constant" => Ok(Some(AddressSpace::PushConstant)),
+        "immediate" => Ok(Some(AddressSpace::PushConstant)),
+        "push_constant" => {
+            let message = "WGSL has no address space `push_constant`";
+            let note = "only naga before version 28 takes it: it is now `immediate`";
+            let warning = Diagnostic::warning(Code::UnknownAddressSpace, at, message);
+            reader.reports.push(warning.with_note(note).with_help("write `var<immediate>`"));
+            Ok(Some(AddressSpace::PushConstant))
+        }
         _ if NO_BUFFER.contains(&name) => Ok(None),
         _ => {
             let message = format!("unknown address space `{name}`");

@@ -51,6 +51,16 @@ pub enum Wanted {
 }
 
 impl SyntaxError {
+    /// Returns the place of the error.
+    pub fn place(&self) -> Span {
+        match self {
+            SyntaxError::Unexpected { span, .. } | SyntaxError::TooDeep { span, .. } => *span,
+            SyntaxError::Other(found) => {
+                found.labels.first().map_or(Span::default(), |label| label.at)
+            }
+        }
+    }
+
     /// Returns the error as a diagnostic.
     pub fn diagnostic(self) -> Box<Diagnostic> {
         Box::new(match self {
