@@ -8,7 +8,7 @@ use snapbox::str;
 
 use crate::support::command::{Place, Ran};
 
-const OLD: &str = "#version 330 core
+const OLD: &str = "#version 420 core
 struct Light { vec3 pos; vec3 color; };
 layout(std140) uniform Lights {
     Light all[2];

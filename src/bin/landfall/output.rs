@@ -232,10 +232,8 @@ impl Streams {
     /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
-        match self.buffer().buffer().is_empty() {
-            true => Ok(()),
-            false => self.written(|| self.buffer().flush()),
-        }
+        let is_empty = self.buffer().buffer().is_empty();
+        if is_empty { Ok(()) } else { self.written(|| self.buffer().flush()) }
     }
 
     /// The formatter of findings.

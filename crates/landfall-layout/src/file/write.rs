@@ -118,7 +118,7 @@ impl FileWriter {
                 .with_help("remove it, or choose another directory"));
         }
         if is_device || is_stream(path) {
-            self.allows(path)?;
+            self.refuse_input(path)?;
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);
         }
@@ -161,17 +161,7 @@ impl FileWriter {
     /// # Errors
     /// The file is an input, or lies behind a symbolic link out of the tree.
     pub fn allows(&self, path: &Path) -> Result<(), Error> {
-        let shown = || path.display().to_string();
-        let is_input = |found: Identity| {
-            self.paths.contains(&found.path) || found.node.is_some_and(|n| self.nodes.contains(&n))
-        };
-        if Identity::of(path).is_some_and(is_input) {
-            return Err(Error::new(
-                shown(),
-                "is an input of this command, and would be overwritten",
-            )
-            .with_help("name another file for the output"));
-        }
+        self.refuse_input(path)?;
         let target = real(path);
         let trees = match &self.tree {
             Some(tree) => vec![tree.clone()],
@@ -185,7 +175,21 @@ impl FileWriter {
         let tree = trees.first().map(|tree| tree.display().to_string()).unwrap_or_default();
         let message =
             format!("leads through a symbolic link to `{}`, out of `{tree}`", target.display());
-        Err(Error::new(shown(), message).with_help("remove the link, or name its target"))
+        let shown = path.display().to_string();
+        Err(Error::new(shown, message).with_help("remove the link, or name its target"))
+    }
+
+    /// Fails if a file is an input.
+    fn refuse_input(&self, path: &Path) -> Result<(), Error> {
+        let is_input = |found: Identity| {
+            self.paths.contains(&found.path) || found.node.is_some_and(|n| self.nodes.contains(&n))
+        };
+        if !Identity::of(path).is_some_and(is_input) {
+            return Ok(());
+        }
+        let message = "is an input of this command, and would be overwritten";
+        let shown = path.display().to_string();
+        Err(Error::new(shown, message).with_help("name another file for the output"))
     }
 }
 

@@ -97,11 +97,6 @@ impl Cache {
                 "# Made by landfall; may be removed at any time.\n*\n",
             )?;
         }
-        if self.file.exists() && !is_ours(&self.file) {
-            let message = "is not a cache of landfall, and is left as it is";
-            return Err(Error::new(self.file.display().to_string(), message)
-                .with_help("remove it, or name another directory with `--cache-dir`"));
-        }
         // The name, a hash of the settings, is unique to this cache.
         self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
         self.forget_oldest(folder);

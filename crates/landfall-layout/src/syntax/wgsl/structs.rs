@@ -3,6 +3,8 @@
 use crate::diagnostic::Code;
 use std::sync::Arc;
 
+use rustc_hash::FxHashMap;
+
 use super::lexer::{Kind, Lexer, Token};
 use super::reader::ModuleReader;
 use super::report;
@@ -66,6 +68,8 @@ pub(super) fn read(reader: &mut ModuleReader<'_>, index: usize) -> Result<Typed,
 #[derive(Default)]
 struct Body {
     members: Vec<Member>,
+    /// The names of members and their places.
+    names: FxHashMap<Arc<str>, Span>,
     opaque: Vec<Arc<str>>,
     facts: Facts,
     /// The end of the last member.
@@ -92,9 +96,11 @@ fn member<'a>(
     // The text may continue after an invalid type; the structure is then invalid.
     let typed = types::read(reader, lexer)?;
     let (span, text) = (report::span(name), lexer.text_of(name));
-    if let Some(first) = body.members.iter().find(|member| &*member.name == text) {
-        reader.reports.push(report::duplicate(text, span, first.span));
+    if let Some(&first) = body.names.get(text) {
+        reader.reports.push(report::duplicate(text, span, first));
         body.broken = true;
+    } else {
+        body.names.insert(Arc::from(text), span);
     }
     if let Some(runtime) = body.facts.runtime {
         let help = "make it the last member, or specify its number of elements";
