@@ -33,9 +33,8 @@ fn keywords_and_names_of_the_language_are_no_names_of_blocks() {
         format!("{U} floats {{ vec4 a; }} u;"),
         // glslang takes it, other than a member of a block.
         format!("struct S {{ vec4 gl_a; }};\n{U} U {{ S a; }} u;"),
-        format!(
-            "#version 120\n#extension GL_ARB_uniform_buffer_object : enable\nuniform U {{ float lowp; }};"
-        ),
+        "#version 120\n#extension GL_ARB_uniform_buffer_object : enable\nuniform U { float lowp; };"
+            .to_string(),
         format!("#define if iff\n{U} U {{ float if; }} u;"),
         "layout(binding = 0) buffer U { vec4 a; } u;".to_string(),
     ];
