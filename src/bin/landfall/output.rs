@@ -232,8 +232,8 @@ impl Streams {
     /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();
-        let is_empty = self.buffer().buffer().is_empty();
-        if is_empty { Ok(()) } else { self.written(|| self.buffer().flush()) }
+        // What was to be printed to a closed stdout failed before.
+        if stdout::was_closed() { Ok(()) } else { self.written(|| self.buffer().flush()) }
     }
 
     /// The formatter of findings.
