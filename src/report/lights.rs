@@ -23,6 +23,7 @@ use landfall_layout::format::diagnostics::render::Pen;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
 pub use landfall_layout::format::phrases::{bytes, number};
 use landfall_layout::format::{Paint, SCHEMA_VERSION};
+use landfall_layout::layout::targets;
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{Files, Language};
 use landfall_layout::text::escape;
@@ -36,6 +37,9 @@ pub use crate::report::schema::LIGHTS_SCHEMA;
 pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
     let mut text = paint.text(HEADING, &escape::name(&shader.path));
     text.push('\n');
+    if let Some(note) = targets::note(shader.assumed_target) {
+        text.push_str(&paint.text(CAUTION, &format!("{note}\n")));
+    }
     if report.lights.is_empty() {
         text.push_str("no lights found in structures, blocks or members\n");
     } else {

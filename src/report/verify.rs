@@ -18,6 +18,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
+use landfall_layout::layout::targets;
 use landfall_layout::text::escape;
 
 pub use crate::report::schema::VERIFY_SCHEMA;
@@ -59,6 +60,9 @@ pub(super) fn about(device: &Device) -> String {
 pub fn shader(report: &ShaderReport, paint: Paint) -> String {
     let mut text = paint.text(STRONG, &escape::name(&report.path));
     text.push('\n');
+    if let Some(note) = targets::note(report.assumed_target) {
+        text.push_str(&paint.text(CAUTION, &format!("  {note}\n")));
+    }
     if report.blocks.is_empty() {
         text.push_str(&paint.text(FAINT, "  no blocks\n"));
     }

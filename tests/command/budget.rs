@@ -228,6 +228,45 @@ fn an_interrupted_lock_removes_no_lock() {
     assert_eq!((output.status.code(), locks()), (Some(130), 300));
 }
 
+/// The findings of a shader before the one that takes long.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupted_check_prints_the_findings_so_far() {
+    let folder = folder("findings");
+    let array = "layout(std140, binding = 0) uniform U { vec3 a[4]; } u;";
+    fs::write(folder.join("first.frag"), format!("#version 450\n{array}\nvoid main() {{}}\n"))
+        .unwrap();
+    let of = |arguments: &[&str], interrupt: bool| {
+        let child = start(&folder, arguments);
+        let process = child.id();
+        if interrupt {
+            while state(process).1 < Duration::from_millis(300) {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            let kill = Command::new("kill").args(["-INT", &process.to_string()]).status();
+            assert!(kill.unwrap().success());
+        }
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), String::from_utf8(output.stdout).unwrap(), said)
+    };
+    let (_, alone, _) = of(&["check", "first.frag", "-f", "short", "-W", "all"], false);
+    assert!(alone.starts_with("first.frag:2:"), "{alone}");
+    let files = ["check", "first.frag", "big.frag", "-f", "short", "-W", "all"];
+    let (code, found, said) = of(&files, true);
+    assert_eq!((code, found), (Some(130), alone), "{said}");
+    golden().eq(
+        said,
+        str![[r#"
+checked 1 shader: 2 warnings
+interrupted: these are the results so far, without the last file
+
+"#]],
+    );
+    let (code, _, said) = of(&[&files[..], &["-q"]].concat(), true);
+    assert_eq!((code, &*said), (Some(130), ""));
+}
+
 /// The error at the end of what a command said.
 fn error(said: &str) -> &str {
     said.rfind("error[").map_or("", |at| &said[at..])

@@ -129,16 +129,16 @@ uniform View · std140 · 80 bytes
         (
             "csv",
             str![[r#"
-shader,block,instance,address_space,rules,rules_declared,group,binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].pos,vec3,0,12,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].color,vec3,16,12,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].intensity,float,28,4,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].constant,float,32,4,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].linear,float,36,4,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].quadratic,float,40,4,128,48,,,
-a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,actually_used_count,int,6144,4,,,,,
-a.frag,View,,uniform,std140,true,,,80,view,mat4,0,64,,,16,false,
-a.frag,View,,uniform,std140,true,,,80,eye,vec3,64,12,,,,,
+shader,block,instance,address_space,rules,rules_declared,group,binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset,assumed_target
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].pos,vec3,0,12,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].color,vec3,16,12,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].intensity,float,28,4,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].constant,float,32,4,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].linear,float,36,4,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,data[].quadratic,float,40,4,128,48,,,,
+a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,actually_used_count,int,6144,4,,,,,,
+a.frag,View,,uniform,std140,true,,,80,view,mat4,0,64,,,16,false,,
+a.frag,View,,uniform,std140,true,,,80,eye,vec3,64,12,,,,,,
 
 "#]],
         ),

@@ -7,5 +7,6 @@ mod locks;
 mod mend;
 mod outside;
 pub mod place;
+mod proved;
 mod report;
 mod shards;

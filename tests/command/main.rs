@@ -29,4 +29,5 @@ mod schema;
 mod slopes;
 mod streams;
 mod unified;
+mod without_effect;
 mod writers;

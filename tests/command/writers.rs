@@ -530,6 +530,10 @@ error[output]: `<stdout>` is closed: the output would be lost
 
 "#]]);
     }
+    for command in ["--help", "--version", "check --help"] {
+        let ran = closed(command);
+        ran.code(2).stderr_eq("error: standard output cannot be written: it is closed\n");
+    }
     for command in ["lock s", "emit s/a.frag --lang c -o h.h", "check s -f json=r.json -f short=r"]
     {
         let ran = closed(command);

@@ -79,7 +79,10 @@ fn random_blocks_are_confirmed(seeds: std::ops::Range<u64>) {
             .collect();
         let text = declarations(&print(&standing, &made));
         let source = Source::new(format!("seed_{seed}.{extension}"), text.as_str());
-        let report = verified(&source, &VerifyOptions::default());
+        // Drivers compile some of these for half a minute on a slow machine.
+        let options =
+            VerifyOptions { limit: std::time::Duration::from_secs(180), ..Default::default() };
+        let report = verified(&source, &options);
         for (block, backend) in each(&report) {
             assert_eq!(
                 (backend.outcome, backend.stage),

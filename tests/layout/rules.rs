@@ -1,10 +1,12 @@
 //! What `landfall rule` says of each lint holds: it reports its own example.
 
+use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
+use landfall_light::accuracy::demand::{Demand, ProveRequest, Shown, prove};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
-use landfall_lint::{LINTS, Lint, Settings, Subject, allow, driver_disagrees, run};
+use landfall_lint::{LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run};
 
 /// What an example needs besides its text; nearly all need nothing.
 #[derive(Default)]
@@ -120,6 +122,20 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
                 Finding { help: found.help.clone(), ..finding }
             };
             found.map(finding).collect()
+        }
+        "not-proved" => {
+            let source = Source::new("shaders/a.frag", lint.example);
+            let request = ProveRequest {
+                pure: PureRequest { function: "falloff".to_string(), ..PureRequest::default() },
+                domain: Some(serde_json::json!({ "d": [0, 100] })),
+                demands: vec![Demand::NoNan],
+                ..ProveRequest::default()
+            };
+            let report = prove(&source, &Options::default(), &request).expect("a function");
+            let (_, Shown::Broken(case)) = &report.demands[0] else { return Vec::new() };
+            let row = Place { path: "landfall.toml".to_string(), line: 1, ..Place::default() };
+            let finding = not_proved::finding("falloff", None, &row, case.shown());
+            vec![finding.with_help("guard the division")]
         }
         "unused-allow" => {
             let (_, shader) = laid_out("shaders/a.frag", lint.example);

@@ -21,6 +21,9 @@ const MOST_STATEMENTS: usize = 4_000;
 /// it lays out a GLSL structure, and when it validates one of either language.
 const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
+/// The limit on line continuations in a row: naga's preprocessor recurses on them.
+const MOST_CONTINUATIONS: usize = 1_000;
+
 /// The limit on the length of a text in bytes.
 const LONGEST_TEXT: usize = 1 << 20;
 
@@ -67,6 +70,7 @@ pub fn is_bounded(text: &str) -> bool {
         && longest_chain(text) <= LONGEST_CHAIN
         && text.bytes().filter(|byte| b";{".contains(byte)).count() <= MOST_STATEMENTS
         && nested_members(text) <= MOST_NESTED_MEMBERS
+        && continuations(text) <= MOST_CONTINUATIONS
 }
 
 /// Estimates the number of members of a text's structures, counting the members of nested
@@ -124,6 +128,20 @@ fn nesting(text: &str) -> u32 {
     deepest
 }
 
+/// Returns the longest run of backslashes and line breaks, counted in backslashes.
+fn continuations(text: &str) -> usize {
+    let (mut run, mut longest) = (0, 0);
+    for byte in text.bytes() {
+        match byte {
+            b'\\' => run += 1,
+            b'\r' | b'\n' => {}
+            _ => run = 0,
+        }
+        longest = longest.max(run);
+    }
+    longest
+}
+
 /// Returns the longest run of operators without a comma or semicolon; naga recurses on their
 /// operands.
 fn longest_chain(text: &str) -> u32 {
@@ -159,6 +177,10 @@ mod tests {
             nested += &format!("struct S{i} {{ S{0} a; S{0} b; }};", i - 1);
         }
         assert!(glsl_module(&nested, None).is_none());
+        for line in ["\\\n", "\\\r\n"] {
+            let continued = format!("{}void main() {{}}", line.repeat(400_000));
+            assert!(glsl_module(&continued, Some(Stage::Fragment)).is_none());
+        }
         assert_eq!(
             nested_members("struct A { float x; float y; }; struct B { A a; A b[2]; };"),
             15

@@ -66,6 +66,33 @@ const WORDS: &[(&str, &[&str])] = &[
     ("ShaderLab", &["Shader"]),
 ];
 
+/// Words that begin a declaration in GLSL and none in WGSL.
+const GLSL_WORDS: &[&str] = &[
+    "attribute",
+    "buffer",
+    "flat",
+    "in",
+    "inout",
+    "layout",
+    "out",
+    "precision",
+    "uniform",
+    "varying",
+    "void",
+];
+
+/// Returns the language in which a declaration of a WGSL text may begin with the tokens `first` and
+/// `next`, if it is not WGSL.
+pub(crate) fn of_words_in_wgsl(first: &str, next: &str) -> Option<&'static str> {
+    let name = next.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    match of_words(first, next) {
+        Some("WGSL") | None => {}
+        other => return other,
+    }
+    let is_glsl = GLSL_WORDS.contains(&first) && (name || first == "layout" && next == "(");
+    is_glsl.then_some("GLSL")
+}
+
 /// Whether a word may begin a declaration of another language.
 pub(crate) fn may_begin(first: &str) -> bool {
     WORDS.iter().any(|row| row.1.contains(&first))

@@ -26,6 +26,7 @@ mod lock_missing;
 mod lock_orphan;
 mod mat3_padding;
 pub mod naga_disagrees;
+pub mod not_proved;
 mod over_limit;
 mod push_constant_limit;
 mod registry;

@@ -5,9 +5,9 @@ use super::settings::Settings;
 use super::{
     array_stride_waste, block_mismatch, bool_in_block, buffer_too_small, define_changes_layout,
     driver_disagrees, hazards, layout_drift, lock_missing, lock_orphan, mat3_padding,
-    naga_disagrees, over_limit, push_constant_limit, reorder_saves, rules_undeclared, rust_mirror,
-    scalar_after_vec3, stale_comment, target_changes_layout, unused_allow, unused_block,
-    unused_member, vec3_array, webgl2_size,
+    naga_disagrees, not_proved, over_limit, push_constant_limit, reorder_saves, rules_undeclared,
+    rust_mirror, scalar_after_vec3, stale_comment, target_changes_layout, unused_allow,
+    unused_block, unused_member, vec3_array, webgl2_size,
 };
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -32,6 +32,7 @@ pub const LINTS: &[&Lint] = &[
     &mat3_padding::LINT,
     &hazards::mediump_position::LINT,
     &naga_disagrees::LINT,
+    &not_proved::LINT,
     &over_limit::LINT,
     &hazards::pow_of_negative::LINT,
     &hazards::pow_of_zero::LINT,

@@ -23,6 +23,9 @@ pub struct Settings {
     pub tables: Vec<Table>,
     /// Hand-written mirrors in Rust files.
     pub rust_mirrors: Vec<RustMirror>,
+    /// Functions with demands that are proved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub proofs: Vec<Proof>,
     /// The Rust files those name, and others whose comments may name mirrors.
     #[serde(skip)]
     pub rust_files: Vec<RustFile>,
@@ -125,6 +128,36 @@ pub struct Row {
     pub path: String,
     /// The offset from the start of the block, in bytes.
     pub offset: Figure,
+}
+
+/// A function with demands.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Proof {
+    /// A glob of the shaders it is in.
+    pub file: String,
+    /// Its name, or an overload such as `f(vec3)`.
+    pub function: String,
+    /// Whether no result may be NaN.
+    pub no_nan: bool,
+    /// Whether no result may be infinite.
+    pub no_inf: bool,
+    /// The most units in the last place that results may be off.
+    pub max_ulp: Option<f64>,
+    /// The most steps of 1/255 of full scale that results may be off.
+    pub max_step: Option<f64>,
+    /// The ranges of the inputs by path.
+    pub domain: Option<serde_json::Value>,
+    /// The limit of processor time in seconds, if set.
+    pub time: Option<f64>,
+    /// The place in the configuration.
+    pub place: Place,
+}
+
+impl Proof {
+    /// Whether the shader of this path has the function.
+    pub fn takes(&self, path: &str) -> bool {
+        crate::glob::matches(&self.file, path)
+    }
 }
 
 /// A Rust file that contains, or may contain, mirrors.

@@ -10,6 +10,8 @@ mod fix;
 mod hash;
 mod key;
 mod pass;
+#[cfg(feature = "exec")]
+mod proved;
 pub mod reports;
 mod rust;
 pub mod shard;
@@ -20,8 +22,10 @@ use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, PoisonError};
 
 use landfall_layout::file::FileWriter;
+use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
@@ -78,6 +82,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         stdin,
         locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),
+        so_far: Arc::default(),
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
     let opened = folder.and_then(|folder| open(folder, args, &config, &basis, streams));
@@ -85,9 +90,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut cache = opened.unwrap_or_default();
     let before = cache.tree.as_ref().map(|tree| tree.key.clone());
     let known = std::mem::take(&mut cache.known);
-    // Locks are written after all fixes.
-    let accept = args.accept && !args.fix;
-    let mut pass = run.pass(known, &HashMap::new(), accept, streams)?;
+    let mut pass = first_pass(args, &run, known, streams)?;
     let stopped = watch::is_stopped();
     let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
     if args.diff {
@@ -108,10 +111,15 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let findings = match args.shard {
         // Lints over all shaders run in `merge`; of an interrupted run they are not all known.
         _ if stopped => tree::sorted(tree::alone(&pass)),
-        Some(_) => tree::sorted(tree::alone(&pass)),
+        Some(_) => {
+            let proofs = proofs(args, &run, &pass, streams);
+            let proofs = tree::unless_allowed(proofs, &pass, &basis);
+            tree::sorted(tree::alone(&pass).into_iter().chain(proofs).collect())
+        }
         None => {
-            let mismatches = verified::findings(&args.verified, &pass, &basis, &config.root)?;
-            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &mismatches)
+            let mut outside = verified::findings(&args.verified, &pass, &basis, &config.root)?;
+            outside.extend(proofs(args, &run, &pass, streams));
+            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &outside)
         }
     };
     let is_new =
@@ -140,6 +148,66 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     closing_notes(&pass, &basis, args, streams);
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// The findings for `[[prove]]`.
+#[cfg(feature = "exec")]
+fn proofs(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Vec<Finding> {
+    // After `--fix`, the findings of the first pass are not those of the files.
+    if args.fix || run.basis.settings.proofs.is_empty() {
+        return proved::findings(pass, run.basis);
+    }
+    report_on_end(args, run, streams);
+    let found = proved::findings(pass, run.basis);
+    watch::end_of_work();
+    found
+}
+
+/// The configuration refuses `[[prove]]` in this build.
+#[cfg(not(feature = "exec"))]
+fn proofs(_: &CheckArgs, _: &Run<'_>, _: &Pass, _: &Streams) -> Vec<Finding> {
+    Vec::new()
+}
+
+fn first_pass(
+    args: &CheckArgs,
+    run: &Run<'_>,
+    known: HashMap<String, Checked>,
+    streams: &Streams,
+) -> Result<Pass, Failure> {
+    // Locks are written after all fixes.
+    let accept = args.accept && !args.fix;
+    if args.diff {
+        return run.pass(known, &HashMap::new(), accept, streams);
+    }
+    report_on_end(args, run, streams);
+    let pass = run.pass(known, &HashMap::new(), accept, streams);
+    watch::end_of_work();
+    pass
+}
+
+/// Prints the findings so far if the process is ended in the middle of a shader. Reports to files
+/// are not written then.
+fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
+    let (so_far, stdin) = (Arc::clone(&run.so_far), run.stdin.clone());
+    let (statistics, streams) = (args.statistics, streams.for_thread());
+    let formats: Vec<_> = args.formats.iter().filter(|r| r.file.is_none()).cloned().collect();
+    if formats.is_empty() && !args.formats.is_empty() {
+        return watch::on_end(|| ());
+    }
+    watch::on_end(move || {
+        let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+        let findings = tree::sorted(std::mem::take(&mut so_far.findings));
+        let texts = reports::Texts::new(stdin);
+        let result = reports::Result {
+            findings: &findings,
+            shaders: so_far.shaders,
+            failures: so_far.failures,
+            texts: &texts,
+            shard: None,
+        };
+        let _ = reports::write(&result, &formats, statistics, FileWriter::default(), &streams);
+    });
 }
 
 /// Reports that all shaders were excluded; returns the outcome if that is an error.

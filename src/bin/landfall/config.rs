@@ -23,7 +23,7 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
-use crate::{read, write};
+use crate::{given, read, write};
 use toml::{Document, Keys, Text};
 
 pub use root::{Root, slashes};
@@ -80,7 +80,11 @@ pub fn load(
     let document = Document::new(&read::shown(&file), text);
     let config = document.read(|keys| self::read(keys, root));
     match config {
-        Ok(config) => Ok(Some(Config { file: Some(file), ..config })),
+        Ok(config) => {
+            let help = format!("`include` in `{}` names directories", read::shown(&file));
+            given::include_dirs(&config.read.include_dirs, &help, streams);
+            Ok(Some(Config { file: Some(file), ..config }))
+        }
         Err((found, files)) => {
             streams.report(&streams.style(FindingForm::Human).text(&found, &files));
             Ok(None)

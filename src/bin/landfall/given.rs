@@ -1,13 +1,16 @@
-//! Warnings about options without effect: `-I` with a path that is not a directory, and `-O` for a
-//! constant that no shader has.
+//! Warnings about options without effect: `-I` with a path that is not a directory, `-O` for a
+//! constant that no shader has, and `--adapter` where nothing runs on the GPU.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
+#[cfg(feature = "exec")]
+use crate::args::BackendName;
 use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
 
@@ -26,19 +29,53 @@ struct Matched {
 /// The `-O` options of this process.
 static GIVEN: OnceLock<OverrideNames> = OnceLock::new();
 
-/// Records the `-O` options, and warns about `-I` paths that are not directories.
+/// Records the `-O` options, and warns about `-I` paths that are not directories, and about an
+/// adapter that nothing runs on.
 pub fn begin(command: &Command, streams: &Streams) {
+    #[cfg(feature = "exec")]
+    if let Some(name) = unused_adapter(command) {
+        let error =
+            Error::new(format!("--adapter {name}"), "has no effect without `--backend gpu`");
+        warn(Code::UnusedAdapter, error, streams);
+    }
     let Some(text) = text_of(command) else { return };
     let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
     let _ = GIVEN.set(OverrideNames { names, matched: Mutex::default() });
-    for folder in text.include_dirs.iter().filter(|folder| !folder.is_dir()) {
+    include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
+}
+
+/// Warns about include directories that are none.
+pub fn include_dirs(folders: &[PathBuf], help: &str, streams: &Streams) {
+    for folder in folders.iter().filter(|folder| !folder.is_dir()) {
         let what = match folder.exists() {
             true => "is not a directory; no include is searched there",
             false => "does not exist; no include is searched there",
         };
         let error = Error::new(folder.display().to_string(), what);
-        warn(Code::NoIncludeDir, error.with_help("`-I DIR` names a directory"), streams);
+        warn(Code::NoIncludeDir, error.with_help(help), streams);
     }
+}
+
+/// The adapter named for a command that does not use the GPU.
+#[cfg(feature = "exec")]
+fn unused_adapter(command: &Command) -> Option<&str> {
+    let gpu = BackendName::Gpu;
+    let (adapter, is_used) = match command {
+        Command::Verify(args) => {
+            (&args.adapter, args.backends.is_empty() || args.backends.contains(&gpu))
+        }
+        Command::Bench(args) => {
+            (&args.adapter, args.backend.is_empty() || args.backend.contains(&gpu))
+        }
+        Command::Run(args) => (&args.adapter, args.backend == gpu),
+        Command::Stress(args) => (&args.adapter, args.backends.contains(&gpu)),
+        Command::Render(args) => {
+            let compares = args.compare.iter().any(|what| what.eq_ignore_ascii_case("gpu"));
+            (&args.adapter, args.backend == gpu || compares)
+        }
+        _ => return None,
+    };
+    adapter.as_deref().filter(|_| !is_used)
 }
 
 /// The names of `-O` that a shader has constants for.

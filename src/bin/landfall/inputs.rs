@@ -1,14 +1,15 @@
 //! The input files of a run: named files, shaders in directories, and matches of globs, as an
 //! iterator.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 use globset::{GlobBuilder, GlobMatcher};
-use ignore::{Walk, WalkBuilder};
+use ignore::{DirEntry, WalkBuilder};
 use landfall_layout::{Error, other_language, source};
 
 use crate::read::is_stdin;
+use crate::walk::FilteredWalk;
 use crate::watch;
 
 /// One shader to read.
@@ -32,11 +33,11 @@ struct Search {
     root: PathBuf,
     /// The argument on the command line.
     argument: PathBuf,
-    walk: Walk,
+    walk: Box<dyn Iterator<Item = Result<DirEntry, Error>> + Send>,
     glob: Option<GlobMatcher>,
     found: bool,
-    /// The unsupported shading language of a skipped file, if any.
-    other: Option<&'static str>,
+    /// The unsupported shading languages of skipped files.
+    others: BTreeSet<&'static str>,
 }
 
 impl Inputs {
@@ -103,8 +104,15 @@ impl Iterator for Inputs {
 
 impl Search {
     fn directory(root: PathBuf) -> Search {
-        let walk = WalkBuilder::new(&root).sort_by_file_name(|a, b| a.cmp(b)).build();
-        Search { argument: root.clone(), root, walk, glob: None, found: false, other: None }
+        let walk = Box::new(FilteredWalk::new(&root));
+        Search {
+            argument: root.clone(),
+            root,
+            walk,
+            glob: None,
+            found: false,
+            others: BTreeSet::new(),
+        }
     }
 
     /// Expands a glob as a shell does, regardless of ignore files.
@@ -131,13 +139,17 @@ impl Search {
             .hidden(true)
             .sort_by_file_name(|a, b| a.cmp(b))
             .build();
+        let shown = root.display().to_string();
+        let walk = Box::new(walk.map(move |entry| {
+            entry.map_err(|cause| Error::new(&shown, format!("cannot be searched: {cause}")))
+        }));
         Ok(Search {
             root,
             argument: argument.to_path_buf(),
             walk,
             glob: Some(matcher),
             found: false,
-            other: None,
+            others: BTreeSet::new(),
         })
     }
 
@@ -145,11 +157,10 @@ impl Search {
         while let Some(entry) = self.walk.next() {
             let entry = match entry {
                 Ok(entry) => entry,
-                Err(cause) => {
+                Err(error) => {
                     // Reported for the directory of the argument.
                     self.found = true;
-                    let root = self.root.display().to_string();
-                    return Some(Err(Error::new(root, format!("cannot be searched: {cause}"))));
+                    return Some(Err(error));
                 }
             };
             if entry.file_type().is_none_or(|kind| kind.is_dir()) {
@@ -158,7 +169,7 @@ impl Search {
             let path = entry.into_path();
             let path = path.strip_prefix("./").map(Path::to_path_buf).unwrap_or(path);
             if !self.takes(&path) {
-                self.other = self.other.or_else(|| other_language::of_path(&path));
+                self.others.extend(other_language::of_path(&path));
                 continue;
             }
             self.found = true;
@@ -187,9 +198,10 @@ impl Search {
         let path = self.argument.display().to_string();
         Some(match self.glob {
             Some(_) => Error::new(path, "matches no shader file"),
-            None if self.other.is_some() => {
-                let language = self.other.unwrap_or_default();
-                let message = format!("contains no GLSL or WGSL shader, only {language}");
+            None if !self.others.is_empty() => {
+                let languages: Vec<&str> = self.others.into_iter().collect();
+                let message =
+                    format!("contains no GLSL or WGSL shader, only {}", languages.join(", "));
                 Error::new(path, message).with_help("landfall reads GLSL and WGSL")
             }
             None => Error::new(path, "contains no shader file").with_help(

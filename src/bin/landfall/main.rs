@@ -49,6 +49,7 @@ mod stdout;
 mod stress;
 #[cfg(feature = "exec")]
 mod verify;
+mod walk;
 mod watch;
 mod work;
 mod write;

@@ -80,6 +80,11 @@ pub struct FindingStyle {
 }
 
 impl FindingStyle {
+    /// Whether only errors are printed.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Formats the findings of one shader; omits warnings when quiet.
     pub fn text(&self, found: &[Diagnostic], files: &Files) -> String {
         let kept: Vec<Diagnostic>;
@@ -141,6 +146,16 @@ impl Streams {
             quiet,
             unread: Cell::new(false),
             progress: RefCell::new(false),
+        }
+    }
+
+    /// The same streams, for another thread.
+    pub fn for_thread(&self) -> Streams {
+        Streams {
+            stdout: Arc::clone(&self.stdout),
+            unread: Cell::new(false),
+            progress: RefCell::new(self.shows_progress()),
+            ..*self
         }
     }
 

@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 
+use landfall_layout::diagnostic::Code;
 use landfall_layout::port::{Dialect, PortOptions, Ported, port};
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Source};
+use landfall_layout::{Diagnostic, Severity, Source};
 
 use crate::args::{PortArgs, PortTo};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::shader::finding;
 use crate::{given, read, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -52,6 +54,14 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         None => streams.source(&ported.source.text)?,
     }
     streams.notes(&notes(&ported));
+    for (name, _) in &args.locations {
+        if !ported.locations.iter().any(|location| location.name == *name) {
+            let message = format!("`--location {name}` has no effect: nothing has this name");
+            let help = "name an input or output of the stage".to_string();
+            let found = finding(&source.path, Code::UnknownName, message, Some(help));
+            report(&[Diagnostic { severity: Severity::Warning, ..found }], &Files::default());
+        }
+    }
     Ok(Outcome::Clean)
 }
 

@@ -131,11 +131,14 @@ fn picture(
     request: &RenderRequest,
     streams: &Streams,
 ) -> Result<RenderReport, Stop> {
+    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
+    let writer = write::protecting(named, &request.files_read());
     if let Some(out) = &args.out {
         // Fail before computing anything.
         let shown = out.display().to_string();
         file::Format::of(&shown).map_err(|error| Error::new(&shown, error.to_string()))?;
-        write::protecting([], &request.files_read()).allows(out)?;
+        writer.allows(out)?;
+        compare::refuse_foreign(out, &args.compare)?;
     }
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
@@ -198,9 +201,6 @@ fn picture(
     };
     report.non_finite = picture.non_finite();
     let transfer = transfer(args);
-    let named = args.bind.iter().chain(&args.compare).map(Path::new).chain([args.scene.as_path()]);
-    let files = request.files_read();
-    let writer = write::protecting(named, &files);
     for what in &args.compare {
         let done = compare::compare(&made, what, &picture, args, streams)?;
         for (path, difference) in done.pictures {

@@ -34,6 +34,12 @@ const PATIENCE: Duration = Duration::from_millis(300);
 #[cfg(feature = "exec")]
 const REPORT_PATIENCE: Duration = Duration::from_millis(400);
 
+/// Time that `check` has to end on its own after Ctrl-C, before its findings so far are printed.
+const CHECK_PATIENCE: Duration = Duration::from_millis(150);
+
+/// Time that the report of a command in the middle of its work may take.
+const PARTIAL_REPORT: Duration = Duration::from_millis(200);
+
 /// Time that the output collected so far has to reach its reader.
 const FLUSH: Duration = Duration::from_millis(100);
 
@@ -45,6 +51,28 @@ static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// Directories to remove when the process is ended.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Prints what a command has found so far.
+type PartialReport = Box<dyn FnOnce() + Send>;
+
+/// The report to print if the process is ended in the middle of its work.
+static PARTIAL: Mutex<Option<PartialReport>> = Mutex::new(None);
+
+fn partial() -> MutexGuard<'static, Option<PartialReport>> {
+    PARTIAL.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Sets the report to print if the process is ended before [`end_of_work`].
+pub fn on_end(report: impl FnOnce() + Send + 'static) {
+    *partial() = Some(Box::new(report));
+}
+
+/// Reverts [`on_end`]; does not return if the report is being printed, as the process then ends.
+pub fn end_of_work() {
+    while partial().take().is_none() {
+        thread::park();
+    }
+}
 
 /// The interrupt flag.
 pub fn flag() -> Arc<AtomicBool> {
@@ -88,6 +116,7 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
         Command::Stress(args) => (args.time.saturating_mul(2), wait_for_report),
         #[cfg(feature = "exec")]
         Command::Prove(args) => (args.time.saturating_mul(2), wait_for_report),
+        Command::Check(_) => (Duration::ZERO, || thread::sleep(CHECK_PATIENCE)),
         _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
     let watch = Watch {
@@ -129,8 +158,13 @@ impl Watch {
             thread::sleep(INTERVAL);
             if self.stop.load(Ordering::Relaxed) {
                 (self.wait)();
-                let note = "interrupted: results that were not printed yet are lost\n";
-                let _ = anstream::stderr().write_all(note.as_bytes());
+                let note = match report_partially() {
+                    true => "interrupted: these are the results so far, without the last file\n",
+                    false => "interrupted: results that were not printed yet are lost\n",
+                };
+                if !self.style.is_quiet() {
+                    let _ = anstream::stderr().write_all(note.as_bytes());
+                }
                 self.end(INTERRUPTED);
             }
             if began.elapsed() > self.time {
@@ -149,6 +183,7 @@ impl Watch {
     fn refuse(&self, message: String, help: &str) {
         let error = Error::new("landfall", message).with_help(help);
         let found = Diagnostic { code: Code::TooLarge, ..error.into() };
+        report_partially();
         let text = self.style.text(&[found], &Files::default());
         let _ = anstream::stderr().write_all(text.as_bytes());
         self.end(Outcome::CouldNot.code());
@@ -176,6 +211,18 @@ impl Watch {
         }
         low_level::exit(i32::from(code));
     }
+}
+
+/// Prints the report of [`on_end`]; `false` if there is none.
+fn report_partially() -> bool {
+    let Some(report) = partial().take() else { return false };
+    let (done, reported) = mpsc::channel();
+    let run = move || {
+        report();
+        let _ = done.send(());
+    };
+    let started = thread::Builder::new().spawn(run).is_ok();
+    started && reported.recv_timeout(PARTIAL_REPORT).is_ok()
 }
 
 /// The memory of this process in bytes (`VmRSS`); 0 if the system does not report it.

@@ -109,7 +109,13 @@ fn a_cache_that_is_broken_is_as_good_as_none() {
     let sound = fs::read(&file).unwrap();
     let mut flipped = sound.clone();
     flipped[sound.len() / 2] ^= 1;
-    for broken in [&sound[..sound.len() / 2], &flipped, b"", b"{}", b"\xff\xfe", b"0\n{}\n"] {
+    for foreign in [&b"{}"[..], b"\xff\xfe", b"0\n{}\n"] {
+        fs::write(&file, foreign).unwrap();
+        assert_eq!(laid_out(&place, &[]), (3, report.clone()));
+        assert_eq!(laid_out(&place, &[]), (3, report.clone()));
+        assert_eq!(fs::read(&file).unwrap(), foreign, "it is not landfall's");
+    }
+    for broken in [&sound[..sound.len() / 2], &flipped, b""] {
         fs::write(&file, broken).unwrap();
         assert_eq!(laid_out(&place, &[]), (3, report.clone()));
         assert_eq!(laid_out(&place, &[]), (0, report.clone()), "and it is mended");

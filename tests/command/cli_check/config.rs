@@ -57,7 +57,7 @@ error[unknown-key]: the configuration has no key `colour`
 1 | colour = 1
   | ^^^^^^
   |
-  = help: the configuration has `targets`, `api`, `rules`, `levels`, `permutations`, `mirror-group`, `table`, `rust-mirror`, `paths`, `exclude`, `locks`, `cache-dir`, `define`, `include`, `override`, `gather`
+  = help: the configuration has `targets`, `api`, `rules`, `levels`, `permutations`, `mirror-group`, `table`, `rust-mirror`, `prove`, `paths`, `exclude`, `locks`, `cache-dir`, `define`, `include`, `override`, `gather`
 
 
 "#]],

@@ -332,5 +332,9 @@ pub const INPUTS: &[Family] = &[
             "prove lit.frag --fn lit --time 1",
         ],
     ),
-    with("lights of a scene", scene, &["render scene.json --reference --out picture.png"]),
+    with(
+        "lights of a scene",
+        scene,
+        &["render scene.json --reference --model multi --out picture.png"],
+    ),
 ];

@@ -112,6 +112,33 @@ fn texts_of_other_languages_are_named_and_refused() {
     }
 }
 
+#[test]
+fn texts_of_other_languages_are_named_in_wgsl_files_too() {
+    let read = |text: &str| {
+        ::landfall::layout(&::landfall::Source::new("a.wgsl", text), &Default::default())
+    };
+    for (language, text) in [
+        ("HLSL", "cbuffer U : register(b0) { float4 a; };"),
+        ("HLSL", "Texture2D<float4> picture : register(t0);"),
+        ("Slang", "ParameterBlock<Scene> scene;"),
+        ("Metal", "using namespace metal;\nstruct A { float a; };"),
+        ("GLSL", "#version 450\nlayout(std140) uniform U { vec4 a; };"),
+        ("GLSL", "layout(std140) uniform U { vec4 a; };"),
+        ("GLSL", "uniform vec4 a;"),
+    ] {
+        let shader = read(text);
+        let named = |found: &&::landfall::Diagnostic| {
+            found.code.name() == "other-language" && found.message.contains(language)
+        };
+        assert!(shader.diagnostics.iter().any(|found| named(&found)), "{text}: {shader:?}");
+        assert!(shader.has_errors() && shader.blocks.is_empty());
+    }
+    // WGSL in which those words are names.
+    let text = "struct vertex { kernel: vec4f }\nfn uniform(constant: f32) -> f32 { return constant; }\n\
+                var<private> fragment: vertex;";
+    assert!(!read(text).has_errors(), "{:?}", read(text).diagnostics);
+}
+
 /// Neither GLSL nor WGSL has that character; glslang refuses it.
 #[test]
 fn a_byte_order_mark_is_a_warning() {

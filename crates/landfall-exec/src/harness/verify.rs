@@ -119,6 +119,7 @@ pub fn verify(
     ShaderReport {
         path: shader.path.clone(),
         language: shader.language.name(),
+        assumed_target: shader.assumed_target,
         blocks: blocks.collect(),
         compiled: None,
     }

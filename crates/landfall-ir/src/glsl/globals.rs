@@ -453,8 +453,8 @@ impl<'a> Lowerer<'a> {
         let ty = match memory {
             // An array without a size has the one its layout found.
             Some(memory) => {
-                let fields = &self.memories[memory].structure.members;
-                fields.iter().find(|f| f.name == name.text).map_or(ty, |f| f.ty.clone())
+                let member = self.memories[memory].structure.member(name.text);
+                member.map_or(ty, |member| member.ty.clone())
             }
             None => ty,
         };

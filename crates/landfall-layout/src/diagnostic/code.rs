@@ -162,6 +162,7 @@ codes! {
     UnreadableFile = "unreadable-file";
     UnreadableLock = "unreadable-lock";
     UnsizedBlock = "unsized-block";
+    UnusedAdapter = "unused-adapter";
     UpAlongFront = "up-along-front";
     ValueOutOfRange = "value-out-of-range";
     Version = "version";

@@ -5,12 +5,13 @@ use std::fmt::{Display, Write as _};
 use super::{EmitOptions, expand};
 use crate::ShaderLayout;
 use crate::layout::measure::{element_size, fixed};
-use crate::layout::{BlockLayout, Leaf};
+use crate::layout::{BlockLayout, Leaf, targets};
 use crate::shape::AddressSpace;
 use crate::text::escape::name;
 
 pub(super) const HEADER: &str = "shader,block,instance,address_space,rules,rules_declared,group,\
-binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset\n";
+binding,block_size,path,type,offset,size,dims,strides,matrix_stride,row_major,naga_offset,\
+assumed_target\n";
 
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let mut text = String::new();
@@ -27,7 +28,8 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
                 text.push_str(",,");
                 optional(&mut text, member.matrix_stride);
                 optional(&mut text, member.matrix_stride.map(|_| member.row_major));
-                text.push_str(",\n");
+                text.push(',');
+                end_of_row(&mut text, shader);
             });
         } else {
             for leaf in &block.leaves {
@@ -65,6 +67,11 @@ fn leaf_cells(text: &mut String, leaf: &Leaf, shader: &ShaderLayout) {
     optional(text, leaf.matrix_stride);
     optional(text, leaf.matrix_stride.map(|_| leaf.row_major));
     optional(text, leaf.naga.as_ref().map(|naga| naga.offset));
+    end_of_row(text, shader);
+}
+
+fn end_of_row(text: &mut String, shader: &ShaderLayout) {
+    optional(text, shader.assumed_target.map(targets::key));
     text.push('\n');
 }
 
@@ -125,9 +132,9 @@ mod tests {
         assert_eq!(
             rows[2],
             "a.frag,PointLightBlock,u_point_light_array,uniform,std140,true,,,6160,\
-             data[].color,vec3,16,12,128,48,,,"
+             data[].color,vec3,16,12,128,48,,,,"
         );
-        assert!(rows.iter().all(|row| row.split(',').count() == 18));
+        assert!(rows.iter().all(|row| row.split(',').count() == 19));
     }
 
     #[test]

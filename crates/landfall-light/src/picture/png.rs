@@ -15,6 +15,8 @@ use super::{MOST_PIXELS, size};
 const FORMAT: &str = "PNG";
 /// The gamma that stands for sRGB in older files: 1 / 2.2.
 const OLD_SRGB: u32 = 45_455;
+/// The keyword of the text that names the program.
+const SOFTWARE: &str = "Software";
 const LINEAR: u32 = 100_000;
 
 /// Returns the file of codes.
@@ -41,10 +43,18 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     let channels = if opaque { 3 } else { 4 };
     let data: Vec<u8> =
         codes.pixels.iter().flat_map(|pixel| pixel[..channels].iter().copied()).collect();
+    encoder.add_text_chunk(SOFTWARE.to_string(), "landfall".to_string()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
     writer.write_image_data(&data).map_err(broken)?;
     writer.finish().map_err(broken)?;
     Ok(bytes)
+}
+
+/// Whether a file was written by [`write()`].
+pub fn is_landfalls(bytes: &[u8]) -> bool {
+    let head = bytes.get(..bytes.len().min(256)).unwrap_or_default();
+    let mark = format!("tEXt{SOFTWARE}\0landfall");
+    head.starts_with(b"\x89PNG") && head.windows(mark.len()).any(|part| part == mark.as_bytes())
 }
 
 /// Parses codes from a file: grey, indexed or true colour, with alpha or without.

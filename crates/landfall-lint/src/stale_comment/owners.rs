@@ -114,6 +114,10 @@ pub(super) fn owners<'a>(
 /// Where a block's members are declared: in WGSL that is the structure, not the variable.
 fn block_span(shader: &ShaderLayout, block: &BlockLayout) -> Span {
     let first = block.members.first().map_or(block.span, |member| member.span);
+    // A WGSL variable that is no structure declares its only member itself.
+    if first == block.span {
+        return first;
+    }
     let text = shader.files.get(first.file).map_or("", |file| &file.text);
     let head = text.get(..first.start as usize).unwrap_or("");
     // The name that stands before the brace that opens around the first member.
@@ -129,6 +133,22 @@ fn block_span(shader: &ShaderLayout, block: &BlockLayout) -> Span {
     }
 }
 
+/// Finds the brace that opens right after a name; comments may stand between.
+fn brace_after(text: &str, name_end: usize) -> Option<usize> {
+    let mut rest = text[name_end..].trim_start();
+    loop {
+        rest = if rest.starts_with("//") {
+            &rest[rest.find('\n')?..]
+        } else if rest.starts_with("/*") {
+            &rest[rest.find("*/")? + 2..]
+        } else {
+            break;
+        };
+        rest = rest.trim_start();
+    }
+    rest.starts_with('{').then(|| text.len() - rest.len())
+}
+
 /// Finds the comments around a declaration of that name, as far as it is a plain one.
 fn around(shader: &ShaderLayout, name: &str, span: Span, members: &[MemberLayout]) -> Around {
     let mut found = Around::default();
@@ -138,9 +158,7 @@ fn around(shader: &ShaderLayout, name: &str, span: Span, members: &[MemberLayout
     }
     let at = |start: usize, end: usize| Span { start: start as u32, end: end as u32, ..span };
     found.spans.extend(above(text, span.start as usize).map(|(start, end)| at(start, end)));
-    let Some(open) = text[span.end as usize..].find('{').map(|at| at + span.end as usize) else {
-        return found;
-    };
+    let Some(open) = brace_after(text, span.end as usize) else { return found };
     let first = members.first().map_or(open, |member| member.span.start as usize);
     let last = members.iter().map(|member| member.span.end as usize).max().unwrap_or(open);
     let mut depth = 0usize;

@@ -14,7 +14,8 @@ pub struct BudgetArgs {
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
     pub max_time: Option<Duration>,
     /// End with exit code 2 if this process needs more memory, in MiB (Linux)
-    #[arg(long, global = true, value_name = "MIB", default_value_t = MEMORY)]
+    #[arg(long, global = true, value_name = "MIB", default_value_t = MEMORY,
+          value_parser = clap::value_parser!(u64).range(1..))]
     pub max_memory: u64,
 }
 

@@ -1,6 +1,7 @@
 //! The help texts: commands grouped by purpose, and examples of each command.
 
 use std::fmt::Write as _;
+use std::io;
 
 use clap::builder::StyledStr;
 use clap::{Command, CommandFactory, FromArgMatches};
@@ -8,6 +9,7 @@ use landfall_layout::text::escape;
 
 use super::Args;
 use super::examples::{EXAMPLES, Example};
+use crate::stdout;
 
 /// The commands by what people do with them, in the order of the help.
 const GROUPS: [(&str, &[&str]); 6] = [
@@ -38,7 +40,18 @@ fn exit<T>(error: clap::Error) -> T {
         eprint!("{}", escape::output(&text, escape::Styles::Shown));
         std::process::exit(error.exit_code());
     }
-    error.exit()
+    let lost = match error.print() {
+        _ if !error.use_stderr() && stdout::was_closed() => Some("it is closed".to_string()),
+        Err(cause) if !error.use_stderr() && cause.kind() != io::ErrorKind::BrokenPipe => {
+            Some(landfall_layout::file::reason(&cause))
+        }
+        Ok(()) | Err(_) => None,
+    };
+    if let Some(cause) = lost {
+        eprintln!("error: standard output cannot be written: {cause}");
+        std::process::exit(2);
+    }
+    std::process::exit(error.exit_code())
 }
 
 /// The command line with its help texts.

@@ -98,6 +98,11 @@ impl Cache {
             )?;
         }
         // The name, a hash of the settings, is unique to this cache.
+        let is_empty = fs::metadata(&self.file).is_ok_and(|f| f.is_file() && f.len() == 0);
+        if self.file.symlink_metadata().is_ok() && !is_empty && !is_ours(&self.file) {
+            let error = Error::new(self.file.display().to_string(), "is not a cache of landfall");
+            return Err(error.with_help("move it, or choose another directory with `--cache-dir`"));
+        }
         self.writer.write(&self.file, format!("{MARK}{}\n{json}\n", self.seal(&json)))?;
         self.forget_oldest(folder);
         Ok(())

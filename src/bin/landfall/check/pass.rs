@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use landfall_layout::Diagnostic;
@@ -40,6 +40,36 @@ pub struct Run<'a> {
     pub locks: FileWriter,
     /// Number of excluded shaders.
     pub excluded: AtomicUsize,
+    /// What is known of an unfinished pass.
+    pub so_far: Arc<Mutex<SoFar>>,
+}
+
+/// The findings of an unfinished pass.
+#[derive(Default)]
+pub struct SoFar {
+    pub findings: Vec<Finding>,
+    pub shaders: usize,
+    /// Number of shaders and inputs that could not be checked.
+    pub failures: usize,
+}
+
+impl SoFar {
+    fn add(&mut self, done: &Done, known: &HashMap<String, Checked>) {
+        let checked = match done {
+            Done::NoInput(found) => {
+                self.findings.push((**found).clone());
+                self.failures += 1;
+                return;
+            }
+            Done::Same(path) => known.get(path),
+            Done::Fresh(fresh) => Some(&fresh.checked),
+        };
+        self.shaders += 1;
+        if let Some(checked) = checked {
+            self.failures += usize::from(checked.failed);
+            self.findings.extend(checked.findings.iter().cloned());
+        }
+    }
 }
 
 /// The results of a pass.
@@ -71,6 +101,7 @@ impl Run<'_> {
         streams: &Streams,
     ) -> Result<Pass, Failure> {
         let mut pass = Pass::default();
+        *self.so_far.lock().unwrap_or_else(PoisonError::into_inner) = SoFar::default();
         let mut all = self.stdin.clone();
         all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
         let mut same = Vec::new();
@@ -87,7 +118,11 @@ impl Run<'_> {
         work::ordered(
             Inputs::new(self.paths.clone()).filter(|input| self.is_ours(input)),
             self.jobs,
-            |input| job.one(input),
+            |input| {
+                let done = job.one(input);
+                self.so_far.lock().unwrap_or_else(PoisonError::into_inner).add(&done, &known);
+                done
+            },
             |done| {
                 match done {
                     // Moved out of `known` once the threads no longer use it.

@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use ignore::WalkBuilder;
 use landfall_layout::Error;
 use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_lint::rust_mirror::readable;
@@ -12,6 +11,7 @@ use landfall_lint::settings::{RustFile, Settings};
 
 use crate::config::Config;
 use crate::read;
+use crate::walk::FilteredWalk;
 
 /// The start of a comment that marks a mirror.
 const MARK: &[u8] = b"landfall: mirror";
@@ -46,7 +46,8 @@ pub fn files(
     let everything = [config.root.path("")];
     let folders = if named.is_empty() { &everything[..] } else { named };
     for folder in folders.iter().filter(|path| path.is_dir()) {
-        for entry in WalkBuilder::new(folder).build().filter_map(Result::ok) {
+        // What cannot be searched is reported with the shaders.
+        for entry in FilteredWalk::new(folder).filter_map(Result::ok) {
             let path = entry.path();
             let is_rust = path.extension().is_some_and(|e| e == "rs") && path.is_file();
             let below = config.root.below(path);

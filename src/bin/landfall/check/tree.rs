@@ -10,7 +10,8 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
 use landfall_lint::digest::{BlockDigest, concerned};
-use landfall_lint::{Check, Subject, levels, lint, run};
+use landfall_lint::settings::Proof;
+use landfall_lint::{Check, Subject, levels, lint, not_proved, run};
 
 use super::basis::Basis;
 use super::check_shader::Checked;
@@ -27,7 +28,7 @@ pub struct Remembered {
 
 /// All findings of a run in their final order; updates `remembered`.
 ///
-/// `elsewhere` are the findings from reports of `verify`.
+/// `elsewhere` are the findings from reports of `verify` and from proofs.
 pub fn findings(
     pass: &mut Pass,
     basis: &Basis,
@@ -46,6 +47,7 @@ pub fn findings(
     };
     let mut more = over_all;
     more.extend(levels::at_levels(orphans(basis, root), &basis.settings));
+    more.extend(levels::at_levels(unmatched_proofs(pass, basis), &basis.settings));
     more.extend(levels::at_levels(elsewhere.to_vec(), &basis.settings));
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
@@ -53,6 +55,15 @@ pub fn findings(
     more.extend(unused(&allows, &basis.settings, |code| is_asked(code, basis)));
     more.extend(alone(pass));
     sorted(more)
+}
+
+/// Findings from outside the lints, at their levels and without those that comments allow.
+pub fn unless_allowed(found: Vec<Finding>, pass: &Pass, basis: &Basis) -> Vec<Finding> {
+    let mut found = levels::at_levels(found, &basis.settings);
+    let mut allows: Vec<Allow> =
+        pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
+    suppress(&mut found, &mut allows);
+    found
 }
 
 /// The findings in single shaders.
@@ -123,6 +134,19 @@ fn is_asked(code: &str, basis: &Basis) -> bool {
         }
         None => false,
     }
+}
+
+/// Findings for rows of `[[prove]]` without a shader, in a check of all shaders.
+fn unmatched_proofs(pass: &Pass, basis: &Basis) -> Vec<Finding> {
+    let is_unmatched = |proof: &&Proof| {
+        basis.whole && !pass.checked.iter().any(|checked| proof.takes(&checked.path))
+    };
+    let unmatched = basis.settings.proofs.iter().filter(is_unmatched).map(|proof| {
+        let message = format!("no shader matches `{}`", proof.file);
+        let finding = not_proved::finding(&proof.function, None, &proof.place, message);
+        finding.with_help("`file` is relative to the configuration, and may have `*` and `**`")
+    });
+    unmatched.collect()
 }
 
 /// Findings for locks without a shader in the searched directories.

@@ -4,7 +4,7 @@ use globset::Glob;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
-use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Row, RustMirror, Table};
+use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Proof, Row, RustMirror, Table};
 use landfall_lint::{LINTS, Settings};
 
 use super::root::{Root, slashes};
@@ -24,6 +24,7 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
             .tables("mirror-group", "[[mirror-group]]", |keys| mirror_group(keys, root)),
         tables: keys.tables("table", "[[table]]", |keys| table(keys, root)),
         rust_mirrors: keys.tables("rust-mirror", "[[rust-mirror]]", |keys| rust_mirror(keys, root)),
+        proofs: keys.tables("prove", "[[prove]]", |keys| proof(keys, root)),
     }
 }
 
@@ -118,6 +119,32 @@ fn rust_mirror(keys: &Keys<'_>, root: &Root) -> Option<RustMirror> {
         block: block?.value,
         shader,
         aliases,
+        place: keys.place(),
+    })
+}
+
+fn proof(keys: &Keys<'_>, root: &Root) -> Option<Proof> {
+    if !cfg!(feature = "exec") {
+        let message = "`[[prove]]` needs the feature `exec`, which this build lacks";
+        let found = Diagnostic::error(Code::UnknownLint, span_of(keys), message);
+        keys.add(found.with_help("cargo install landfall --features exec"));
+    }
+    let (file, function) = (keys.needed("file"), keys.needed("function"));
+    // Read again for its errors, and relative to the root.
+    let glob = glob(keys, "file", root);
+    let [no_nan, no_inf] = ["no-nan", "no-inf"].map(|key| keys.bool(key).unwrap_or(false));
+    let [max_ulp, max_step, time] = ["max-ulp", "max-step", "time"].map(|key| keys.number(key));
+    let domain = keys.json_table("domain", "{ d = [0, 100] }");
+    file?;
+    Some(Proof {
+        file: glob,
+        function: function?.value,
+        no_nan,
+        no_inf,
+        max_ulp,
+        max_step,
+        domain,
+        time,
         place: keys.place(),
     })
 }
@@ -230,6 +257,21 @@ mod tests {
                 Some("cargo install landfall --features analysis")
             );
         }
+    }
+
+    #[cfg(not(feature = "exec"))]
+    #[test]
+    fn proofs_need_the_feature_that_runs_shaders() {
+        let root = Root::new(Path::new("..")).unwrap();
+        let text = "[[prove]]\nfile = \"a.frag\"\nfunction = \"f\"\n";
+        let document = Document::new("landfall.toml", text.to_string());
+        let (refused, _) = document.read(|keys| super::read(keys, &root)).unwrap_err();
+        assert_eq!(refused.len(), 1, "{refused:?}");
+        assert_eq!(
+            refused[0].message,
+            "`[[prove]]` needs the feature `exec`, which this build lacks"
+        );
+        assert_eq!(refused[0].help.as_deref(), Some("cargo install landfall --features exec"));
     }
 
     #[test]

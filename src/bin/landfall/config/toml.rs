@@ -181,6 +181,37 @@ impl<'d> Keys<'d> {
         found
     }
 
+    /// A finite number of at least 0.
+    pub fn number(&self, key: &'static str) -> Option<f64> {
+        let value = self.get(key)?;
+        let Some(found) = number(value.get_ref()) else {
+            self.wrong_type(key, value, "a number", "1.5");
+            return None;
+        };
+        if !found.is_finite() || found < 0.0 {
+            let message = format!("`{key}` is {found}, not a finite number of at least 0");
+            self.add(Diagnostic::error(Code::WrongValue, span(value.span()), message));
+            return None;
+        }
+        Some(found)
+    }
+
+    /// A table as JSON.
+    pub fn json_table(&self, key: &'static str, example: &str) -> Option<serde_json::Value> {
+        let value = self.get(key)?;
+        if !matches!(value.get_ref(), DeValue::Table(_)) {
+            self.wrong_type(key, value, "a table", example);
+            return None;
+        }
+        let found = json(value.get_ref());
+        if found.is_none() {
+            let message = format!("`{key}` holds a date or a number that is not finite");
+            let found = Diagnostic::error(Code::WrongValue, span(value.span()), message);
+            self.add(found.with_help(format!("write `{key} = {example}`")));
+        }
+        found
+    }
+
     pub fn texts(&self, key: &'static str) -> Option<Vec<Text>> {
         let value = self.get(key)?;
         self.text_list(key, value)
@@ -351,6 +382,38 @@ impl Row<'_> {
     pub fn kind(&self) -> &'static str {
         a(self.value.get_ref())
     }
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
+        }
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
+/// A value as JSON; `None` for dates and numbers that are not finite.
+fn json(value: &DeValue<'_>) -> Option<serde_json::Value> {
+    Some(match value {
+        DeValue::String(text) => text.to_string().into(),
+        DeValue::Boolean(is) => (*is).into(),
+        DeValue::Integer(_) | DeValue::Float(_) => {
+            serde_json::Number::from_f64(number(value)?)?.into()
+        }
+        DeValue::Array(list) => {
+            list.iter().map(|value| json(value.get_ref())).collect::<Option<Vec<_>>>()?.into()
+        }
+        DeValue::Table(table) => {
+            let rows = table
+                .iter()
+                .map(|(key, value)| Some((key.get_ref().to_string(), json(value.get_ref())?)));
+            serde_json::Value::Object(rows.collect::<Option<_>>()?)
+        }
+        DeValue::Datetime(_) => return None,
+    })
 }
 
 fn a(value: &DeValue<'_>) -> &'static str {

@@ -7,7 +7,7 @@ use landfall::report::render::Compared;
 use landfall_layout::Error;
 use landfall_light::picture::compare::{Compare, compare_and_map};
 use landfall_light::picture::difference::{amplification, difference, flip_picture};
-use landfall_light::picture::{Picture, file};
+use landfall_light::picture::{Picture, file, png};
 use landfall_light::reference::Model;
 
 use super::{PreparedScene, Stop, transfer};
@@ -26,6 +26,27 @@ pub struct Done {
 /// Whether a comparison runs the shader.
 pub fn needs_shader(what: &[String]) -> bool {
     what.iter().any(|what| BackendName::from_str(what, true).is_ok())
+}
+
+/// The files of the pictures of a difference.
+fn files(out: &Path, what: &str) -> [String; 2] {
+    let stem = out.with_extension("");
+    let name = Path::new(what).file_stem().unwrap_or_default().to_string_lossy().to_string();
+    ["difference", "flip"].map(|kind| format!("{}.{name}.{kind}.png", stem.display()))
+}
+
+/// Fails if a picture of a difference would overwrite a file that landfall did not write.
+pub fn refuse_foreign(out: &Path, compare: &[String]) -> Result<(), Error> {
+    for path in compare.iter().flat_map(|what| files(out, what)) {
+        let is_foreign = Path::new(&path).symlink_metadata().is_ok()
+            && !read::file(Path::new(&path)).is_some_and(|bytes| png::is_landfalls(&bytes));
+        if is_foreign {
+            let message = "exists and is not a picture of landfall";
+            let help = "move it, or choose another name for `--out`";
+            return Err(Error::new(path, message).with_help(help));
+        }
+    }
+    Ok(())
 }
 
 pub fn compare(
@@ -59,17 +80,15 @@ pub fn compare(
     let mut pictures = Vec::new();
     if let Some(out) = &args.out {
         let amplify = amplification(comparison.linear.max);
-        let stem = out.with_extension("");
-        let name = Path::new(what).file_stem().unwrap_or_default().to_string_lossy().to_string();
-        let file = |kind: &str| format!("{}.{name}.{kind}.png", stem.display());
+        let [of_difference, of_flip] = files(out, what);
         let mut drawn = difference(&other, picture, amplify).map_err(wrong)?;
         for (pixel, left_out) in drawn.pixels.iter_mut().zip(leave_out.iter().flatten()) {
             if *left_out {
                 *pixel = [0.0, 0.0, 0.25, 1.0];
             }
         }
-        pictures.push((file("difference"), drawn));
-        pictures.push((file("flip"), flip_picture(&map)));
+        pictures.push((of_difference, drawn));
+        pictures.push((of_flip, flip_picture(&map)));
     }
     let notes = notes(made, model.as_ref(), [Some(args.backend), backend])?;
     let compared = Compared { with: what.to_string(), comparison, left_out, notes };

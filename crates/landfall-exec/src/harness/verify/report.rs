@@ -5,7 +5,9 @@
 //! by the report of `landfall verify`.
 
 use crate::backend::BackendKind;
-use serde::Serialize;
+use landfall_layout::Target;
+use landfall_layout::layout::targets;
+use serde::{Serialize, Serializer};
 
 use crate::backend::{Device, Failure};
 use crate::harness::coverage::BlockCoverage;
@@ -17,6 +19,9 @@ pub struct ShaderReport {
     pub path: String,
     /// `glsl` or `wgsl`.
     pub language: &'static str,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "target")]
+    pub assumed_target: Option<Target>,
     /// The blocks in declaration order.
     pub blocks: Vec<BlockReport>,
     /// The run of third-party SPIR-V, if requested.
@@ -188,6 +193,10 @@ pub enum BackendStatus {
         /// The reason.
         failure: Failure,
     },
+}
+
+fn target<S: Serializer>(assumed: &Option<Target>, serializer: S) -> Result<S::Ok, S::Error> {
+    assumed.map(targets::key).serialize(serializer)
 }
 
 impl ShaderReport {

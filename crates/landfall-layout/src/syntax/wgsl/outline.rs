@@ -8,6 +8,7 @@ use super::comments;
 use super::lexer::{Kind, Lexer, Token};
 use super::report;
 use super::report::Reports;
+use crate::other_language;
 use crate::source::Span;
 
 /// The kind of a module-scope declaration.
@@ -110,6 +111,12 @@ pub(super) fn read<'a>(text: &'a str, reports: &mut Reports) -> Outline<'a> {
     outline
 }
 
+/// The language of a declaration that begins with this word, if it is not WGSL.
+fn other_language(lexer: &Lexer<'_>, first: &str) -> Option<&'static str> {
+    let next = lexer.text_of(lexer.clone().next());
+    other_language::of_words_in_wgsl(first, next)
+}
+
 /// Reads one declaration; returns its end.
 fn declaration<'a>(
     lexer: &mut Lexer<'a>,
@@ -146,6 +153,10 @@ fn declaration<'a>(
         (Kind::Word, "var") => Class::Var,
         (Kind::Word, "fn") => Class::Fn,
         (Kind::Word, "let") => return Err(reports.refuse(report::module_let(token))),
+        (Kind::Word, first) if other_language(lexer, first).is_some() => {
+            let language = other_language(lexer, first).unwrap_or_default();
+            return Err(reports.refuse(report::other_language(lexer, token, language)));
+        }
         _ => {
             reports.push(report::unexpected(lexer, token, "a declaration"));
             if token.is(b'{') {

@@ -121,6 +121,17 @@ pub(super) fn module_let(token: Token) -> Diagnostic {
         .with_help("write `const`")
 }
 
+/// Returns the diagnostic for a declaration in another shading language.
+pub(super) fn other_language(lexer: &Lexer<'_>, token: Token, language: &str) -> Diagnostic {
+    let word = lexer.text_of(token);
+    let message = format!("`{word}` begins a declaration in {language}, not WGSL");
+    let help = match language {
+        "GLSL" => "name the file `.frag`, `.vert` or `.comp`, or pass `--language glsl`",
+        _ => "landfall reads GLSL and WGSL",
+    };
+    Diagnostic::error(Code::OtherLanguage, span(token), message).with_help(help)
+}
+
 /// Returns the diagnostic for preprocessor lines of naga_oil and WESL: the declarations are known
 /// only after composition.
 pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
@@ -128,6 +139,12 @@ pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     let word_end = rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_');
     let word = &rest[..word_end.map_or(rest.len(), |end| end + 1)];
     let end = token.start + word.len() as u32;
+    if matches!(word, "#version" | "#extension") {
+        let span = Span { file: 0, start: token.start, end };
+        let message = format!("`{word}` is a line of GLSL, not WGSL");
+        return Diagnostic::error(Code::OtherLanguage, span, message)
+            .with_help("name the file `.frag`, `.vert` or `.comp`, or pass `--language glsl`");
+    }
     let (shown, tool) = match token.kind {
         Kind::Sign(_) => (word.to_string(), "naga_oil"),
         Kind::Word | Kind::Number | Kind::End if word == "import" => (word.to_string(), "WESL"),

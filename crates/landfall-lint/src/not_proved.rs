@@ -1,0 +1,41 @@
+//! `not-proved`: functions of `[[prove]]` for which a demand is not proved.
+//!
+//! The command runs the proofs and gives their results to [`finding`].
+
+use super::definition::{Check, Lint};
+use landfall_layout::diagnostic::Label;
+use landfall_layout::finding::{Finding, Level, Place};
+
+/// The lint.
+pub const LINT: Lint = Lint {
+    code: "not-proved",
+    // The configuration demands it.
+    level: Level::Deny,
+    what: "functions of `[[prove]]` in `landfall.toml` for which a demand is not proved",
+    why: "A result that is NaN or infinite spreads over everything that is computed from it, and an \
+          error past the demanded limit is visible. The proof covers every input in the ranges on \
+          every conformant device; the finding has an input that breaks the demand, or says that \
+          the proof is open.",
+    example: "\
+#version 450
+// [[prove]] with function = \"falloff\", no-nan = true, domain = { d = [0, 100] }
+float falloff(float d) {
+    return d / d; // NaN at d = 0
+}
+void main() {}
+",
+    fix: "Guard the operation that the finding names, or narrow `domain` to the values that the \
+          function is called with; `landfall prove` prints every operation.",
+    check: Check::Elsewhere,
+};
+
+/// The finding that a demand on a function is not proved: at an operation, or at the row of the
+/// configuration.
+pub fn finding(function: &str, at: Option<Place>, row: &Place, message: String) -> Finding {
+    let place = at.clone().unwrap_or_else(|| row.clone());
+    let mut finding = Finding::of(LINT.code, function, place, message);
+    if at.is_some() {
+        finding.labels.push(Label { at: row.clone(), text: "demanded here".to_string() });
+    }
+    finding
+}

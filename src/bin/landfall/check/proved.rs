@@ -1,0 +1,118 @@
+//! Proves what `[[prove]]` demands of functions; what is not proved is a finding.
+
+use std::time::Duration;
+
+use landfall::report::prove::summary;
+use landfall_exec::harness::call::pure::PureRequest;
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_light::accuracy::demand::{Demand, ProveReport, ProveRequest, Shown, prove};
+use landfall_light::accuracy::prove::Class;
+use landfall_light::accuracy::stress::Known;
+use landfall_lint::settings::Proof;
+use landfall_lint::{levels, not_proved};
+
+use super::basis::Basis;
+use super::pass::{Pass, source};
+use crate::watch;
+
+/// The findings for the shaders of this check; none if it is interrupted.
+pub fn findings(pass: &Pass, basis: &Basis) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if levels::level(not_proved::LINT.code, &basis.settings) == Level::Allow {
+        return found;
+    }
+    for proof in &basis.settings.proofs {
+        let read =
+            pass.checked.iter().filter(|checked| !checked.failed && proof.takes(&checked.path));
+        for checked in read {
+            found.extend(of_shader(proof, &checked.path, basis));
+            // What an interrupted proof left open is not known.
+            if watch::is_stopped() {
+                return Vec::new();
+            }
+        }
+    }
+    found
+}
+
+fn of_shader(proof: &Proof, path: &str, basis: &Basis) -> Vec<Finding> {
+    let function = &proof.function;
+    let Some(source) = source(basis, path) else { return Vec::new() };
+    match prove(&source, &basis.options(), &request(proof)) {
+        Ok(report) => of_report(proof, &report),
+        Err(refusal) => {
+            let causes: Vec<&str> = refusal.found.iter().map(|found| &*found.message).collect();
+            let causes = causes.join("; ");
+            let message = format!("`{function}` of `{path}` cannot be proved: {causes}");
+            let finding = not_proved::finding(function, None, &proof.place, message);
+            let help = refusal.found.into_iter().find_map(|found| found.help);
+            vec![help.into_iter().fold(finding, Finding::with_help)]
+        }
+    }
+}
+
+fn request(proof: &Proof) -> ProveRequest {
+    let flags = [(proof.no_nan, Demand::NoNan), (proof.no_inf, Demand::NoInfinity)];
+    let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, demand)| demand);
+    let limits = [proof.max_ulp.map(Demand::MaxUlp), proof.max_step.map(Demand::MaxStep)];
+    let usual = ProveRequest::default();
+    ProveRequest {
+        pure: PureRequest { function: proof.function.clone(), ..PureRequest::default() },
+        domain: proof.domain.clone(),
+        demands: flags.chain(limits.into_iter().flatten()).collect(),
+        time: proof.time.map_or(usual.time, Duration::from_secs_f64),
+        stop: watch::flag(),
+        ..usual
+    }
+}
+
+/// A finding for each demand that is not shown.
+fn of_report(proof: &Proof, report: &ProveReport) -> Vec<Finding> {
+    let not_shown = report.demands.iter().filter(|(_, shown)| !matches!(shown, Shown::Shown));
+    let findings = not_shown.map(|(demand, shown)| {
+        let function = &report.function;
+        let message = match shown {
+            Shown::Broken(case) => {
+                format!("`{function}` breaks `{}` with {}", demand.name(), case.shown())
+            }
+            Shown::Open | Shown::Shown => {
+                format!("`{}` of `{function}` is not proved", demand.name())
+            }
+        };
+        let finding =
+            not_proved::finding(&proof.function, cause(report, *demand), &proof.place, message);
+        let finding = summary(&report.operations).into_iter().fold(finding, Finding::with_note);
+        finding.with_help(format!("`{}` lists them", command(proof, &report.path)))
+    });
+    findings.collect()
+}
+
+/// The command that prints the whole proof.
+fn command(proof: &Proof, path: &str) -> String {
+    let mut command = format!("landfall prove {path} --fn '{}'", proof.function);
+    for demand in request(proof).demands {
+        command.push_str(&format!(" --{}", demand.name()));
+        if let Demand::MaxUlp(most) | Demand::MaxStep(most) = demand {
+            command.push_str(&format!(" {most}"));
+        }
+    }
+    if let Some(domain) = &proof.domain {
+        command.push_str(&format!(" --domain '{domain}'"));
+    }
+    command
+}
+
+/// The place of the first operation that keeps a demand from being shown.
+fn cause(report: &ProveReport, demand: Demand) -> Option<Place> {
+    let matters = |class: Class| match demand {
+        Demand::NoFault => class == Class::Undefined,
+        Demand::NoNan | Demand::NoInfinity => class != Class::Accuracy,
+        Demand::MaxUlp(_) | Demand::MaxStep(_) => true,
+    };
+    let mut left = report.operations.iter().filter(|operation| {
+        matters(operation.class()) && !matches!(operation.known, Known::Absent)
+    });
+    let found = left.clone().find(|operation| matches!(operation.known, Known::Found(_)));
+    let operation = found.or_else(|| left.next())?;
+    Some(Place::of(&report.files, operation.place.span))
+}

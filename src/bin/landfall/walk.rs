@@ -1,0 +1,66 @@
+//! Walks a directory without the files that `.gitignore` and `.ignore` name.
+//!
+//! An ignore file that is a pipe or a device ends the walk, as reading it may never end.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ignore::{DirEntry, Walk, WalkBuilder};
+use landfall_layout::Error;
+
+/// The ignore files that a walk reads in each directory.
+const IGNORE_FILES: [&str; 3] = [".ignore", ".gitignore", ".git/info/exclude"];
+
+/// The entries of a directory, sorted by name.
+pub struct FilteredWalk {
+    root: PathBuf,
+    walk: Option<Walk>,
+    /// An ignore file ahead that may have no end.
+    endless: Option<PathBuf>,
+}
+
+impl FilteredWalk {
+    pub fn new(root: &Path) -> FilteredWalk {
+        let absolute = fs::canonicalize(root).unwrap_or_else(|_| root.to_path_buf());
+        let endless = absolute.ancestors().find_map(endless);
+        let walk = WalkBuilder::new(root).sort_by_file_name(|a, b| a.cmp(b)).build();
+        FilteredWalk { root: root.to_path_buf(), walk: Some(walk), endless }
+    }
+}
+
+impl Iterator for FilteredWalk {
+    type Item = Result<DirEntry, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let walk = self.walk.as_mut()?;
+        if let Some(file) = self.endless.take() {
+            self.walk = None;
+            let error = Error::new(file.display().to_string(), "is not a regular file");
+            return Some(Err(error.with_help("write the ignore file as text, or remove it")));
+        }
+        let entry = walk.next()?;
+        // The walk reads the ignore files of a subdirectory before it returns the subdirectory.
+        let is_folder = |entry: &&DirEntry| entry.file_type().is_some_and(|kind| kind.is_dir());
+        if let Some(folder) = entry.as_ref().ok().filter(is_folder) {
+            self.endless = below(folder.path());
+        }
+        Some(entry.map_err(|cause| {
+            let root = self.root.display().to_string();
+            Error::new(root, format!("cannot be searched: {cause}"))
+        }))
+    }
+}
+
+/// An ignore file that may have no end, in a subdirectory.
+fn below(folder: &Path) -> Option<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    folders.find_map(|entry| endless(&entry.path()))
+}
+
+/// An ignore file of a directory that may have no end.
+fn endless(folder: &Path) -> Option<PathBuf> {
+    let is_endless =
+        |file: &PathBuf| fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    IGNORE_FILES.iter().map(|name| folder.join(name)).find(is_endless)
+}
