@@ -36,11 +36,14 @@ pub fn human(comparison: &Comparison) -> String {
     row(
         "8-bit",
         format!(
-            "max {} {} ({}); {one} channels differ by 1, {two} by 2, {more} by 3 or more, of {}",
+            "max {} {} ({}); of {} channels, {} differ by 1, {} by 2, {} by 3 or more",
             codes.max,
             if codes.max == 1 { "step" } else { "steps" },
             codes.transfer.name(),
-            codes.channels
+            phrases::number(codes.channels),
+            phrases::number(one),
+            phrases::number(two),
+            phrases::number(more)
         ),
     );
     row("flips", format!("{} % of the 8-bit values", phrases::figure(100.0 * codes.flips)));

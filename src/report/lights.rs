@@ -227,7 +227,7 @@ fn hazards(found: &[LightHazard], files: &Files, paint: Paint) -> String {
     let mut text = String::new();
     for hazard in found {
         let finding = &hazard.finding;
-        let note = format!("{}, {}", hazard.hazard.code(), hazard.certainty.name());
+        let note = format!("hazard `{}`, {}", hazard.hazard.code(), hazard.certainty.name());
         let mut shown = Diagnostic::new(
             finding.code.as_str(),
             Severity::Warning,

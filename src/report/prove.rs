@@ -52,7 +52,7 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "  error at most {absolute}, {ulp} ULP, {steps} steps");
     }
     for (demand, shown) in &proved.demands {
-        let name = demand.name();
+        let name = demand.label();
         let _ = match shown {
             Shown::Shown => writeln!(text, "  {name}: proved for every conformant device"),
             Shown::Open => {

@@ -14,6 +14,7 @@ use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
+use landfall_layout::format::phrases;
 use landfall_light::bind::BindingMap;
 use landfall_light::culling::Plan;
 use landfall_light::picture::Comparison;
@@ -108,12 +109,18 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     if let Some(device) = &report.device {
         row(device.backend.name(), &paint.text(PLAIN, &about(device)));
     }
-    row("picture", &format!("{width} by {height}, {} fragments", report.fragments));
+    row(
+        "picture",
+        &format!("{width} by {height}, {} fragments", phrases::number(report.fragments)),
+    );
     let [directional, point, spot] = report.lights;
     row("lights", &format!("{directional} directional, {point} point, {spot} spot"));
     if let Some(evaluations) = report.evaluations {
         let each = evaluations as f64 / report.fragments.max(1) as f64;
-        row("evaluated", &format!("{evaluations} light evaluations, {each:.2} per fragment"));
+        row(
+            "evaluated",
+            &format!("{} light evaluations, {each:.2} per fragment", phrases::number(evaluations)),
+        );
     }
     if report.idle > 0 {
         let line = format!("{} slots without a light are evaluated as zeros", report.idle);
@@ -124,7 +131,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     }
     row("time", &format!("{:.2} s", report.time.as_secs_f64()));
     if report.discarded > 0 {
-        row("discarded", &format!("{} fragments", report.discarded));
+        row("discarded", &format!("{} fragments", phrases::number(report.discarded)));
     }
     if report.non_finite > 0 {
         let line = format!("{} pixels are NaN or infinite", report.non_finite);

@@ -88,8 +88,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     if folded > 0 {
         let noun = if shown.is_empty() { "finding" } else { "further finding" };
         let findings = phrases::counted(folded, noun);
-        let line =
-            format!("{findings} only with values that do not occur in scenes, printed with --all");
+        let line = format!("{findings} with values that no scene has: printed with --all");
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
     if !stressed.operations.is_empty() {

@@ -213,7 +213,7 @@ error[output]: `[TMP]/render-named/scene.json` has the unknown key `shader.norma
             r#"{"path": "lit.frag", "normals": "bent"}"#,
             2,
             str![[r#"
-error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` of `bent`; the values are `transformed` (of any length), `unit` (normalised) and `unit_of_four` (normalised with a fourth component, a published fault)
+error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` of `bent`; the values are `transformed` (of any length), `unit` (normalised) and `unit_of_four` (normalised as a `vec4`, a mistake found in published shaders)
 
 
 "#]],

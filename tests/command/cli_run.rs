@@ -132,13 +132,13 @@ direction(vec3)  zero.frag
 
 "#]])
         .stderr_eq(str![[r#"
-warning[undefined-operation]: normalised zero vector: of 0.0, 0.0, 0.0
+warning[undefined-operation]: normalised zero vector: 0.0, 0.0, 0.0
   --> zero.frag:12:12
    |
 12 |     return normalize(v);
    |            ^^^^^^^^^^^^ in `direction`
 
-warning[undefined-operation]: finite numbers gave NaN: of 0.0, 0.0, 0.0
+warning[undefined-operation]: NaN from finite operands: 0.0, 0.0, 0.0
   --> zero.frag:12:12
    |
 12 |     return normalize(v);
@@ -233,7 +233,7 @@ error[missing-member]: `args[0].power` is not given
             "third",
             "[1]",
             str![[r#"
-error[ambiguous-function]: 2 functions `third` take these arguments
+error[ambiguous-function]: 2 overloads of `third` accept these arguments
  --> misfits.frag
   |
   = help: select one by its parameter types: `third(float)`, `third(int)`

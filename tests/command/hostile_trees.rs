@@ -165,3 +165,78 @@ fn a_file_that_changes_meanwhile_is_read_as_one_or_the_other() {
         stop.store(true, Ordering::Relaxed);
     });
 }
+
+/// A pipe that nobody reads would hold a writer for good.
+#[test]
+fn a_pipe_without_a_reader_is_an_error() {
+    let place = Place::new("trees-pipe");
+    place.write("a.frag", CLEAN);
+    let made = Command::new("mkfifo").arg(place.path("pipe")).status();
+    assert!(made.is_ok_and(|made| made.success()));
+    for command in
+        [&["emit", "--lang", "c", "a.frag", "-o", "pipe"][..], &["check", "-f", "json=pipe"]]
+    {
+        let ran = place.run(command);
+        assert_eq!(ran.code, 2, "{command:?}");
+        assert!(ran.err.contains("`pipe` is a pipe that no process reads"), "{}", ran.err);
+    }
+    let reader = Command::new("cat").arg(place.path("pipe")).stdout(Stdio::piped()).spawn();
+    let reader = reader.expect("cat");
+    // Until it has opened the pipe.
+    let ran = (0..100).map(|_| {
+        thread::sleep(Duration::from_millis(20));
+        place.run(&["emit", "--lang", "c", "a.frag", "-o", "pipe"])
+    });
+    assert!(ran.into_iter().any(|ran| ran.code == 0));
+    let read = reader.wait_with_output().expect("cat ends");
+    assert!(String::from_utf8_lossy(&read.stdout).contains("struct"));
+}
+
+#[test]
+fn files_that_exclude_shaders_are_inputs() {
+    let place = Place::new("trees-ignore");
+    place.write("a.frag", CLEAN).write("b.frag", CLEAN);
+    for name in [".ignore", ".gitignore"] {
+        place.write(name, "b.frag\n");
+        let ran = place.run(&["check", ".", "-f", &format!("json={name}")]);
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        assert_eq!(place.read(name), "b.frag\n");
+        let ran = place.run(&["emit", "--lang", "c", "a.frag", "-o", name]);
+        assert_eq!(ran.code, 2, "{}", ran.err);
+        assert_eq!(place.read(name), "b.frag\n");
+    }
+}
+
+#[test]
+fn patterns_that_are_too_large_together_are_one_error() {
+    let place = Place::new("trees-globs");
+    place.write("a.frag", CLEAN);
+    let pattern = "a*".repeat(1500);
+    let flags: Vec<&str> = (0..30).flat_map(|_| ["--exclude", &pattern]).collect();
+    let ran = place.run(&[&["check"][..], &flags].concat());
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("patterns that are too large to compile together"), "{}", ran.err);
+    let list: Vec<String> = (0..6000).map(|i| format!("\"a*b*c*{i}\"")).collect();
+    place.write("landfall.toml", format!("exclude = [{}]\n", list.join(", ")));
+    let ran = place.run(&["check"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("patterns that are too large to compile together"), "{}", ran.err);
+}
+
+/// naga 30.0.1 panics on constants of arrays in GLSL.
+#[test]
+fn a_panic_of_naga_prints_nothing() {
+    let place = Place::new("trees-naga");
+    let text = "#version 450\nconst int N[] = int[](4, 5, 6);\n\
+                layout(std140, binding = 0) uniform U { float a[N[1]]; vec4 h; } u;\n\
+                layout(location = 0) out vec4 o;\nvoid main() { o = vec4(1.0); }\n";
+    place.write("a.frag", text);
+    for command in [
+        &["layout", "--naga", "a.frag"][..],
+        &["check", "-W", "all"],
+        &["port", "--to", "wgsl", "a.frag"],
+    ] {
+        let ran = place.run(command);
+        assert!(!ran.err.contains("panicked at"), "{command:?}: {}", ran.err);
+    }
+}

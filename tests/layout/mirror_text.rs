@@ -124,7 +124,7 @@ layout(std140) uniform Fine { vec4 a; };
         said.join("\n"),
         str![[r#"
 block `Huge` has no mirror: it is 3200000000 bytes large
-the loose uniforms have no mirror: they are set one by one
+no mirror is generated for uniforms outside blocks: they are set one by one
 "#]],
     );
     assert!(out.diagnostics.iter().all(|d| d.code == "not-mirrored"));

@@ -98,7 +98,7 @@ fn what_would_move_is_refused_by_name() {
     assert!(from(array, Dialect::Naga).is_ok());
     assert_eq!(
         refused(array, Dialect::Wgsl),
-        "elements of `w[]` are [16] bytes apart, but [4] in WGSL"
+        "the array stride of `w[]` is 16 bytes, but 4 in WGSL"
     );
     let swapped = "#version 430\nuniform vec4 w[4][2];\nlayout(location = 0) out vec4 color;\n\
                    void main() { color = w[1][0]; }";

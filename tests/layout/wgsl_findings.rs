@@ -80,6 +80,9 @@ fn what_no_block_depends_on_is_not_looked_at() {
                 fn f(x: Broken) -> T { }
                 var<uniform> u: vec4f;";
     assert_eq!(findings(text), []);
+    // No compiler takes it, whatever its members mean.
+    let text = "struct Unused { a: f32 b: nothing } var<uniform> u: vec4f;";
+    assert_eq!(findings(text), [("syntax", "b".to_string())]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! `lower` makes it from GLSL of any version and from WGSL; the interpreter and the drivers run it.
 
 use landfall_layout::diagnostic::Code;
-use std::panic::{self, AssertUnwindSafe};
+use landfall_layout::naga_front;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{GlobalVariable, Handle};
@@ -185,10 +185,8 @@ impl Module {
                 .map_err(|error| chain(&error))?;
             spv::write_vec(&ir, &info, &options, None).map_err(|error| chain(&error))
         };
-        match panic::catch_unwind(AssertUnwindSafe(write)) {
-            Ok(words) => words,
-            Err(_) => Err("naga panicked while writing this module".to_string()),
-        }
+        naga_front::caught(write)
+            .unwrap_or_else(|| Err("naga panicked while writing this module".to_string()))
     }
 
     /// Returns the entry points.
@@ -276,20 +274,20 @@ impl Module {
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         let ir = &self.ir;
         // naga's validator asserts what its own front ends promise.
-        let result = panic::catch_unwind(AssertUnwindSafe(|| validator.validate(ir)));
+        let result = naga_front::caught(|| validator.validate(ir));
         match result {
-            Ok(Ok(info)) => {
+            Some(Ok(info)) => {
                 self.info = info;
                 Ok(self)
             }
-            Ok(Err(error)) => {
+            Some(Err(error)) => {
                 let spans = error.spans().filter_map(|(span, _)| self.locate(*span));
                 let span = spans.last().unwrap_or_default();
                 let message =
                     format!("naga's validator rejects the module: {}", chain(error.as_inner()));
                 Err(vec![Diagnostic::error(Code::CannotRun, span, message)])
             }
-            Err(_) => {
+            None => {
                 let message = "naga's validator panicked on this shader";
                 Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
             }

@@ -5,7 +5,6 @@
 //! structure (gfx-rs/wgpu#4377), so offsets, strides and sizes are always replaced.
 
 use landfall_layout::diagnostic::Code;
-use std::panic::{self, AssertUnwindSafe};
 
 use naga::{Handle, TypeInner};
 use rustc_hash::FxHashMap;
@@ -81,7 +80,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
             "the shader is too long or nested too deeply for naga".to_string(),
         ));
     }
-    let result = panic::catch_unwind(AssertUnwindSafe(|| match source.language {
+    let result = naga_front::caught(|| match source.language {
         Language::Wgsl => naga::front::wgsl::parse_str(text).map_err(|error| {
             let span = error.labels().next().map(|(span, _)| span);
             refused(span, format!("naga: {}", error.message()))
@@ -99,9 +98,9 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
                 each.flat_map(|e| refused(Some(e.meta), format!("naga: {}", e.kind))).collect()
             })
         }
-    }));
+    });
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
-    result.unwrap_or_else(|_| Err(refused(None, "naga panicked on this shader".to_string())))
+    result.unwrap_or_else(|| Err(refused(None, "naga panicked on this shader".to_string())))
 }
 
 /// Sets the overrides to the values of `-O`, as their initialisers.

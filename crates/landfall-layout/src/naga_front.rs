@@ -1,6 +1,8 @@
 //! Guarded calls of naga's front ends: only bounded texts are parsed, and a panic yields `None`.
 
+use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
+use std::sync::Once;
 
 use naga::{ArraySize, Module, TypeInner};
 use rustc_hash::FxHashMap;
@@ -102,12 +104,34 @@ fn guarded(text: &str, parse: impl FnOnce() -> Option<Module>) -> Option<Module>
         return None;
     }
     // naga 30.0.1 panics on GLSL's `float a[1000000000][8]`.
-    panic::catch_unwind(AssertUnwindSafe(parse)).ok().flatten()
+    caught(parse).flatten()
 }
 
 /// Runs the validator; a panic yields `None`.
 pub(crate) fn guarded_validation<T>(validate: impl FnOnce() -> Option<T>) -> Option<T> {
-    panic::catch_unwind(AssertUnwindSafe(validate)).ok().flatten()
+    caught(validate).flatten()
+}
+
+thread_local! {
+    /// The number of calls of naga on this thread, one inside the other.
+    static CALLS: Cell<u32> = const { Cell::new(0) };
+}
+
+/// Calls naga; `None` if it panics, of which nothing is printed.
+pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let print = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if CALLS.get() == 0 {
+                print(info);
+            }
+        }));
+    });
+    CALLS.set(CALLS.get() + 1);
+    let result = panic::catch_unwind(AssertUnwindSafe(call));
+    CALLS.set(CALLS.get() - 1);
+    result.ok()
 }
 
 /// Returns the greatest nesting of brackets; a run of prefix operators counts as nesting.

@@ -158,7 +158,11 @@ fn of_structure(subject: &Subject<'_>, one: &Use, blocks: &[Block]) -> Option<Fi
 fn advice(members: &[Member], old: u64, new: u64, each: &str) -> String {
     let names: Vec<String> = members.iter().map(|member| format!("`{}`", member.name)).collect();
     let names = if names.len() <= MOST_NAMES { names.join(", ") } else { first_few(&names) };
-    format!("declare them as {names}: {} instead of {old}, {} saved{each}", bytes(new), old - new)
+    format!(
+        "declare the members in the order {names}: {} instead of {old}, {} saved{each}",
+        bytes(new),
+        old - new
+    )
 }
 
 /// The most names that a message lists.

@@ -49,14 +49,14 @@ fn apart(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let four = with_innermost(&member.ty, &Type::Vector { scalar, rows: 4 });
     let size = match member.size {
         Some(size) => format!("{size} bytes"),
-        None => format!("{stride} bytes an element"),
+        None => format!("{stride} bytes per element"),
     };
     Some(
         visit
             .finding(subject, LINT.code, message)
             .with_text(format!("array stride {stride}"))
             .with_help(format!(
-                "upload 4 components an element, or declare `{}`: {size} as before, and the \
+                "upload 4 components per element, or declare `{}`: {size} as before, and the \
                  fourth component is free to use",
                 declared(&member.name, &four, language),
             )),

@@ -53,7 +53,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for pattern in &args.exclude {
         config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
-    config.exclude.ready();
+    config.exclude.ready()?;
     let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
         Ok(settings) => renamed(settings, streams),
         Err(found) => return Ok(could_not(found, streams)),
@@ -108,19 +108,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let found = Diagnostic { code: Code::Output, ..error.clone().into() };
         pass.no_input.push(found.located(&Files::default()));
     }
-    let findings = match args.shard {
-        // Lints over all shaders run in `merge`; of an interrupted run they are not all known.
-        _ if stopped => tree::sorted(tree::alone(&pass)),
-        Some(_) => {
-            let proofs = proofs(args, &run, &pass, streams);
-            let proofs = tree::unless_allowed(proofs, &pass, &basis);
-            tree::sorted(tree::alone(&pass).into_iter().chain(proofs).collect())
-        }
-        None => {
-            let mut outside = verified::findings(&args.verified, &pass, &basis, &config.root)?;
-            outside.extend(proofs(args, &run, &pass, streams));
-            tree::findings(&mut pass, &basis, &config.root, &mut cache.tree, &outside)
-        }
+    let findings = match stopped {
+        // Of an interrupted run, the findings of lints over all shaders are not all known.
+        true => tree::sorted(tree::alone(&pass)),
+        false => findings(args, &run, &mut pass, &mut cache, streams)?,
     };
     let is_new =
         pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
@@ -148,6 +139,25 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     closing_notes(&pass, &basis, args, streams);
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// All findings; of a shard without those of lints over all shaders, which run in `merge`.
+fn findings(
+    args: &CheckArgs,
+    run: &Run<'_>,
+    pass: &mut Pass,
+    cache: &mut Cache,
+    streams: &Streams,
+) -> Result<Vec<Finding>, Failure> {
+    let basis = run.basis;
+    if args.shard.is_some() {
+        let proofs = proofs(args, run, pass, streams);
+        let proofs = tree::unless_allowed(proofs, pass, basis);
+        return Ok(tree::sorted(tree::alone(pass).into_iter().chain(proofs).collect()));
+    }
+    let mut outside = verified::findings(&args.verified, pass, basis, run.root)?;
+    outside.extend(proofs(args, run, pass, streams));
+    Ok(tree::findings(pass, basis, run.root, &mut cache.tree, &outside))
 }
 
 /// The findings for `[[prove]]`.

@@ -153,12 +153,15 @@ fn pairs(
 
 fn exclude(keys: &Keys<'_>) -> Exclude {
     let mut exclude = Exclude::default();
-    for text in keys.texts("exclude").unwrap_or_default() {
+    let texts = keys.texts("exclude").unwrap_or_default();
+    for text in &texts {
         if let Err(cause) = exclude.add(&text.value) {
-            keys.bad_glob(&text, &cause);
+            keys.bad_glob(text, &cause);
         }
     }
-    exclude.ready();
+    if let (Err(error), Some(first)) = (exclude.ready(), texts.first()) {
+        keys.add(Diagnostic { code: Code::WrongValue, ..error.into() }.with_label(first.span, ""));
+    }
     exclude
 }
 
@@ -323,12 +326,17 @@ impl Exclude {
     }
 
     /// Compiles the patterns.
-    pub fn ready(&mut self) {
+    pub fn ready(&mut self) -> Result<(), Error> {
         let mut builder = GlobSetBuilder::new();
         for glob in &self.globs {
             builder.add(glob.clone());
         }
-        self.set = builder.build().expect("each glob was built by itself");
+        let too_large = |_| {
+            Error::new("exclude", "has patterns that are too large to compile together")
+                .with_help("exclude directories instead of single files")
+        };
+        self.set = builder.build().map_err(too_large)?;
+        Ok(())
     }
 
     /// Whether a path relative to the configuration's directory is excluded.
@@ -369,7 +377,7 @@ mod tests {
         for pattern in ["vendor", "gen/*.frag", "*.wgsl", "./top/"] {
             exclude.add(pattern).unwrap();
         }
-        exclude.ready();
+        exclude.ready().unwrap();
         for out in ["vendor/a.frag", "x/vendor/b/c.frag", "gen/a.frag", "deep/a.wgsl", "top/a.vert"]
         {
             assert!(exclude.takes(out), "{out}");

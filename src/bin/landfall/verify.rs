@@ -106,7 +106,7 @@ fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
         return Err(Error::new(name.name(), message));
     }
     if backends.here.is_empty() {
-        return Err(Error::new("verify", "has no backend to run")
+        return Err(Error::new("verify", "finds no backend to run the shader on")
             .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"));
     }
     Ok(())

@@ -172,7 +172,7 @@ a.frag:12:23: error[pow-of-zero] the base of this power may be 0: the result is 
 "#]]);
     asked.stderr_eq(str![[r#"
 note: the lint `power-of-zero` is called `pow-of-zero`
-checked 1 shader: 1 denied
+checked 1 shader: 1 error
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);
@@ -181,7 +181,7 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
     let configured = place.run(&["check", "-f", "short"]);
     configured.code(1).stderr_eq(str![[r#"
 note: the lint `power-of-zero` is called `pow-of-zero`
-checked 1 shader: 1 denied
+checked 1 shader: 1 error
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]]);

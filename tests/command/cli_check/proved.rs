@@ -38,7 +38,7 @@ const RANGE: &str = "domain = { d = [0, 100] }";
 fn an_input_that_breaks_a_demand_is_a_finding_at_the_operation() {
     let place = tree("broken", &row("plain", &format!("no-nan = true\n{RANGE}")));
     place.run(&["check"]).code(1).stdout_eq(str![[r#"
-error[not-proved]: `plain(float)` breaks `no-nan` with all inputs zero
+error[not-proved]: `plain(float)` is NaN with all inputs zero
  --> s/a.frag:5:12
   |
 5 |     return d / d;

@@ -35,7 +35,7 @@ no layouts are locked: `landfall lock` records them, so that check can tell when
     golden().eq(
         err,
         str![[r#"
-checked 4 shaders: 2 errors, 1 denied; 1 fixable with --fix
+checked 4 shaders: 3 errors; 1 fixable with --fix
 no layouts are locked: `landfall lock` records them, so that check can tell when one changes
 
 "#]],

@@ -108,6 +108,16 @@ pub const GLSL: &[Family] = &[
     family("conditional operators", |n| {
         block(&format!("float a[{}1];\n", "true ? 2 : ".repeat(n)))
     }),
+    family("specialisation constants", |n| {
+        let rest = repeated(n, |i| format!("const int C{} = C{i} + C{i};\n", i + 1));
+        let first = "layout(constant_id = 0) const int C0 = 0;\n";
+        glsl(&format!("{first}{rest}layout(std140) uniform V {{ float a[C{n} + 1]; }} v;"))
+    }),
+    family("parameters of a macro", |n| {
+        let names = repeated(n, |i| format!("{}a{i}", if i == 0 { "" } else { ", " }));
+        let body = repeated(n, |i| format!(" a{i}"));
+        glsl(&format!("#define F({names}){body}\nF({})\n", ",".repeat(n - 1)))
+    }),
     family("macros", |n| {
         let rest = repeated(n, |i| format!("#define M{} M{i}\n", i + 1));
         glsl(&format!("#define M0 4\n{rest}layout(std140) uniform V {{ float a[M{n}]; }} v;"))

@@ -155,3 +155,25 @@ fn a_byte_order_mark_is_a_warning() {
     let shader = ::landfall::layout(&::landfall::Source::new("a.wgsl", wgsl), &Default::default());
     assert_eq!(super::codes(&shader), ["byte-order-mark"]);
 }
+
+/// One error for one mistake, and the blocks after it.
+#[test]
+fn a_mistake_in_a_list_of_members_leaves_the_rest_of_the_text() {
+    let later = "layout(std140) uniform C { vec4 c; };\nvoid main() {}\n";
+    for (members, found) in [
+        ("vec4 a; float b", "expected `;`, found `}`"),
+        ("vec4 a, ;", "unexpected `;` in a declaration"),
+        ("vec4 a; float 3b;", "unexpected `3b` in a declaration"),
+    ] {
+        for text in [
+            format!("#version 450\nlayout(std140) uniform B {{ {members} }};\n{later}"),
+            format!("#version 450\nstruct S {{ {members} }};\n{later}"),
+        ] {
+            assert!(!is_taken(&text, Client::OpenGl), "{text}");
+            let shader = read(&text, None);
+            let said: Vec<&str> = shader.diagnostics.iter().map(|d| &*d.message).collect();
+            assert_eq!(said, [found], "{text}");
+            assert!(shader.blocks.iter().any(|block| &*block.name == "C"), "{text}");
+        }
+    }
+}

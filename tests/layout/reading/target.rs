@@ -235,3 +235,47 @@ fn uniforms_outside_blocks_are_those_of_opengl_unless_vulkans_compiler_does_not_
         assert!(note.starts_with(start), "{head}: {note}");
     }
 }
+
+/// What looks like a word of Vulkan's GLSL where it is none.
+#[test]
+fn names_of_ones_own_do_not_make_a_text_vulkans() {
+    let both = "#ifdef VULKAN\nlayout(set = 0, binding = 0, std140) uniform U { vec4 a; } u;\n#else\n\
+                layout(std140) uniform U { float scale; vec4 a; } u;\n#endif\n\
+                out vec4 o;\nvoid main() { o = u.a; }\n";
+    let of_opengl = vec!["U.scale 0", "U.a 16"];
+    for own in [
+        "float rayPayloadGain = 1.0;",
+        "float subpassInputGain = 1.0;",
+        "float f(float constant_id) { return constant_id; }",
+        "struct Push { float a; };\nPush push_constant;",
+        "float buffer_reference;",
+        "struct texture2D { float a; };\nfloat f(texture2D t) { return t.a; }",
+    ] {
+        let text = format!("#version 330\n{own}\n{both}");
+        assert_eq!(of_driver(&open(), &text), of_opengl, "{own}");
+        let shader = read(&text, None);
+        let assumed = (shader.assumed_target, codes(&shader));
+        assert_eq!(leaves(&shader), of_opengl, "{own}");
+        assert_eq!(assumed, (Some(Target::OpenGl), vec![CODE]), "{own}");
+    }
+    // OpenGL has specialisation constants, too (GL_ARB_gl_spirv).
+    let text = format!(
+        "#version 450\nlayout(constant_id = 0) const int N = 2;\n{}",
+        both.replace("out vec4", "layout(location = 0) out vec4")
+    );
+    assert_eq!(of_glslang(&text, Client::Vulkan), ["U.a 0"]);
+    let shader = read(&text, None);
+    assert_eq!(leaves(&shader), ["U.a 0"]);
+    assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::Vulkan), vec![CODE]));
+}
+
+#[test]
+fn blocks_that_only_the_other_api_has_are_named_if_there_are_no_others() {
+    let text = "#version 450\n#ifndef VULKAN\nlayout(std140) uniform U { vec4 a; } u;\n#endif\n\
+                void main() {}\n";
+    let shader = read(text, None);
+    assert_eq!(leaves(&shader), [""; 0]);
+    assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::Vulkan), vec![CODE]));
+    let found = &shader.diagnostics[0];
+    golden().eq(found.message.clone(), str!["block `U` exists only for OpenGL"]);
+}

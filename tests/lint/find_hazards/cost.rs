@@ -59,7 +59,7 @@ warning[unclamped-count]: `count` is not clamped to the 8 slots of `data[]`
 17 |         sum += lights.data[i].color * normalize(lights.data[i].pos - at).z;
    |                ^^^^^^^^^^^^^^ may be past the end
    |
-   = note: count-past-array, possible
+   = note: hazard `count-past-array`, possible
    = help: loop to `min(count, 8)`
 
 warning[unguarded-normalize]: a zero vector is normalised where the light's `data[].pos` is at the surface
@@ -68,7 +68,7 @@ warning[unguarded-normalize]: a zero vector is normalised where the light's `dat
 17 |         sum += lights.data[i].color * normalize(lights.data[i].pos - at).z;
    |                                       ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ 0 / 0
    |
-   = note: light-at-fragment, possible
+   = note: hazard `light-at-fragment`, possible
    = help: write `v * inversesqrt(max(dot(v, v), 1.0e-30))`, which keeps a zero vector zero
 
 

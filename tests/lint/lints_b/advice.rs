@@ -63,7 +63,7 @@ fn a_vec3_array_is_reported_with_both_distances() {
         "3:10 elements of `samples` are 16 bytes apart: packed `vec3`s are 12 apart, and only the \
          first is read correctly"
     );
-    golden().eq(help(&finding), str!["upload 4 components an element, or declare `vec4 samples[7]`: 112 bytes as before, and the fourth component is free to use"]);
+    golden().eq(help(&finding), str!["upload 4 components per element, or declare `vec4 samples[7]`: 112 bytes as before, and the fourth component is free to use"]);
     assert_eq!(found("vec3-array", "a.frag", &std140("    vec4 samples[7];\n    vec3 one;")), []);
 }
 
@@ -82,7 +82,7 @@ void main() {}
 fn an_array_of_vec3_in_wgsl_is_spelled_in_wgsl() {
     let text = "@group(0) @binding(0) var<storage> samples: array<vec3f>;\n";
     let finding = one("vec3-array", "a.wgsl", text);
-    golden().eq(help(&finding), str!["upload 4 components an element, or declare `samples: array<vec4<f32>>`: 16 bytes an element as before, and the fourth component is free to use"]);
+    golden().eq(help(&finding), str!["upload 4 components per element, or declare `samples: array<vec4<f32>>`: 16 bytes per element as before, and the fourth component is free to use"]);
 }
 
 #[test]

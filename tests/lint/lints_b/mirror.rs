@@ -70,7 +70,7 @@ fn a_field_before_its_byte_is_reported_with_both_numbers_and_the_padding() {
     assert_eq!(help(&found[0]), "put `_pad_12: [u8; 4]` before `color`");
     assert_eq!(
         found[0].notes[0],
-        "`gain` is off by the same 4 bytes and is right once this is fixed"
+        "`gain` is shifted by the same 4 bytes: fixing this field fixes it"
     );
     assert_eq!((found[0].place().path.as_str(), found[0].place().end_column), ("src/light.rs", 10));
     let member = &found[0].related()[0].at;

@@ -178,7 +178,7 @@ fn a_runtime_sized_member_stays_last() {
     let finding = one("reorder-saves", "a.comp", text);
     golden().eq(
         help(&finding),
-        str!["declare them as `b`, `a`, `d`, `c`, `tail`: 48 bytes instead of 64, 16 saved"],
+        str!["declare the members in the order `b`, `a`, `d`, `c`, `tail`: 48 bytes instead of 64, 16 saved"],
     );
 }
 

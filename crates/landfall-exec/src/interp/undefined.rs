@@ -50,8 +50,8 @@ impl UndefinedKind {
             UndefinedKind::ArcOutOfRange => "inverse of a trigonometric function out of range",
             UndefinedKind::AtanOfZeros => "angle of the point (0, 0)",
             UndefinedKind::NormalizeOfZero => "normalised zero vector",
-            UndefinedKind::SmoothStepEdges => "smoothstep whose first edge is not the lower",
-            UndefinedKind::ClampBounds => "clamp whose lower bound is above its upper",
+            UndefinedKind::SmoothStepEdges => "smoothstep with its first edge not below its second",
+            UndefinedKind::ClampBounds => "clamp with its lower bound above its upper one",
             UndefinedKind::IntegerDivisionByZero => "integer division by zero",
             UndefinedKind::RemainderOfNegative => "remainder of a negative integer",
             UndefinedKind::IntegerOverflow => "integer division that overflows",
@@ -64,8 +64,8 @@ impl UndefinedKind {
             UndefinedKind::NanFromBuffer => "the buffer holds NaN",
             UndefinedKind::SquaresTooLarge => "length of a vector whose squares overflow",
             UndefinedKind::SquaresTooSmall => "length of a vector whose squares underflow",
-            UndefinedKind::BornNan => "finite numbers gave NaN",
-            UndefinedKind::BornInfinite => "finite numbers gave infinity",
+            UndefinedKind::BornNan => "NaN from finite operands",
+            UndefinedKind::BornInfinite => "infinity from finite operands",
         }
     }
 }

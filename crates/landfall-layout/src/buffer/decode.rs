@@ -71,7 +71,7 @@ pub fn decode<'a>(block: &'a BlockLayout, bytes: &'a [u8]) -> Result<Decoded<'a>
     let whole = extent.bytes(tail).unwrap_or(extent.size);
     let (given, name) = (bytes.len(), &block.name);
     if given > whole && extent.tail.is_none() {
-        notes.push(format!("bytes past the {whole} of `{name}`: {}", given - whole));
+        notes.push(format!("{} bytes follow the {whole} of `{name}`", given - whole));
     } else if given < extent.size {
         notes.push(format!(
             "{given} bytes hold every member of `{name}`, but a buffer for it must hold {}",

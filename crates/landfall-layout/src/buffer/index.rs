@@ -229,7 +229,8 @@ fn first(word: u64, byte: u64) -> u64 {
     found & found.wrapping_neg()
 }
 
-/// Returns the chunk of a path at `at`: its bytes, their number, and whether it ends in `[`.
+/// Returns up to eight bytes of a path at `at` as a little-endian word, up to and with the first
+/// `[`; their number; and whether they end in `[`.
 #[inline]
 fn chunk(path: Text<'_>, at: usize) -> (u64, usize, bool) {
     let (word, have) = path.word(at);

@@ -21,6 +21,9 @@ use crate::error::Error;
 const PARTIAL_START: &str = ".landfall-";
 const PARTIAL_END: &str = ".partial";
 
+/// Files of patterns that exclude inputs.
+const IGNORE_FILES: [&str; 2] = [".gitignore", ".ignore"];
+
 /// The number of retries when another process removes the partial file.
 const ATTEMPTS: u32 = 3;
 
@@ -119,6 +122,9 @@ impl FileWriter {
         }
         if is_device || is_stream(path) {
             self.refuse_input(path)?;
+            if there.as_ref().is_some_and(is_pipe) && !is_stream(path) {
+                reader_of(path)?;
+            }
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);
         }
@@ -184,7 +190,10 @@ impl FileWriter {
         let is_input = |found: Identity| {
             self.paths.contains(&found.path) || found.node.is_some_and(|n| self.nodes.contains(&n))
         };
-        if !Identity::of(path).is_some_and(is_input) {
+        // Files that decide which files are inputs.
+        let is_ignore_file =
+            || IGNORE_FILES.iter().any(|name| path.ends_with(name)) && path.exists();
+        if !Identity::of(path).is_some_and(is_input) && !is_ignore_file() {
             return Ok(());
         }
         let message = "is an input of this command, and would be overwritten";
@@ -209,6 +218,35 @@ fn is_stream(path: &Path) -> bool {
     let is_open = folder == Path::new("/dev/fd")
         || folder.starts_with("/proc") && folder.file_name() == Some(OsStr::new("fd"));
     cfg!(unix) && (is_standard || is_open)
+}
+
+#[cfg(unix)]
+fn is_pipe(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_fifo()
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: &Metadata) -> bool {
+    false
+}
+
+/// Fails if no process reads a named pipe: opening it would wait for one.
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+fn reader_of(pipe: &Path) -> Result<(), Error> {
+    use std::os::unix::fs::OpenOptionsExt;
+    /// `O_NONBLOCK`.
+    const AT_ONCE: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 0x4 };
+    match OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Error::new(pipe.display().to_string(), "is a pipe that no process reads")
+            .with_help("start its reader first, or name a file")),
+    }
+}
+
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+fn reader_of(_: &Path) -> Result<(), Error> {
+    Ok(())
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -64,6 +64,16 @@ pub(crate) fn compare(
             None => differs = true,
         }
     }
+    // Otherwise nothing shows that the shader has blocks.
+    if here.is_empty() {
+        let that = name(other(target));
+        found.extend(there.iter().filter(|block| block.size.is_some()).map(|block| {
+            // Files that are included may have other numbers there.
+            let span = if block.span.file == 0 { block.span } else { Span::default() };
+            let message = format!("block `{}` exists only for {that}", block.name);
+            explained(Diagnostic::warning(Code::TargetChangesLayout, span, message), target, why)
+        }));
+    }
     (differs || !found.is_empty()).then_some(found)
 }
 
@@ -105,9 +115,16 @@ fn diagnostic(
     target: Target,
     why: &str,
 ) -> Diagnostic {
-    let (this, that) = (name(target), name(other(target)));
+    let that = name(other(target));
     let message = format!("block `{}` is laid out differently for {that}: {text}", block.name);
-    Diagnostic::warning(Code::TargetChangesLayout, span.unwrap_or(block.span), message)
-        .with_note(format!("read for {this}: {why}"))
-        .with_help(format!("pass `--target {}` or `--target {}`", key(target), key(other(target))))
+    let span = span.unwrap_or(block.span);
+    explained(Diagnostic::warning(Code::TargetChangesLayout, span, message), target, why)
+}
+
+fn explained(found: Diagnostic, target: Target, why: &str) -> Diagnostic {
+    found.with_note(format!("read for {}: {why}", name(target))).with_help(format!(
+        "pass `--target {}` or `--target {}`",
+        key(target),
+        key(other(target))
+    ))
 }

@@ -29,7 +29,7 @@ pub fn read(path: &str, text: &str) -> Result<Lock, Error> {
         (Some(_), more) => {
             let message = format!("holds the layouts of {} shaders, not of one", more + 1);
             Err(Error::new(path, message)
-                .with_help("write one file a shader with `landfall lock`, or `layout --out DIR`"))
+                .with_help("write one file per shader with `landfall lock`, or `layout --out DIR`"))
         }
     }
 }

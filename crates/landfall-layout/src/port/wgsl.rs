@@ -2,11 +2,10 @@
 //! both in naga's layout and under WGSL's rules.
 
 use crate::diagnostic::Code;
-use std::panic::{self, AssertUnwindSafe};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
-use crate::naga_front::is_bounded;
+use crate::naga_front::{caught, is_bounded};
 use crate::source::{Language, Source, Span, Stage};
 use crate::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
@@ -47,7 +46,10 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
     for block in before {
         let same = after.iter().find(|b| b.group == block.group && b.binding == block.binding);
         let Some(same) = same.filter(|same| same.leaves.len() == block.leaves.len()) else {
-            problems.push(refused(&format!("block `{}` differs in the WGSL", block.name)));
+            problems.push(refused(&format!(
+                "naga's WGSL declares block `{}` with other members",
+                block.name
+            )));
             continue;
         };
         for (leaf, new) in block.leaves.iter().zip(&same.leaves) {
@@ -55,14 +57,22 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
                 problems.push(moved(&leaf.path, leaf.offset, new.offset.unwrap_or(0), "WGSL puts"));
             } else if leaf.strides != new.strides || leaf.dims != new.dims {
                 let message = format!(
-                    "elements of `{}` are {:?} bytes apart, but {:?} in WGSL",
-                    leaf.path, leaf.strides, new.strides
+                    "the array stride of `{}` is {} bytes, but {} in WGSL",
+                    leaf.path,
+                    strides(leaf),
+                    strides(new)
                 );
                 problems.push(Diagnostic::error(Code::NotPortable, Span::default(), message));
             }
         }
     }
     problems
+}
+
+/// The array strides from the outer to the inner one: `64 and 16`.
+fn strides(leaf: &Leaf) -> String {
+    let strides: Vec<String> = leaf.strides.iter().map(u64::to_string).collect();
+    strides.join(" and ")
 }
 
 fn moved(path: &str, ours: Option<u64>, theirs: u64, who: &str) -> Diagnostic {
@@ -108,8 +118,7 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
         }
     };
     // naga 30.0.1 panics on some texts.
-    let result = panic::catch_unwind(AssertUnwindSafe(read));
-    let result = result.unwrap_or_else(|_| Err("it panics".to_string()));
+    let result = caught(read).unwrap_or_else(|| Err("it panics".to_string()));
     result.map_err(|reason| vec![refused(&reason)])
 }
 

@@ -17,6 +17,7 @@ mod include;
 mod layout_ids;
 mod legality;
 pub mod lexer;
+mod line_numbers;
 mod macros;
 mod members;
 mod nested;
@@ -24,9 +25,11 @@ pub mod parser;
 mod preprocess;
 pub mod qualifiers;
 pub mod raw;
+mod report;
 mod reserved;
 mod splice;
 mod target;
+mod texts;
 pub mod types;
 mod uses;
 
@@ -44,8 +47,8 @@ use declarations::DeclarationReader;
 pub use implicit_size::sized;
 use parser::{Bodies, Parser};
 use preprocess::Preprocessor;
-pub use preprocess::Texts;
 use target::Decision;
+pub use texts::Texts;
 
 /// Errors that stop the parse and discard its results, which are unreliable then.
 const FATAL: &[Code] =

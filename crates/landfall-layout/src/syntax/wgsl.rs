@@ -77,7 +77,16 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
             blocks.push(block);
         }
     }
-    let shape = Shape { blocks, overrides: reader.overrides };
+    let overrides = std::mem::take(&mut reader.overrides);
+    // Only syntax errors are reported of structures that no block uses.
+    let known = reader.reports.len();
+    for (index, item) in outline.items.iter().enumerate() {
+        if item.class == Class::Struct {
+            types::check(&mut reader, index);
+        }
+    }
+    reader.reports.keep_syntax_errors(known);
+    let shape = Shape { blocks, overrides };
     let diagnostics = reader.reports.finish();
     let standard_uniforms = outline.standard_uniforms;
     let bodies = outline.bodies;

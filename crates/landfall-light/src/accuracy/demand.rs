@@ -85,6 +85,14 @@ impl Demand {
         }
     }
 
+    /// Returns the name in reports for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Demand::NoFault => "no undefined result",
+            other => other.name(),
+        }
+    }
+
     /// Returns the measure of a limit, and the limit.
     fn limit(self) -> Option<(Measure, f64)> {
         match self {

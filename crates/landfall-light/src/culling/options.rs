@@ -102,7 +102,7 @@ pub const PARTS: &[(&str, &str)] = &[
     ),
     (
         "gates[=STEPS]",
-        "count the work saved by comparisons before each light and each highlight that skip terms of \
+        "estimate the work saved if the shader skipped lights and highlights that contribute \
          exactly zero; with STEPS also highlights below STEPS/255",
     ),
     ("tiles[=PIXELS]", "a list of lights for each tile of the picture, exact; default 8 pixels"),
@@ -118,8 +118,8 @@ pub const PARTS: &[(&str, &str)] = &[
     ("budget-srgb=STEPS", "as `budget`, for an sRGB target"),
     (
         "interpolate[=DIAMETERS[xNODES]]",
-        "on planes, interpolate a light farther away than DIAMETERS times the size of a patch from \
-         NODES by NODES points of it; the error is measured; default 4x3",
+        "on flat surfaces, light NODES by NODES points of a patch and interpolate, for lights farther \
+         away than DIAMETERS patch sizes; the error is measured; default 4x3",
     ),
     (
         "cut=VALUE",

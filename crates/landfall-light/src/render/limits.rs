@@ -26,7 +26,7 @@ impl Renderer {
     }
 }
 
-/// Checks that a device takes so many turns of loops over lights.
+/// Checks that a device checks that loops over lights stay below the device's limit of iterations.
 ///
 /// # Errors
 /// More than the device takes: it would drop the rest.

@@ -12,7 +12,7 @@ pub(crate) const LINT: Lint = Lint {
     why: "The transposed inverse of a matrix with a translation gives a normal a fourth component, \
           minus the dot product of normal and translation. Normalised with it, the three others \
           come out too short, by another factor at each vertex, and the interpolated normal bends: \
-          by 3 degrees for a camera 2 away, by 14 at 100. Normalising again in the fragment shader \
+          by 3 degrees with the camera 2 units away, by 14 at 100 units. Normalising again in the fragment shader \
           does not correct it.",
     example: "\
 #version 330 core

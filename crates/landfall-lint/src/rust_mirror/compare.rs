@@ -231,11 +231,11 @@ impl Shift {
         if let Some(finding) = self.finding.and_then(|at| found.get_mut(at)) {
             self.followers.push(format!("`{}`", field.name));
             let (are, land) = match self.followers.len() {
-                1 => ("is", "is right"),
-                _ => ("are", "are right"),
+                1 => ("is", "it"),
+                _ => ("are", "them"),
             };
             finding.notes = vec![format!(
-                "{} {are} off by the same {} and {land} once this is fixed",
+                "{} {are} shifted by the same {}: fixing this field fixes {land}",
                 first_few(&self.followers),
                 bytes(by.unsigned_abs() as u64),
             )];

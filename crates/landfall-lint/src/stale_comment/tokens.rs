@@ -223,7 +223,7 @@ fn plain(sign: char) -> char {
     }
 }
 
-/// Joins the words of phrases.
+/// Joins the words of terms of several words.
 fn phrases(words: Vec<Word>) -> Vec<Word> {
     let mut joined: Vec<Word> = Vec::with_capacity(words.len());
     let mut at = 0;

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-/// Budget of memory in MiB without `--max-memory`.
+/// Limit of memory in MiB without `--max-memory`.
 const MEMORY: u64 = 8192;
 
-/// The budget of a command.
+/// The limits of a command.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Budget")]
+#[command(next_help_heading = "Time and memory")]
 pub struct BudgetArgs {
     /// End with exit code 2 after this time, in seconds [default: 3600; for `stress` at least twice
     /// its --time]

@@ -12,9 +12,12 @@ use super::{ReadArgs, setting};
 /// What is known of operations and demands, as the help states it.
 const VERDICTS: &str = "\
 Verdicts on an operation:
-  found   an input was found for which it breaks
-  absent  it is proved that it breaks for no input in the ranges
-  open    neither";
+  found          an input was found for which it breaks
+  proved absent  it breaks for no input in the ranges
+  open           neither
+
+An operation breaks if its result is undefined: the root of a negative number, a
+division of zero by zero. A finite result that f32 cannot hold is counted apart.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = VERDICTS)]

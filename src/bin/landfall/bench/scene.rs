@@ -124,7 +124,7 @@ pub fn bench(
     }
     let mut truth = "the f64 reference from the same upload".to_string();
     for (name, model) in &args.model_of {
-        truth.push_str(&format!(", {name} by the model {model}"));
+        truth.push_str(&format!(", for {name} with the model {model}"));
     }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let options = read::options(&args.read);

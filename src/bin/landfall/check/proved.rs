@@ -72,11 +72,9 @@ fn of_report(proof: &Proof, report: &ProveReport) -> Vec<Finding> {
     let findings = not_shown.map(|(demand, shown)| {
         let function = &report.function;
         let message = match shown {
-            Shown::Broken(case) => {
-                format!("`{function}` breaks `{}` with {}", demand.name(), case.shown())
-            }
+            Shown::Broken(case) => format!("{} with {}", broken(function, *demand), case.shown()),
             Shown::Open | Shown::Shown => {
-                format!("`{}` of `{function}` is not proved", demand.name())
+                format!("it is not proved that `{function}` {}", wanted(*demand))
             }
         };
         let finding =
@@ -85,6 +83,26 @@ fn of_report(proof: &Proof, report: &ProveReport) -> Vec<Finding> {
         finding.with_help(format!("`{}` lists them", command(proof, &report.path)))
     });
     findings.collect()
+}
+
+fn broken(function: &str, demand: Demand) -> String {
+    match demand {
+        Demand::NoFault => format!("`{function}` has an undefined result"),
+        Demand::NoNan => format!("`{function}` is NaN"),
+        Demand::NoInfinity => format!("`{function}` is infinite"),
+        Demand::MaxUlp(most) => format!("the error of `{function}` is above {most} ULP"),
+        Demand::MaxStep(most) => format!("the error of `{function}` is above {most} steps"),
+    }
+}
+
+fn wanted(demand: Demand) -> String {
+    match demand {
+        Demand::NoFault => "has no undefined result".to_string(),
+        Demand::NoNan => "is never NaN".to_string(),
+        Demand::NoInfinity => "is never infinite".to_string(),
+        Demand::MaxUlp(most) => format!("is off by at most {most} ULP"),
+        Demand::MaxStep(most) => format!("is off by at most {most} steps of 1/255"),
+    }
 }
 
 /// The command that prints the whole proof.

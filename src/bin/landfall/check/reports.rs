@@ -156,18 +156,13 @@ fn with_shard(text: String, format: ReportFormat, result: &Result<'_>) -> String
     }
 }
 
-/// The summary line: `checked 73 shaders: 2 denied, 5 warnings; 3 fixable with --fix`.
+/// The summary line: `checked 73 shaders: 2 errors, 5 warnings; 3 fixable with --fix`.
 fn summary(result: &Result<'_>) -> String {
     let count = |level| result.findings.iter().filter(|f| f.level() == level).count();
-    let no_lint = |f: &&Finding| f.level() == Level::Deny && landfall_lint::lint(&f.code).is_none();
-    let errors = result.findings.iter().filter(no_lint).count();
-    let (denied, warned) = (count(Level::Deny) - errors, count(Level::Warn));
+    let (errors, warned) = (count(Level::Deny), count(Level::Warn));
     let mut parts = Vec::new();
     if errors > 0 {
         parts.push(counted(errors, "error"));
-    }
-    if denied > 0 {
-        parts.push(format!("{denied} denied"));
     }
     if warned > 0 {
         parts.push(counted(warned, "warning"));

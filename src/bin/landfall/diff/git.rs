@@ -20,8 +20,8 @@ use crate::watch;
 pub struct Revision {
     /// `HEAD~1`.
     pub rev: String,
-    /// From the root of the repository, or from the current directory if it starts with `./` or
-    /// `../`.
+    /// The path in the revision: from the root of the repository, or from the current directory if
+    /// it starts with `./` or `../`.
     pub path: String,
 }
 

@@ -3,7 +3,7 @@
 use landfall_layout::diagnostic::Code;
 use std::path::{Component, Path, PathBuf};
 
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
 use landfall_light::bind::BindError;
 use landfall_light::culling::{Compiled, Plan, Setting};
@@ -69,6 +69,11 @@ pub fn load(
     style: &FindingStyle,
 ) -> Result<Option<RenderRequest>, Error> {
     let mut reading = read_file(args.scene)?;
+    if reading.scene.is_none() && kind_of_path(args.scene).is_some() {
+        let shown = args.scene.display().to_string();
+        return Err(Error::new(shown, "is a shader, not a scene")
+            .with_help("name it in a scene, or call a function of it by `landfall run`"));
+    }
     streams.report(&style.text(&reading.diagnostics, &reading.files));
     let Some(mut scene) = reading.scene.take() else { return Ok(None) };
     if let Some(size) = args.size {
@@ -181,7 +186,7 @@ fn of_scene(
         Some("unit_of_four") => VertexNormals::UnitOfFour,
         Some(other) => {
             let known = "`transformed` (of any length), `unit` (normalised) and `unit_of_four` \
-                         (normalised with a fourth component, a published fault)";
+                         (normalised as a `vec4`, a mistake found in published shaders)";
             return Err(wrong(format!(
                 "has the unknown `shader.normals` of `{other}`; the values are {known}"
             )));

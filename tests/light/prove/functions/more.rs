@@ -150,7 +150,7 @@ pub const MAPS: &[Known] = &[
         "a spot light whose cones coincide",
         r#"{"c": "cos", "inner": [0.5, 1], "outer": [0.5, 1]}"#,
         "float f(float c, float inner, float outer) {
-    return smoothstep(outer, inner, c); // smoothstep whose first edge is not the lower
+    return smoothstep(outer, inner, c); // smoothstep with its first edge not below its second
 }",
         "float f(float c, float inner, float outer) {
     float low = min(inner, outer) - 0.001;

@@ -52,7 +52,7 @@ pub(super) fn find<'m>(
         (0, None) => Err(no_such_parameters(name, &named)),
         (_, _) => Err(Misfit {
             code: Code::AmbiguousFunction,
-            message: format!("{} functions `{name}` take these arguments", found.len()),
+            message: format!("{} overloads of `{name}` accept these arguments", found.len()),
             help: Some(format!("select one by its parameter types: {}", all_of(&named))),
         }),
     }

@@ -73,7 +73,7 @@ impl CallReport {
             let operands: Vec<String> = seen.operands.iter().map(|x| plain(*x)).collect();
             let mut message = seen.kind.text().to_string();
             if !operands.is_empty() {
-                message.push_str(&format!(": of {}", operands.join(", ")));
+                message.push_str(&format!(": {}", operands.join(", ")));
             }
             let mut found = Diagnostic::warning(Code::UndefinedOperation, seen.place.span, message)
                 .with_text(format!("in `{}`", function_name(&seen.place.function)));

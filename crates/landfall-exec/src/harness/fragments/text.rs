@@ -29,7 +29,9 @@ pub(super) enum Writes {
 /// Adds `#version 100` to a text without `#version` that declares precisions, as OpenGL ES
 /// compilers take it.
 pub(super) fn versioned<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s, Source> {
-    if source.language != Language::Glsl || source.text.contains("#version") {
+    if source.language != Language::Glsl
+        || raw::read(source, options).version_directive(&source.text).is_some()
+    {
         return Cow::Borrowed(source);
     }
     let flat = raw::flattened(source, options);

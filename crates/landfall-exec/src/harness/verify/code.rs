@@ -173,7 +173,7 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
 
 /// Returns the fragment stage that a vertex stage needs to run.
 fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
-    let source = partner::fragment(source);
+    let source = partner::fragment(source, &need.options.layout.read);
     let module = match need.backend {
         BackendKind::Gl => None,
         _ => {

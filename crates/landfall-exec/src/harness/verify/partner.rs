@@ -13,8 +13,9 @@ pub use landfall_layout::syntax::glsl::raw;
 pub use landfall_layout::syntax::glsl::raw::{RawDeclaration, RawText, RawToken};
 
 /// Returns a minimal fragment stage in the version of the given text.
-pub(crate) fn fragment(of: &Source) -> Source {
-    let version = of.text.lines().find(|line| line.trim_start().starts_with("#version"));
+pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
+    let raw = raw::read(of, options);
+    let version = raw.version_directive(&of.text);
     let version = match of.language {
         Language::Glsl => version.unwrap_or("#version 450"),
         Language::Wgsl => "#version 450",

@@ -91,7 +91,7 @@ impl Follow<'_> {
         }
     }
 
-    /// Restricts the path to a condition; without a path if it cannot hold.
+    /// Narrows the path by a condition; `None` if it cannot hold.
     fn enter(&mut self, cond: NodeId, truth: bool) {
         match self.decided(cond) {
             Some(known) if known == truth => return,

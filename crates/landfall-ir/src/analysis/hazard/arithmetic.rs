@@ -115,7 +115,7 @@ pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Deny,
-    what: "a loop does not end within the budget",
+    what: "a loop exceeds the limit of iterations",
     why: "A driver ends such a shader by resetting the device.",
     threshold: None,
     robust: "bound the loop by a constant: `i < min(count, N)`",

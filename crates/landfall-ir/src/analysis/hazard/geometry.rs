@@ -159,7 +159,7 @@ pub(super) static FAR_FROM_ORIGIN: HazardInfo = HazardInfo {
     label: Some("H16"),
     aliases: &[],
     level: Level::Warn,
-    what: "coordinates far from the origin cancel",
+    what: "differences of coordinates far from the origin lose their digits",
     why: "The error grows with the distance: 1 step of 1/255 at 1e4, 9 at 1e5, 80 at 1e6, in a room \
           of 3 m; positions relative to the camera keep it below 0.01.",
     threshold: Some(&ORIGIN),
@@ -188,9 +188,9 @@ pub(super) static CONE_EDGE: HazardInfo = HazardInfo {
     label: None,
     aliases: &[],
     level: Level::Warn,
-    what: "the fragment is within rounding error of the edge of a cone without a ramp",
+    what: "the fragment is within rounding error of the edge of a spotlight without a ramp",
     why: "One side of the edge is lit and the other is not, and rounding decides, so that devices \
-          may differ. Comparisons leave such fragments out and count them.",
+          may differ. Comparisons of pictures exclude such fragments and print their number.",
     threshold: Some(&EDGE),
     robust: "give the cone a ramp: an outer angle above the inner one",
     citation: "three units of 2^-24 in the cosine move the edge by 4.7e-5 degrees at 12.5 degrees, by \

@@ -79,7 +79,7 @@ pub(super) static HIGHLIGHT_FROM_BEHIND: HazardInfo = HazardInfo {
     label: Some("H13"),
     aliases: &[],
     level: Level::Warn,
-    what: "a light below the horizon makes a highlight",
+    what: "a light behind the surface still produces a highlight",
     why: "With dot(n, l) = -0.2 a highlight of exponent 32 is 0.52 bright at a grazing view; and \
           lights behind a surface cannot be skipped.",
     threshold: Some(&CHANGE),
@@ -151,7 +151,7 @@ pub(super) static KAHAN_WITHOUT_PRECISE: HazardInfo = HazardInfo {
     label: Some("H21"),
     aliases: &[],
     level: Level::Warn,
-    what: "a compiler may simplify the compensation of a sum to 0",
+    what: "a compiler may optimise the compensation term of a sum away",
     why: "(t - s) - y is 0 in real numbers; Mesa adds 2^-24 to 1 five hundred times and returns 1.0 \
           instead of 1.0000298 where the operations are not marked `precise`.",
     threshold: None,

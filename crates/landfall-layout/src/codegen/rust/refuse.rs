@@ -13,7 +13,7 @@ const LARGEST_MIRROR: u64 = i32::MAX as u64;
 pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnostic> {
     let name = &block.name;
     if block.space == AddressSpace::Default {
-        let message = "the loose uniforms have no mirror: they are set one by one";
+        let message = "no mirror is generated for uniforms outside blocks: they are set one by one";
         return Some(
             Diagnostic::warning(Code::NotMirrored, block.span, message)
                 .with_help("lay them out as one block with `--gather`"),

@@ -4,7 +4,7 @@
 use super::ast::{BlockDecl, Qualifiers, Storage};
 use super::declarations::{DeclarationReader, Defaults, Named};
 use super::members::{MemberOwner, matrix_layout};
-use super::parser::diagnostic_at;
+use super::report::diagnostic_at;
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, ArrayLen, Block, MatrixLayout, OffsetOrder, Rules};
 use crate::source::Target;

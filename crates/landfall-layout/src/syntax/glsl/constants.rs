@@ -7,7 +7,7 @@ use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;
 use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::Token;
-use super::parser::diagnostic_at;
+use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::Override;
 use crate::source::Span;
@@ -20,8 +20,19 @@ const DEEPEST_CHAIN: u32 = 64;
 #[derive(Clone, Debug)]
 pub(super) struct Constant<'a> {
     definition: Definition<'a>,
-    /// Indices of the specialisation constants its value depends on.
-    overrides: Vec<usize>,
+    /// Its index in [`Constants::uses`].
+    index: usize,
+}
+
+/// What the value of a constant depends on.
+#[derive(Clone, Debug, Default)]
+struct Uses {
+    /// Indices of constants.
+    constants: Vec<usize>,
+    /// The index of the specialisation constant that it is.
+    of_override: Option<usize>,
+    /// Whether an array size depends on it.
+    sizes_depend: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -36,6 +47,8 @@ enum Definition<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
+    /// Of each constant, those that a later one of its name hides included.
+    uses: Vec<Uses>,
     /// The specialisation constants in declaration order.
     pub overrides: Vec<Override>,
     /// Whether an array size depends on each of them.
@@ -45,7 +58,8 @@ pub(super) struct Constants<'a> {
 /// Resolves names during the evaluation of one expression.
 struct Lookup<'c, 'a> {
     constants: &'c Constants<'a>,
-    overrides: Vec<usize>,
+    /// Indices of the constants that were used.
+    used: Vec<usize>,
     depth: u32,
 }
 
@@ -59,7 +73,7 @@ impl Names for Lookup<'_, '_> {
             };
             return Err(Problem::new(span, message));
         };
-        self.overrides.extend(&constant.overrides);
+        self.used.push(constant.index);
         match &constant.definition {
             Definition::Value(value) => {
                 value.clone().map_err(|problem| Problem::new(span, problem.message))
@@ -83,13 +97,30 @@ impl Names for Lookup<'_, '_> {
 impl<'a> Constants<'a> {
     /// Returns the value of a name.
     pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
-        Lookup { constants: self, overrides: Vec::new(), depth: 0 }.value(name, span)
+        Lookup { constants: self, used: Vec::new(), depth: 0 }.value(name, span)
     }
 
     fn evaluate(&self, tokens: &[Token<'a>], span: Span) -> (Result<Value, Problem>, Vec<usize>) {
-        let mut names = Lookup { constants: self, overrides: Vec::new(), depth: 0 };
+        let mut names = Lookup { constants: self, used: Vec::new(), depth: 0 };
         let value = evaluate_tokens(tokens, span, &mut names);
-        (value, names.overrides)
+        names.used.sort_unstable();
+        names.used.dedup();
+        (value, names.used)
+    }
+
+    /// Marks the specialisation constants that a size depends on.
+    fn mark(&mut self, used: Vec<usize>) {
+        let mut left = used;
+        while let Some(index) = left.pop() {
+            let uses = &mut self.uses[index];
+            if std::mem::replace(&mut uses.sizes_depend, true) {
+                continue;
+            }
+            left.extend(&uses.constants);
+            if let Some(index) = uses.of_override {
+                self.used[index] = true;
+            }
+        }
     }
 }
 
@@ -101,10 +132,8 @@ impl<'a> DeclarationReader<'a> {
         span: Span,
     ) -> Result<i128, Problem> {
         let tokens = &self.parser.tokens()[tokens.clone()];
-        let (value, overrides) = self.constants.evaluate(tokens, span);
-        for index in overrides {
-            self.constants.used[index] = true;
-        }
+        let (value, used) = self.constants.evaluate(tokens, span);
+        self.constants.mark(used);
         let first = tokens.first().map_or(span, |token| token.span);
         value?.integer().ok_or_else(|| Problem::new(first, "is not an integer"))
     }
@@ -118,13 +147,11 @@ impl<'a> DeclarationReader<'a> {
     ) {
         let name = declarator.name;
         let initialiser = &self.parser.tokens()[declarator.tokens.clone()];
-        let constant = match scalar {
-            None => {
-                let definition = Definition::Later(initialiser.to_vec());
-                Constant { definition, overrides: Vec::new() }
-            }
+        let (definition, uses) = match scalar {
+            None => (Definition::Later(initialiser.to_vec()), Uses::default()),
             Some(kind) => {
-                let (value, mut overrides) = self.constants.evaluate(initialiser, name.span);
+                let (value, used) = self.constants.evaluate(initialiser, name.span);
+                let mut uses = Uses { constants: used, ..Uses::default() };
                 let convert = |value: Value| {
                     let wrong = |_| Problem::new(name.span, "has an initialiser of another type");
                     value.convert(kind).map_err(wrong)
@@ -132,12 +159,15 @@ impl<'a> DeclarationReader<'a> {
                 let mut value = value.and_then(convert);
                 if qualifiers.find("constant_id").is_some() {
                     value = self.specialise(name, kind, qualifiers, value);
-                    overrides = vec![self.constants.overrides.len() - 1];
+                    let of_override = Some(self.constants.overrides.len() - 1);
+                    uses = Uses { of_override, ..Uses::default() };
                 }
-                Constant { definition: Definition::Value(value), overrides }
+                (Definition::Value(value), uses)
             }
         };
-        self.constants.by_name.insert(name.text, constant);
+        let index = self.constants.uses.len();
+        self.constants.uses.push(uses);
+        self.constants.by_name.insert(name.text, Constant { definition, index });
     }
 
     /// Returns the value of a layout entry, a non-negative integer.

@@ -110,8 +110,8 @@ impl<'a> Preprocessor<'a> {
                     "define the required macro with `--define NAME` or `--define NAME=VALUE`",
                 ));
             }
-            // Macros are expanded in `#line`, but line numbers here do not depend on it.
-            "pragma" | "line" => {}
+            "line" => self.set_line(name.span),
+            "pragma" => {}
             _ => {
                 let message = format!("unknown directive `#{}`", name.text);
                 self.report(Diagnostic::error(Code::UnknownDirective, name.span, message));
@@ -127,7 +127,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    fn line(&mut self) -> Vec<Token<'a>> {
+    pub(super) fn line(&mut self) -> Vec<Token<'a>> {
         std::iter::from_fn(|| self.on_line()).collect()
     }
 

@@ -3,7 +3,7 @@
 
 use super::ast::{Binary, Expr, ExprKind, TypeBase, Unary};
 use super::lexer::Token;
-use super::parser::Parser;
+use super::parser::{Parser, SyntaxError, Wanted};
 use super::types::{Builtin, builtin};
 use crate::shape::{Scalar, ScalarKind, Type};
 use crate::source::Span;
@@ -59,8 +59,32 @@ pub(crate) fn evaluate_tokens(
             _ => {}
         }
     }
-    let parsed = Parser::expression_over(tokens).map_err(|error| error.problem(whole))?;
+    let parsed = Parser::expression_over(tokens).map_err(|error| unparsed(error, whole))?;
     evaluate(&parsed, names)
+}
+
+/// Returns a syntax error as the reason why a constant expression at `whole` has no value.
+fn unparsed(error: SyntaxError, whole: Span) -> Problem {
+    match error {
+        SyntaxError::Unexpected { end: true, .. } => Problem::new(whole, "ends too early"),
+        SyntaxError::Unexpected { span, found, wanted, .. } => {
+            let message = match wanted {
+                Wanted::Token(text) => format!("has `{found}` where `{text}` is expected"),
+                Wanted::CommaOr(_) => format!("has `{found}` where `,` is expected"),
+                Wanted::Name | Wanted::Expression | Wanted::End => {
+                    format!("has an unexpected `{found}`")
+                }
+            };
+            Problem::new(span, message)
+        }
+        SyntaxError::TooDeep { span, limit, .. } => {
+            Problem::new(span, format!("is nested more than {limit} deep"))
+        }
+        SyntaxError::Other(diagnostic) => {
+            let span = diagnostic.labels.first().map_or(whole, |label| label.at);
+            Problem::new(span, format!("cannot be parsed: {}", diagnostic.message))
+        }
+    }
 }
 
 /// Evaluates an expression.

@@ -5,7 +5,8 @@ use std::collections::hash_map::Entry;
 
 use super::ast::{Item, Storage, TypeBase};
 use super::lexer::Token;
-use super::parser::{Parser, diagnostic_at};
+use super::parser::Parser;
+use super::report::diagnostic_at;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 

@@ -6,7 +6,7 @@
 use super::ast::Item;
 use super::declarations::{DeclarationReader, Lengths, Unsized};
 use super::parser::{Bodies, Parser};
-use super::preprocess::Texts;
+use super::texts::Texts;
 use super::uses::Uses;
 use crate::source::{ReadOptions, Source};
 

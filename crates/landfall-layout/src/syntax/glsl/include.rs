@@ -4,13 +4,21 @@
 use crate::diagnostic::Code;
 use std::path::{Path, PathBuf};
 
+use rustc_hash::FxHashMap;
+
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, decode_shader, normalized, read_bytes};
 
-/// The limit on nested includes; deeper ones are assumed to be cyclic.
-const DEEPEST_INCLUDE: usize = 64;
+/// The number of nested includes from which one that includes itself is refused.
+const DEEPEST_CYCLE: usize = 64;
+
+/// The limit on nested includes.
+const DEEPEST_INCLUDE: usize = 512;
+
+/// The limit on includes in one shader.
+const MOST_INCLUDES: usize = 1 << 14;
 
 /// The limit on bytes that includes may add to one shader.
 const MOST_INCLUDED: usize = 64 << 20;
@@ -31,6 +39,21 @@ impl<'a> Preprocessor<'a> {
                     .with_note(cycle)
                     .with_help("guard the file with `#ifndef NAME`, `#define NAME`, `#endif`"),
             );
+            self.stopped = true;
+            return;
+        }
+        self.includes += 1;
+        let bomb = match self.frames.len() {
+            deep if deep > DEEPEST_INCLUDE => {
+                Some(format!("includes are nested more than {DEEPEST_INCLUDE} deep"))
+            }
+            _ if self.includes > MOST_INCLUDES => {
+                Some(format!("the shader has more than {MOST_INCLUDES} includes"))
+            }
+            _ => None,
+        };
+        if let Some(message) = bomb {
+            self.report(Diagnostic::error(Code::IncludeBomb, span, message));
             self.stopped = true;
             return;
         }
@@ -111,9 +134,9 @@ impl<'a> Preprocessor<'a> {
         Ok((file, self.texts.alloc(text)))
     }
 
-    /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_INCLUDE`].
+    /// Returns the chain of includes from a file back to itself, beyond [`DEEPEST_CYCLE`].
     fn cycle_past_bound(&self) -> Option<String> {
-        if self.frames.len() <= DEEPEST_INCLUDE {
+        if self.frames.len() <= DEEPEST_CYCLE {
             return None;
         }
         let open: Vec<u32> = self
@@ -124,9 +147,11 @@ impl<'a> Preprocessor<'a> {
                 Frame::Macro { .. } | Frame::Tokens { .. } => None,
             })
             .collect();
-        let (first, last) = (0..open.len()).find_map(|i| {
-            open[i + 1..].iter().position(|&f| f == open[i]).map(|after| (i, i + 1 + after))
-        })?;
+        let mut seen: FxHashMap<u32, usize> = FxHashMap::default();
+        let (first, last) = open
+            .iter()
+            .enumerate()
+            .find_map(|(last, &file)| seen.insert(file, last).map(|first| (first, last)))?;
         let names = open[first..=last].iter().filter_map(|&f| self.files.get(f));
         let names: Vec<String> = names.map(|file| format!("`{}`", file.path)).collect();
         Some(names.join(" includes "))

@@ -4,8 +4,8 @@
 use super::ast::{BlockDecl, Declaration, LayoutId, Qualifiers, Storage, TypeBase};
 use super::declarations::DeclarationReader;
 use super::lexer::Token;
-use super::parser::diagnostic_at;
 use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
+use super::report::diagnostic_at;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, Rules};

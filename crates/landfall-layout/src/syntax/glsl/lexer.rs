@@ -3,8 +3,8 @@
 //! Feeds `preprocess`; knows neither macros nor directives. A line ends with CR, LF or both (GLSL
 //! 4.60 §3.1); `splice` removes line continuations first.
 
-use super::preprocess::Texts;
 use super::splice::{self, Cuts};
+use super::texts::Texts;
 use crate::source::Span;
 
 /// The kind of a token.

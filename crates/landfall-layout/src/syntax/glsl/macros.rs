@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::lexer::{Lexer, Token};
-use super::preprocess::Texts;
+use super::texts::Texts;
 use crate::source::Span;
 use std::sync::Arc;
 

@@ -13,7 +13,7 @@ use super::ast::{
 };
 use super::declarations::{DeclarationReader, Named, Unknown, Unsized};
 use super::lexer::{Kind, Token};
-use super::parser::diagnostic_at;
+use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
@@ -66,7 +66,9 @@ impl<'a> DeclarationReader<'a> {
         if !structure.closed {
             return None;
         }
-        if read.members.is_empty() && read.opaque.is_empty() && read.problems.is_empty() {
+        let is_broken = structure.members.iter().any(|member| member.broken);
+        let is_empty = read.members.is_empty() && read.opaque.is_empty();
+        if is_empty && read.problems.is_empty() && !is_broken {
             let message = "a structure needs at least one member";
             read.problems.push(diagnostic_at(&name, Code::EmptyStruct, message));
         }

@@ -3,8 +3,9 @@
 
 use super::ast::Item;
 use super::lexer::Kind;
-use super::parser::{Bodies, diagnostic_at};
-use super::preprocess::Texts;
+use super::parser::Bodies;
+use super::report::diagnostic_at;
+use super::texts::Texts;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{ReadOptions, Source, Span};
 

@@ -55,6 +55,8 @@ pub struct Parser<'a> {
     structures: FxHashSet<&'a str>,
     /// The number of structures open, one inside the other.
     open_structures: u32,
+    /// The number of member lists open, one inside the other.
+    open_members: u32,
     /// Whether expressions are parsed in place, as in function bodies.
     direct: bool,
     precisions: Precisions,
@@ -107,6 +109,7 @@ impl<'a> Parser<'a> {
             passed: None,
             structures: FxHashSet::default(),
             open_structures: 0,
+            open_members: 0,
             direct: false,
             precisions: Precisions::default(),
             has_precisions: false,
@@ -355,18 +358,5 @@ impl<'a> Parser<'a> {
         let mut parser = Parser::over(tokens.to_vec());
         let all = 0..tokens.len();
         parser.expression_of(&all)
-    }
-}
-
-/// Creates a diagnostic at a token, labelled with the macro it comes from.
-pub(super) fn diagnostic_at(
-    token: &Token<'_>,
-    code: Code,
-    message: impl Into<String>,
-) -> Diagnostic {
-    let diagnostic = Diagnostic::error(code, token.span, message);
-    match token.definition {
-        Some(definition) => diagnostic.with_label(definition, "from this macro"),
-        None => diagnostic,
     }
 }

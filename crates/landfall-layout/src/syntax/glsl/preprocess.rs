@@ -11,20 +11,18 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
-use typed_arena::Arena;
 
 use super::directive::Condition;
 use super::lexer::{Kind, Lexer, Stop, Token};
+use super::line_numbers::LineNumbers;
 use super::macros::Macro;
 use super::target::{self, Decision};
+use super::texts::Texts;
 use crate::diagnostic::Diagnostic;
 use crate::source::{Files, Foreign, ReadOptions, Span, Target};
 
 /// The limit on errors reported for one shader.
 const MOST_ERRORS: usize = 100;
-
-/// Owns the texts that tokens refer to: files, pasted tokens, command-line macros.
-pub type Texts = Arena<Arc<str>>;
 
 /// The token stream of a shader.
 pub struct Preprocessor<'a> {
@@ -41,6 +39,10 @@ pub struct Preprocessor<'a> {
     /// Texts included so far by path, so that a file is read once.
     pub(super) included: FxHashMap<String, u32>,
     pub(super) included_bytes: usize,
+    /// The number of `#include` directives executed.
+    pub(super) includes: usize,
+    /// The `#line` directives executed so far.
+    pub(super) lines: Vec<LineNumbers>,
     pub(super) comments: Vec<Span>,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) version: Version,
@@ -120,6 +122,8 @@ impl<'a> Preprocessor<'a> {
             frames: vec![Frame::File { lexer: Lexer::of_file(text, file, texts), conditions: 0 }],
             included: FxHashMap::default(),
             included_bytes: 0,
+            includes: 0,
+            lines: Vec::new(),
             comments: Vec::new(),
             diagnostics: Vec::new(),
             version: Version { number: 110, es: false, profile: Profile::Core },

@@ -7,8 +7,9 @@ use rustc_hash::FxHashSet;
 use super::ast::Item;
 use super::lexer::{Kind, Lexer, Token};
 use super::parser::Parser;
-use super::preprocess::{Preprocessor, Texts};
+use super::preprocess::Preprocessor;
 use super::splice;
+use super::texts::Texts;
 use crate::source::{Files, ReadOptions, Source, Span, Target};
 
 /// A token of the text.
@@ -56,6 +57,15 @@ impl RawText {
     pub fn code(&self) -> Vec<usize> {
         let all = self.tokens.iter().enumerate();
         all.filter(|(_, t)| t.active && t.directive.is_none()).map(|(at, _)| at).collect()
+    }
+
+    /// Returns `#version` with its number and profile as written, if the text has it.
+    pub fn version_directive<'t>(&self, text: &'t str) -> Option<&'t str> {
+        let is_version = |t: &RawToken| t.directive.is_some() && &text[t.start..t.end] == "version";
+        let name = self.tokens.iter().position(is_version)?;
+        let directive = self.tokens[name].directive;
+        let last = self.tokens[name..].iter().take_while(|t| t.directive == directive).last()?;
+        Some(&text[self.tokens[name.checked_sub(1)?].start..last.end])
     }
 
     /// Returns the global declarations in order.

@@ -3,7 +3,7 @@
 use super::ast::{BlockDecl, Item, Name, TypeBase};
 use super::declarations::DeclarationReader;
 use super::lexer::Token;
-use super::parser::diagnostic_at;
+use super::report::diagnostic_at;
 use super::types::builtin;
 use crate::Severity;
 use crate::diagnostic::{Code, Diagnostic};

@@ -7,24 +7,39 @@
 use super::declarations::DeclarationReader;
 use super::lexer::{Kind, Token};
 use super::parser::{Bodies, Parser};
-use super::preprocess::{Preprocessor, Profile, Texts, Version};
+use super::preprocess::{Preprocessor, Profile, Version};
+use super::texts::Texts;
 use crate::source::{ReadOptions, Target};
 use std::sync::Arc;
 
-/// Names that only Vulkan GLSL has.
-const VULKAN_NAMES: &[&str] = &[
+/// Variables that only Vulkan GLSL has.
+const VULKAN_NAMES: &[&str] = &["gl_VertexIndex", "gl_InstanceIndex"];
+
+/// Layout qualifiers that only Vulkan GLSL has.
+const VULKAN_LAYOUTS: &[&str] = &[
     "push_constant",
-    "constant_id",
     "input_attachment_index",
-    "gl_VertexIndex",
-    "gl_InstanceIndex",
     "buffer_reference",
     "shaderRecordEXT",
     "shaderRecordNV",
 ];
 
-/// Prefixes of types and qualifiers that only Vulkan GLSL has.
-const VULKAN_PREFIXES: &[&str] = &["subpassInput", "isubpassInput", "usubpassInput", "rayPayload"];
+/// The layout qualifier of Vulkan GLSL that `GL_ARB_gl_spirv` takes over to OpenGL.
+const CONSTANT_ID: &str = "constant_id";
+
+/// Types and storage qualifiers that only Vulkan GLSL has; a name follows them.
+const VULKAN_TYPES: &[&str] = &[
+    "subpassInput",
+    "subpassInputMS",
+    "isubpassInput",
+    "isubpassInputMS",
+    "usubpassInput",
+    "usubpassInputMS",
+    "rayPayloadEXT",
+    "rayPayloadInEXT",
+    "rayPayloadNV",
+    "rayPayloadInNV",
+];
 
 /// Types of Vulkan GLSL that are functions of old OpenGL GLSL: as types they are followed by a
 /// name.
@@ -52,6 +67,8 @@ pub enum Decision {
 struct Signs {
     /// Whether it has anything that only Vulkan GLSL has.
     vulkan: bool,
+    /// Whether it has specialisation constants.
+    specialised: bool,
     /// Whether it tests for `VULKAN`.
     asks: bool,
 }
@@ -84,6 +101,8 @@ pub fn decide(
     let signs = signs(path, text, options);
     match version {
         _ if signs.vulkan => Decision::Known(Target::Vulkan),
+        _ if signs.specialised && !signs.asks => Decision::Known(Target::Vulkan),
+        _ if signs.specialised => Decision::Assumed(Target::Vulkan),
         _ if !signs.asks => Decision::Either,
         _ if has_loose_uniforms(path, text, options) => Decision::Loose,
         Some(version) if prefers_vulkan(version) => Decision::Assumed(Target::Vulkan),
@@ -108,7 +127,8 @@ fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> boo
 /// includes other files.
 fn may_show(text: &str) -> bool {
     let has = |word: &str| memchr::memmem::find(text.as_bytes(), word.as_bytes()).is_some();
-    let all = [VULKAN_NAMES, VULKAN_EXTENSIONS, SEPARATE_TYPES].concat();
+    let all =
+        [VULKAN_NAMES, VULKAN_LAYOUTS, &[CONSTANT_ID], VULKAN_EXTENSIONS, SEPARATE_TYPES].concat();
     all.into_iter().any(has)
         || ["VULKAN", "subpassInput", "rayPayload", "#include", "\\\n", "\\\r"].into_iter().any(has)
         || memchr::memmem::find_iter(text.as_bytes(), b"set").any(|at| {
@@ -123,19 +143,27 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     let texts = Texts::new();
     let mut preprocessor = Preprocessor::new(path, text, &texts, &options);
     let mut layout = Layout::None;
+    let mut signs = Signs::default();
+    // Structures with the names of types of Vulkan GLSL.
+    let mut own = Vec::new();
     let mut before = preprocessor.next();
     while before.kind != Kind::End {
         let token = preprocessor.next();
         layout = layout.after(&before);
-        if is_vulkan(&before, &token, layout) {
-            return Signs { vulkan: true, asks: false };
+        if before.is("struct") && token.kind == Kind::Name {
+            own.push(token.text);
         }
+        if !own.contains(&before.text) && is_vulkan(&before, &token, layout) {
+            return Signs { vulkan: true, ..signs };
+        }
+        signs.specialised |= before.is(CONSTANT_ID) && matches!(layout, Layout::Inside(_));
         before = token;
     }
     let extension = |name: &&str| VULKAN_EXTENSIONS.contains(name);
     Signs {
         vulkan: preprocessor.extensions.iter().any(extension),
         asks: preprocessor.tests_vulkan.get(),
+        ..signs
     }
 }
 
@@ -166,8 +194,9 @@ fn is_vulkan(token: &Token<'_>, next: &Token<'_>, layout: Layout) -> bool {
         return false;
     }
     let text = token.text;
+    let inside = matches!(layout, Layout::Inside(_));
     VULKAN_NAMES.contains(&text)
-        || VULKAN_PREFIXES.iter().any(|prefix| text.starts_with(prefix))
-        || (SEPARATE_TYPES.contains(&text) && next.kind == Kind::Name)
-        || (text == "set" && next.is("=") && matches!(layout, Layout::Inside(_)))
+        || inside && VULKAN_LAYOUTS.contains(&text)
+        || inside && text == "set" && next.is("=")
+        || next.kind == Kind::Name && [VULKAN_TYPES, SEPARATE_TYPES].concat().contains(&text)
 }

@@ -42,12 +42,23 @@ pub(super) struct Reports {
 
 impl Reports {
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
-        self.saw_preprocessor |= diagnostic.code == "preprocessor";
+        self.saw_preprocessor |= diagnostic.code == Code::Preprocessor;
         if self.list.len() < MOST_REPORTS {
             self.list.push(diagnostic);
         } else if diagnostic.severity == Severity::Error {
             self.more += 1;
         }
+    }
+
+    /// The number of diagnostics.
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Drops the diagnostics from `first` on that are not syntax errors.
+    pub(super) fn keep_syntax_errors(&mut self, first: usize) {
+        let later = self.list.split_off(first);
+        self.list.extend(later.into_iter().filter(|found| found.code == Code::Syntax));
     }
 
     /// Records a diagnostic and returns the value to use as `Err`.

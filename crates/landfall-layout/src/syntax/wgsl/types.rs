@@ -164,6 +164,11 @@ pub(super) fn named<'a>(
     }
 }
 
+/// Parses a structure for its errors.
+pub(super) fn check(reader: &mut ModuleReader<'_>, index: usize) {
+    let _ = declared(reader, index, reader.outline.items[index].name_span);
+}
+
 /// Resolves a type declared in the text.
 fn declared(reader: &mut ModuleReader<'_>, index: usize, at: Span) -> Result<Typed, Refused> {
     match reader.types.get(&index) {

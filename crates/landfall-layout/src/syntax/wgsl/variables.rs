@@ -99,7 +99,7 @@ fn address_space(
         "immediate" => Ok(Some(AddressSpace::PushConstant)),
         "push_constant" => {
             let message = "WGSL has no address space `push_constant`";
-            let note = "only naga before version 28 takes it: it is now `immediate`";
+            let note = "only naga before version 28 accepts it: it is now `immediate`";
             let warning = Diagnostic::warning(Code::UnknownAddressSpace, at, message);
             reader.reports.push(warning.with_note(note).with_help("write `var<immediate>`"));
             Ok(Some(AddressSpace::PushConstant))

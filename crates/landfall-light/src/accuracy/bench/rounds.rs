@@ -63,7 +63,7 @@ const LONGEST: Duration = Duration::from_millis(100);
 pub struct Samples {
     /// The clock of the times.
     pub clock: Clock,
-    /// The times of the whole.
+    /// The times of the complete run.
     pub whole: Vec<f64>,
     /// The times without lights, if there is such a part.
     pub unlit: Option<Vec<f64>>,

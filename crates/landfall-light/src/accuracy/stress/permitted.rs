@@ -24,7 +24,7 @@ pub struct PermittedAt {
 pub enum Verdict {
     /// Permitted on any conformant adapter.
     Permitted,
-    /// Not permitted: this adapter is wrong.
+    /// Outside the permitted error: the driver is faulty.
     Wrong,
 }
 

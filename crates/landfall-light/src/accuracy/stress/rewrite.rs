@@ -45,8 +45,7 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form =
-            "absolute error of the comparison, if computed from the difference of the vectors";
+        let form = "absolute error of the comparison, if its cosine is computed from the difference of the vectors";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }
@@ -59,7 +58,7 @@ pub(super) fn gain(
         if turned {
             return None;
         }
-        let form = "absolute error of the power, if computed from the difference of the vectors";
+        let form = "absolute error of the power, if its base is computed from the difference of the vectors";
         let (before, after) = (off(result.single, result.double), off(by_chord, result.double));
         return Some(Gain { form, before, after });
     }

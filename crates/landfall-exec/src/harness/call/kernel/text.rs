@@ -67,7 +67,10 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
     let text = texts::without(&texts::without(&text, "set"), "constant_id");
     let mut stages = vec![part(stage.into(), text)];
     if stage == ExecutableStage::Vertex {
-        stages.push(part(Stage::Fragment, partner::fragment(&user.text).text.to_string()));
+        stages.push(part(
+            Stage::Fragment,
+            partner::fragment(&user.text, &pure.options.read).text.to_string(),
+        ));
     }
     let mut resources = Vec::new();
     let bytes = bound::blocks(&pure.module, &pure.data, bound::zeros)

@@ -9,7 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::shape::{Struct, Type};
 use crate::syntax::glsl::declarations::{DeclarationReader, Named};
 use crate::syntax::glsl::lexer::Token;
-use crate::syntax::glsl::parser::diagnostic_at;
+use crate::syntax::glsl::report::diagnostic_at;
 use crate::syntax::glsl::types::{Builtin, builtin};
 use crate::text::edit_distance::nearest;
 

@@ -3,7 +3,7 @@
 use crate::diagnostic::Code;
 use std::rc::Rc;
 
-use super::{Bodies, Parsed, Parser, SyntaxError, Wanted, diagnostic_at};
+use super::{Bodies, Parsed, Parser, SyntaxError, Wanted};
 use crate::diagnostic::Diagnostic;
 use crate::other_language;
 use crate::source::Span;
@@ -12,6 +12,7 @@ use crate::syntax::glsl::ast::{
     StructDecl, Tokens, TypeBase, TypeSpec,
 };
 use crate::syntax::glsl::lexer::{Kind, Token};
+use crate::syntax::glsl::report::diagnostic_at;
 
 /// The limit on structures declared inside each other; the language forbids it altogether.
 const DEEPEST_STRUCTURE: u32 = 16;
@@ -321,6 +322,7 @@ impl<'a> Parser<'a> {
     /// Parses the members up to `}`. `owner` is the structure or block in messages.
     fn members(&mut self, owner: &str) -> Vec<Declaration<'a>> {
         let mut members = Vec::new();
+        self.open_members += 1;
         while !self.is("}") && self.token().kind != Kind::End {
             if self.eat(";") {
                 continue;
@@ -332,6 +334,7 @@ impl<'a> Parser<'a> {
                 break; // no progress: the rest is not a member list
             }
         }
+        self.open_members -= 1;
         members
     }
 

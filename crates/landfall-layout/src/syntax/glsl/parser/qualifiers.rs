@@ -1,12 +1,13 @@
 //! Qualifiers and default precisions (GLSL 4.60 §4.3 to §4.10).
 
-use super::{Parser, diagnostic_at};
+use super::Parser;
 use crate::Severity;
 use crate::diagnostic::Code;
 use crate::syntax::glsl::ast::{LayoutId, Name, Precision, Qualifiers, Storage};
 use crate::syntax::glsl::layout_ids;
 use crate::syntax::glsl::lexer::Kind;
 use crate::syntax::glsl::qualifiers::{OTHER_STORAGE, is_qualifier};
+use crate::syntax::glsl::report::diagnostic_at;
 
 /// Whether a qualifier may form a declaration of its own: `layout(…) in;`.
 fn is_alone(word: &str) -> bool {

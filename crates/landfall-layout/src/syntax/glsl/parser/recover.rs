@@ -1,9 +1,10 @@
 //! Skipping of text not parsed yet, and recovery from broken declarations.
 
-use super::{Bodies, Parser, diagnostic_at};
+use super::{Bodies, Parser};
 use crate::diagnostic::Code;
 use crate::source::Span;
 use crate::syntax::glsl::lexer::{Kind, Token};
+use crate::syntax::glsl::report::diagnostic_at;
 
 impl<'a> Parser<'a> {
     /// Consumes that operator or bracket, or reports that it is missing.
@@ -171,6 +172,11 @@ impl<'a> Parser<'a> {
 
     /// Skips to what looks like the next declaration.
     pub(super) fn recover(&mut self) {
+        if self.open_members > 0 {
+            self.recover_member();
+            self.eat(";");
+            return;
+        }
         if self.stands_at_declaration() {
             return;
         }

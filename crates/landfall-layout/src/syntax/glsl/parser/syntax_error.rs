@@ -3,7 +3,6 @@
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
-use crate::syntax::glsl::evaluate::Problem;
 
 /// The result of parsing.
 pub type Parsed<T> = Result<T, SyntaxError>;
@@ -84,30 +83,6 @@ impl SyntaxError {
             }
             SyntaxError::Other(diagnostic) => *diagnostic,
         })
-    }
-
-    /// Returns the error as the reason why a constant expression at `whole` has no value.
-    pub fn problem(self, whole: Span) -> Problem {
-        match self {
-            SyntaxError::Unexpected { end: true, .. } => Problem::new(whole, "ends too early"),
-            SyntaxError::Unexpected { span, found, wanted, .. } => {
-                let message = match wanted {
-                    Wanted::Token(text) => format!("has `{found}` where `{text}` is expected"),
-                    Wanted::CommaOr(_) => format!("has `{found}` where `,` is expected"),
-                    Wanted::Name | Wanted::Expression | Wanted::End => {
-                        format!("has an unexpected `{found}`")
-                    }
-                };
-                Problem::new(span, message)
-            }
-            SyntaxError::TooDeep { span, limit, .. } => {
-                Problem::new(span, format!("is nested more than {limit} deep"))
-            }
-            SyntaxError::Other(diagnostic) => {
-                let span = diagnostic.labels.first().map_or(whole, |label| label.at);
-                Problem::new(span, format!("cannot be parsed: {}", diagnostic.message))
-            }
-        }
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Called by [`preprocess`](super) for every name.
 
+use rustc_hash::FxHashMap;
+
 use super::{Frame, Preprocessor};
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
@@ -123,12 +125,13 @@ impl<'a> Preprocessor<'a> {
         arguments: &[Vec<Token<'a>>],
         site: &Token<'a>,
     ) -> Vec<Token<'a>> {
+        let indices: FxHashMap<&str, usize> =
+            parameters.iter().enumerate().rev().map(|(index, name)| (*name, index)).collect();
         let mut expanded: Vec<Option<Vec<Token<'a>>>> = vec![None; arguments.len()];
         let mut tokens = Vec::new();
         for (i, token) in definition.body.iter().enumerate() {
-            let parameter =
-                parameters.iter().position(|p| token.kind == Kind::Name && *p == token.text);
-            let Some(parameter) = parameter else {
+            let parameter = indices.get(token.text).filter(|_| token.kind == Kind::Name);
+            let Some(&parameter) = parameter else {
                 tokens.push(at_use(token, site));
                 continue;
             };
@@ -176,15 +179,6 @@ impl<'a> Preprocessor<'a> {
         self.floor = floor;
         self.argument_depth -= 1;
         result
-    }
-
-    /// Returns the value of `__LINE__` and `__FILE__`.
-    fn line_or_file(&self, token: &Token<'a>) -> Option<&'a str> {
-        match token.text {
-            "__LINE__" => Some(self.keep(&self.files.locate(token.span).line.to_string())),
-            "__FILE__" => Some(self.keep(&token.span.file.to_string())),
-            _ => None,
-        }
     }
 }
 
