@@ -40,10 +40,10 @@ fn an_adapter_that_nothing_runs_on_is_warned_of() {
     ];
     for command in commands {
         let ran = place.run(&[command, &["--adapter", "nope"]].concat());
-        let warning = "warning[unused-adapter]: `--adapter nope` has no effect without \
+        let warning = "warning[unused-option]: `--adapter nope` has no effect without \
                        `--backend gpu`\n";
         assert!(ran.code < 2 && ran.err.contains(warning), "{command:?}: {}", ran.err);
-        assert!(!place.run(command).err.contains("unused-adapter"), "{command:?}");
+        assert!(!place.run(command).err.contains("unused-option"), "{command:?}");
     }
 }
 
@@ -235,4 +235,77 @@ fn every_command_says_which_api_was_assumed() {
         let ran = place.run(&command.split(' ').collect::<Vec<_>>());
         assert!(ran.err.contains(warning), "{command}: {}", ran.err);
     }
+}
+
+#[test]
+fn options_of_emit_for_another_language_are_warned_of() {
+    let place = project("emit");
+    let said = |arguments: &[&str]| {
+        let ran = place.run(&[&["emit", "a.frag", "--lang"][..], arguments].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran.err.lines().filter(|line| line.contains("unused-option")).count()
+    };
+    assert_eq!(said(&["c", "--vectors", "array", "--no-tables", "--crate-visible"]), 3);
+    assert_eq!(said(&["rust", "--prefix", "x_"]), 1);
+    assert_eq!(said(&["rust", "--vectors", "array", "--no-tables"]), 0);
+    assert_eq!(said(&["c", "--prefix", "x_"]), 0);
+}
+
+#[test]
+fn a_table_without_figures_is_refused() {
+    let place = project("table");
+    place.write("landfall.toml", "[[table]]\nblock = \"Light\"\n");
+    let ran = place.run(&["check"]);
+    ran.code(2).stderr_eq(str![[r#"
+error[missing-key]: a table without `size` and `offsets` checks nothing
+ --> landfall.toml:1:1
+  |
+1 | [[table]]
+  | ^^^^^^^^^
+  |
+  = help: add `size = …`, or a row to `offsets`
+
+
+"#]]);
+}
+
+#[test]
+fn an_override_of_another_type_is_refused() {
+    let place = project("override");
+    let text = "#version 450\nlayout(constant_id = 3) const int N = 2;\n\
+                layout(std140, binding = 0) uniform U { vec4 a[N]; };\nvoid main() {}\n";
+    place.write("b.frag", text);
+    for (value, said) in [("2.5", 2), ("true", 2), ("5", 0)] {
+        let ran = place.run(&["layout", "b.frag", "-O", &format!("3={value}")]);
+        assert_eq!(ran.code, said, "{value}: {}", ran.err);
+    }
+}
+
+/// glslangValidator searches the folders of all open files before those of `-I`.
+#[test]
+fn an_include_that_compilers_find_elsewhere_is_warned_of() {
+    let place = project("include");
+    place.write("sub/z.glsl", "#include \"x.glsl\"\n").write("x.glsl", "vec2 c;\n");
+    let text = "#version 450\n#extension GL_GOOGLE_include_directive : enable\n\
+                layout(std140, binding = 0) uniform U { float s;\n#include \"sub/z.glsl\"\n\
+                vec4 h; } u;\nlayout(location = 0) out vec4 o;\nvoid main() { o = u.h; }\n";
+    place.write("t.frag", text);
+    let glslang = |folders: &[&str]| {
+        let mut command = Command::new("glslangValidator");
+        let command = command.args(["-V", "-q", "-l", "t.frag"]).args(folders);
+        let output = command.current_dir(&place.0).output().expect("glslangValidator");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert!(
+        glslang(&[]).contains("u.c: offset 8") || glslang(&[]).contains("c: offset 8"),
+        "{}",
+        glslang(&[])
+    );
+    let ran = place.run(&["layout", "t.frag", "-f", "csv"]);
+    assert_eq!((ran.code, &*ran.err), (0, ""));
+    assert!(ran.out.contains(",c,vec2,8,"), "{}", ran.out);
+    place.write("inc/x.glsl", "vec3 b;\n");
+    let ran = place.run(&["layout", "t.frag", "-f", "csv", "-I", "inc"]);
+    assert!(ran.out.contains(",b,vec3,16,"), "{}", ran.out);
+    assert!(ran.err.contains("glslangValidator reads `x.glsl`"), "{}", ran.err);
 }

@@ -70,6 +70,6 @@ pub fn read_stream(name: &str, stream: impl Read, most: u64) -> Result<Vec<u8>, 
 
 fn too_large(shown: &str, most: u64) -> Error {
     Error::new(shown, format!("is larger than the limit of {most} bytes"))
-        .with_help("raise the limit with `--max-bytes N`")
+        .with_help("`--max-bytes N` raises the limit of shaders")
         .unreadable()
 }

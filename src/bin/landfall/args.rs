@@ -255,6 +255,16 @@ pub enum EmitLang {
     C,
 }
 
+impl EmitLang {
+    /// The name in messages.
+    pub fn shown(self) -> &'static str {
+        match self {
+            EmitLang::Rust => "Rust",
+            EmitLang::C => "C",
+        }
+    }
+}
+
 #[derive(Debug, clap::Args)]
 pub struct PortArgs {
     /// The shader; - reads stdin

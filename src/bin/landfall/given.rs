@@ -1,5 +1,6 @@
 //! Warnings about options without effect: `-I` with a path that is not a directory, `-O` for a
-//! constant that no shader has, and `--adapter` where nothing runs on the GPU.
+//! constant that no shader has, `--adapter` where nothing runs on the GPU, and options of `emit` for
+//! another language.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ use landfall_layout::{Diagnostic, Error, Severity};
 
 #[cfg(feature = "exec")]
 use crate::args::BackendName;
-use crate::args::{Command, TextArgs};
+use crate::args::{Command, EmitArgs, EmitLang, TextArgs};
 use crate::output::{FindingForm, Streams};
 
 /// The names of `-O`, and those that some shader has a constant for.
@@ -29,19 +30,38 @@ struct Matched {
 /// The `-O` options of this process.
 static GIVEN: OnceLock<OverrideNames> = OnceLock::new();
 
-/// Records the `-O` options, and warns about `-I` paths that are not directories, and about an
-/// adapter that nothing runs on.
+/// Records the `-O` options, and warns about `-I` paths that are not directories, an adapter that
+/// nothing runs on, and options of `emit` for another language.
 pub fn begin(command: &Command, streams: &Streams) {
     #[cfg(feature = "exec")]
     if let Some(name) = unused_adapter(command) {
         let error =
             Error::new(format!("--adapter {name}"), "has no effect without `--backend gpu`");
-        warn(Code::UnusedAdapter, error, streams);
+        warn(Code::UnusedOption, error, streams);
+    }
+    if let Command::Emit(args) = command {
+        for option in unused_of_emit(args) {
+            let error = Error::new(option, format!("has no effect on {}", args.lang.shown()));
+            warn(Code::UnusedOption, error, streams);
+        }
     }
     let Some(text) = text_of(command) else { return };
     let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
     let _ = GIVEN.set(OverrideNames { names, matched: Mutex::default() });
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
+}
+
+/// The options of `emit` that are for the other language.
+fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
+    let given = match args.lang {
+        EmitLang::Rust => vec![(!args.prefix.is_empty(), "--prefix")],
+        EmitLang::C => vec![
+            (args.vectors.is_some(), "--vectors"),
+            (args.crate_visible, "--crate-visible"),
+            (args.no_tables, "--no-tables"),
+        ],
+    };
+    given.into_iter().filter(|(is, _)| *is).map(|(_, option)| option).collect()
 }
 
 /// Warns about include directories that are none.

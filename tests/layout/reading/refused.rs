@@ -177,3 +177,16 @@ fn a_mistake_in_a_list_of_members_leaves_the_rest_of_the_text() {
         }
     }
 }
+
+#[test]
+fn a_second_else_or_version_is_an_error() {
+    for (text, code) in [
+        ("#version 450\n#if 1\n#else\n#else\n#endif\nvoid main() {}\n", "unmatched-directive"),
+        ("#version 450\n#if 0\n#else\n#else\n#endif\nvoid main() {}\n", "unmatched-directive"),
+        ("#version 450\n#if 1\n#else\n#elif 1\n#endif\nvoid main() {}\n", "unmatched-directive"),
+        ("#version 450\n#version 330\nvoid main() {}\n", "version"),
+    ] {
+        assert!(!is_taken(text, Client::OpenGl), "{text}");
+        assert_eq!(severities(text, code), [Severity::Error], "{text}");
+    }
+}

@@ -162,7 +162,7 @@ codes! {
     UnreadableFile = "unreadable-file";
     UnreadableLock = "unreadable-lock";
     UnsizedBlock = "unsized-block";
-    UnusedAdapter = "unused-adapter";
+    UnusedOption = "unused-option";
     UpAlongFront = "up-along-front";
     ValueOutOfRange = "value-out-of-range";
     Version = "version";

@@ -99,13 +99,18 @@ fn table(keys: &Keys<'_>, root: &Root) -> Option<Table> {
     let (file, block) = (glob(keys, "file", root), keys.needed("block"));
     let size = keys.row("size").and_then(|row| figure(keys, "size", row));
     let rows = keys.rows("offsets", "{ \"data[0].pos\" = 0 }");
-    let offsets = rows
+    let offsets: Vec<Row> = rows
         .into_iter()
         .filter_map(|(path, row)| {
             let offset = figure(keys, &path.value, row)?;
             Some(Row { path: path.value, offset })
         })
         .collect();
+    if keys.row("size").is_none() && keys.row("offsets").is_none() {
+        let message = "a table without `size` and `offsets` checks nothing".to_string();
+        let found = Diagnostic::error(Code::MissingKey, span_of(keys), message);
+        keys.add(found.with_help("add `size = …`, or a row to `offsets`"));
+    }
     Some(Table { block: block?.value, file, size, offsets, place: keys.place() })
 }
 

@@ -211,8 +211,20 @@ impl<'a> DeclarationReader<'a> {
         let value = match given {
             None => default,
             Some((_, text)) => {
-                parse_given(text).and_then(|value| value.convert(kind).ok()).ok_or_else(|| {
-                    Problem::new(name.span, format!("is set to `{text}`, which is not a number"))
+                let fits = |value: &Value| match (value, kind) {
+                    (Value::Bool(_), kind) => kind == Scalar::Bool,
+                    (Value::Float(_), kind) => kind == Scalar::Float,
+                    (value, Scalar::Bool) => matches!(value.integer(), Some(0 | 1)),
+                    _ => true,
+                };
+                let given = parse_given(text).filter(fits);
+                given.and_then(|value| value.convert(kind).ok()).ok_or_else(|| {
+                    let wanted = match kind {
+                        Scalar::Bool => "true or false",
+                        Scalar::Float => "a number",
+                        Scalar::Int | Scalar::Uint | Scalar::Long | Scalar::Ulong => "an integer",
+                    };
+                    Problem::new(name.span, format!("is set to `{text}`, which is not {wanted}"))
                 })
             }
         };

@@ -92,7 +92,10 @@ impl<'a> Preprocessor<'a> {
             "ifdef" => self.open(hash, |this, at| this.is_defined(at)),
             "ifndef" => self.open(hash, |this, at| this.is_defined(at).map(|found| !found)),
             // The previous branch was taken, so this one and the rest are skipped.
-            "elif" | "else" if self.in_condition() => self.leave_out(),
+            "elif" | "else" if self.in_condition() => {
+                self.note_else(&name);
+                self.leave_out();
+            }
             "endif" if self.in_condition() => {
                 self.conditions.pop();
             }
@@ -294,6 +297,18 @@ impl<'a> Preprocessor<'a> {
         self.conditions.len() > outside
     }
 
+    /// Notes an `#else`, and reports what follows one.
+    fn note_else(&mut self, name: &Token<'a>) {
+        let Some(open) = self.conditions.last_mut() else { return };
+        let (span, after) = (open.span, open.in_else);
+        open.in_else |= name.text == "else";
+        if after {
+            let message = format!("`#{}` after `#else`", name.text);
+            let found = Diagnostic::error(Code::UnmatchedDirective, name.span, message);
+            self.report(found.with_label(span, "in this condition"));
+        }
+    }
+
     /// Skips branches up to the one that holds, or past the `#endif`.
     fn leave_out(&mut self) {
         let mut depth = 0u32;
@@ -318,18 +333,11 @@ impl<'a> Preprocessor<'a> {
                 "else" | "elif" => {
                     let open = self.conditions.last().copied();
                     let Some(open) = open else { return };
-                    if open.in_else {
-                        let message = format!("`#{}` after `#else`", name.text);
-                        self.report(
-                            Diagnostic::error(Code::UnmatchedDirective, name.span, message)
-                                .with_label(open.span, "in this condition"),
-                        );
-                    }
+                    self.note_else(&name);
                     let holds = !open.taken
                         && (name.text == "else" || self.holds(hash.span, Self::condition));
                     if let Some(open) = self.conditions.last_mut() {
                         open.taken |= holds;
-                        open.in_else |= name.text == "else";
                     }
                     if holds {
                         return;
@@ -354,6 +362,11 @@ impl<'a> Preprocessor<'a> {
         let line = self.line();
         if self.frames.len() > 1 {
             return; // an include's version does not apply to the shader
+        }
+        if self.version_declared {
+            let message = "a second `#version`, which compilers refuse";
+            let found = Diagnostic::error(Code::Version, name.span, message);
+            return self.report(found.with_help("remove it: only the first line may state it"));
         }
         let number = line.first().and_then(|t| t.text.parse::<u32>().ok());
         let Some(number) = number else {

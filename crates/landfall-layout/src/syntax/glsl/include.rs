@@ -58,7 +58,17 @@ impl<'a> Preprocessor<'a> {
             return;
         }
         let (places, found) = self.find(name, angled, span.file);
-        let Some(path) = found else {
+        let outer = if angled { None } else { self.find_as_glslang(name, span.file) };
+        if let (Some(path), Some(outer)) = (&found, &outer) {
+            if path != outer {
+                let message = format!("`{name}` is read from `{}`", path.display());
+                let found = Diagnostic::warning(Code::Include, span, message);
+                let note = format!("glslangValidator reads `{}`", outer.display());
+                self.diagnostics
+                    .push(found.with_note(note).with_help("give one of them another name"));
+            }
+        }
+        let Some(path) = found.or(outer) else {
             let mut diagnostic =
                 Diagnostic::error(Code::MissingInclude, span, format!("`{name}` not found"));
             for place in places {
@@ -118,6 +128,29 @@ impl<'a> Preprocessor<'a> {
         };
         let found = places.iter().find(|place| place.is_file()).cloned();
         (places, found)
+    }
+
+    /// Returns the file of a quoted name beside one of the open files, the innermost first.
+    fn find_as_glslang(&self, name: &str, from: u32) -> Option<PathBuf> {
+        let relative = name.trim_start_matches('/');
+        let outer = self.frames.iter().rev().filter_map(|frame| match frame {
+            Frame::File { lexer, .. } => Some(lexer.file()),
+            Frame::Macro { .. } | Frame::Tokens { .. } => None,
+        });
+        let files = std::iter::once(from).chain(outer);
+        let folders = files.filter_map(|file| Path::new(&self.files.get(file)?.path).parent());
+        let mut seen: Vec<&Path> = Vec::new();
+        for folder in folders {
+            if seen.contains(&folder) {
+                continue;
+            }
+            seen.push(folder);
+            let place = folder.join(relative);
+            if place.is_file() {
+                return Some(place);
+            }
+        }
+        None
     }
 
     fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
