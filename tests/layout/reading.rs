@@ -114,3 +114,23 @@ fn an_include_in_latin_1_is_read_and_noted_at_its_own_place() {
     assert!(place.path.ends_with("b.glsl") && (place.line, place.column) == (1, 4), "{place:?}");
     assert_eq!(shader.files.locate(shader.blocks[0].span).line, 2);
 }
+
+/// GLSL_EXT_shader_explicit_arithmetic_types, whose integers wrap as those of C do.
+#[test]
+fn integer_constants_of_8_and_16_bits_wrap() {
+    let text = "#version 450
+#extension GL_EXT_shader_explicit_arithmetic_types : require
+const int8_t n = int8_t(300);
+const uint16_t m = uint16_t(65537);
+const int16_t k = int16_t(-3);
+layout(std140, binding = 0) uniform U {
+    float a[int(n)]; float b[int(m)]; float c[-int(k)]; float d[int(uint8_t(257))]; vec4 h;
+} u;
+layout(location = 0) out vec4 o;
+void main() { o = u.h + u.a[0] + u.b[0] + u.c[0] + u.d[0]; }
+";
+    let theirs = of_glslang(text, Client::Vulkan);
+    assert!(theirs.iter().any(|leaf| leaf.ends_with("h 784")), "{theirs:?}");
+    let shader = read(text, None);
+    assert!(leaves(&shader).iter().any(|leaf| leaf.ends_with("h 784")), "{:?}", leaves(&shader));
+}

@@ -5,13 +5,14 @@ use rustc_hash::FxHashMap;
 
 use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;
-use super::evaluate::{Names, Problem, evaluate_tokens};
+use super::evaluate::{Names, Problem, converted, evaluate_tokens, kind_of};
 use super::lexer::Token;
 use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::Override;
+use crate::shape::Scalar;
 use crate::source::Span;
-use crate::syntax::constant::{Kind as Scalar, Value};
+use crate::syntax::constant::{Kind, Value};
 
 /// The limit on chains of constants defined by other constants.
 const DEEPEST_CHAIN: u32 = 64;
@@ -149,16 +150,16 @@ impl<'a> DeclarationReader<'a> {
         let initialiser = &self.parser.tokens()[declarator.tokens.clone()];
         let (definition, uses) = match scalar {
             None => (Definition::Later(initialiser.to_vec()), Uses::default()),
-            Some(kind) => {
+            Some(scalar) => {
                 let (value, used) = self.constants.evaluate(initialiser, name.span);
                 let mut uses = Uses { constants: used, ..Uses::default() };
                 let convert = |value: Value| {
                     let wrong = |_| Problem::new(name.span, "has an initialiser of another type");
-                    value.convert(kind).map_err(wrong)
+                    converted(&value, scalar).map_err(wrong)
                 };
                 let mut value = value.and_then(convert);
                 if qualifiers.find("constant_id").is_some() {
-                    value = self.specialise(name, kind, qualifiers, value);
+                    value = self.specialise(name, kind_of(scalar), qualifiers, value);
                     let of_override = Some(self.constants.overrides.len() - 1);
                     uses = Uses { of_override, ..Uses::default() };
                 }
@@ -192,7 +193,7 @@ impl<'a> DeclarationReader<'a> {
     fn specialise(
         &mut self,
         name: Name<'a>,
-        kind: Scalar,
+        kind: Kind,
         qualifiers: &Qualifiers<'a>,
         default: Result<Value, Problem>,
     ) -> Result<Value, Problem> {
@@ -212,17 +213,17 @@ impl<'a> DeclarationReader<'a> {
             None => default,
             Some((_, text)) => {
                 let fits = |value: &Value| match (value, kind) {
-                    (Value::Bool(_), kind) => kind == Scalar::Bool,
-                    (Value::Float(_), kind) => kind == Scalar::Float,
-                    (value, Scalar::Bool) => matches!(value.integer(), Some(0 | 1)),
+                    (Value::Bool(_), kind) => kind == Kind::Bool,
+                    (Value::Float(_), kind) => kind == Kind::Float,
+                    (value, Kind::Bool) => matches!(value.integer(), Some(0 | 1)),
                     _ => true,
                 };
                 let given = parse_given(text).filter(fits);
                 given.and_then(|value| value.convert(kind).ok()).ok_or_else(|| {
                     let wanted = match kind {
-                        Scalar::Bool => "true or false",
-                        Scalar::Float => "a number",
-                        Scalar::Int | Scalar::Uint | Scalar::Long | Scalar::Ulong => "an integer",
+                        Kind::Bool => "true or false",
+                        Kind::Float => "a number",
+                        Kind::Int | Kind::Uint | Kind::Long | Kind::Ulong => "an integer",
                     };
                     Problem::new(name.span, format!("is set to `{text}`, which is not {wanted}"))
                 })

@@ -7,7 +7,6 @@ use rustc_hash::FxHashMap;
 
 use super::ast::{Declaration, Item, Qualifiers, Storage, TypeBase};
 use super::constants::Constants;
-use super::evaluate::kind_of;
 use super::globals::Globals;
 use super::lexer::Token;
 use super::members::TypeName;
@@ -172,15 +171,12 @@ impl<'a> DeclarationReader<'a> {
             self.loose_uniforms(&type_name, declaration);
         } else if let (true, TypeBase::Name(name)) = (qualifiers.constant, &ty.base) {
             for declarator in names {
-                let kind = match builtin(name) {
-                    Some(Builtin::Data(Type::Scalar(scalar)))
-                        if ty.dims.is_empty() && declarator.dims.is_empty() =>
-                    {
-                        Some(kind_of(scalar))
-                    }
+                let is_single = ty.dims.is_empty() && declarator.dims.is_empty();
+                let scalar = match builtin(name) {
+                    Some(Builtin::Data(Type::Scalar(scalar))) if is_single => Some(scalar),
                     _ => None,
                 };
-                self.add_constant(declarator, kind, qualifiers);
+                self.add_constant(declarator, scalar, qualifiers);
             }
         }
     }

@@ -210,16 +210,31 @@ pub(crate) fn kind_of(scalar: Scalar) -> Kind {
     }
 }
 
+/// Converts a value to a scalar type; integers of 8 and 16 bits wrap.
+pub(crate) fn converted(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
+    let wrapped = |value: Value| match (value, scalar.kind, scalar.width) {
+        (Value::Int(v), ScalarKind::Sint, 1) => Value::Int(i32::from(v as i8)),
+        (Value::Int(v), ScalarKind::Sint, 2) => Value::Int(i32::from(v as i16)),
+        (Value::Uint(v), ScalarKind::Uint, 1) => Value::Uint(u32::from(v as u8)),
+        (Value::Uint(v), ScalarKind::Uint, 2) => Value::Uint(u32::from(v as u16)),
+        (other, ..) => other,
+    };
+    Ok(match value.convert(kind_of(scalar))? {
+        Value::List(items) => Value::List(items.into_iter().map(wrapped).collect()),
+        single => wrapped(single),
+    })
+}
+
 /// Evaluates a scalar or vector constructor; `None` if the name is not such a type.
 fn construct(name: &str, args: &[Value]) -> Option<Result<Value, Fault>> {
-    let (kind, size) = match builtin(name)? {
-        Builtin::Data(Type::Scalar(scalar)) => (kind_of(scalar), None),
-        Builtin::Data(Type::Vector { scalar, rows }) => (kind_of(scalar), Some(usize::from(rows))),
+    let (scalar, size) = match builtin(name)? {
+        Builtin::Data(Type::Scalar(scalar)) => (scalar, None),
+        Builtin::Data(Type::Vector { scalar, rows }) => (scalar, Some(usize::from(rows))),
         _ => return None,
     };
     let mut components = Vec::new();
     for arg in args {
-        match arg.convert(kind) {
+        match converted(arg, scalar) {
             Ok(Value::List(items)) => components.extend(items),
             Ok(scalar) => components.push(scalar),
             Err(fault) => return Some(Err(fault)),
