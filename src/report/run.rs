@@ -13,7 +13,7 @@ use super::verify::about;
 pub use landfall_exec::harness::call::report::{GivenObject, function_name, number};
 use landfall_exec::harness::call::{CallReport, ReturnedValue};
 use landfall_ir::module::Direction;
-use landfall_layout::buffer::Datum;
+use landfall_layout::buffer::ComponentBits;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
@@ -72,11 +72,12 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
 
 fn push(rows: &mut Vec<Row>, name: &str, given: &ReturnedValue) {
     for scalar in &given.scalars {
-        let shown = |datum: Datum| match datum.is_nan() {
+        let shown = |datum: ComponentBits| match datum.is_nan() {
             true => "nan".to_string(),
             false => datum.to_string(),
         };
-        let double = |double: f64| shown(Datum { scalar: Scalar::F64, bits: double.to_bits() });
+        let double =
+            |double: f64| shown(ComponentBits { scalar: Scalar::F64, bits: double.to_bits() });
         let apart = scalar.double.is_some() && scalar.ulp.is_none();
         rows.push(Row {
             name: format!("{name}{}", scalar.path),

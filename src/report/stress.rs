@@ -11,7 +11,7 @@ pub use self::json::{STRESS_SCHEMA, json};
 use super::device::adapter;
 use super::prove::{Listed, summary};
 use landfall_layout::finding::{Finding, Level};
-use landfall_layout::format::columns::GAP;
+use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
 pub use landfall_layout::text::escape;
@@ -54,13 +54,9 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     table(stressed, paint, &mut text);
     let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
     for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
-        let _ = writeln!(
-            text,
-            "  {what}: {} ULP, {} steps with {}",
-            figure(worst.off.ulp),
-            figure(worst.off.steps),
-            cut(&worst.sample.shown())
-        );
+        let [ulp, steps] = [worst.off.ulp, worst.off.steps].map(figure);
+        let inputs = cut(&worst.sample.shown());
+        indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), &mut text);
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(
                 "    one ULP of `{}` moves the result by {} steps; condition number {}",
@@ -133,8 +129,8 @@ fn driver(backend: &BackendReport, paint: Paint, text: &mut String) {
         };
         let off = case.off().unwrap_or_default();
         let (ulp, steps, inputs) = (figure(off.ulp), figure(off.steps), cut(&case.case.shown()));
-        let _ =
-            writeln!(text, "  {name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
+        let line = format!("{name}: {what}: {ulp} ULP, {steps} steps{verdict}, with {inputs}");
+        indented(&line, text);
         let given = case.results.iter().zip(&case.case.results);
         let given: Vec<String> = given
             .map(|(single, truth)| {
@@ -184,6 +180,13 @@ pub fn page(stressed: &Report, svg: &str) -> String {
 
 /// The longest line of values printed, in characters.
 const LINE: usize = 400;
+
+/// Writes a line below the heading, wrapped.
+fn indented(line: &str, text: &mut String) {
+    for (nth, line) in wrapped(line, WIDTH - 4).iter().enumerate() {
+        let _ = writeln!(text, "{}{line}", if nth == 0 { "  " } else { "    " });
+    }
+}
 
 fn cut(values: &str) -> String {
     match values.char_indices().nth(LINE) {

@@ -24,7 +24,7 @@ const ROUNDS: usize = 15;
 const SEED: Form = Form::Seed;
 const ROBUST: Form = Form::Robust(Gates::ALL);
 
-struct Lit {
+struct FragmentLights {
     upload: Upload,
     frame: Frame,
 }
@@ -103,8 +103,8 @@ fn forms() {
 }
 
 /// The largest difference from the reference in `f64`, in steps.
-fn error(lit: &Lit, surfaces: &[Surface], form: Form) -> f64 {
-    let Lit { upload, frame } = lit;
+fn error(lit: &FragmentLights, surfaces: &[Surface], form: Form) -> f64 {
+    let FragmentLights { upload, frame } = lit;
     let model = reference::Model::default();
     let lights = Lights::new(upload, &Model::default());
     let eye = upload.camera.as_vec3();
@@ -171,8 +171,8 @@ fn far_lights() {
 }
 
 /// One plan: what it saves, what making and executing it takes.
-fn row(lit: &Lit, model: &Model, text: &str) {
-    let Lit { upload, frame } = lit;
+fn row(lit: &FragmentLights, model: &Model, text: &str) {
+    let FragmentLights { upload, frame } = lit;
     let options = culling::parse(text).expect("good options");
     let surfaces = surfaces(frame, upload, model, 0.0);
     let fragments = frame.fragments.len() as f64;
@@ -198,7 +198,7 @@ fn row(lit: &Lit, model: &Model, text: &str) {
     }
 }
 
-fn exact_in_range(lit: &Lit) -> f64 {
+fn exact_in_range(lit: &FragmentLights) -> f64 {
     let lights = &lit.upload.lights.point;
     let mut count = 0u64;
     for fragment in &lit.frame.fragments {
@@ -261,7 +261,7 @@ fn uploads() {
     }
 }
 
-fn load(name: &str, seed: Option<u64>) -> Lit {
+fn load(name: &str, seed: Option<u64>) -> FragmentLights {
     let path = format!("{}/shaders/scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
     let mut text = std::fs::read_to_string(&path).expect("a scene of ours");
     if let Some(seed) = seed {
@@ -274,7 +274,10 @@ fn load(name: &str, seed: Option<u64>) -> Lit {
     };
     let reading = scene::read(&path, &text, &open);
     let scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-    Lit { upload: Upload::new(&scene), frame: Frame::new(&scene, &FrameOptions::default()) }
+    FragmentLights {
+        upload: Upload::new(&scene),
+        frame: Frame::new(&scene, &FrameOptions::default()),
+    }
 }
 
 struct Spread {

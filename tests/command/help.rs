@@ -141,7 +141,8 @@ Options:
                             [default: 3600; for `stress` at least twice its
                             --time]
       --max-memory <MIB>    End with exit code 2 if this process needs more
-                            memory, in MiB (Linux) [default: 8192]
+                            memory, in MiB (Linux; measured every 60 ms)
+                            [default: 8192]
   -h, --help                Print help
   -V, --version             Print version
 

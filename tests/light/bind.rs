@@ -7,7 +7,7 @@ use glam::DVec3;
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::{Buffer, Options, Source};
 use landfall_light::bind::{
-    BindError, BindingMap, BlockWriter, Lit, OverflowPolicy, infer, overridden,
+    BindError, BindingMap, BlockWriter, FragmentLights, OverflowPolicy, infer, overridden,
 };
 use landfall_light::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space,
@@ -353,7 +353,7 @@ fn members_hold_what_the_map_says_and_unused_slots_are_zero() {
     let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(3);
     // Two of the three, in another order.
-    let lit = Lit { ambient: true, directional: &[0], point: &[2, 0], spot: &[0] };
+    let lit = FragmentLights { ambient: true, directional: &[0], point: &[2, 0], spot: &[0] };
     let blocks = filler.blocks(&upload, &lit, &upload.materials[0], None).expect("there is room");
     let at = |name: &str| {
         let number = shader.blocks().iter().position(|b| &*b.layout.name == name);
@@ -390,7 +390,8 @@ fn more_lights_than_slots_are_refused_with_both_numbers_or_left_out() {
     assert!(error.to_string().starts_with("the scene has 6 point lights, but `pointLights["));
     let [_, points, _] = filler.lights(&upload.lights, OverflowPolicy::LeaveOut).expect("left out");
     assert_eq!(points, ALL);
-    let lit = Lit { ambient: true, directional: &[], point: &[0, 1, 2, 3, 4], spot: &[] };
+    let lit =
+        FragmentLights { ambient: true, directional: &[], point: &[0, 1, 2, 3, 4], spot: &[] };
     assert!(filler.blocks(&upload, &lit, &upload.materials[0], None).is_err());
 }
 
@@ -400,7 +401,7 @@ fn storage_arrays_are_as_long_as_the_lights() {
     let shader = shader(&source);
     let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
     let upload = upload(4);
-    let lit = Lit { ambient: true, directional: &[0], point: &ALL, spot: &[] };
+    let lit = FragmentLights { ambient: true, directional: &[0], point: &ALL, spot: &[] };
     let blocks = filler.blocks(&upload, &lit, &upload.materials[0], None).expect("there is room");
     let at = |name: &str| {
         let number = shader.blocks().iter().position(|b| &*b.layout.name == name);

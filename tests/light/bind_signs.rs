@@ -7,7 +7,7 @@ use std::time::Duration;
 use glam::DVec3;
 use landfall_exec::interp::Cpu;
 use landfall_layout::Source;
-use landfall_light::bind::{BindError, BlockWriter, Lit, OverflowPolicy, infer};
+use landfall_light::bind::{BindError, BlockWriter, FragmentLights, OverflowPolicy, infer};
 use landfall_light::picture::Transfer;
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::reference::{AmbientTerm, ConeEdge, Family, Model, SpecularGate, Window};
@@ -159,9 +159,9 @@ fn error(case: &Case, renderer: &Renderer) -> u8 {
     let work = Work { upload: &upload, frame: &frame, background: scene.background, limit };
     let all: Vec<u32> = (0..frame.fragments.len() as u32).collect();
     let lit = match case.kind {
-        Kind::Sun => Lit { directional: &[0], ..Lit::default() },
-        Kind::Lamp => Lit { point: &[0], ..Lit::default() },
-        Kind::Spot | Kind::HardSpot => Lit { spot: &[0], ..Lit::default() },
+        Kind::Sun => FragmentLights { directional: &[0], ..FragmentLights::default() },
+        Kind::Lamp => FragmentLights { point: &[0], ..FragmentLights::default() },
+        Kind::Spot | Kind::HardSpot => FragmentLights { spot: &[0], ..FragmentLights::default() },
     };
     let draws = [Draw { fragments: &all, lights: lit, tiles: None }];
     let rendered = renderer.render(&mut Cpu::default(), &work, &draws, &mut |_: &mut Cpu, _| {});

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use landfall_exec::interp::{Cpu, Precision, Settings};
 use landfall_layout::{Options, Source};
-use landfall_light::bind::Lit;
+use landfall_light::bind::FragmentLights;
 use landfall_light::culling::{Claim, LightSet, Plan, parse};
 use landfall_light::render::truth::likely;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
@@ -126,7 +126,8 @@ impl Made {
     fn whole(&self, renderer: &Renderer, cpu: &mut Cpu) -> Rendered {
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let all = self.all();
-        let lights = Lit { ambient: true, point: &all.point, ..Lit::default() };
+        let lights =
+            FragmentLights { ambient: true, point: &all.point, ..FragmentLights::default() };
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         renderer.render(cpu, &self.work(), &draws, &mut |_: &mut Cpu, _| {}).expect("it runs")
     }

@@ -20,16 +20,16 @@ use crate::support::command::golden;
 
 const ROBUST: Form = Form::Robust(Gates::ALL);
 
-struct Lit {
+struct FragmentLights {
     scene: Scene,
     upload: Upload,
     frame: Frame,
 }
 
-impl Lit {
-    fn of(scene: Scene) -> Lit {
+impl FragmentLights {
+    fn of(scene: Scene) -> FragmentLights {
         let frame = Frame::new(&scene, &FrameOptions::default());
-        Lit { upload: Upload::new(&scene), frame, scene }
+        FragmentLights { upload: Upload::new(&scene), frame, scene }
     }
 
     fn plan(&self, model: &Model, text: &str) -> Plan {
@@ -62,12 +62,12 @@ fn read(name: &str, seed: u32, size: [u32; 2]) -> Scene {
 }
 
 /// The 1,024 lights of a seed.
-fn many(seed: u32, size: [u32; 2]) -> Lit {
-    Lit::of(read("lights_1024.json", seed, size))
+fn many(seed: u32, size: [u32; 2]) -> FragmentLights {
+    FragmentLights::of(read("lights_1024.json", seed, size))
 }
 
-fn windowed(seed: u32, size: [u32; 2]) -> Lit {
-    Lit::of(read("lights_1024_windowed.json", seed, size))
+fn windowed(seed: u32, size: [u32; 2]) -> FragmentLights {
+    FragmentLights::of(read("lights_1024_windowed.json", seed, size))
 }
 
 const WINDOWED: Model = Model { windowed: true, specular: SpecularTerm::Everywhere, ..DEFAULT };
@@ -96,7 +96,7 @@ fn every_fragment_is_in_one_draw(plan: &Plan, frame: &Frame) {
 }
 
 /// Fragments with the lights that are in range there, by the scene's own numbers.
-fn in_range(lit: &Lit) -> u64 {
+fn in_range(lit: &FragmentLights) -> u64 {
     let at = |f: &Fragment| DVec3::from(f.position.map(f64::from));
     let lights = &lit.upload.lights.point;
     let inside = |f: &Fragment| {
@@ -174,7 +174,7 @@ fn far_lights_on_planes_are_within_half_a_step_on_three_seeds() {
     }
 }
 
-fn truth(lit: &Lit, fragment: &Fragment) -> DVec3 {
+fn truth(lit: &FragmentLights, fragment: &Fragment) -> DVec3 {
     let texels = texels(&lit.upload.materials[fragment.material as usize], fragment.uv);
     let model = reference::Model::default();
     reference::shade(&model, &lit.upload, fragment, &texels).expect("nothing undefined").total
@@ -230,7 +230,7 @@ fn range_cut_offs_say_what_they_measured() {
 
 #[test]
 fn two_of_128_slots_are_lit_by_64_times_fewer_evaluations_and_the_same_bits() {
-    let lit = Lit::of(read("two_of_128.json", 0, [200, 150]));
+    let lit = FragmentLights::of(read("two_of_128.json", 0, [200, 150]));
     let array = reference::Model::of(reference::Family::Array);
     let model = Model::of(&array).expect("known");
     let plan = lit.plan(&model, "used,slots=128x128x0");
@@ -296,7 +296,7 @@ fn dark_lights_and_those_without_slot_are_left_out_and_named() {
 
 #[test]
 fn lists_are_not_made_where_they_cost_more_than_they_save() {
-    let lit = Lit::of(read("six_lights.json", 0, [400, 300]));
+    let lit = FragmentLights::of(read("six_lights.json", 0, [400, 300]));
     let plan = lit.plan(&DEFAULT, "used,tiles");
     assert_eq!(plan.draws.len(), 1);
     assert_eq!(plan.savings.steps[1].error, Claim::Unused);
@@ -313,7 +313,7 @@ fn lists_are_not_made_where_they_cost_more_than_they_save() {
 
 #[test]
 fn gates_count_what_they_leave_out() {
-    let lit = Lit::of(read("six_lights.json", 0, [400, 300]));
+    let lit = FragmentLights::of(read("six_lights.json", 0, [400, 300]));
     let plan = lit.plan(&DEFAULT, "gates");
     assert!(matches!(plan.savings.steps[0].error, Claim::Exact(_)));
     let near = lit.plan(&DEFAULT, "gates=1/64");
@@ -361,7 +361,7 @@ fn spots_are_left_out_of_tiles_their_cones_do_not_touch() {
         SpotLight { lamp, direction, cone: Cone { inner_cos, outer_cos, degrees: None } }
     };
     scene.lights.spot = lamps.into_iter().enumerate().map(spot).collect();
-    let lit = Lit::of(scene);
+    let lit = FragmentLights::of(scene);
     let plan = lit.plan(&DEFAULT, "tiles=8,always");
     let (some, all) = (lit.lit(&DEFAULT, &plan), lit.brute(&DEFAULT));
     assert!(bits(&some.colors) == bits(&all.colors));
@@ -400,9 +400,9 @@ fn curved_and_textured_surfaces_are_not_interpolated() {
             * DMat4::from_scale(DVec3::splat(12.0)),
     };
     scene.objects = vec![ball];
-    let lit = Lit::of(scene.clone());
+    let lit = FragmentLights::of(scene.clone());
     assert!(lit.frame.fragments.len() > 300, "{}", lit.frame.fragments.len());
-    let exact = |lit: &Lit| {
+    let exact = |lit: &FragmentLights| {
         let plan = lit.plan(&DEFAULT, "interpolate=4,always");
         assert!(plan.grids.is_empty(), "{}", plan.grids.len());
         every_fragment_is_in_one_draw(&plan, &lit.frame);
@@ -415,7 +415,7 @@ fn curved_and_textured_surfaces_are_not_interpolated() {
     for material in &mut scene.materials {
         material.diffuse = scene::Surface::Texture(checker.clone());
     }
-    exact(&Lit::of(scene));
+    exact(&FragmentLights::of(scene));
 }
 
 #[test]
@@ -430,8 +430,11 @@ fn nothing_to_light_and_nothing_to_light_with_are_plans_too() {
         every_fragment_is_in_one_draw(&plan, &dark.frame);
         assert_eq!(plan.savings.after, 0);
         assert!(dark.lit(&WINDOWED, &plan).colors.iter().all(|c| *c == Vec3::ZERO));
-        let empty =
-            Lit { frame: Frame::default(), upload: full.upload.clone(), scene: full.scene.clone() };
+        let empty = FragmentLights {
+            frame: Frame::default(),
+            upload: full.upload.clone(),
+            scene: full.scene.clone(),
+        };
         assert_eq!(empty.plan(&WINDOWED, text).savings.after, 0);
         // Places that are no numbers: kept, with every light.
         let mut broken = windowed(42, [32, 18]);

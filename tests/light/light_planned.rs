@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Options, Source};
-use landfall_light::bind::Lit;
+use landfall_light::bind::FragmentLights;
 use landfall_light::culling;
 use landfall_light::culling::{Claim, Plan};
 use landfall_light::reference;
@@ -69,7 +69,8 @@ fn whole(renderer: &Renderer, made: &Made) -> Rendered {
     let [directional, point, spot] =
         [lights.directional.len(), lights.point.len(), lights.spot.len()].map(count);
     let fragments = count(made.frame.fragments.len());
-    let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+    let lights =
+        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
     let draws = [Draw { fragments: &fragments, lights, tiles: None }];
     renderer.render(&mut cpu, &made.work(), &draws, &mut |_: &mut Cpu, _| {}).expect("it runs")
 }

@@ -50,8 +50,8 @@ use crate::layout::BlockLayout;
 use dirty::{Dirty, Mark};
 use grid::{ByteExtent, Grid, language};
 use index::Index;
-use resolve::{What, not_a_leaf, resolve};
-use value::Fit;
+use resolve::{PlaceKind, not_a_leaf, resolve};
+use value::ScalarMatch;
 
 pub use components::Components;
 pub use decode::{Decoded, Element, decode};
@@ -61,8 +61,8 @@ pub use error::BufferError;
 pub use handle::Handle;
 pub use json::kind;
 pub use json::{EncodeError, read_json};
-pub use number::Datum;
-pub use number::{Unfit, bits};
+pub use number::ComponentBits;
+pub use number::{ComponentError, bits};
 pub use padding::{Finding, Findings};
 pub use value::{Component, Value};
 
@@ -218,10 +218,10 @@ impl Buffer {
     fn leaf<T: Value>(&self, path: &str) -> Result<(usize, Grid), BufferError> {
         let block = self.block();
         let place = resolve(block, self.tail, path, None)?;
-        let What::Leaf(grid) = place.what else {
+        let PlaceKind::Leaf(grid) = place.what else {
             return Err(not_a_leaf(block, path, place.what));
         };
-        if value::fit::<T>(&grid) == Fit::No {
+        if value::fit::<T>(&grid) == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
         Ok((place.offset as usize, grid))
@@ -264,9 +264,9 @@ impl Buffer {
             let at = grid.component(column, row);
             let cell = &mut to[at..at + width];
             match fit {
-                Fit::Same => value.component(column, row).put(cell),
-                Fit::Narrowed => value.component(column, row).put_as(grid.scalar, cell),
-                Fit::No => return false,
+                ScalarMatch::Same => value.component(column, row).put(cell),
+                ScalarMatch::Narrowed => value.component(column, row).put_as(grid.scalar, cell),
+                ScalarMatch::No => return false,
             }
             if !is_matrix {
                 self.dirty.mark(offset + at, width);
@@ -284,7 +284,7 @@ impl Buffer {
     fn load<T: Value>(&self, offset: usize, grid: &Grid) -> Option<T> {
         let from = self.bytes.get(offset..)?.get(..grid.span())?;
         let width = usize::from(grid.scalar.width);
-        let same = value::fit::<T>(grid) == Fit::Same;
+        let same = value::fit::<T>(grid) == ScalarMatch::Same;
         Some(T::build(|column, row| {
             let at = grid.component(column, row);
             let cell = &from[at..at + width];

@@ -36,6 +36,8 @@ impl Severity {
 /// columns of a [`Finding`](crate::finding::Finding), which stands alone in caches and reports.
 /// `C` is the code: [`Code`] for the diagnostics of this workspace, text for findings, whose
 /// lints are an open set.
+///
+/// Its fields are complete: callers build diagnostics of their own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic<At = Span, C = Code> {
     /// The kind of diagnostic.

@@ -5,20 +5,24 @@
 //! [`closing`], so that only one shader need be in memory; [`document`] is a whole document of
 //! one shader.
 
+#[doc(hidden)]
 pub mod columns;
 pub mod csv;
 pub mod diagnostics;
 pub mod diff;
 mod expand;
 pub mod explain;
+#[doc(hidden)]
 pub mod hex;
 pub mod json;
 mod listing;
 mod markdown;
 pub mod paint;
+#[doc(hidden)]
 pub mod phrases;
 mod place;
 mod table;
+#[doc(hidden)]
 pub mod values;
 
 pub use crate::lock::LOCK_SCHEMA;
@@ -51,6 +55,8 @@ pub const DIAGNOSTIC_SCHEMA: &str = include_str!("../schema/diagnostic.json");
 pub const EXPLAIN_SCHEMA: &str = include_str!("../schema/explain.json");
 
 /// An output format of layouts.
+///
+/// Exhaustive: a new format is handled wherever layouts are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Aligned columns.

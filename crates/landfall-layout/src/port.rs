@@ -33,6 +33,7 @@ use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 use edits::Edits;
 use hoist::Handles;
 pub use interface::Direction;
+use rustc_hash::FxHashSet;
 use shader::Shader;
 use uniforms::{Bindings, Gathered};
 
@@ -290,7 +291,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
     let parsed = crate::syntax::parse(source, &options.read, false);
     let mut problems = parsed.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
-    let found: Vec<&str> = shader
+    let found: FxHashSet<&str> = shader
         .variables()
         .filter(|variables| shader.has_word(&variables.qualifiers, "uniform"))
         .flat_map(|variables| &variables.names)
@@ -298,7 +299,7 @@ fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<
         .collect();
     let loose = parsed.shape.blocks.iter().filter(|block| block.space == AddressSpace::Default);
     for member in loose.flat_map(|block| &block.members) {
-        if member.span.file != 0 || !found.contains(&&*member.name) {
+        if member.span.file != 0 || !found.contains(&*member.name) {
             let message = format!("`{}` is declared by a macro or in an include", member.name);
             problems.push(
                 Diagnostic::error(Code::NotPortable, member.span, message)

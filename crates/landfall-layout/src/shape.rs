@@ -11,6 +11,8 @@ pub use spelled::Spelled;
 pub(crate) use spelled::wgsl_scalar;
 
 /// The kind of a component.
+///
+/// Exhaustive: sizes and generated types depend on it everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
 pub enum ScalarKind {

@@ -20,8 +20,8 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::bind::{
-    BindError, BindingMap, BlockWriter, Kind, Lit, OverflowPolicy, Quantity, Tiles, decide, infer,
-    overridden,
+    BindError, BindingMap, BlockWriter, FragmentLights, Kind, OverflowPolicy, Quantity, Tiles,
+    decide, infer, overridden,
 };
 use super::{Fragment, Frame, Upload};
 use crate::picture::Picture;
@@ -57,7 +57,7 @@ pub struct Draw<'a> {
     /// The indices of the fragments in the frame, in any order.
     pub fragments: &'a [u32],
     /// The lights.
-    pub lights: Lit<'a>,
+    pub lights: FragmentLights<'a>,
     /// The point lights of each tile, for shaders that use them.
     pub tiles: Option<Tiles<'a>>,
 }
@@ -197,13 +197,13 @@ impl Renderer {
 
     /// Returns the lights the shader evaluates at a fragment: for a kind without a count, every
     /// slot.
-    pub fn evaluated(&self, lit: &Lit<'_>) -> u64 {
+    pub fn evaluated(&self, lit: &FragmentLights<'_>) -> u64 {
         Kind::ALL.into_iter().map(|kind| self.walked(kind, lit)).sum()
     }
 
     /// Returns the slots of a kind that the shader visits for a fragment, evaluated or not: for a
     /// kind without a count, every one.
-    pub fn walked(&self, kind: Kind, lit: &Lit<'_>) -> u64 {
+    pub fn walked(&self, kind: Kind, lit: &FragmentLights<'_>) -> u64 {
         let lights = match kind {
             Kind::Directional => lit.directional.len(),
             Kind::Point => lit.point.len(),
@@ -228,7 +228,7 @@ impl Renderer {
     }
 
     /// Returns the slots without a light that the shader evaluates anyway.
-    pub fn idle(&self, lit: &Lit<'_>) -> u64 {
+    pub fn idle(&self, lit: &FragmentLights<'_>) -> u64 {
         let lights = lit.directional.len() + lit.point.len() + lit.spot.len();
         self.evaluated(lit).saturating_sub(lights as u64)
     }

@@ -26,7 +26,7 @@ use file::Declarations;
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::text::edit_distance::nearest;
-use rust_type::{Laid, Shape, Unknown};
+use rust_type::{Shape, StructureLayout, Unknown};
 use target::{Target, targets};
 use types::Types;
 
@@ -276,7 +276,7 @@ fn unordered(declarations: &Declarations, index: usize) -> Option<Finding> {
 }
 
 /// The structures of the file that a structure is made of.
-fn nested_structures(laid: &Laid) -> Vec<usize> {
+fn nested_structures(laid: &StructureLayout) -> Vec<usize> {
     let mut found = Vec::new();
     for field in &laid.fields {
         let mut ty = &field.ty;
@@ -325,7 +325,7 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
 fn size(
     declarations: &Declarations,
     target: &Target<'_, '_>,
-    laid: &Rc<Laid>,
+    laid: &Rc<StructureLayout>,
     size: u64,
 ) -> Option<Finding> {
     let name = &laid.name;

@@ -15,7 +15,7 @@ use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error};
-use landfall_light::bind::{Lit, OverflowPolicy};
+use landfall_light::bind::{FragmentLights, OverflowPolicy};
 use landfall_light::culling::{LightSet, Measured};
 use landfall_light::picture::{Picture, Transfer, file};
 use landfall_light::reference::Model;
@@ -229,7 +229,8 @@ fn own_model(
     let Some(renderer) = request.renderer()? else { return Ok(None) };
     let [directional, point, spot] =
         renderer.lights(upload, OverflowPolicy::LeaveOut).map_err(RenderError::from)?;
-    let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+    let lights =
+        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
     let fragments = truth::sampled(frame);
     let draws = [Draw { fragments: &fragments, lights, tiles: None }];
     let work = Work { upload, frame, background: request.scene.background, limit };
@@ -285,7 +286,8 @@ impl PreparedScene<'_> {
     fn report(&self, request: &RenderRequest) -> RenderReport {
         let lights = &self.upload.lights;
         let [directional, point, spot] = self.numbers();
-        let lit = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lit =
+            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let mut notes = self.renderer.as_ref().map_or(Vec::new(), |r| r.notes(&self.upload));
         if let Some(renderer) = &self.renderer {
             let unknown = renderer.map.unknown();
@@ -342,7 +344,8 @@ impl PreparedScene<'_> {
         let whole = self.renderer.as_ref().expect("backends render shaders only");
         let renderer = planned.map_or(whole, |planned| &planned.renderer);
         let [directional, point, spot] = self.numbers();
-        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lights =
+            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         let plan = planned.map(|planned| &planned.plan);

@@ -11,8 +11,8 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_light::accuracy::stress::messages::{name, number};
 use landfall_light::accuracy::stress::{
-    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Off, Outcome,
-    Report, Spread, StressFinding, Tally, Verdict, command,
+    BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Outcome,
+    Report, SampleError, Spread, StressFinding, Tally, Verdict, command,
 };
 
 pub use crate::report::schema::STRESS_SCHEMA;
@@ -341,7 +341,7 @@ fn single(x: f32) -> Value {
     }
 }
 
-fn off(off: &Off) -> OffObject {
+fn off(off: &SampleError) -> OffObject {
     OffObject { ulp: plain(off.ulp), relative: plain(off.relative), steps: plain(off.steps) }
 }
 
@@ -374,7 +374,7 @@ fn came_to(outcome: &Outcome) -> &'static str {
         Outcome::Discarded => "discarded",
         Outcome::NotANumber => "nan",
         Outcome::Infinite => "infinite",
-        Outcome::Off(..) => "finite",
+        Outcome::Finite(..) => "finite",
     }
 }
 
@@ -405,7 +405,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
         about: &found.about,
         outcome: came_to(&found.outcome),
         error: match &found.outcome {
-            Outcome::Off(error, _) => Some(off(error)),
+            Outcome::Finite(error, _) => Some(off(error)),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         },
         breach_steps: found.breach.map(plain),
@@ -424,7 +424,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
             function: &against.function,
             outcome: came_to(&against.outcome),
             steps: match &against.outcome {
-                Outcome::Off(off, _) => Some(plain(off.steps)),
+                Outcome::Finite(off, _) => Some(plain(off.steps)),
                 Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
             },
         }),

@@ -431,7 +431,7 @@ error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
 "#]],
         ),
         (
-            &table("file = \"{a\""),
+            &table("size = 1\nfile = \"{a\""),
             "3:8",
             "bad-glob",
             str![[r#"
@@ -447,7 +447,7 @@ error[bad-glob]: `{a` is not a glob: unclosed alternate group; missing '}' (mayb
 "#]],
         ),
         (
-            &table("sizes = 1"),
+            &table("size = 1\nsizes = 1"),
             "3:1",
             "unknown-key",
             str![[r#"

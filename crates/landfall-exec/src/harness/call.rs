@@ -330,7 +330,7 @@ impl Job<'_> {
         notes.push(format!("`{list}` {defaults} to zero: set {it} with --input"));
     }
 
-    fn misfit(&self, misfit: arguments::Misfit) -> Box<Diagnostic> {
+    fn misfit(&self, misfit: arguments::ArgumentError) -> Box<Diagnostic> {
         let about = match misfit.code {
             Code::UnknownFunction | Code::AmbiguousFunction | Code::CannotCall => {
                 self.source.path.as_str()

@@ -12,5 +12,5 @@ pub mod results;
 pub mod sentinel;
 pub(crate) mod wgsl;
 
-pub use plan::{Plan, Read, Way, plans};
+pub use plan::{AccessMode, Plan, Read, plans};
 pub use results::{Got, ProbeResult};

@@ -20,7 +20,7 @@ const KINDS: usize = 6;
 
 /// The cost of an instruction per active lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Price {
+pub(super) struct InstructionCost {
     pub kind: Cost,
     pub weight: u32,
 }
@@ -81,7 +81,7 @@ impl Counts {
 }
 
 /// Returns the cost of an instruction.
-pub(super) fn price(inst: &Inst) -> Price {
+pub(super) fn price(inst: &Inst) -> InstructionCost {
     use Cost::{Arithmetic, Free, Load, Store, Texture, Transcendental};
     let (kind, each) = match inst.op {
         Op::F1(f) | Op::D1(f) => match f {
@@ -156,5 +156,5 @@ pub(super) fn price(inst: &Inst) -> Price {
         | Op::Call(_)
         | Op::End => (Free, 0),
     };
-    Price { kind, weight: each * inst.groups }
+    InstructionCost { kind, weight: each * inst.groups }
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::code::LANES;
 use super::drive::Outcome;
-use super::interface::{Plug, Port};
+use super::interface::{InterfaceVariable, Port};
 use super::machine::Machine;
 use super::numbers::Numbers;
 use super::pixels::{Triangle, row, tile};
@@ -329,7 +329,7 @@ fn image<R: Real>(
 }
 
 /// Sets the inputs of fragments without a vertex stage: their position only.
-fn plain<R: Real>(m: &mut Machine<R>, inputs: &[Plug], places: &[[u32; 2]; LANES]) {
+fn plain<R: Real>(m: &mut Machine<R>, inputs: &[InterfaceVariable], places: &[[u32; 2]; LANES]) {
     for plug in inputs {
         for (axis, &reg) in plug.regs.iter().enumerate() {
             match plug.port {

@@ -35,7 +35,7 @@ pub enum Port {
 
 /// An input or output, its registers and its interpolation.
 #[derive(Clone, Debug)]
-pub(super) struct Plug {
+pub(super) struct InterfaceVariable {
     pub port: Port,
     pub regs: Vec<Reg>,
     pub flat: bool,
@@ -46,8 +46,8 @@ pub(super) struct Plug {
 pub(super) struct Interface {
     pub stage: Option<Stage>,
     pub workgroup: [u32; 3],
-    pub inputs: Vec<Plug>,
-    pub outputs: Vec<Plug>,
+    pub inputs: Vec<InterfaceVariable>,
+    pub outputs: Vec<InterfaceVariable>,
 }
 
 impl Interface {
@@ -89,7 +89,7 @@ fn plugs(
     inner: &TypeInner,
     binding: Option<&Binding>,
     regs: &[Reg],
-    to: &mut Vec<Plug>,
+    to: &mut Vec<InterfaceVariable>,
 ) -> Result<(), String> {
     if let Some(binding) = binding {
         to.push(plug(binding, regs)?);
@@ -109,14 +109,14 @@ fn plugs(
     Ok(())
 }
 
-fn plug(binding: &Binding, regs: &[Reg]) -> Result<Plug, String> {
+fn plug(binding: &Binding, regs: &[Reg]) -> Result<InterfaceVariable, String> {
     let (port, interpolation) = match binding {
         Binding::Location { location, interpolation, .. } => {
             (Port::Location(*location), *interpolation)
         }
         Binding::BuiltIn(builtin) => (port(*builtin)?, None),
     };
-    Ok(Plug {
+    Ok(InterfaceVariable {
         port,
         regs: regs.to_vec(),
         flat: interpolation == Some(naga::Interpolation::Flat),

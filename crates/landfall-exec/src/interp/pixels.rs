@@ -1,7 +1,7 @@
 //! The pixels of a batch, and the inputs that a triangle over the image gives them.
 
 use super::code::{Class, LANES};
-use super::interface::{Plug, Port};
+use super::interface::{InterfaceVariable, Port};
 use super::machine::Machine;
 use super::numbers::Numbers;
 use super::real::Real;
@@ -37,7 +37,7 @@ pub(super) struct Triangle {
 }
 
 impl Triangle {
-    pub fn new(ports: &[(Port, Numbers)], plugs: &[Plug], wgsl: bool) -> Triangle {
+    pub fn new(ports: &[(Port, Numbers)], plugs: &[InterfaceVariable], wgsl: bool) -> Triangle {
         let find = |port: Port| ports.iter().find(|(p, _)| *p == port).map(|(_, numbers)| numbers);
         let mut corners = [[0.0, 0.0, 0.0, 1.0]; 3];
         if let Some(position) = find(Port::Position) {
@@ -47,11 +47,11 @@ impl Triangle {
                 }
             }
         }
-        let doubles = |plug: &Plug| match find(plug.port) {
+        let doubles = |plug: &InterfaceVariable| match find(plug.port) {
             Some(numbers) => numbers.doubles.iter().map(|l| [l[0], l[1], l[2]]).collect(),
             None => vec![[0.0; 3]; plug.regs.len()],
         };
-        let words = |plug: &Plug| match find(plug.port) {
+        let words = |plug: &InterfaceVariable| match find(plug.port) {
             Some(numbers) => numbers.words.iter().map(|l| [l[0], l[1], l[2]]).collect(),
             None => vec![[0; 3]; plug.regs.len()],
         };
@@ -78,7 +78,7 @@ impl Triangle {
     pub fn fill<R: Real>(
         &self,
         m: &mut Machine<R>,
-        plugs: &[Plug],
+        plugs: &[InterfaceVariable],
         places: &[[u32; 2]; LANES],
         [width, height]: [u32; 2],
     ) -> u64 {

@@ -3,7 +3,7 @@
 //! Made by [`compile`](super::compile), run by [`machine`](super::machine).
 
 use super::code::{Access, Class, Inst, Op, Origin, Reg, Values};
-use super::counts::Price;
+use super::counts::InstructionCost;
 use super::interface::{Interface, Port};
 use super::value::ValueType;
 use landfall_layout::source::{Files, Language};
@@ -13,7 +13,7 @@ use landfall_layout::source::{Files, Language};
 pub struct Program {
     pub(super) code: Vec<Inst>,
     pub(super) origins: Vec<Origin>,
-    pub(super) costs: Vec<Price>,
+    pub(super) costs: Vec<InstructionCost>,
     /// By function: the index of its first instruction.
     pub(super) starts: Vec<u32>,
     /// The operands of the instructions.

@@ -92,7 +92,7 @@ struct Built {
 
 /// The reason why naga rejects a type, so that the block becomes words.
 #[derive(Clone, Copy, Debug)]
-pub enum Misfit {
+pub enum NagaConflict {
     /// An offset or stride is not a multiple of naga's alignment.
     Alignment,
     /// A component without a naga type.
@@ -108,13 +108,13 @@ impl Lowerer<'_> {
         members: &[MemberLayout],
         size: u64,
         purpose: Purpose,
-    ) -> Result<BlockType, Misfit> {
+    ) -> Result<BlockType, NagaConflict> {
         let whole = Part::Whole;
         let typed = self.members(structure, members, size, purpose, true, whole);
         match typed {
             Ok(built) => Ok(Rc::try_unwrap(built.block_type).expect("it was just made")),
-            Err(Misfit::Foreign) => Err(Misfit::Foreign),
-            Err(Misfit::Alignment) => {
+            Err(NagaConflict::Foreign) => Err(NagaConflict::Foreign),
+            Err(NagaConflict::Alignment) => {
                 let built = self.members(structure, members, size, purpose, false, whole)?;
                 Ok(Rc::try_unwrap(built.block_type).expect("it was just made"))
             }
@@ -129,7 +129,7 @@ impl Lowerer<'_> {
         purpose: Purpose,
         typed: bool,
         part: Part,
-    ) -> Result<Built, Misfit> {
+    ) -> Result<Built, NagaConflict> {
         let uniform = purpose == Purpose::Uniform;
         let mut members = Vec::with_capacity(layouts.len());
         let mut naga_members = Vec::with_capacity(layouts.len());
@@ -140,11 +140,11 @@ impl Lowerer<'_> {
         for (index, &i) in order.iter().enumerate() {
             let layout = &layouts[i];
             let offset =
-                layout.offset.and_then(|o| u32::try_from(o).ok()).ok_or(Misfit::Foreign)?;
+                layout.offset.and_then(|o| u32::try_from(o).ok()).ok_or(NagaConflict::Foreign)?;
             let built = self.member(&layout.ty, layout, 0, purpose, typed)?;
             let wants = if uniform { built.uniform } else { built.align };
             if typed && (!offset.is_multiple_of(wants) || (uniform && offset < after_struct)) {
-                return Err(Misfit::Alignment);
+                return Err(NagaConflict::Alignment);
             }
             after_struct = match built.block_type.kind {
                 BlockTypeKind::Struct(_) => offset + built.size.next_multiple_of(16),
@@ -164,14 +164,14 @@ impl Lowerer<'_> {
                 block_type: built.block_type,
             });
         }
-        let mut span = u32::try_from(size).map_err(|_| Misfit::Foreign)?;
+        let mut span = u32::try_from(size).map_err(|_| NagaConflict::Foreign)?;
         if part == Part::Whole {
             // A block with dvec3 is padded to 32 by naga, to 16 by std140: nothing follows it.
-            span = span.checked_next_multiple_of(align).ok_or(Misfit::Foreign)?;
+            span = span.checked_next_multiple_of(align).ok_or(NagaConflict::Foreign)?;
         }
         let naga = if typed {
             if !span.is_multiple_of(align) {
-                return Err(Misfit::Alignment);
+                return Err(NagaConflict::Alignment);
             }
             let inner = TypeInner::Struct { members: naga_members, span };
             let name = (!structure.name.is_empty()).then(|| structure.name.clone());
@@ -191,55 +191,55 @@ impl Lowerer<'_> {
         dim: usize,
         purpose: Purpose,
         typed: bool,
-    ) -> Result<Built, Misfit> {
+    ) -> Result<Built, NagaConflict> {
         match ty {
             Type::Scalar(scalar) => {
-                let kind = Kind::of(*scalar).ok_or(Misfit::Foreign)?;
+                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
                 let atomic = purpose == Purpose::Storage
                     && matches!(kind, Kind::Int | Kind::Uint)
                     && self.atomics.contains(&*layout.name);
                 self.leaf(Ty::Scalar(kind), typed, atomic)
             }
             Type::Vector { scalar, rows } => {
-                let kind = Kind::of(*scalar).ok_or(Misfit::Foreign)?;
+                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
                 self.leaf(Ty::Vector(kind, *rows), typed, false)
             }
             Type::Matrix { scalar, columns, rows } => {
-                let kind = Kind::of(*scalar).ok_or(Misfit::Foreign)?;
+                let kind = Kind::of(*scalar).ok_or(NagaConflict::Foreign)?;
                 self.matrix(kind, *columns, *rows, layout, typed)
             }
             Type::Array { element, len } => {
                 let built = self.member(element, layout, dim + 1, purpose, typed)?;
                 let stride = layout.strides.get(dim).and_then(|s| u32::try_from(*s).ok());
-                let stride = stride.ok_or(Misfit::Foreign)?;
+                let stride = stride.ok_or(NagaConflict::Foreign)?;
                 let len = match len {
                     ArrayLen::Fixed(len) => Some(*len),
                     ArrayLen::Runtime => None,
-                    ArrayLen::Override(_) => return Err(Misfit::Foreign),
+                    ArrayLen::Override(_) => return Err(NagaConflict::Foreign),
                 };
                 self.array(built, stride, len, purpose, typed)
             }
             Type::Struct(s) => {
-                let structure = self.structure_of(s).ok_or(Misfit::Foreign)?;
+                let structure = self.structure_of(s).ok_or(NagaConflict::Foreign)?;
                 let size = match (layout.strides.last(), layout.size) {
                     (Some(stride), _) => Some(*stride),
                     (None, size) => size,
                 };
-                let size = size.ok_or(Misfit::Foreign)?;
+                let size = size.ok_or(NagaConflict::Foreign)?;
                 self.members(&structure, &layout.members, size, purpose, typed, Part::Member)
             }
-            Type::Atomic(_) | Type::Address(_) => Err(Misfit::Foreign),
+            Type::Atomic(_) | Type::Address(_) => Err(NagaConflict::Foreign),
         }
     }
 
-    fn leaf(&mut self, ty: Ty, typed: bool, atomic: bool) -> Result<Built, Misfit> {
+    fn leaf(&mut self, ty: Ty, typed: bool, atomic: bool) -> Result<Built, NagaConflict> {
         let (kind, _) = ty.components().expect("a leaf is a scalar or vector");
         if !typed && (atomic || (kind != Kind::Bool && kind.scalar().width < 4)) {
-            return Err(Misfit::Foreign);
+            return Err(NagaConflict::Foreign);
         }
         let held = if kind == Kind::Bool { ty.with_kind(Kind::Uint) } else { ty.clone() };
-        let carried =
-            value_type(&mut self.ir.types, &mut self.value_types, &held).ok_or(Misfit::Foreign)?;
+        let carried = value_type(&mut self.ir.types, &mut self.value_types, &held)
+            .ok_or(NagaConflict::Foreign)?;
         let mut naga = carried.handle;
         if atomic {
             let inner = TypeInner::Atomic(kind.scalar());
@@ -261,27 +261,27 @@ impl Lowerer<'_> {
         rows: u8,
         layout: &MemberLayout,
         typed: bool,
-    ) -> Result<Built, Misfit> {
+    ) -> Result<Built, NagaConflict> {
         let ty = Ty::Matrix(kind, columns, rows);
         let stride = layout.matrix_stride.and_then(|s| u32::try_from(s).ok());
-        let stride = stride.ok_or(Misfit::Foreign)?;
+        let stride = stride.ok_or(NagaConflict::Foreign)?;
         let row_major = layout.row_major;
         let (count, length) = if row_major { (rows, columns) } else { (columns, rows) };
         let vector =
             value_type(&mut self.ir.types, &mut self.value_types, &Ty::Vector(kind, length))
-                .ok_or(Misfit::Foreign)?;
+                .ok_or(NagaConflict::Foreign)?;
         if !typed && kind == Kind::Half {
-            return Err(Misfit::Foreign);
+            return Err(NagaConflict::Foreign);
         }
         if typed && !stride.is_multiple_of(vector.align) {
-            return Err(Misfit::Alignment);
+            return Err(NagaConflict::Alignment);
         }
         // naga 30.0.1 panics when it writes a load of such a matrix from uniform memory.
         let unwritten = kind == Kind::Double && rows == 2;
         let plain = !row_major && stride == vector.align && !unwritten;
         let naga = if plain {
             value_type(&mut self.ir.types, &mut self.value_types, &ty)
-                .ok_or(Misfit::Foreign)?
+                .ok_or(NagaConflict::Foreign)?
                 .handle
         } else {
             let len = NonZeroU32::new(count.into()).expect("a matrix has columns and rows");
@@ -309,23 +309,23 @@ impl Lowerer<'_> {
         len: Option<u32>,
         purpose: Purpose,
         typed: bool,
-    ) -> Result<Built, Misfit> {
+    ) -> Result<Built, NagaConflict> {
         let uniform = element.uniform.max(element.align).max(16);
         if typed {
             let wants = if purpose == Purpose::Uniform { uniform } else { element.align };
             if !stride.is_multiple_of(wants) {
-                return Err(Misfit::Alignment);
+                return Err(NagaConflict::Alignment);
             }
         }
         let size = match len {
-            Some(len) => ArraySize::Constant(NonZeroU32::new(len).ok_or(Misfit::Foreign)?),
+            Some(len) => ArraySize::Constant(NonZeroU32::new(len).ok_or(NagaConflict::Foreign)?),
             None => ArraySize::Dynamic,
         };
         let naga = element.block_type.naga.map(|base| {
             let inner = TypeInner::Array { base, size, stride };
             self.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED)
         });
-        let size = stride.checked_mul(len.unwrap_or(1)).ok_or(Misfit::Foreign)?;
+        let size = stride.checked_mul(len.unwrap_or(1)).ok_or(NagaConflict::Foreign)?;
         let ty = Ty::Array(Rc::new(element.block_type.ty.clone()), len);
         let align = element.align;
         let kind = BlockTypeKind::Array { element: element.block_type, stride, len };

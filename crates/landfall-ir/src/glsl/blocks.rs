@@ -8,7 +8,7 @@ use std::rc::Rc;
 use naga::StorageAccess;
 
 use super::ast::*;
-use super::block_types::{Misfit, Purpose};
+use super::block_types::{NagaConflict, Purpose};
 use super::globals::{Global, Memory};
 use super::io::Io;
 use super::types::{Field, Kind, Structure, Ty};
@@ -133,7 +133,7 @@ impl<'a> Lowerer<'a> {
         let block_type = self.host_of_block(&structure, &layout.members, size, purpose);
         let block_type = match block_type {
             Ok(block_type) => Rc::new(block_type),
-            Err(Misfit::Alignment | Misfit::Foreign) => {
+            Err(NagaConflict::Alignment | NagaConflict::Foreign) => {
                 let message =
                     format!("naga cannot represent the layout of block `{}`", layout.name);
                 return Err(refuse(span, message).help(

@@ -7,7 +7,7 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::expression::Operand;
 use super::globals::Global;
-use super::lvalue::{Lvalue, Way};
+use super::lvalue::{HandlePath, Lvalue};
 use super::opaque::{Chosen, HandlePair, ways};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, R, refuse};
@@ -358,7 +358,7 @@ impl<'a> Body<'_, 'a> {
                     flat.extend(rest.as_ref().map(|rest| rest.expr));
                     let pairs: Vec<HandlePair> = match (chosen, pair) {
                         (
-                            Chosen::Joined(..) | Chosen::At(Way { dynamic: Some(_), .. }, _),
+                            Chosen::Joined(..) | Chosen::At(HandlePath { dynamic: Some(_), .. }, _),
                             Some(pair),
                         ) => vec![pair.clone()],
                         (Chosen::Joined(..), None) => {

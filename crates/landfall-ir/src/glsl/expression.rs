@@ -7,7 +7,7 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::constant::{Const, literal};
 use super::globals::Global;
-use super::lvalue::{Address, Index, Lvalue, Mem, Way};
+use super::lvalue::{Address, HandlePath, Index, Lvalue, Mem};
 use super::opaque::Chosen;
 use super::types::{Kind, Ty};
 use super::{Help, R, refuse};
@@ -138,7 +138,7 @@ impl<'a> Body<'_, 'a> {
                 return Ok(Operand::Value(value));
             }
             Some(Symbol::Handles(root, ty, rest)) => {
-                let path = Some(Way { text: root, dynamic: None });
+                let path = Some(HandlePath { text: root, dynamic: None });
                 let mem = match rest.as_deref() {
                     Some(Symbol::Lvalue(place)) => place.mem.clone(),
                     Some(Symbol::Value(value)) => self.spill(value)?.mem,
@@ -208,7 +208,8 @@ impl<'a> Body<'_, 'a> {
                     }
                     None => Lvalue { writable: false, ..Lvalue::new(Mem::Nothing, ty.clone()) },
                 };
-                let path = ty.has_opaque().then(|| Way { text: name.to_string(), dynamic: None });
+                let path =
+                    ty.has_opaque().then(|| HandlePath { text: name.to_string(), dynamic: None });
                 Ok(Operand::Lvalue(Lvalue { path, ..place }))
             }
             Global::Constant { ty, declaration, index: which, value, .. } => {

@@ -59,13 +59,13 @@ pub struct Lvalue {
     /// The swizzle of the vector, if any.
     pub swizzle: Option<(u8, Vec<u8>)>,
     /// The path, if it contains handles.
-    pub path: Option<Way>,
+    pub path: Option<HandlePath>,
     pub writable: bool,
 }
 
 /// The path of a handle: `materials[2].diffuse`.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct HandlePath {
     /// The path; `[?]` stands for the element that `dynamic` selects.
     pub text: String,
     /// The variable index, and the number of elements.
@@ -148,7 +148,7 @@ impl Body<'_, '_> {
         let path = place
             .path
             .as_ref()
-            .map(|way| Way { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
+            .map(|way| HandlePath { text: format!("{}.{name}", way.text), dynamic: way.dynamic });
         let mem = if !super::types::holds_values(&ty) {
             Mem::Nothing
         } else {
@@ -205,15 +205,15 @@ impl Body<'_, '_> {
         }
         let path = match (&place.path, index) {
             (None, _) => None,
-            (Some(Way { text, dynamic }), Index::Fixed(i)) => {
-                Some(Way { text: format!("{text}[{i}]"), dynamic: *dynamic })
+            (Some(HandlePath { text, dynamic }), Index::Fixed(i)) => {
+                Some(HandlePath { text: format!("{text}[{i}]"), dynamic: *dynamic })
             }
-            (Some(Way { text, dynamic: None }), Index::Dynamic(index)) => Some(Way {
+            (Some(HandlePath { text, dynamic: None }), Index::Dynamic(index)) => Some(HandlePath {
                 text: format!("{text}[?]"),
                 dynamic: Some((index, len.unwrap_or(u32::MAX))),
             }),
             // Two variable indices on the way to a handle: it is not found by it any more.
-            (Some(Way { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
+            (Some(HandlePath { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
         };
         let mem = match &place.mem {
             Mem::Own(pointer) => Mem::Own(self.at(*pointer, index)),

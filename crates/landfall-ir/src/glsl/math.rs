@@ -12,7 +12,7 @@ use super::types::{Kind, Ty};
 
 /// The arguments that a function takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Takes {
+enum Parameters {
     /// Scalars or vectors of floats, all of one size; a scalar fills a vector.
     Floats,
     /// Scalars or vectors of any numbers, with the same rule.
@@ -27,50 +27,50 @@ enum Takes {
 
 /// Functions with a counterpart in naga: name, number of arguments, argument types, naga's
 /// function.
-const TABLE: &[(&str, usize, Takes, M)] = &[
-    ("radians", 1, Takes::Floats, M::Radians),
-    ("degrees", 1, Takes::Floats, M::Degrees),
-    ("sin", 1, Takes::Floats, M::Sin),
-    ("cos", 1, Takes::Floats, M::Cos),
-    ("tan", 1, Takes::Floats, M::Tan),
-    ("asin", 1, Takes::Floats, M::Asin),
-    ("acos", 1, Takes::Floats, M::Acos),
-    ("atan", 1, Takes::Floats, M::Atan),
-    ("atan", 2, Takes::Floats, M::Atan2),
-    ("sinh", 1, Takes::Floats, M::Sinh),
-    ("cosh", 1, Takes::Floats, M::Cosh),
-    ("tanh", 1, Takes::Floats, M::Tanh),
-    ("asinh", 1, Takes::Floats, M::Asinh),
-    ("acosh", 1, Takes::Floats, M::Acosh),
-    ("atanh", 1, Takes::Floats, M::Atanh),
-    ("pow", 2, Takes::Floats, M::Pow),
-    ("exp", 1, Takes::Floats, M::Exp),
-    ("log", 1, Takes::Floats, M::Log),
-    ("exp2", 1, Takes::Floats, M::Exp2),
-    ("log2", 1, Takes::Floats, M::Log2),
-    ("sqrt", 1, Takes::Floats, M::Sqrt),
-    ("inversesqrt", 1, Takes::Floats, M::InverseSqrt),
-    ("abs", 1, Takes::Numbers, M::Abs),
-    ("sign", 1, Takes::Numbers, M::Sign),
-    ("floor", 1, Takes::Floats, M::Floor),
-    ("trunc", 1, Takes::Floats, M::Trunc),
-    ("round", 1, Takes::Floats, M::Round),
-    ("roundEven", 1, Takes::Floats, M::Round),
-    ("ceil", 1, Takes::Floats, M::Ceil),
-    ("fract", 1, Takes::Floats, M::Fract),
-    ("min", 2, Takes::Numbers, M::Min),
-    ("max", 2, Takes::Numbers, M::Max),
-    ("clamp", 3, Takes::Numbers, M::Clamp),
-    ("step", 2, Takes::Floats, M::Step),
-    ("smoothstep", 3, Takes::Floats, M::SmoothStep),
-    ("fma", 3, Takes::Floats, M::Fma),
-    ("cross", 2, Takes::Vectors, M::Cross),
-    ("bitfieldReverse", 1, Takes::Numbers, M::ReverseBits),
-    ("bitCount", 1, Takes::Bits, M::CountOneBits),
-    ("findLSB", 1, Takes::Bits, M::FirstTrailingBit),
-    ("findMSB", 1, Takes::Bits, M::FirstLeadingBit),
-    ("determinant", 1, Takes::Square, M::Determinant),
-    ("inverse", 1, Takes::Square, M::Inverse),
+const TABLE: &[(&str, usize, Parameters, M)] = &[
+    ("radians", 1, Parameters::Floats, M::Radians),
+    ("degrees", 1, Parameters::Floats, M::Degrees),
+    ("sin", 1, Parameters::Floats, M::Sin),
+    ("cos", 1, Parameters::Floats, M::Cos),
+    ("tan", 1, Parameters::Floats, M::Tan),
+    ("asin", 1, Parameters::Floats, M::Asin),
+    ("acos", 1, Parameters::Floats, M::Acos),
+    ("atan", 1, Parameters::Floats, M::Atan),
+    ("atan", 2, Parameters::Floats, M::Atan2),
+    ("sinh", 1, Parameters::Floats, M::Sinh),
+    ("cosh", 1, Parameters::Floats, M::Cosh),
+    ("tanh", 1, Parameters::Floats, M::Tanh),
+    ("asinh", 1, Parameters::Floats, M::Asinh),
+    ("acosh", 1, Parameters::Floats, M::Acosh),
+    ("atanh", 1, Parameters::Floats, M::Atanh),
+    ("pow", 2, Parameters::Floats, M::Pow),
+    ("exp", 1, Parameters::Floats, M::Exp),
+    ("log", 1, Parameters::Floats, M::Log),
+    ("exp2", 1, Parameters::Floats, M::Exp2),
+    ("log2", 1, Parameters::Floats, M::Log2),
+    ("sqrt", 1, Parameters::Floats, M::Sqrt),
+    ("inversesqrt", 1, Parameters::Floats, M::InverseSqrt),
+    ("abs", 1, Parameters::Numbers, M::Abs),
+    ("sign", 1, Parameters::Numbers, M::Sign),
+    ("floor", 1, Parameters::Floats, M::Floor),
+    ("trunc", 1, Parameters::Floats, M::Trunc),
+    ("round", 1, Parameters::Floats, M::Round),
+    ("roundEven", 1, Parameters::Floats, M::Round),
+    ("ceil", 1, Parameters::Floats, M::Ceil),
+    ("fract", 1, Parameters::Floats, M::Fract),
+    ("min", 2, Parameters::Numbers, M::Min),
+    ("max", 2, Parameters::Numbers, M::Max),
+    ("clamp", 3, Parameters::Numbers, M::Clamp),
+    ("step", 2, Parameters::Floats, M::Step),
+    ("smoothstep", 3, Parameters::Floats, M::SmoothStep),
+    ("fma", 3, Parameters::Floats, M::Fma),
+    ("cross", 2, Parameters::Vectors, M::Cross),
+    ("bitfieldReverse", 1, Parameters::Numbers, M::ReverseBits),
+    ("bitCount", 1, Parameters::Bits, M::CountOneBits),
+    ("findLSB", 1, Parameters::Bits, M::FirstTrailingBit),
+    ("findMSB", 1, Parameters::Bits, M::FirstLeadingBit),
+    ("determinant", 1, Parameters::Square, M::Determinant),
+    ("inverse", 1, Parameters::Square, M::Inverse),
 ];
 
 /// Packing functions: name, argument, result, naga's function.
@@ -223,8 +223,8 @@ impl Body<'_, '_> {
         }
     }
 
-    fn tabled(&mut self, takes: Takes, fun: M, values: &[Val]) -> R<Option<Val>> {
-        if takes == Takes::Square {
+    fn tabled(&mut self, takes: Parameters, fun: M, values: &[Val]) -> R<Option<Val>> {
+        if takes == Parameters::Square {
             let Ty::Matrix(kind, columns, rows) = values[0].ty else { return Ok(None) };
             if columns != rows {
                 return Ok(None);
@@ -235,12 +235,12 @@ impl Body<'_, '_> {
             return Ok(Some(Val { expr, ty }));
         }
         let Some(mut values) =
-            self.alike(values, takes != Takes::Numbers && takes != Takes::Bits)?
+            self.alike(values, takes != Parameters::Numbers && takes != Parameters::Bits)?
         else {
             return Ok(None);
         };
         let mut ty = values[0].ty.clone();
-        if takes == Takes::Vectors && ty.components().is_none_or(|(_, size)| size != 3) {
+        if takes == Parameters::Vectors && ty.components().is_none_or(|(_, size)| size != 3) {
             return Ok(None);
         }
         let kind = ty.kind().unwrap_or(Kind::Float);
@@ -250,7 +250,7 @@ impl Body<'_, '_> {
         }
         let arguments: Vec<_> = values.iter().map(|value| value.expr).collect();
         let mut expr = self.math(fun, &arguments);
-        if takes == Takes::Bits && kind == Kind::Uint {
+        if takes == Parameters::Bits && kind == Kind::Uint {
             ty = ty.with_kind(Kind::Int);
             expr = self.add(Expression::As { expr, kind: ScalarKind::Sint, convert: Some(4) });
         }

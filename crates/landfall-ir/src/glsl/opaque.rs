@@ -9,7 +9,7 @@ use naga::{Expression, Handle, ImageClass, StorageAccess, StorageFormat, TypeInn
 
 use super::ast::Qualifiers;
 use super::body::{Body, Val};
-use super::lvalue::Way;
+use super::lvalue::HandlePath;
 use super::types::{Image, Kind, Opaque, Ty};
 use super::{Help, Lowerer, R, refuse};
 use crate::module::{HandleKind, ModuleHandle};
@@ -24,7 +24,7 @@ const MOST_SWITCHED: u32 = 64;
 
 /// The size of an array of handles that is bound as one, if it has one.
 #[derive(Clone, Copy)]
-struct Many {
+struct HandleArray {
     len: Option<u32>,
 }
 
@@ -49,7 +49,7 @@ pub enum Source {
 #[derive(Clone, Debug)]
 pub enum Chosen {
     /// By its path.
-    At(Way, Ty),
+    At(HandlePath, Ty),
     /// `sampler2D(texture, sampler)`.
     Joined(Opaque, Box<[Chosen; 2]>),
 }
@@ -100,7 +100,7 @@ impl<'a> Lowerer<'a> {
                 let group = self.layout_number(qualifiers, "set").unwrap_or(0);
                 let wanted = self.layout_number(qualifiers, "binding");
                 let at = self.bindings.claim(group, wanted);
-                let (opaque, many) = (opaque.clone(), Some(Many { len: *len }));
+                let (opaque, many) = (opaque.clone(), Some(HandleArray { len: *len }));
                 let pair = self.declare_handle(name, opaque, qualifiers, at, span, many)?;
                 self.handles.insert(format!("{name}[?]"), pair);
                 return Ok(());
@@ -138,14 +138,14 @@ impl<'a> Lowerer<'a> {
         qualifiers: &Qualifiers<'a>,
         at: (u32, u32),
         span: Span,
-        many: Option<Many>,
+        many: Option<HandleArray>,
     ) -> R<HandlePair> {
         let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
         let global = |this: &mut Self, kind: HandleKind, at: (u32, u32), inner: TypeInner| {
             let naga_span = this.naga_span(span);
             let mut ty =
                 this.ir.types.insert(naga::Type { name: None, inner }, naga::Span::UNDEFINED);
-            if let Some(Many { len }) = many {
+            if let Some(HandleArray { len }) = many {
                 let size = match len.and_then(NonZeroU32::new) {
                     Some(len) => naga::ArraySize::Constant(len),
                     None => naga::ArraySize::Dynamic,
@@ -306,7 +306,7 @@ impl Body<'_, '_> {
                     })
                 });
             }
-            Chosen::At(Way { text, dynamic: None }, _) => {
+            Chosen::At(HandlePath { text, dynamic: None }, _) => {
                 let pair = match self.bound_array(text) {
                     Some((array, index)) => {
                         let index = self.u32(index);
@@ -316,7 +316,7 @@ impl Body<'_, '_> {
                 };
                 return with(self, &pair);
             }
-            Chosen::At(Way { text, dynamic: Some((index, len)) }, _) => {
+            Chosen::At(HandlePath { text, dynamic: Some((index, len)) }, _) => {
                 if let Some(array) = self.cx.handles.get(text).cloned() {
                     return with(self, &element(&array, *index));
                 }

@@ -3,7 +3,7 @@
 use super::error::BufferError;
 use super::float::narrow;
 use super::grid::{ByteExtent, Dim, Grid};
-use super::resolve::{What, not_a_leaf, resolve};
+use super::resolve::{PlaceKind, not_a_leaf, resolve};
 use super::value::put_bits;
 use crate::layout::BlockLayout;
 use crate::shape::{Scalar, ScalarKind};
@@ -30,7 +30,7 @@ impl Components {
         ByteExtent::of(block)?;
         let mut dims = Vec::new();
         let place = resolve(block, 0, path, Some(&mut |dim| dims.push(dim)))?;
-        let What::Leaf(grid) = place.what else {
+        let PlaceKind::Leaf(grid) = place.what else {
             return Err(not_a_leaf(block, path, place.what));
         };
         if let [_, inner, ..] = dims[..] {

@@ -11,9 +11,9 @@ use serde::{Serialize, Serializer};
 
 use super::error::BufferError;
 use super::grid::{ByteExtent, Grid, language};
-use super::number::Datum;
+use super::number::ComponentBits;
 use super::padding::{Finding, Findings, finding, name_at};
-use super::resolve::{ResolvedPlace, What, resolve, size};
+use super::resolve::{PlaceKind, ResolvedPlace, resolve, size};
 use super::value::take_bits;
 use crate::layout::{BlockLayout, MemberLayout};
 use crate::shape::ArrayLen;
@@ -48,7 +48,7 @@ pub struct Element<'r> {
     /// Components per column: all of a vector's, one for a scalar.
     pub rows: usize,
     /// The components, column by column.
-    pub cells: &'r [Datum],
+    pub cells: &'r [ComponentBits],
     pub(crate) grid: Grid,
 }
 
@@ -170,8 +170,8 @@ impl<'a> Decoded<'a> {
     pub fn only(self, path: &str) -> Result<Decoded<'a>, BufferError> {
         let root = resolve(self.block, self.tail, path, None)?;
         let path = match root.what {
-            What::Block => String::new(),
-            What::Struct(_) | What::Array(..) | What::Leaf(_) => path.to_string(),
+            PlaceKind::Block => String::new(),
+            PlaceKind::Struct(_) | PlaceKind::Array(..) | PlaceKind::Leaf(_) => path.to_string(),
         };
         let mut part = Decoded { root, path, ..self };
         part.findings = find(&part);
@@ -183,8 +183,8 @@ impl<'a> Decoded<'a> {
         let len = self.bytes.len();
         let start = self.root.offset as usize;
         let end = match self.root.what {
-            What::Block => len,
-            What::Struct(_) | What::Array(..) | What::Leaf(_) => {
+            PlaceKind::Block => len,
+            PlaceKind::Struct(_) | PlaceKind::Array(..) | PlaceKind::Leaf(_) => {
                 match size(self.block, self.root.what) {
                     Some(size) => len.min(start.saturating_add(size as usize)),
                     None => len,
@@ -233,7 +233,7 @@ impl<'a> Decoded<'a> {
     ) -> Result<(), E> {
         let before = path.len();
         match place.what {
-            What::Block | What::Struct(_) => {
+            PlaceKind::Block | PlaceKind::Struct(_) => {
                 for member in self.members(place.what) {
                     if before > 0 {
                         path.push('.');
@@ -243,15 +243,15 @@ impl<'a> Decoded<'a> {
                     path.truncate(before);
                 }
             }
-            What::Array(member, dim) => {
+            PlaceKind::Array(member, dim) => {
                 for index in 0..self.count(member, dim) {
                     let _ = write!(path, "[{index}]");
                     self.walk(place.element(member, dim, index), path, then)?;
                     path.truncate(before);
                 }
             }
-            What::Leaf(grid) => {
-                let mut cells = [Datum { scalar: grid.scalar, bits: 0 }; 16];
+            PlaceKind::Leaf(grid) => {
+                let mut cells = [ComponentBits { scalar: grid.scalar, bits: 0 }; 16];
                 let mut count = 0;
                 for (cell, (column, row)) in cells.iter_mut().zip(grid.cells()) {
                     *cell = self.datum(place.offset, &grid, column, row);
@@ -271,11 +271,11 @@ impl<'a> Decoded<'a> {
         Ok(())
     }
 
-    fn members(&self, what: What<'a>) -> &'a [MemberLayout] {
+    fn members(&self, what: PlaceKind<'a>) -> &'a [MemberLayout] {
         match what {
-            What::Block => &self.block.members,
-            What::Struct(member) => &member.members,
-            What::Array(..) | What::Leaf(_) => &[],
+            PlaceKind::Block => &self.block.members,
+            PlaceKind::Struct(member) => &member.members,
+            PlaceKind::Array(..) | PlaceKind::Leaf(_) => &[],
         }
     }
 
@@ -286,10 +286,10 @@ impl<'a> Decoded<'a> {
         }
     }
 
-    fn datum(&self, offset: u64, grid: &Grid, column: usize, row: usize) -> Datum {
+    fn datum(&self, offset: u64, grid: &Grid, column: usize, row: usize) -> ComponentBits {
         let at = offset as usize + grid.component(column, row);
         let bits = take_bits(&self.bytes[at..at + usize::from(grid.scalar.width)]);
-        Datum { scalar: grid.scalar, bits }
+        ComponentBits { scalar: grid.scalar, bits }
     }
 }
 
@@ -313,7 +313,7 @@ impl Serialize for At<'_, '_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let At { decoded, place } = *self;
         match place.what {
-            What::Block | What::Struct(_) => {
+            PlaceKind::Block | PlaceKind::Struct(_) => {
                 let members = decoded.members(place.what);
                 let mut map = serializer.serialize_map(Some(members.len()))?;
                 for member in members {
@@ -324,7 +324,7 @@ impl Serialize for At<'_, '_> {
                 }
                 map.end()
             }
-            What::Array(member, dim) => {
+            PlaceKind::Array(member, dim) => {
                 let len = decoded.count(member, dim);
                 let mut seq = serializer.serialize_seq(Some(len as usize))?;
                 for index in 0..len {
@@ -333,7 +333,7 @@ impl Serialize for At<'_, '_> {
                 }
                 seq.end()
             }
-            What::Leaf(grid) => {
+            PlaceKind::Leaf(grid) => {
                 let (columns, rows) = (usize::from(grid.columns), usize::from(grid.rows));
                 let cell = |column, row| decoded.datum(place.offset, &grid, column, row);
                 let column = |column| (0..rows).map(|row| cell(column, row)).collect::<Vec<_>>();

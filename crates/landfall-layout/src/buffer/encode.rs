@@ -1,7 +1,7 @@
 //! Encodes JSON values to the bytes of a block.
 //!
 //! Objects are structures; arrays are arrays, vectors, and matrices as lists of columns; components
-//! are as [`Datum`](super::Datum) writes them. A key may also be a path: `"data[3].color"`.
+//! are as [`ComponentBits`](super::ComponentBits) writes them. A key may also be a path: `"data[3].color"`.
 
 use std::collections::HashSet;
 
@@ -10,8 +10,8 @@ use serde_json::{Map, Value};
 use super::error::BufferError;
 use super::grid::{ByteExtent, Grid, Tail, language};
 use super::json::{EncodeError, kind};
-use super::number::{Unfit, bits};
-use super::resolve::{ResolvedPlace, What, resolve_in, spelled};
+use super::number::{ComponentError, bits};
+use super::resolve::{PlaceKind, ResolvedPlace, resolve_in, spelled};
 use super::value::put_bits;
 use super::zeroes;
 use crate::layout::{BlockLayout, MemberLayout};
@@ -96,10 +96,10 @@ struct Encoder<'b> {
 impl<'b> Encoder<'b> {
     fn value(&mut self, place: ResolvedPlace<'b>, value: &Value) -> Result<(), EncodeError> {
         match place.what {
-            What::Block => self.object(&self.block.members, place, value),
-            What::Struct(member) => self.object(&member.members, place, value),
-            What::Array(member, dim) => self.array(place, member, dim, value),
-            What::Leaf(grid) => self.leaf(place.offset as usize, grid, value),
+            PlaceKind::Block => self.object(&self.block.members, place, value),
+            PlaceKind::Struct(member) => self.object(&member.members, place, value),
+            PlaceKind::Array(member, dim) => self.array(place, member, dim, value),
+            PlaceKind::Leaf(grid) => self.leaf(place.offset as usize, grid, value),
         }
     }
 
@@ -163,7 +163,7 @@ impl<'b> Encoder<'b> {
             (columns, rows) => (columns, format!("an array of {columns} columns of {rows}")),
         };
         let Value::Array(items) = value else {
-            return Err(self.wrong(What::Leaf(grid), &wanted, value));
+            return Err(self.wrong(PlaceKind::Leaf(grid), &wanted, value));
         };
         if items.len() != len {
             let ty = grid.spelled(language(self.block));
@@ -186,11 +186,11 @@ impl<'b> Encoder<'b> {
             ty.spelled(language(self.block)).to_string()
         };
         let bits = bits(scalar, value).map_err(|unfit| match unfit {
-            Unfit::Kind(wanted) => {
+            ComponentError::Kind(wanted) => {
                 let (wanted, found) = (wanted.to_string(), kind(value));
                 EncodeError::Kind { at: at(), ty: ty(), wanted, found }
             }
-            Unfit::Range => EncodeError::Range { at: at(), ty: ty(), found: kind(value) },
+            ComponentError::Range => EncodeError::Range { at: at(), ty: ty(), found: kind(value) },
         })?;
         let bit = 1 << (offset % 64);
         if self.given[offset / 64] & bit != 0 {
@@ -205,9 +205,9 @@ impl<'b> Encoder<'b> {
     /// one.
     fn is_complete(&mut self, place: ResolvedPlace<'b>) -> bool {
         match place.what {
-            What::Block => self.are_complete(&self.block.members, place),
-            What::Struct(member) => self.are_complete(&member.members, place),
-            What::Array(member, dim) => (0..self.len(member, dim)).all(|index| {
+            PlaceKind::Block => self.are_complete(&self.block.members, place),
+            PlaceKind::Struct(member) => self.are_complete(&member.members, place),
+            PlaceKind::Array(member, dim) => (0..self.len(member, dim)).all(|index| {
                 let element = place.element(member, dim, index);
                 let before = self.path.len();
                 self.path.push_str(&format!("[{index}]"));
@@ -216,7 +216,7 @@ impl<'b> Encoder<'b> {
                     true
                 }
             }),
-            What::Leaf(grid) => grid.cells().all(|(column, row)| {
+            PlaceKind::Leaf(grid) => grid.cells().all(|(column, row)| {
                 let at = place.offset as usize + grid.component(column, row);
                 self.given[at / 64] & 1 << (at % 64) != 0
             }),
@@ -279,7 +279,7 @@ impl<'b> Encoder<'b> {
         EncodeError::Key { at: String::new(), error }
     }
 
-    fn wrong(&self, what: What<'_>, wanted: &str, found: &Value) -> EncodeError {
+    fn wrong(&self, what: PlaceKind<'_>, wanted: &str, found: &Value) -> EncodeError {
         EncodeError::Kind {
             at: self.path.clone(),
             ty: spelled(self.block, what),

@@ -5,9 +5,9 @@ use std::marker::PhantomData;
 use super::dirty::Mark;
 use super::error::BufferError;
 use super::grid::{Dim, Grid};
-use super::resolve::{What, not_a_leaf, resolve};
+use super::resolve::{PlaceKind, not_a_leaf, resolve};
 use super::value;
-use super::value::{Fit, Value};
+use super::value::{ScalarMatch, Value};
 use super::{Buffer, wrong_type};
 
 /// A resolved leaf of a block, with the Rust type it is set from and read as.
@@ -48,14 +48,14 @@ impl<T: Value> Handle<T> {
         let block = buffer.block();
         let mut dims = Vec::new();
         let place = resolve(block, buffer.tail, path, Some(&mut |dim| dims.push(dim)))?;
-        let What::Leaf(grid) = place.what else {
+        let PlaceKind::Leaf(grid) = place.what else {
             return Err(not_a_leaf(block, path, place.what));
         };
         let fit = value::fit::<T>(&grid);
-        if fit == Fit::No {
+        if fit == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
-        let plain = fit == Fit::Same && grid.is_plain();
+        let plain = fit == ScalarMatch::Same && grid.is_plain();
         let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {
             key: buffer.key.wrapping_add(if plain { dims.len() as u64 } else { NOT_PLAIN }),

@@ -14,7 +14,7 @@ use crate::shape::{Scalar, ScalarKind};
 
 /// The bits of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Datum {
+pub struct ComponentBits {
     /// The component type.
     pub scalar: Scalar,
     /// The bits; those above the width are 0.
@@ -29,7 +29,7 @@ enum Meaning {
     Float(f64),
 }
 
-impl Datum {
+impl ComponentBits {
     /// Whether it is a NaN.
     pub fn is_nan(self) -> bool {
         matches!(self.meaning(), Meaning::Float(number) if number.is_nan())
@@ -81,7 +81,7 @@ impl Datum {
     }
 }
 
-impl fmt::Display for Datum {
+impl fmt::Display for ComponentBits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.meaning() {
             Meaning::Bool(value) => write!(f, "{value}"),
@@ -96,7 +96,7 @@ impl fmt::Display for Datum {
     }
 }
 
-impl Serialize for Datum {
+impl Serialize for ComponentBits {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.meaning() {
             Meaning::Bool(value) => serializer.serialize_bool(value),
@@ -112,7 +112,7 @@ impl Serialize for Datum {
 }
 
 /// An error of converting a JSON value to a component.
-pub enum Unfit {
+pub enum ComponentError {
     /// The wrong JSON type; the text names the right one.
     Kind(&'static str),
     /// The right JSON type, but out of range or malformed.
@@ -120,7 +120,7 @@ pub enum Unfit {
 }
 
 /// Returns the bits of a component from JSON.
-pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
+pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, ComponentError> {
     let width = u32::from(scalar.width);
     let mask = u64::MAX >> (64 - 8 * width);
     match scalar.kind {
@@ -128,45 +128,50 @@ pub fn bits(scalar: Scalar, value: &Value) -> Result<u64, Unfit> {
             Value::Bool(value) => Ok(u64::from(*value)),
             Value::Number(number) => match number.as_u64() {
                 Some(bits) if bits <= mask => Ok(bits),
-                _ => Err(Unfit::Range),
+                _ => Err(ComponentError::Range),
             },
-            _ => Err(Unfit::Kind("true or false")),
+            _ => Err(ComponentError::Kind("true or false")),
         },
         ScalarKind::Sint => match value {
             Value::Number(number) if number.is_i64() || number.is_u64() => {
-                let number = number.as_i64().ok_or(Unfit::Range)?;
+                let number = number.as_i64().ok_or(ComponentError::Range)?;
                 let unused = 64 - 8 * width;
                 let fits = (number << unused) >> unused == number;
-                if fits { Ok(number as u64 & mask) } else { Err(Unfit::Range) }
+                if fits { Ok(number as u64 & mask) } else { Err(ComponentError::Range) }
             }
-            _ => Err(Unfit::Kind("an integer")),
+            _ => Err(ComponentError::Kind("an integer")),
         },
         ScalarKind::Uint => match value {
             Value::Number(number) if number.is_i64() || number.is_u64() => {
-                number.as_u64().filter(|&number| number <= mask).ok_or(Unfit::Range)
+                number.as_u64().filter(|&number| number <= mask).ok_or(ComponentError::Range)
             }
-            _ => Err(Unfit::Kind("an integer")),
+            _ => Err(ComponentError::Kind("an integer")),
         },
         ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
             match value {
                 Value::Number(number) => {
-                    let bits = narrow(scalar, number.as_f64().ok_or(Unfit::Range)?);
-                    if widen(scalar, bits).is_finite() { Ok(bits) } else { Err(Unfit::Range) }
+                    let bits = narrow(scalar, number.as_f64().ok_or(ComponentError::Range)?);
+                    if widen(scalar, bits).is_finite() {
+                        Ok(bits)
+                    } else {
+                        Err(ComponentError::Range)
+                    }
                 }
                 Value::String(word) => word_bits(scalar, word),
-                _ => Err(Unfit::Kind("a number")),
+                _ => Err(ComponentError::Kind("a number")),
             }
         }
     }
 }
 
 /// Returns the bits of `inf`, `-inf`, `nan` or `nan:0x…`.
-fn word_bits(scalar: Scalar, word: &str) -> Result<u64, Unfit> {
-    let kind =
-        Unfit::Kind("a number, \"inf\", \"-inf\", \"nan\" or \"nan:0x…\" (a NaN by its bits)");
+fn word_bits(scalar: Scalar, word: &str) -> Result<u64, ComponentError> {
+    let kind = ComponentError::Kind(
+        "a number, \"inf\", \"-inf\", \"nan\" or \"nan:0x…\" (a NaN by its bits)",
+    );
     let infinite = |number: f64| {
         let bits = narrow(scalar, number);
-        if widen(scalar, bits).is_infinite() { Ok(bits) } else { Err(Unfit::Range) }
+        if widen(scalar, bits).is_infinite() { Ok(bits) } else { Err(ComponentError::Range) }
     };
     match word {
         "inf" => infinite(f64::INFINITY),
@@ -177,7 +182,7 @@ fn word_bits(scalar: Scalar, word: &str) -> Result<u64, Unfit> {
             let bits = digits.and_then(|d| u64::from_str_radix(d, 16).ok()).ok_or(kind)?;
             let mask = u64::MAX >> (64 - 8 * u32::from(scalar.width));
             let is_nan = bits <= mask && widen(scalar, bits).is_nan();
-            if is_nan { Ok(bits) } else { Err(Unfit::Range) }
+            if is_nan { Ok(bits) } else { Err(ComponentError::Range) }
         }
     }
 }

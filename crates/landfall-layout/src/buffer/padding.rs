@@ -4,7 +4,7 @@ use crate::diagnostic::Code;
 use std::fmt;
 
 use super::grid::Grid;
-use super::number::Datum;
+use super::number::ComponentBits;
 use crate::layout::BlockLayout;
 use crate::layout::byte::{ByteOwner, owner_of_byte};
 
@@ -20,11 +20,11 @@ pub enum Finding {
     /// before and after.
     Padding { offset: u64, bytes: Vec<u8>, after: Option<String>, before: Option<String> },
     /// A NaN; the path ends in its component.
-    Nan { path: String, offset: u64, datum: Datum },
+    Nan { path: String, offset: u64, datum: ComponentBits },
     /// An infinite float.
-    Infinite { path: String, offset: u64, datum: Datum },
+    Infinite { path: String, offset: u64, datum: ComponentBits },
     /// A bool that is neither 0 nor 1; drivers differ in how they interpret it.
-    OddBool { path: String, offset: u64, datum: Datum },
+    OddBool { path: String, offset: u64, datum: ComponentBits },
 }
 
 impl Finding {
@@ -102,7 +102,7 @@ impl Findings {
 
 /// Returns the finding about one component, if any.
 pub(super) fn finding(
-    datum: Datum,
+    datum: ComponentBits,
     path: &str,
     grid: &Grid,
     (column, row): (usize, usize),

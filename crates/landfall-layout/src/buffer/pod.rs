@@ -4,7 +4,7 @@ use bytemuck::Pod;
 
 use super::Buffer;
 use super::error::BufferError;
-use super::resolve::{What, data_size, resolve, size, spelled};
+use super::resolve::{PlaceKind, data_size, resolve, size, spelled};
 
 /// The sizes a mirror of a place may have.
 struct Sizes {
@@ -43,8 +43,8 @@ impl Buffer {
     pub fn write_slice<T: Pod>(&mut self, path: &str, mirrors: &[T]) -> Result<(), BufferError> {
         let place = resolve(self.block(), self.tail, path, None)?;
         let (member, first) = match place.what {
-            What::Array(member, dim) if dim + 1 == member.dims.len() => (member, 0),
-            What::Struct(member) if path.ends_with(']') => (member, place.index),
+            PlaceKind::Array(member, dim) if dim + 1 == member.dims.len() => (member, 0),
+            PlaceKind::Struct(member) if path.ends_with(']') => (member, place.index),
             what => {
                 let (path, ty) = (path.to_string(), spelled(self.block(), what));
                 return Err(BufferError::NotAnArray { path, ty });
@@ -54,7 +54,7 @@ impl Buffer {
         let stride = member.strides[last];
         let given = size_of::<T>() as u64;
         if given != stride {
-            let shader = spelled(self.block(), What::Struct(member));
+            let shader = spelled(self.block(), PlaceKind::Struct(member));
             let path = format!("{path}[]");
             return Err(BufferError::WrongSize { path, shader, wanted: stride, given });
         }
@@ -119,7 +119,7 @@ impl Buffer {
         let place = resolve(block, self.tail, path, None)?;
         let extent = &self.compiled.extent;
         let (whole, data) = match (place.what, &extent.tail) {
-            (What::Block, Some(tail)) => (tail.offset as u64, extent.fixed_end as u64),
+            (PlaceKind::Block, Some(tail)) => (tail.offset as u64, extent.fixed_end as u64),
             (what, Some(tail)) if size(block, what).is_none() => {
                 let bytes = (tail.stride * self.tail) as u64;
                 (bytes, bytes)

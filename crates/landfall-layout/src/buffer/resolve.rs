@@ -14,7 +14,7 @@ use crate::text::edit_distance::nearest;
 pub(crate) struct ResolvedPlace<'b> {
     /// Offset from the start of the block.
     pub offset: u64,
-    pub what: What<'b>,
+    pub what: PlaceKind<'b>,
     /// The last index of the path; 0 if there is none.
     pub index: u64,
 }
@@ -22,7 +22,7 @@ pub(crate) struct ResolvedPlace<'b> {
 impl<'b> ResolvedPlace<'b> {
     /// The whole block.
     pub const BLOCK: ResolvedPlace<'static> =
-        ResolvedPlace { offset: 0, what: What::Block, index: 0 };
+        ResolvedPlace { offset: 0, what: PlaceKind::Block, index: 0 };
 
     /// Returns the place of a member of this structure.
     pub fn member(self, member: &'b MemberLayout) -> ResolvedPlace<'b> {
@@ -39,7 +39,7 @@ impl<'b> ResolvedPlace<'b> {
 
 /// The kind of a place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum What<'b> {
+pub(crate) enum PlaceKind<'b> {
     /// The whole block.
     Block,
     /// A member's array from that dimension inwards.
@@ -96,8 +96,10 @@ pub(crate) fn resolve_in<'b>(
 ) -> Result<ResolvedPlace<'b>, BufferError> {
     let mut reader = PathReader { block, path, at: 0, tail };
     match from.what {
-        What::Struct(member) => reader.member(&member.members, from, None),
-        What::Block | What::Array(..) | What::Leaf(_) => resolve(block, tail, path, None),
+        PlaceKind::Struct(member) => reader.member(&member.members, from, None),
+        PlaceKind::Block | PlaceKind::Array(..) | PlaceKind::Leaf(_) => {
+            resolve(block, tail, path, None)
+        }
     }
 }
 
@@ -122,7 +124,7 @@ impl<'b> PathReader<'_, 'b> {
             place = place.member(member);
             while let Some(step) = self.step()? {
                 match (place.what, step) {
-                    (What::Array(member, dim), PathStep::Index(index)) => {
+                    (PlaceKind::Array(member, dim), PathStep::Index(index)) => {
                         let shape = self.dim(member, dim);
                         match (index, &mut open) {
                             (Some(index), _) => {
@@ -133,23 +135,23 @@ impl<'b> PathReader<'_, 'b> {
                         }
                         place = place.element(member, dim, index.unwrap_or(0));
                     }
-                    (What::Leaf(grid), step) => {
+                    (PlaceKind::Leaf(grid), step) => {
                         let inner = self.inside(grid, step)?;
                         place.offset += inner.0 as u64;
-                        place.what = What::Leaf(inner.1);
+                        place.what = PlaceKind::Leaf(inner.1);
                     }
-                    (What::Struct(_), PathStep::Dot) => break,
-                    (What::Array(member, dim), PathStep::Dot) => {
+                    (PlaceKind::Struct(_), PathStep::Dot) => break,
+                    (PlaceKind::Array(member, dim), PathStep::Dot) => {
                         return Err(self.missing_index(self.dim(member, dim)));
                     }
-                    (What::Struct(_) | What::Block, _) => {
+                    (PlaceKind::Struct(_) | PlaceKind::Block, _) => {
                         let ty = self.spelled(place.what);
                         return Err(BufferError::NotAnArray { path: self.before(), ty });
                     }
                 }
             }
             match place.what {
-                What::Struct(member) if self.path[..self.at].ends_with('.') => {
+                PlaceKind::Struct(member) if self.path[..self.at].ends_with('.') => {
                     members = &member.members;
                 }
                 _ => return Ok(place),
@@ -224,7 +226,7 @@ impl<'b> PathReader<'_, 'b> {
                 }
             }
             PathStep::Index(Some(_)) | PathStep::Dot => {
-                let ty = self.spelled(What::Leaf(grid));
+                let ty = self.spelled(PlaceKind::Leaf(grid));
                 Err(BufferError::NotAnArray { path: self.before(), ty })
             }
         }
@@ -273,7 +275,7 @@ impl<'b> PathReader<'_, 'b> {
         read[..end].to_string()
     }
 
-    fn spelled(&self, what: What<'_>) -> String {
+    fn spelled(&self, what: PlaceKind<'_>) -> String {
         spelled(self.block, what)
     }
 }
@@ -286,13 +288,13 @@ enum PathStep {
 }
 
 /// Returns the kind of a member below its first `dim` dimensions.
-pub(crate) fn element(member: &MemberLayout, dim: usize) -> What<'_> {
+pub(crate) fn element(member: &MemberLayout, dim: usize) -> PlaceKind<'_> {
     if dim < member.dims.len() {
-        return What::Array(member, dim);
+        return PlaceKind::Array(member, dim);
     }
     match Grid::of_member(member) {
-        Some(grid) => What::Leaf(grid),
-        None => What::Struct(member),
+        Some(grid) => PlaceKind::Leaf(grid),
+        None => PlaceKind::Struct(member),
     }
 }
 
@@ -306,7 +308,7 @@ pub(crate) fn out_of_range(path: &str, index: u64, len: u64, dim: Dim) -> Buffer
 }
 
 /// Returns the error for a path to a structure or array where a leaf is required.
-pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: What<'_>) -> BufferError {
+pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: PlaceKind<'_>) -> BufferError {
     let names = |members: &[MemberLayout]| {
         let mut names: Vec<String> = members.iter().map(|m| format!("`.{}`", m.name)).collect();
         if names.len() > 8 {
@@ -316,21 +318,21 @@ pub(crate) fn not_a_leaf(block: &BlockLayout, path: &str, what: What<'_>) -> Buf
         names.join(", ")
     };
     let next = match what {
-        What::Block => names(&block.members).replace("`.", "`"),
-        What::Struct(member) => names(&member.members),
-        What::Array(..) | What::Leaf(_) => "an index".to_string(),
+        PlaceKind::Block => names(&block.members).replace("`.", "`"),
+        PlaceKind::Struct(member) => names(&member.members),
+        PlaceKind::Array(..) | PlaceKind::Leaf(_) => "an index".to_string(),
     };
     BufferError::NotALeaf { path: path.to_string(), ty: spelled(block, what), next }
 }
 
 /// Returns the type at a place in the shader's spelling.
-pub(crate) fn spelled(block: &BlockLayout, what: What<'_>) -> String {
+pub(crate) fn spelled(block: &BlockLayout, what: PlaceKind<'_>) -> String {
     let language = language(block);
     match what {
-        What::Block => block.name.to_string(),
-        What::Leaf(grid) => grid.spelled(language),
-        What::Struct(member) => member.ty.innermost().spelled(language).to_string(),
-        What::Array(member, dim) => {
+        PlaceKind::Block => block.name.to_string(),
+        PlaceKind::Leaf(grid) => grid.spelled(language),
+        PlaceKind::Struct(member) => member.ty.innermost().spelled(language).to_string(),
+        PlaceKind::Array(member, dim) => {
             let mut ty = &member.ty;
             for _ in 0..dim {
                 if let Type::Array { element, .. } = ty {
@@ -343,15 +345,15 @@ pub(crate) fn spelled(block: &BlockLayout, what: What<'_>) -> String {
 }
 
 /// Returns the size of a place, padding at its end included; `None` if runtime-sized.
-pub(crate) fn size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
+pub(crate) fn size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64> {
     match what {
-        What::Block => block.size,
-        What::Leaf(grid) => Some(grid.span() as u64),
-        What::Array(member, dim) => match member.dims[dim] {
+        PlaceKind::Block => block.size,
+        PlaceKind::Leaf(grid) => Some(grid.span() as u64),
+        PlaceKind::Array(member, dim) => match member.dims[dim] {
             ArrayLen::Fixed(len) => Some(member.strides[dim] * u64::from(len)),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,
         },
-        What::Struct(member) => match member.strides.last() {
+        PlaceKind::Struct(member) => match member.strides.last() {
             Some(&stride) => Some(stride),
             None => member.size,
         },
@@ -359,14 +361,14 @@ pub(crate) fn size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
 }
 
 /// Returns the bytes of a place up to the end of its last member.
-pub(crate) fn data_size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
+pub(crate) fn data_size(block: &BlockLayout, what: PlaceKind<'_>) -> Option<u64> {
     match what {
-        What::Block => block.data_size,
-        What::Struct(member) => {
+        PlaceKind::Block => block.data_size,
+        PlaceKind::Struct(member) => {
             let end = |m: &MemberLayout| Some(m.offset? + m.size?);
             member.members.iter().map(end).try_fold(0, |most, end| Some(most.max(end?)))
         }
-        What::Array(member, dim) => match block.rules {
+        PlaceKind::Array(member, dim) => match block.rules {
             Rules::Std140 | Rules::Std430 | Rules::Wgsl => size(block, what),
             // GL_EXT_scalar_block_layout: the padding after the last element is not part of the
             // array.
@@ -378,6 +380,6 @@ pub(crate) fn data_size(block: &BlockLayout, what: What<'_>) -> Option<u64> {
                 }
             }
         },
-        What::Leaf(_) => size(block, what),
+        PlaceKind::Leaf(_) => size(block, what),
     }
 }

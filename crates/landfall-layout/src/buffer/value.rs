@@ -22,8 +22,8 @@ pub trait Component: Copy + Sealed {
     const SCALAR: Scalar;
     /// How it represents a component type.
     #[doc(hidden)]
-    fn is(scalar: Scalar) -> Fit {
-        if scalar == Self::SCALAR { Fit::Same } else { Fit::No }
+    fn is(scalar: Scalar) -> ScalarMatch {
+        if scalar == Self::SCALAR { ScalarMatch::Same } else { ScalarMatch::No }
     }
     /// Writes [`WIDTH`](Self::WIDTH) bytes in native order.
     #[doc(hidden)]
@@ -31,10 +31,10 @@ pub trait Component: Copy + Sealed {
     /// Reads [`WIDTH`](Self::WIDTH) bytes in native order.
     #[doc(hidden)]
     fn take(from: &[u8]) -> Self;
-    /// Writes it in a smaller format: only for [`Fit::Narrowed`].
+    /// Writes it in a smaller format: only for [`ScalarMatch::Narrowed`].
     #[doc(hidden)]
     fn put_as(self, scalar: Scalar, out: &mut [u8]);
-    /// Reads it from a smaller format: only for [`Fit::Narrowed`].
+    /// Reads it from a smaller format: only for [`ScalarMatch::Narrowed`].
     #[doc(hidden)]
     fn take_as(scalar: Scalar, from: &[u8]) -> Self;
 }
@@ -42,7 +42,7 @@ pub trait Component: Copy + Sealed {
 /// How a Rust number relates to a shader's component.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fit {
+pub enum ScalarMatch {
     /// Same bytes.
     Same,
     /// Rounded to the nearest number of a smaller format.
@@ -108,9 +108,9 @@ pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {
 }
 
 /// Returns how a value of that type represents a leaf.
-pub(crate) fn fit<T: Value>(grid: &Grid) -> Fit {
+pub(crate) fn fit<T: Value>(grid: &Grid) -> ScalarMatch {
     let same = T::COLUMNS == usize::from(grid.columns) && T::ROWS == usize::from(grid.rows);
-    if same { T::Component::is(grid.scalar) } else { Fit::No }
+    if same { T::Component::is(grid.scalar) } else { ScalarMatch::No }
 }
 
 /// Returns the Rust type as written in source: `[f32; 3]`.
@@ -180,15 +180,15 @@ impl Component for f32 {
     const WIDTH: usize = 4;
     const SCALAR: Scalar = Scalar::F32;
 
-    fn is(scalar: Scalar) -> Fit {
+    fn is(scalar: Scalar) -> ScalarMatch {
         match (scalar.kind, scalar.width) {
-            (ScalarKind::Float, 4) => Fit::Same,
-            (ScalarKind::Float, 2) => Fit::Narrowed,
+            (ScalarKind::Float, 4) => ScalarMatch::Same,
+            (ScalarKind::Float, 2) => ScalarMatch::Narrowed,
             (ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => {
-                Fit::Narrowed
+                ScalarMatch::Narrowed
             }
             (ScalarKind::Float | ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => {
-                Fit::No
+                ScalarMatch::No
             }
         }
     }

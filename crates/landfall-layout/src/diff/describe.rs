@@ -4,7 +4,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::leaves::{Fact, New, What};
+use super::leaves::{Fact, LeafChange, New};
 use super::{Block, Change, Class, Kind};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::ArrayLen;
@@ -23,30 +23,30 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
         changes: Vec::new(),
     };
     let moved = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old, fact.new) {
-        (What::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
+        (LeafChange::Moved, Some(a), Some(b)) => Some((a, start(b).wrapping_sub(start(a)))),
         _ => None,
     });
     let gone = Group::of(facts, old.layout, |fact| match (&fact.what, fact.old) {
-        (What::Gone, Some(a)) => Some((a, 0)),
+        (LeafChange::Gone, Some(a)) => Some((a, 0)),
         _ => None,
     });
     let added = Group::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
-        (What::New(New::Past), Some(b)) => Some((b, 0)),
-        (What::New(New::Padding), Some(b)) => Some((b, 1)),
-        (What::New(New::Reads(_)), Some(b)) => Some((b, 2)),
+        (LeafChange::New(New::Past), Some(b)) => Some((b, 0)),
+        (LeafChange::New(New::Padding), Some(b)) => Some((b, 1)),
+        (LeafChange::New(New::Reads(_)), Some(b)) => Some((b, 2)),
         _ => None,
     });
     let mut renamed = Renames::of(facts, old.layout);
     for fact in facts {
         match (fact.old, fact.new) {
             (Some(a), Some(b)) => match &fact.what {
-                What::Moved => out.moved(moved.whole(a), start(b).wrapping_sub(start(a))),
-                What::Renamed => out.renamed(renamed.pair(a, b), a),
+                LeafChange::Moved => out.moved(moved.whole(a), start(b).wrapping_sub(start(a))),
+                LeafChange::Renamed => out.renamed(renamed.pair(a, b), a),
                 what => out.both(a, b, what),
             },
             (Some(a), None) => out.gone(gone.whole(a)),
             (None, Some(b)) => {
-                if let What::New(how) = &fact.what {
+                if let LeafChange::New(how) = &fact.what {
                     out.added(added.whole(b), how);
                 }
             }
@@ -130,7 +130,7 @@ struct Renames<'a> {
 
 impl<'a> Renames<'a> {
     fn of(facts: &[Fact<'a>], block: &'a BlockLayout) -> Renames<'a> {
-        let renames = facts.iter().filter(|fact| fact.what == What::Renamed);
+        let renames = facts.iter().filter(|fact| fact.what == LeafChange::Renamed);
         let pair = |fact: &Fact<'a>| Some((fact.old?.path.as_str(), fact.new?.path.as_str()));
         let all: FxHashSet<_> = renames.filter_map(pair).collect();
         let leaves = if all.is_empty() { &[] } else { block.leaves.as_slice() };
@@ -294,32 +294,32 @@ impl Out<'_> {
     }
 
     /// Adds the change of a leaf that both sides have.
-    fn both(&mut self, old: &Leaf, new: &Leaf, what: &What) {
+    fn both(&mut self, old: &Leaf, new: &Leaf, what: &LeafChange) {
         let path = old.path.as_str();
         let name = bare(path);
         let at = start(old);
         match what {
-            What::Retyped => {
+            LeafChange::Retyped => {
                 let was = old.ty.spelled(self.old.side.language).to_string();
                 let is = new.ty.spelled(self.new.side.language).to_string();
                 let message = format!("`{name}` changed from `{was}` to `{is}`");
                 let kind = (Kind::Retyped, Class::Breaking);
                 self.say(at, kind, path, (Some(was), Some(is)), message);
             }
-            What::MatrixLayout => {
+            LeafChange::MatrixLayout => {
                 let word = |rows| if rows { "rows" } else { "columns" };
                 let (was, is) = (word(old.row_major), word(new.row_major));
                 let message = format!("`{name}` is stored by {is}, was by {was}");
                 let values = (Some(was.to_string()), Some(is.to_string()));
                 self.say(at, (Kind::MatrixLayout, Class::Breaking), path, values, message);
             }
-            What::MatrixStride => {
+            LeafChange::MatrixStride => {
                 let (was, is) = (old.matrix_stride.unwrap_or(0), new.matrix_stride.unwrap_or(0));
                 let message = format!("`{name}` changed its matrix stride from {was} to {is}");
                 let values = (Some(was.to_string()), Some(is.to_string()));
                 self.say(at, (Kind::MatrixStride, Class::Breaking), path, values, message);
             }
-            What::Stride { dim, matters } => {
+            LeafChange::Stride { dim, matters } => {
                 let (was, is) = (old.strides[*dim], new.strides[*dim]);
                 let owner = owner_of_dim(path, *dim);
                 let name = bare(owner);
@@ -331,7 +331,7 @@ impl Out<'_> {
                 let values = (Some(was.to_string()), Some(is.to_string()));
                 self.say(at, (Kind::ArrayStride, class), owner, values, message);
             }
-            What::Longer { dim, new: how } => {
+            LeafChange::Longer { dim, new: how } => {
                 let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
                 let owner = owner_of_dim(path, *dim);
                 let name = bare(owner);
@@ -349,7 +349,7 @@ impl Out<'_> {
                 let message = format!("`{name}` grew from {was} to {is} elements, {rest}");
                 self.say(at, (Kind::Lengthened, class), owner, values, message);
             }
-            What::Shorter { dim, lost } => {
+            LeafChange::Shorter { dim, lost } => {
                 let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
                 let owner = owner_of_dim(path, *dim);
                 let name = bare(owner);
@@ -360,7 +360,7 @@ impl Out<'_> {
                 self.say(at, (Kind::Shortened, class), owner, values, message);
             }
             // Reported for whole members, or for leaves of one side only.
-            What::Moved | What::Renamed | What::Gone | What::New(_) => {}
+            LeafChange::Moved | LeafChange::Renamed | LeafChange::Gone | LeafChange::New(_) => {}
         }
     }
 }

@@ -19,11 +19,11 @@ pub(super) struct Fact<'a> {
     pub old: Option<&'a Leaf>,
     /// The new leaf; `None` if it was removed.
     pub new: Option<&'a Leaf>,
-    pub what: What,
+    pub what: LeafChange,
 }
 
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum What {
+pub(super) enum LeafChange {
     Moved,
     Retyped,
     MatrixStride,
@@ -113,7 +113,7 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
     single_renames(&mut old_rest, &mut new_rest, &mut facts);
     for rest in old_rest.iter().filter(|rest| !rest.done) {
         match rest.other {
-            None => facts.push(Fact { old: Some(rest.leaf), new: None, what: What::Gone }),
+            None => facts.push(Fact { old: Some(rest.leaf), new: None, what: LeafChange::Gone }),
             Some(now) => shorter(rest.leaf, now, true, &mut facts),
         }
     }
@@ -124,7 +124,7 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
         match rest.other {
             None if rest.done => {}
             None => {
-                let what = What::New(lies.unwrap_or(New::Padding));
+                let what = LeafChange::New(lies.unwrap_or(New::Padding));
                 facts.push(Fact { old: None, new: Some(rest.leaf), what });
             }
             Some(before) => longer(before, rest.leaf, lies, &mut facts),
@@ -133,12 +133,16 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
     facts
 }
 
-fn is_breaking(what: &What) -> bool {
+fn is_breaking(what: &LeafChange) -> bool {
     match what {
-        What::Moved | What::Retyped | What::MatrixStride | What::MatrixLayout | What::Gone => true,
-        What::Stride { matters, .. } => *matters,
-        What::Shorter { lost, .. } => *lost,
-        What::Longer { .. } | What::Renamed | What::New(_) => false,
+        LeafChange::Moved
+        | LeafChange::Retyped
+        | LeafChange::MatrixStride
+        | LeafChange::MatrixLayout
+        | LeafChange::Gone => true,
+        LeafChange::Stride { matters, .. } => *matters,
+        LeafChange::Shorter { lost, .. } => *lost,
+        LeafChange::Longer { .. } | LeafChange::Renamed | LeafChange::New(_) => false,
     }
 }
 
@@ -151,21 +155,21 @@ fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
         return;
     }
     if old.offset != new.offset {
-        fact(What::Moved);
+        fact(LeafChange::Moved);
     }
     if old.ty != new.ty {
-        fact(What::Retyped);
+        fact(LeafChange::Retyped);
     } else {
         if old.row_major != new.row_major {
-            fact(What::MatrixLayout);
+            fact(LeafChange::MatrixLayout);
         }
         if old.matrix_stride != new.matrix_stride {
-            fact(What::MatrixStride);
+            fact(LeafChange::MatrixStride);
         }
     }
     for (dim, (a, b)) in old.strides.iter().zip(&new.strides).enumerate() {
         if a != b {
-            fact(What::Stride { dim, matters: shared.get(dim) != Some(&Some(1)) });
+            fact(LeafChange::Stride { dim, matters: shared.get(dim) != Some(&Some(1)) });
         }
     }
 }
@@ -173,7 +177,11 @@ fn of_pair<'a>(old: &'a Leaf, new: &'a Leaf, facts: &mut Vec<Fact<'a>>) {
 fn shorter<'a>(old: &'a Leaf, new: &'a Leaf, lost: bool, facts: &mut Vec<Fact<'a>>) {
     for (dim, (a, b)) in old.dims.iter().zip(&new.dims).enumerate() {
         if !covers(b, a) {
-            facts.push(Fact { old: Some(old), new: Some(new), what: What::Shorter { dim, lost } });
+            facts.push(Fact {
+                old: Some(old),
+                new: Some(new),
+                what: LeafChange::Shorter { dim, lost },
+            });
         }
     }
 }
@@ -182,7 +190,7 @@ fn longer<'a>(old: &'a Leaf, new: &'a Leaf, lies: Option<New>, facts: &mut Vec<F
     for (dim, (a, b)) in old.dims.iter().zip(&new.dims).enumerate() {
         // A dimension that is neither longer nor shorter counts as shorter.
         if !covers(a, b) && covers(b, a) {
-            let what = What::Longer { dim, new: lies.clone() };
+            let what = LeafChange::Longer { dim, new: lies.clone() };
             facts.push(Fact { old: Some(old), new: Some(new), what });
         }
     }
@@ -204,7 +212,7 @@ fn whole_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Vec
         });
         if let Some(i) = found {
             (rest.done, new[i].done) = (true, true);
-            facts.push(Fact { old: Some(leaf), new: Some(new[i].leaf), what: What::Renamed });
+            facts.push(Fact { old: Some(leaf), new: Some(new[i].leaf), what: LeafChange::Renamed });
         }
     }
 }
@@ -233,7 +241,11 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
             }
         }
         for &i in &names {
-            facts.push(Fact { old: Some(rest.leaf), new: Some(new[i].leaf), what: What::Renamed });
+            facts.push(Fact {
+                old: Some(rest.leaf),
+                new: Some(new[i].leaf),
+                what: LeafChange::Renamed,
+            });
         }
         rest.done = all;
         if let (true, Some(now)) = (all, rest.other) {

@@ -122,9 +122,11 @@ impl FileWriter {
         }
         if is_device || is_stream(path) {
             self.refuse_input(path)?;
-            if there.as_ref().is_some_and(is_pipe) && !is_stream(path) {
-                reader_of(path)?;
-            }
+            // Kept open until the file is: a reader ends when its last writer does.
+            let _reader = match there.as_ref().is_some_and(is_pipe) && !is_stream(path) {
+                true => reader_of(path)?,
+                false => None,
+            };
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);
         }
@@ -231,22 +233,22 @@ fn is_pipe(_: &Metadata) -> bool {
     false
 }
 
-/// Fails if no process reads a named pipe: opening it would wait for one.
+/// Opens a named pipe; fails if no process reads it, for which others would wait.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
-fn reader_of(pipe: &Path) -> Result<(), Error> {
+fn reader_of(pipe: &Path) -> Result<Option<fs::File>, Error> {
     use std::os::unix::fs::OpenOptionsExt;
     /// `O_NONBLOCK`.
     const AT_ONCE: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 0x4 };
     match OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
-        Ok(_) => Ok(()),
+        Ok(opened) => Ok(Some(opened)),
         Err(_) => Err(Error::new(pipe.display().to_string(), "is a pipe that no process reads")
             .with_help("start its reader first, or name a file")),
     }
 }
 
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn reader_of(_: &Path) -> Result<(), Error> {
-    Ok(())
+fn reader_of(_: &Path) -> Result<Option<fs::File>, Error> {
+    Ok(None)
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -12,6 +12,8 @@ use crate::shape::Rules;
 use crate::source::Language;
 
 /// The answer of one block to a query.
+///
+/// Exhaustive: a query is about a member or a byte.
 #[derive(Clone, Debug)]
 pub enum Answer {
     /// The steps to a path.
@@ -233,12 +235,12 @@ struct AnswerObject<'a> {
     rules: &'static str,
     rules_declared: bool,
     #[serde(flatten)]
-    what: What<'a>,
+    what: AnswerKind<'a>,
 }
 
 #[derive(serde::Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-enum What<'a> {
+enum AnswerKind<'a> {
     Path {
         path: &'a str,
         #[serde(rename = "type")]
@@ -294,7 +296,7 @@ fn answer_object<'a>(
     language: Language,
 ) -> AnswerObject<'a> {
     let what = match answer {
-        Answer::Path(found) => What::Path {
+        Answer::Path(found) => AnswerKind::Path {
             path: &found.path,
             ty: &found.ty,
             offset: found.offset,
@@ -303,7 +305,7 @@ fn answer_object<'a>(
         },
         Answer::Byte(byte, owner) => match owner {
             ByteOwner::Component { leaf, ty, path, offset, size, byte: nth, .. } => {
-                What::Component {
+                AnswerKind::Component {
                     byte: *byte,
                     path,
                     leaf,
@@ -314,7 +316,7 @@ fn answer_object<'a>(
                 }
             }
             ByteOwner::Padding { kind, owner, path, offset, size, after, before } => {
-                What::Padding {
+                AnswerKind::Padding {
                     byte: *byte,
                     padding: kind.name(),
                     owner: owner.noun(),
@@ -325,8 +327,8 @@ fn answer_object<'a>(
                     before: before.as_deref(),
                 }
             }
-            ByteOwner::Beyond { size } => What::Beyond { byte: *byte, block_size: *size },
-            ByteOwner::Loose => What::Loose { byte: *byte },
+            ByteOwner::Beyond { size } => AnswerKind::Beyond { byte: *byte, block_size: *size },
+            ByteOwner::Loose => AnswerKind::Loose { byte: *byte },
         },
     };
     AnswerObject {

@@ -10,7 +10,7 @@ use super::json::write_lines;
 use super::paint::{CAUTION, FAINT, Paint, TYPE};
 use super::phrases;
 use super::table::heading;
-use crate::buffer::{Datum, Decoded, Element, Finding};
+use crate::buffer::{ComponentBits, Decoded, Element, Finding};
 use crate::shape::ArrayLen;
 use crate::source::Language;
 
@@ -148,11 +148,11 @@ impl Table<'_> {
 
 /// A description of suspicious components (NaN, infinite, invalid `bool`); empty without any.
 fn suspicious(element: &Element<'_>) -> String {
-    let any = |is: fn(Datum) -> bool| element.cells.iter().any(|cell| is(*cell));
+    let any = |is: fn(ComponentBits) -> bool| element.cells.iter().any(|cell| is(*cell));
     let kinds = [
-        (any(Datum::is_nan), "not a number"),
-        (any(Datum::is_infinite), "infinite"),
-        (any(Datum::is_odd_bool), "neither 0 nor 1"),
+        (any(ComponentBits::is_nan), "not a number"),
+        (any(ComponentBits::is_infinite), "infinite"),
+        (any(ComponentBits::is_odd_bool), "neither 0 nor 1"),
     ];
     let names: Vec<&str> = kinds.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
     names.join(", ")

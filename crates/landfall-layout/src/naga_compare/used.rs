@@ -102,14 +102,18 @@ fn touches(
 }
 
 /// The steps from a variable to a place in it, or to its value.
-struct Way {
+struct AccessPath {
     variable: Handle<GlobalVariable>,
     steps: Vec<AccessStep>,
     loaded: bool,
 }
 
 /// Returns the variable an expression is part of, and the steps to it; `None` for computed values.
-fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) -> Option<Way> {
+fn way_to(
+    module: &Module,
+    function: &Function,
+    mut handle: Handle<Expression>,
+) -> Option<AccessPath> {
     let (mut steps, mut loaded) = (Vec::new(), false);
     loop {
         match function.expressions[handle] {
@@ -119,7 +123,7 @@ fn way_to(module: &Module, function: &Function, mut handle: Handle<Expression>) 
                     module.global_variables[variable].space,
                     naga::AddressSpace::Handle
                 ))
-                .then_some(Way { variable, steps, loaded });
+                .then_some(AccessPath { variable, steps, loaded });
             }
             Expression::AccessIndex { base, index } => {
                 steps.push(AccessStep::Index(index));

@@ -1,6 +1,8 @@
 //! The place of the new declarations: after the types they use, before their first use, and
 //! outside conditions if possible.
 
+use rustc_hash::FxHashSet;
+
 use super::edits::Edits;
 use super::shader::Shader;
 use super::uniforms::Gathered;
@@ -48,7 +50,8 @@ pub(super) fn insert(shader: &Shader<'_>, at: usize, mut text: String, edits: &m
 
 /// The start of the first function that uses one of the names, with the comments above it.
 fn first_use(shader: &Shader<'_>, needed: &[String]) -> Option<usize> {
-    let uses = |word: &str| needed.iter().any(|name| name == word);
+    let needed: FxHashSet<&str> = needed.iter().map(String::as_str).collect();
+    let uses = |word: &str| needed.contains(word);
     // A macro that uses one of them may be used in any function.
     let in_macro =
         shader.words().any(|at| shader.raw.tokens[at].directive.is_some() && uses(shader.word(at)));

@@ -1,5 +1,7 @@
 //! Uniforms: loose ones move into one block, handles and blocks stay in place and get bindings.
 
+use rustc_hash::FxHashSet;
+
 use crate::diagnostic::Code;
 use std::collections::BTreeSet;
 
@@ -140,10 +142,9 @@ fn take(
 
 /// The end of the last declaration that the members' types and sizes use.
 fn types_end(shader: &Shader<'_>, gathered: &Gathered) -> usize {
-    let uses = |name: &str| {
-        words(&gathered.members).any(|word| word == name)
-            || gathered.handles.iter().any(|(_, text)| words(text).any(|word| word == name))
-    };
+    let of_handles = gathered.handles.iter().flat_map(|(_, text)| words(text));
+    let used: FxHashSet<&str> = words(&gathered.members).chain(of_handles).collect();
+    let uses = |name: &str| used.contains(name);
     let mut end = 0;
     for item in &shader.items {
         let Item::Variables(variables) = item else { continue };

@@ -9,7 +9,7 @@ use landfall_layout::shape::ScalarKind;
 
 /// The error of a sample's result.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Off {
+pub struct SampleError {
     /// In units of the last place of an `f32`, for the worst component.
     pub ulp: f64,
     /// Relative to the value, or to 2^-10 of full scale if larger.
@@ -28,7 +28,7 @@ pub enum Outcome {
     /// A result is infinite.
     Infinite,
     /// All results are finite: the error, and whether the worst is too large.
-    Off(Off, bool),
+    Finite(SampleError, bool),
 }
 
 /// Returns the results that are `f32`: the index of the result and of the scalar in it.
@@ -72,7 +72,7 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
     if infinite {
         return Outcome::Infinite;
     }
-    let mut worst = Off::default();
+    let mut worst = SampleError::default();
     let mut above = false;
     for nth in 0..count {
         let (single, double) = pair(nth);
@@ -86,13 +86,13 @@ pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Ou
         worst.relative = worst.relative.max(off.relative);
         worst.steps = worst.steps.max(off.steps);
     }
-    Outcome::Off(worst, above)
+    Outcome::Finite(worst, above)
 }
 
 /// Returns the error of a finite number; `scale` is the full scale, at least 1.
-pub(super) fn off(single: f32, double: f64, scale: f64) -> Off {
+pub(super) fn off(single: f32, double: f64, scale: f64) -> SampleError {
     let apart = (f64::from(single) - double).abs();
-    Off {
+    SampleError {
         ulp: apart / last_place(double),
         relative: apart / double.abs().max(scale / 1024.0),
         steps: 255.0 * apart / scale,

@@ -338,7 +338,7 @@ impl Confirm<'_> {
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
         let floats = floats(self.pure);
         for (lane, sample) in some.iter().enumerate() {
-            let Outcome::Off(off, _) = outcome(&called, &floats, lane) else { continue };
+            let Outcome::Finite(off, _) = outcome(&called, &floats, lane) else { continue };
             for (worst, by) in proof.worst.iter_mut().zip([off.ulp, off.steps]) {
                 if worst.as_ref().is_none_or(|(most, _)| by > *most) {
                     *worst = Some((by, sample.clone()));

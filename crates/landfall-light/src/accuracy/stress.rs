@@ -43,7 +43,7 @@ use serde_json::Value;
 pub use super::inputs::{Input, Sample, domain, role};
 use super::inputs::{input, matched, random, scene};
 use super::measure;
-pub use super::measure::{Off, Outcome, Spread};
+pub use super::measure::{Outcome, SampleError, Spread};
 
 pub use backends::{BackendReport, Disagreement, DriverCase};
 pub(in crate::accuracy) use case::Writer;
@@ -191,7 +191,7 @@ pub fn stress(
     let endless: Vec<Sample> = sampled
         .exemplars
         .iter()
-        .filter(|((_, why), _)| *why == kept::Why::Endless)
+        .filter(|((_, why), _)| *why == kept::KeepReason::Endless)
         .map(|(_, kept)| kept.sample.clone())
         .collect();
     let climbing =
@@ -250,12 +250,12 @@ fn worst(
     plan: &Plan,
     sampled: &kept::Sampled,
     climbs: &mut Climbs<'_, '_>,
-) -> Vec<(Sample, Off)> {
+) -> Vec<(Sample, SampleError)> {
     let mut random = Random::new(11, 11);
     let mut all = Vec::new();
-    let heights: [fn(&Off) -> f64; 2] = [|off| off.ulp, |off| off.steps];
+    let heights: [fn(&SampleError) -> f64; 2] = [|off| off.ulp, |off| off.steps];
     for (which, height) in heights.into_iter().enumerate() {
-        let mut best: Option<(Sample, Off)> = None;
+        let mut best: Option<(Sample, SampleError)> = None;
         for start in sampled.starts(which) {
             let found = climb::climb(
                 pure,
@@ -301,11 +301,13 @@ fn worst_on_drivers(
 ) {
     climbs.drivers.flush();
     let mut random = Random::new(13, 13);
-    let height = |why: verdict::Why| {
-        move |off: &Off| if why == verdict::Why::Ulp { off.ulp } else { off.steps }
+    let height = |why: verdict::DriverKeepReason| {
+        move |off: &SampleError| {
+            if why == verdict::DriverKeepReason::Ulp { off.ulp } else { off.steps }
+        }
     };
     for driver in 0..climbs.drivers.len() {
-        for why in [verdict::Why::Ulp, verdict::Why::Steps] {
+        for why in [verdict::DriverKeepReason::Ulp, verdict::DriverKeepReason::Steps] {
             for (start, from) in climbs.drivers.starts(driver, why) {
                 let up = (height(why), ClimbTarget::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);

@@ -16,7 +16,7 @@ use landfall_exec::interp::{Cpu, Settings};
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
 use judge::{Judged, judge};
-use reading::{Question, Reading, questions};
+use reading::{BindingGroup, Reading, questions};
 
 pub use reading::Topic;
 
@@ -93,7 +93,7 @@ fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> boo
     })
 }
 
-fn put(map: &mut BindingMap, question: &Question, reading: &Reading) {
+fn put(map: &mut BindingMap, question: &BindingGroup, reading: &Reading) {
     for (&at, source) in question.members.iter().zip(&reading.sources) {
         map.members[at].source = source.clone();
     }
@@ -103,7 +103,7 @@ fn put(map: &mut BindingMap, question: &Question, reading: &Reading) {
 fn answer(
     shader: &FragmentShader,
     map: &BindingMap,
-    question: &Question,
+    question: &BindingGroup,
     cpu: &mut Cpu,
 ) -> Result<(Option<usize>, Outcome), BindError> {
     let mut seen = Vec::with_capacity(question.readings.len());
@@ -126,7 +126,7 @@ fn answer(
     Err(undecided(map, question, &agreed))
 }
 
-fn undecided(map: &BindingMap, question: &Question, agreed: &[usize]) -> BindError {
+fn undecided(map: &BindingMap, question: &BindingGroup, agreed: &[usize]) -> BindError {
     let keys: Vec<String> =
         question.members.iter().map(|&at| Member::key(&map.members[at])).collect();
     // Without any that agrees, those that differ in the sign or unit alone.

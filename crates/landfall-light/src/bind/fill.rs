@@ -20,7 +20,7 @@ use write::{Write, slots, write};
 
 /// The lights of a list of fragments: indices into the upload, in the order of the sum.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lit<'a> {
+pub struct FragmentLights<'a> {
     /// Whether ambient light is added.
     pub ambient: bool,
     /// The directional lights.
@@ -31,7 +31,7 @@ pub struct Lit<'a> {
     pub spot: &'a [u32],
 }
 
-/// The point lights of a [`Lit`] for each tile of the picture, for shaders that use them.
+/// The point lights of a [`FragmentLights`] for each tile of the picture, for shaders that use them.
 #[derive(Clone, Copy, Debug)]
 pub struct Tiles<'a> {
     /// The side of a tile in pixels.
@@ -147,7 +147,7 @@ impl BlockWriter {
     pub fn blocks(
         &self,
         upload: &Upload,
-        lit: &Lit<'_>,
+        lit: &FragmentLights<'_>,
         material: &Material,
         tiles: Option<&Tiles<'_>>,
     ) -> Result<Vec<Vec<u8>>, BindError> {

@@ -14,7 +14,7 @@ use std::thread;
 use glam::DVec3;
 
 use super::Fragment;
-use super::vertices::{Corners, Lit};
+use super::vertices::{Corners, VertexAttributes};
 use crate::Scene;
 use crate::scene::Camera;
 
@@ -236,11 +236,11 @@ impl Band<'_> {
 }
 
 /// Interpolates three corners by their weights.
-fn between(corners: [Lit; 3], weights: [f64; 3]) -> Lit {
+fn between(corners: [VertexAttributes; 3], weights: [f64; 3]) -> VertexAttributes {
     let sum = weights[0] + weights[1] + weights[2];
     let [a, b, c] = corners;
     let [wa, wb, wc] = weights.map(|weight| weight / sum);
-    Lit {
+    VertexAttributes {
         position: a.position * wa + b.position * wb + c.position * wc,
         normal: a.normal * wa + b.normal * wb + c.normal * wc,
         uv: a.uv * wa + b.uv * wb + c.uv * wc,

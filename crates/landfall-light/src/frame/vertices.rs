@@ -11,14 +11,14 @@ pub(super) struct Corners {
     /// The positions in camera space: x right, y up, -z ahead.
     pub seen: Vec<DVec3>,
     /// The interpolated attributes.
-    pub lit: Vec<Lit>,
+    pub lit: Vec<VertexAttributes>,
     /// The first corner of each object.
     pub first: Vec<usize>,
 }
 
 /// The attributes of a corner, in lighting space.
 #[derive(Clone, Copy)]
-pub(super) struct Lit {
+pub(super) struct VertexAttributes {
     pub position: DVec3,
     pub normal: DVec3,
     pub uv: DVec2,
@@ -36,7 +36,7 @@ impl Corners {
             let turned = Turned::new(&lit, normals);
             for vertex in &object.mesh.vertices {
                 corners.seen.push(seen.transform_point3(vertex.position));
-                corners.lit.push(Lit {
+                corners.lit.push(VertexAttributes {
                     position: lit.transform_point3(vertex.position),
                     normal: turned.normal(vertex.normal),
                     uv: vertex.uv,

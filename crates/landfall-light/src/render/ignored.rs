@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::{Draw, RenderError, Renderer, Work};
-use crate::bind::{Lit, MaterialPart};
+use crate::bind::{FragmentLights, MaterialPart};
 use crate::reference::{Model, shade};
 use crate::scene::{Material, Surface};
 use crate::{Upload, sample};
@@ -80,7 +80,8 @@ impl Renderer {
         let [directional, point, spot] =
             [lights.directional.len(), lights.point.len(), lights.spot.len()]
                 .map(|count| (0..count as u32).collect::<Vec<u32>>());
-        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lights =
+            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let mut cpu = Cpu::new(Settings::default());
         let mut run = |upload: &Upload| {
             let work = Work { upload, ..*work };

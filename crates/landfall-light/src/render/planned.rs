@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::Fragment;
-use crate::bind::{Kind, Lit, Quantity, Tiles};
+use crate::bind::{FragmentLights, Kind, Quantity, Tiles};
 use crate::culling;
 use crate::culling::{LightSet, Measured, Options, Plan, interpolate};
 use crate::shading_f32::Model;
@@ -179,7 +179,8 @@ impl Renderer {
         let numbers = |count: usize| (0..count as u32).collect::<Vec<u32>>();
         let [directional, point, spot] =
             [lights.directional.len(), lights.point.len(), lights.spot.len()].map(numbers);
-        let lights = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let lights =
+            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let draw = Draw { fragments: some, lights, tiles: None };
         let all = self.render(backend, work, &[draw], &mut |_: &mut R, _| {})?;
         // Slots without a light may divide by zero, which a plan may mend.
@@ -207,7 +208,7 @@ impl Renderer {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
             let rendered = self.render(backend, work, std::slice::from_ref(draw), after)?;
             // All lights of the other kinds, which have no lists.
-            let others = Lit { point: &[], ..draw.lights };
+            let others = FragmentLights { point: &[], ..draw.lights };
             Ok((rendered, self.evaluated(&others)))
         })?;
         let point: u64 = plan
@@ -234,7 +235,8 @@ impl Renderer {
             [union(plan, |set| &set.directional), union(plan, |set| &set.spot)];
         let ambient = plan.draws.iter().any(|draw| draw.lights.ambient);
         let all: Vec<u32> = (0..work.frame.fragments.len() as u32).collect();
-        let lights = Lit { ambient, directional: &directional, point: &point, spot: &spot };
+        let lights =
+            FragmentLights { ambient, directional: &directional, point: &point, spot: &spot };
         let tiles = Tiles {
             size: lists.size,
             columns: lists.columns,
@@ -275,8 +277,8 @@ impl Renderer {
     }
 }
 
-fn lit(lights: &LightSet) -> Lit<'_> {
-    Lit {
+fn lit(lights: &LightSet) -> FragmentLights<'_> {
+    FragmentLights {
         ambient: lights.ambient,
         directional: &lights.directional,
         point: &lights.point,

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::fit::{View, fit};
-use super::rust_type::{Laid, LaidField};
+use super::rust_type::{LaidField, StructureLayout};
 use crate::show::bytes;
 use crate::walk::first_few;
 use landfall_layout::layout::MemberLayout;
@@ -38,7 +38,7 @@ pub(super) struct Against<'a> {
 }
 
 /// Returns every difference between a structure and those members, including nested structures.
-pub(super) fn differences(laid: &Rc<Laid>, against: &Against<'_>) -> Vec<Difference> {
+pub(super) fn differences(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Vec<Difference> {
     let mut found = Vec::new();
     let mut seen: FxHashSet<(usize, Span)> = FxHashSet::default();
     let mut waiting = vec![(laid.clone(), against.members)];
@@ -56,10 +56,10 @@ pub(super) fn differences(laid: &Rc<Laid>, against: &Against<'_>) -> Vec<Differe
 }
 
 fn of_structure<'a>(
-    laid: &Rc<Laid>,
+    laid: &Rc<StructureLayout>,
     members: &'a [MemberLayout],
     against: &Against<'a>,
-    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
+    pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
     found: &mut Vec<Difference>,
 ) {
     let matched = matching(laid, members, against.aliases);
@@ -127,7 +127,7 @@ fn of_structure<'a>(
 /// Returns the field of each member: by an alias, the same name, or one that differs only in case,
 /// underscores or a prefix such as `u_`.
 fn matching(
-    laid: &Laid,
+    laid: &StructureLayout,
     members: &[MemberLayout],
     aliases: &[(String, String)],
 ) -> Vec<Option<usize>> {
@@ -168,7 +168,7 @@ pub(super) fn says_padding(name: &str) -> bool {
     name.starts_with('_') || name.to_ascii_lowercase().starts_with("pad")
 }
 
-fn missing(laid: &Laid, member: &MemberLayout, there: Option<usize>) -> Difference {
+fn missing(laid: &StructureLayout, member: &MemberLayout, there: Option<usize>) -> Difference {
     let offset = member.offset.unwrap_or(0);
     let (message, help) = match there.map(|index| &laid.fields[index]) {
         Some(field) => (
@@ -210,7 +210,7 @@ impl Shift {
     #[allow(clippy::too_many_arguments, reason = "the state of one walk over two lists")]
     fn follow(
         &mut self,
-        laid: &Laid,
+        laid: &StructureLayout,
         index: usize,
         offset: u64,
         member: &MemberLayout,
@@ -260,7 +260,7 @@ impl Shift {
 
 /// Returns the smallest edit that moves a field to the byte where it is read.
 fn mend(
-    laid: &Laid,
+    laid: &StructureLayout,
     index: usize,
     offset: u64,
     members: &[MemberLayout],

@@ -5,7 +5,7 @@
 
 use std::rc::Rc;
 
-use super::rust_type::{Laid, RustType, Shape};
+use super::rust_type::{RustType, Shape, StructureLayout};
 use crate::show;
 pub use landfall_layout::layout::measure::{element_size, fixed, matrix_vector};
 use landfall_layout::layout::{MemberLayout, occupied};
@@ -13,7 +13,7 @@ use landfall_layout::shape::{Rules, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
 
 /// A mismatch of a field.
-pub(super) struct Misfit {
+pub(super) struct FieldMismatch {
     /// The predicate of the message, after the field's name, with both numbers.
     pub text: String,
     /// The help.
@@ -34,8 +34,8 @@ pub(super) struct View<'a> {
 pub(super) fn fit<'a>(
     ty: &RustType,
     view: View<'a>,
-    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
-) -> Result<(), Misfit> {
+    pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
+) -> Result<(), FieldMismatch> {
     match (view.member.dims.get(view.dim), view.member.strides.get(view.dim)) {
         (Some(len), Some(&stride)) => array(ty, view, fixed(len), stride, pairs),
         (_, _) => element(ty, view, pairs),
@@ -47,8 +47,8 @@ fn array<'a>(
     view: View<'a>,
     len: Option<u64>,
     stride: u64,
-    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
-) -> Result<(), Misfit> {
+    pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
+) -> Result<(), FieldMismatch> {
     let spelled = view.member.ty.innermost().spelled(view.language).to_string();
     let (inner, count) = match &ty.shape {
         Shape::Array { element, len } => (element, *len),
@@ -62,7 +62,7 @@ fn array<'a>(
     if inner.size == stride {
         if len.is_some_and(|len| len != count) {
             let len = len.unwrap_or(0);
-            return Err(Misfit {
+            return Err(FieldMismatch {
                 text: format!("has {count} elements, the shader's has {len}"),
                 help: format!("make it {len} elements long"),
             });
@@ -98,7 +98,7 @@ fn array<'a>(
             (_, _) => format!("make each element {stride} bytes"),
         },
     };
-    Err(Misfit {
+    Err(FieldMismatch {
         text: format!(
             "has elements {} bytes apart, the shader's `{spelled}`s are {stride} apart",
             inner.size
@@ -107,8 +107,8 @@ fn array<'a>(
     })
 }
 
-fn no_array(ty: &RustType, view: View<'_>) -> Misfit {
-    Misfit {
+fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
+    FieldMismatch {
         text: format!(
             "is {} bytes and not an array, the shader's is `{}`",
             ty.size,
@@ -121,8 +121,8 @@ fn no_array(ty: &RustType, view: View<'_>) -> Misfit {
 fn element<'a>(
     ty: &RustType,
     view: View<'a>,
-    pairs: &mut Vec<(Rc<Laid>, &'a MemberLayout)>,
-) -> Result<(), Misfit> {
+    pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
+) -> Result<(), FieldMismatch> {
     let innermost = view.member.ty.innermost();
     match innermost {
         Type::Struct(s) => {
@@ -134,7 +134,7 @@ fn element<'a>(
             let size = element_size(view.member, view.rules);
             match scalar_of(ty).is_some() && ty.size >= size {
                 true => Ok(()),
-                false => Err(Misfit {
+                false => Err(FieldMismatch {
                     text: format!("is {} bytes, the shader's `{}` is {size}", ty.size, s.name),
                     help: "make it a structure with the same members".to_string(),
                 }),
@@ -150,7 +150,7 @@ fn element<'a>(
 }
 
 /// A scalar, vector or matrix.
-fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
+fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
     let leaf = view.member.ty.innermost();
     let spelled = leaf.spelled(view.language).to_string();
     let (scalar, offsets) = components(view.member);
@@ -167,7 +167,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     if let Some((vector, stride)) = columns {
         let name = if view.member.row_major { "rows" } else { "columns" };
         if let Some(apart) = column_stride(ty, vector.count).filter(|apart| *apart != stride) {
-            return Err(Misfit {
+            return Err(FieldMismatch {
                 text: format!(
                     "is {} bytes with {name} {apart} apart, the shader's `{spelled}` is {} with \
                      {name} {stride} apart",
@@ -181,7 +181,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     let mut found = Vec::new();
     flatten(ty, 0, &mut found);
     let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;
-    let too_small = || Misfit {
+    let too_small = || FieldMismatch {
         text: format!("is {}, the shader's `{spelled}` is {end}", show::bytes(ty.size)),
         help: wanted(),
     };
@@ -194,13 +194,13 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
     }
     for offset in &offsets {
         let Some((_, own, kind)) = found.iter().find(|(at, ..)| at == offset) else {
-            return Err(Misfit {
+            return Err(FieldMismatch {
                 text: format!("has no component at byte {offset}, the shader's `{spelled}` has"),
                 help: wanted(),
             });
         };
         if *own != width {
-            return Err(Misfit {
+            return Err(FieldMismatch {
                 text: format!(
                     "has components of {}, the shader's `{spelled}` of {width}",
                     show::bytes(*own)
@@ -210,7 +210,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), Misfit> {
         }
         if is_float(*kind) != is_float(scalar.kind) {
             let name = if is_float(*kind) { "a float" } else { "an integer" };
-            return Err(Misfit {
+            return Err(FieldMismatch {
                 text: format!("is {name}, the shader reads its bits as `{spelled}`"),
                 help: wanted(),
             });

@@ -23,11 +23,11 @@ pub(super) enum Shape {
         element: Rc<RustType>,
         len: u64,
     },
-    Struct(Rc<Laid>),
+    Struct(Rc<StructureLayout>),
 }
 
 /// A structure with its layout.
-pub(super) struct Laid {
+pub(super) struct StructureLayout {
     pub name: String,
     pub fields: Vec<LaidField>,
     /// The index in [`Declarations::structures`].

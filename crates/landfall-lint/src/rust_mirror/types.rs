@@ -10,7 +10,7 @@ use syn::{Expr, Lit};
 
 use super::file::{Declarations, Structure};
 use super::known;
-use super::rust_type::{Argument, Laid, LaidField, RustType, Shape, Unknown};
+use super::rust_type::{Argument, LaidField, RustType, Shape, StructureLayout, Unknown};
 
 /// The deepest nesting of structures, aliases and constants.
 const DEEPEST: u32 = 32;
@@ -68,7 +68,7 @@ impl<'d> Types<'d> {
             fields.push(LaidField { name: field.name.clone(), offset, ty });
         }
         let size = end.checked_next_multiple_of(align).ok_or_else(|| too_large(structure))?;
-        let laid = Laid { name: structure.name.clone(), fields, index };
+        let laid = StructureLayout { name: structure.name.clone(), fields, index };
         Ok(RustType { size, align, shape: Shape::Struct(Rc::new(laid)) })
     }
 

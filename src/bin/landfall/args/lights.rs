@@ -17,10 +17,10 @@ pub struct LightsArgs {
     pub format: LightsFormat,
     /// Only hazards of at least this certainty
     #[arg(long, value_name = "CERTAINTY", default_value = "possible")]
-    pub least: Sureness,
+    pub least: CertaintyFilter,
     /// Exit with 1 on a hazard of at least this certainty
     #[arg(long, value_name = "CERTAINTY")]
-    pub deny: Option<Sureness>,
+    pub deny: Option<CertaintyFilter>,
     #[command(flatten)]
     pub read: ReadArgs,
 }
@@ -34,7 +34,7 @@ pub enum LightsFormat {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Sureness {
+pub enum CertaintyFilter {
     /// Only unusual inputs, which a program may never pass, trigger it
     Possible,
     /// Ordinary inputs trigger it
@@ -43,12 +43,12 @@ pub enum Sureness {
     Certain,
 }
 
-impl Sureness {
+impl CertaintyFilter {
     pub fn certainty(self) -> Certainty {
         match self {
-            Sureness::Possible => Certainty::Possible,
-            Sureness::Likely => Certainty::Likely,
-            Sureness::Certain => Certainty::Certain,
+            CertaintyFilter::Possible => Certainty::Possible,
+            CertaintyFilter::Likely => Certainty::Likely,
+            CertaintyFilter::Certain => Certainty::Certain,
         }
     }
 }

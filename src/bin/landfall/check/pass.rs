@@ -41,19 +41,19 @@ pub struct Run<'a> {
     /// Number of excluded shaders.
     pub excluded: AtomicUsize,
     /// What is known of an unfinished pass.
-    pub so_far: Arc<Mutex<SoFar>>,
+    pub so_far: Arc<Mutex<PartialFindings>>,
 }
 
 /// The findings of an unfinished pass.
 #[derive(Default)]
-pub struct SoFar {
+pub struct PartialFindings {
     pub findings: Vec<Finding>,
     pub shaders: usize,
     /// Number of shaders and inputs that could not be checked.
     pub failures: usize,
 }
 
-impl SoFar {
+impl PartialFindings {
     fn add(&mut self, done: &Done, known: &HashMap<String, Checked>) {
         let checked = match done {
             Done::NoInput(found) => {
@@ -101,7 +101,7 @@ impl Run<'_> {
         streams: &Streams,
     ) -> Result<Pass, Failure> {
         let mut pass = Pass::default();
-        *self.so_far.lock().unwrap_or_else(PoisonError::into_inner) = SoFar::default();
+        *self.so_far.lock().unwrap_or_else(PoisonError::into_inner) = PartialFindings::default();
         let mut all = self.stdin.clone();
         all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
         let mut same = Vec::new();

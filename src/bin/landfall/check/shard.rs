@@ -47,7 +47,7 @@ pub fn part(shard: Shard, basis: &Basis, pass: &Pass) -> String {
 }
 
 /// The merged shards of a check.
-pub struct Whole {
+pub struct MergedCheck {
     pub basis: Basis,
     pub pass: Pass,
     /// The findings in single shaders.
@@ -55,7 +55,7 @@ pub struct Whole {
 }
 
 /// Reads and merges the reports of all shards.
-pub fn together(paths: &[impl AsRef<Path>]) -> Result<Whole, Error> {
+pub fn together(paths: &[impl AsRef<Path>]) -> Result<MergedCheck, Error> {
     let mut parts: Vec<(String, Part, Vec<Finding>)> = Vec::new();
     for path in paths {
         let (shown, text) = (read::shown(path.as_ref()), read::text(path.as_ref())?);
@@ -86,7 +86,7 @@ pub fn together(paths: &[impl AsRef<Path>]) -> Result<Whole, Error> {
     pass.checked.sort_by(|a, b| a.path.cmp(&b.path));
     pass.missing = no_input;
     unchanged(&pass)?;
-    Ok(Whole { basis, pass, findings: all })
+    Ok(MergedCheck { basis, pass, findings: all })
 }
 
 fn part_of(shown: &str, text: &str) -> Result<Part, Error> {

@@ -6,10 +6,10 @@ use std::ops::Range;
 const DEEPEST: usize = 64;
 
 /// The range of an error in the text, and its message.
-pub type Wrong = (Range<usize>, String);
+pub type FigureError = (Range<usize>, String);
 
 /// Evaluates an expression.
-pub fn value(text: &str) -> Result<u64, Wrong> {
+pub fn value(text: &str) -> Result<u64, FigureError> {
     let mut reader = FigureReader { text, at: 0, depth: 0 };
     let value = reader.sum()?;
     reader.skip();
@@ -36,14 +36,14 @@ impl FigureReader<'_> {
         self.text[self.at..].chars().next()
     }
 
-    fn wrong_here(&mut self, what: &str) -> Wrong {
+    fn wrong_here(&mut self, what: &str) -> FigureError {
         match self.peek() {
             Some(c) => (self.at..self.at + c.len_utf8(), format!("`{c}` {what}")),
             None => (self.at..self.at, "ends where a number is expected".to_string()),
         }
     }
 
-    fn sum(&mut self) -> Result<u64, Wrong> {
+    fn sum(&mut self) -> Result<u64, FigureError> {
         let start = self.at;
         let mut sum = self.product()?;
         while let Some(sign @ ('+' | '-')) = self.peek() {
@@ -58,7 +58,7 @@ impl FigureReader<'_> {
         Ok(sum)
     }
 
-    fn product(&mut self) -> Result<u64, Wrong> {
+    fn product(&mut self) -> Result<u64, FigureError> {
         let start = self.at;
         let mut product = self.factor()?;
         while self.peek() == Some('*') {
@@ -71,7 +71,7 @@ impl FigureReader<'_> {
         Ok(product)
     }
 
-    fn factor(&mut self) -> Result<u64, Wrong> {
+    fn factor(&mut self) -> Result<u64, FigureError> {
         match self.peek() {
             Some('(') => {
                 let open = self.at;
@@ -93,7 +93,7 @@ impl FigureReader<'_> {
         }
     }
 
-    fn number(&mut self) -> Result<u64, Wrong> {
+    fn number(&mut self) -> Result<u64, FigureError> {
         let rest = &self.text[self.at..];
         let len = rest.find(|c: char| c != '_' && !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
         let range = self.at..self.at + len;

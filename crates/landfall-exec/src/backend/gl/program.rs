@@ -78,14 +78,14 @@ impl Programs {
 }
 
 /// A program under construction, deleted unless it is kept.
-struct Making<'c> {
+struct PendingProgram<'c> {
     context: &'c Context,
     id: glow::Program,
     shaders: Vec<glow::Shader>,
     kept: bool,
 }
 
-impl Drop for Making<'_> {
+impl Drop for PendingProgram<'_> {
     fn drop(&mut self) {
         // SAFETY: the context is current and these are its own.
         unsafe {
@@ -107,7 +107,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
     // SAFETY: objects are made, used and deleted in the current context.
     unsafe {
         let id = gl.create_program().map_err(gone)?;
-        let mut making = Making { context, id, shaders: Vec::new(), kept: false };
+        let mut making = PendingProgram { context, id, shaders: Vec::new(), kept: false };
         let stages = texts.iter().copied().chain(ours.as_deref().map(|t| (Stage::Vertex, t)));
         for (stage, text) in stages {
             let shader = gl.create_shader(kind(stage)?).map_err(gone)?;

@@ -7,20 +7,20 @@ use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
 use crate::interp::ValueType;
-pub use landfall_layout::buffer::{Unfit, bits, kind};
+pub use landfall_layout::buffer::{ComponentError, bits, kind};
 use landfall_layout::shape::{ArrayLen, Scalar, ScalarKind, Type};
 use landfall_layout::source::Language;
 
 /// A value that does not fit, and its path in the JSON: `args[1].color[2]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Misfit {
+pub(super) struct ArgumentError {
     pub code: Code,
     pub message: String,
     pub help: Option<String>,
 }
 
-impl Misfit {
-    pub fn with_help(mut self, help: &str) -> Misfit {
+impl ArgumentError {
+    pub fn with_help(mut self, help: &str) -> ArgumentError {
         self.help = Some(help.to_string());
         self
     }
@@ -33,7 +33,7 @@ pub(super) fn words(
     at: &str,
     language: Language,
     to: &mut Vec<u64>,
-) -> Result<(), Misfit> {
+) -> Result<(), ArgumentError> {
     match ty {
         ValueType::Scalar(scalar) => {
             to.push(word(*scalar, value, at, language)?);
@@ -66,7 +66,7 @@ pub(super) fn words(
             };
             for (name, ty) in members {
                 let Some(value) = map.get(name) else {
-                    return Err(Misfit {
+                    return Err(ArgumentError {
                         code: Code::MissingMember,
                         message: format!("`{at}.{name}` is not given"),
                         help: Some(format!("add a value of type `{}`", spelled(ty, language))),
@@ -81,7 +81,7 @@ pub(super) fn words(
                     let names = || members.iter().map(|(name, _)| name.as_str());
                     let near = landfall_layout::text::edit_distance::nearest(key, names());
                     let all: Vec<String> = names().map(|name| format!("`{name}`")).collect();
-                    Err(Misfit {
+                    Err(ArgumentError {
                         code: Code::UnknownMember,
                         message: format!(
                             "`{at}.{key}`: `{}` has no member `{key}`",
@@ -104,7 +104,7 @@ fn each(
     at: &str,
     language: Language,
     to: &mut Vec<u64>,
-) -> Result<(), Misfit> {
+) -> Result<(), ArgumentError> {
     for (index, item) in items.iter().enumerate() {
         words(ty, item, &format!("{at}[{index}]"), language, to)?;
     }
@@ -118,15 +118,21 @@ fn list<'v>(
     wanted: &str,
     at: &str,
     language: Language,
-) -> Result<&'v [Value], Misfit> {
+) -> Result<&'v [Value], ArgumentError> {
     match value {
         Value::Array(items) if items.len() == len => Ok(items),
         _ => Err(wrong(ty, wanted, value, at, language)),
     }
 }
 
-fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Language) -> Misfit {
-    Misfit {
+fn wrong(
+    ty: &ValueType,
+    wanted: &str,
+    value: &Value,
+    at: &str,
+    language: Language,
+) -> ArgumentError {
+    ArgumentError {
         code: Code::WrongValue,
         message: format!(
             "`{at}` is a `{}`: expected {wanted}, found {}",
@@ -137,10 +143,12 @@ fn wrong(ty: &ValueType, wanted: &str, value: &Value, at: &str, language: Langua
     }
 }
 
-fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u64, Misfit> {
+fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u64, ArgumentError> {
     bits(held_as(scalar), value).map_err(|unfit| match unfit {
-        Unfit::Kind(wanted) => wrong(&ValueType::Scalar(scalar), wanted, value, at, language),
-        Unfit::Range => Misfit {
+        ComponentError::Kind(wanted) => {
+            wrong(&ValueType::Scalar(scalar), wanted, value, at, language)
+        }
+        ComponentError::Range => ArgumentError {
             code: Code::ValueOutOfRange,
             message: format!(
                 "`{at}`: {} does not fit `{}`",

@@ -3,7 +3,7 @@
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
-use super::arguments::{Misfit, words};
+use super::arguments::{ArgumentError, words};
 use crate::interp::{FunctionSignature, Program, Words};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo, LeftOut, Parameter};
@@ -25,7 +25,7 @@ pub(super) fn find<'m>(
     meant: &str,
     arguments: &[Value],
     language: Language,
-) -> Result<Target<'m>, Misfit> {
+) -> Result<Target<'m>, ArgumentError> {
     let Candidates { name, named, fitting } = Candidates::of(module, meant);
     if named.is_empty() {
         return Err(unknown(module, name));
@@ -44,13 +44,13 @@ pub(super) fn find<'m>(
     match (found.len(), wrong) {
         (1, _) => Ok(found.swap_remove(0)),
         (0, Some(misfit)) if fitting.len() == 1 => Err(misfit),
-        (0, Some(misfit)) => Err(Misfit {
+        (0, Some(misfit)) => Err(ArgumentError {
             code: Code::NoOverload,
             message: format!("no `{name}` takes these arguments: {}", misfit.message),
             help: Some(format!("there is {}", all_of(&named))),
         }),
         (0, None) => Err(no_such_parameters(name, &named)),
-        (_, _) => Err(Misfit {
+        (_, _) => Err(ArgumentError {
             code: Code::AmbiguousFunction,
             message: format!("{} overloads of `{name}` accept these arguments", found.len()),
             help: Some(format!("select one by its parameter types: {}", all_of(&named))),
@@ -64,8 +64,8 @@ fn taken<'m>(
     info: &'m FunctionInfo,
     given: &[Value],
     language: Language,
-) -> Result<Target<'m>, Misfit> {
-    let cannot = |message: String| Misfit { code: Code::CannotCall, message, help: None };
+) -> Result<Target<'m>, ArgumentError> {
+    let cannot = |message: String| ArgumentError { code: Code::CannotCall, message, help: None };
     let signature = program.signature(info.handle.index()).map_err(|what| {
         let shown = shown(info);
         cannot(format!("`{shown}` cannot be called: the interpreter does not support {what}"))
@@ -85,7 +85,7 @@ fn taken<'m>(
         (0..all).filter(is_out).for_each(|at| given.insert(at, None));
     }
     if given.len() != all {
-        return Err(Misfit {
+        return Err(ArgumentError {
             code: Code::WrongCount,
             message: format!(
                 "`{}` takes {}, but {} given",
@@ -127,7 +127,7 @@ pub(super) fn opaque(info: &FunctionInfo) -> String {
 }
 
 /// Finds a function by name, whatever its arguments; an entry point of WGSL as a function.
-pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Misfit> {
+pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, ArgumentError> {
     let Candidates { name, named, fitting } = Candidates::of(module, meant);
     match (&fitting[..], named.len()) {
         ([one], _) => Ok((*one).clone()),
@@ -136,7 +136,7 @@ pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, Mi
             called.ok_or_else(|| unknown(module, name))
         }
         ([], _) => Err(no_such_parameters(name, &named)),
-        (_, several) => Err(Misfit {
+        (_, several) => Err(ArgumentError {
             code: Code::AmbiguousFunction,
             message: format!("{several} functions are named `{name}`"),
             help: Some(format!("select one by its parameter types: {}", all_of(&named))),
@@ -166,8 +166,8 @@ impl<'m, 'a> Candidates<'m, 'a> {
     }
 }
 
-fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> Misfit {
-    Misfit {
+fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> ArgumentError {
+    ArgumentError {
         code: Code::UnknownFunction,
         message: format!("no function `{name}` has these parameters"),
         help: Some(format!("there is {}", all_of(named))),
@@ -200,12 +200,12 @@ fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
 }
 
 /// Returns the error of a function that cannot be called: it does not exist or does not run.
-pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
+pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
     if let Some(LeftOut { why, .. }) = module.left_out().iter().find(|left| left.function == name) {
         let place = why.labels.first().map(|label| module.files().locate(label.at));
         let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
         let message = format!("`{name}` cannot run: {}{place}", why.message);
-        return Misfit { code: Code::CannotCall, message, help: why.help.clone() };
+        return ArgumentError { code: Code::CannotCall, message, help: why.help.clone() };
     }
     let names = || module.functions().iter().map(|function| function.name.as_str());
     let all: Vec<String> =
@@ -214,7 +214,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> Misfit {
         true => "it has no functions but `main`".to_string(),
         false => format!("its functions are `{}`", all.join("`, `")),
     };
-    Misfit {
+    ArgumentError {
         code: Code::UnknownFunction,
         message: format!("the shader has no function `{name}`"),
         help: Some(match landfall_layout::text::edit_distance::nearest(name, names()) {

@@ -7,7 +7,7 @@ use landfall_layout::diagnostic::Code;
 use naga::{AddressSpace, Function, GlobalVariable, Handle};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::arguments::Misfit;
+use super::arguments::ArgumentError;
 use super::caller;
 use super::caller::{Caller, CallerInput};
 use super::effects::{Effects, effects_of, through_initialisers, written};
@@ -71,7 +71,7 @@ fn make(
     purpose: Purpose,
 ) -> Result<PureFunction, Box<Diagnostic>> {
     let (language, path) = (source.language, source.path.as_str());
-    let refuse = |m: Misfit| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
+    let refuse = |m: ArgumentError| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
     let info = alone(&mut module, &request.function).map_err(refuse)?;
     let shown = shown(&info);
     let cannot = |Obstacle { what, help }: Obstacle| {
@@ -81,7 +81,7 @@ fn make(
         };
         let message = format!("`{shown}` cannot be {done}: {what}");
         let help = (!help.is_empty()).then(|| help.to_string());
-        refuse(Misfit { code: Code::CannotCall, message, help })
+        refuse(ArgumentError { code: Code::CannotCall, message, help })
     };
     let target = &module.ir.functions[info.handle];
     let mut reached = call_graph::variables(&module.ir, target);

@@ -11,7 +11,7 @@ use crate::backend::Device;
 use crate::interp::{Numbers, Undefined, ValueType};
 use landfall_ir::module::Direction;
 use landfall_layout::Diagnostic;
-use landfall_layout::buffer::Datum;
+use landfall_layout::buffer::ComponentBits;
 pub use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::{Scalar, ScalarKind};
 use landfall_layout::source::{Files, Language};
@@ -58,7 +58,7 @@ pub struct ReturnedScalar {
     /// The path: `.color.x`; empty for a plain scalar.
     pub path: String,
     /// The backend's value.
-    pub value: Datum,
+    pub value: ComponentBits,
     /// The interpreter's value in `f64`; `None` unless the type is `f32`.
     pub double: Option<f64>,
     /// The difference of the two in ULPs of an `f32`; `None` if only one of them is finite or a
@@ -96,7 +96,7 @@ pub fn function_name(name: &str) -> &str {
 }
 
 fn plain(number: f64) -> String {
-    Datum { scalar: Scalar::F64, bits: number.to_bits() }.to_string()
+    ComponentBits { scalar: Scalar::F64, bits: number.to_bits() }.to_string()
 }
 
 impl ReturnedValue {
@@ -110,7 +110,7 @@ impl ReturnedValue {
         let paths = paths(ty);
         let given = scalars.iter().zip(paths).zip(words).enumerate().map(|(at, it)| {
             let ((scalar, path), word) = it;
-            let value = Datum { scalar: held_as(*scalar), bits: *word };
+            let value = ComponentBits { scalar: held_as(*scalar), bits: *word };
             let is_single = scalar.kind == ScalarKind::Float && scalar.width < 8;
             let double = doubles.filter(|_| is_single).and_then(|numbers| {
                 numbers.doubles.get(at).and_then(|lanes| lanes.first()).copied()
@@ -143,7 +143,7 @@ pub fn number(double: f64) -> Value {
         // The sign and payload of a NaN depend on the machine.
         return Value::from("nan");
     }
-    serde_json::to_value(Datum { scalar: Scalar::F64, bits: double.to_bits() })
+    serde_json::to_value(ComponentBits { scalar: Scalar::F64, bits: double.to_bits() })
         .unwrap_or(Value::Null)
 }
 
@@ -200,7 +200,7 @@ pub struct ScalarObject {
     /// The path within the value.
     pub path: String,
     /// The f32 value.
-    pub value: Datum,
+    pub value: ComponentBits,
     /// The f64 value, for floats.
     pub double: Option<Value>,
     /// The difference of the two in ULPs of the f32.

@@ -38,7 +38,7 @@ const ENTRY: &str = "landfall_main";
 
 /// The output of the new entry point.
 #[derive(Clone, Copy)]
-enum Gives {
+enum EntryOutput {
     Result,
     White,
 }
@@ -67,9 +67,9 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
     let uses = module.info.get_entry_point(number);
     let read = module.blocks().iter().map(|block| !uses[block.variable].is_empty()).collect();
     Ok(Fetching {
-        module: made(Gives::Result)?,
+        module: made(EntryOutput::Result)?,
         read,
-        covered: if kills { Some(made(Gives::White)?) } else { None },
+        covered: if kills { Some(made(EntryOutput::White)?) } else { None },
         entry: ENTRY.to_string(),
         inputs,
         atlas,
@@ -137,7 +137,7 @@ fn rebuilt(
     entry: &EntryPoint,
     inputs: &[Input],
     (group, binding): (u32, u32),
-    gives: Gives,
+    gives: EntryOutput,
 ) -> Result<Module, Vec<Diagnostic>> {
     let mut module = module.clone();
     let ir = &mut module.ir;
@@ -207,12 +207,12 @@ fn rebuilt(
     let call = Statement::Call { function: callee, arguments, result: returned };
     function.body.push(call, Span::UNDEFINED);
     let value = match gives {
-        Gives::Result => {
+        EntryOutput::Result => {
             function.result =
                 result.map(|(binding, result)| FunctionResult { ty: result.ty, binding });
             returned
         }
-        Gives::White => Some(white(&mut function, types.position)),
+        EntryOutput::White => Some(white(&mut function, types.position)),
     };
     function.body.push(Statement::Return { value }, Span::UNDEFINED);
     let name = ENTRY.to_string();

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
 
-use super::plan::{Plan, Read, Way, members, top_name};
+use super::plan::{AccessMode, Plan, Read, members, top_name};
 use super::sentinel;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
@@ -129,33 +129,33 @@ fn append(
     for (number, group) in groups(block, plan).into_iter().enumerate() {
         let Group { way, member, start, reads } = group;
         match way {
-            Way::Constant | Way::Dynamic => {
+            AccessMode::Constant | AccessMode::Dynamic => {
                 for read in reads {
                     let from = format!("{root}{}", path(block, read, 0, way, plan));
                     result(&mut body, read, &component(from, read, way, plan));
                 }
             }
-            Way::Written => {
+            AccessMode::Written => {
                 for (nth, read) in reads.into_iter().enumerate() {
                     // Every other write uses dynamic indices.
-                    let way = if nth % 2 == 0 { Way::Constant } else { Way::Dynamic };
+                    let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
                     let _ = writeln!(body, "    {to} = {};", value(read));
                 }
             }
-            Way::Copied | Way::Passed => {
+            AccessMode::Copied | AccessMode::Passed => {
                 let Some(member) = member else { continue };
                 let (declared, skipped) = declared(member, "landfall_copy");
                 let from = format!("{root}{}{}", member.name, subscripts(&start));
                 let mut inside = String::new();
                 for read in reads {
-                    let rest = path(block, read, skipped, Way::Constant, plan);
+                    let rest = path(block, read, skipped, AccessMode::Constant, plan);
                     let from = component(format!("landfall_copy{rest}"), read, way, plan);
                     result(&mut inside, read, &from);
                 }
                 let name = format!("landfall_{}_{number}", way.name());
-                if way == Way::Passed {
+                if way == AccessMode::Passed {
                     let _ = writeln!(text, "void {name}({declared}) {{\n{inside}}}");
                     let _ = writeln!(body, "    {name}({from});");
                 } else {
@@ -186,7 +186,7 @@ fn subscripts(indices: &[u32]) -> String {
 
 /// Reads that share a copy, or that need none.
 pub(super) struct Group<'a> {
-    pub way: Way,
+    pub way: AccessMode,
     pub member: Option<&'a MemberLayout>,
     /// Indices of the member's own dimensions, if its elements are structures.
     pub start: Vec<u32>,
@@ -197,17 +197,17 @@ pub(super) struct Group<'a> {
 pub(super) fn groups<'a>(block: &'a BlockLayout, plan: &'a Plan) -> Vec<Group<'a>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     let members = members(block);
-    let mut known: FxHashMap<(Way, Option<&str>, Vec<u32>), usize> = FxHashMap::default();
+    let mut known: FxHashMap<(AccessMode, Option<&str>, Vec<u32>), usize> = FxHashMap::default();
     for read in &plan.reads {
         let (member, start) = match read.way {
-            Way::Copied | Way::Passed => {
+            AccessMode::Copied | AccessMode::Passed => {
                 let name = top_name(&block.leaves[read.leaf]);
                 let member = name.and_then(|name| members.get(name).copied());
                 let structure = member.is_some_and(is_structure);
                 let own = if structure { member.map_or(0, |m| m.dims.len()) } else { 0 };
                 (member, read.element[..own].to_vec())
             }
-            Way::Constant | Way::Dynamic | Way::Written => (None, Vec::new()),
+            AccessMode::Constant | AccessMode::Dynamic | AccessMode::Written => (None, Vec::new()),
         };
         let key = (read.way, member.map(|member| &*member.name), start.clone());
         let at = *known.entry(key).or_insert(groups.len());
@@ -242,11 +242,11 @@ pub(super) fn path(
     block: &BlockLayout,
     read: &Read,
     skipped: usize,
-    way: Way,
+    way: AccessMode,
     plan: &Plan,
 ) -> String {
     let leaf: &Leaf = &block.leaves[read.leaf];
-    let copied = matches!(read.way, Way::Copied | Way::Passed);
+    let copied = matches!(read.way, AccessMode::Copied | AccessMode::Passed);
     let mut rest = leaf.path.as_str();
     let mut elements = read.element.iter();
     if copied {
@@ -269,22 +269,27 @@ pub(super) fn path(
 }
 
 /// Returns an index as a literal, or as a read of the words the results begin with.
-pub(super) fn subscript(index: u32, way: Way, plan: &Plan) -> String {
+pub(super) fn subscript(index: u32, way: AccessMode, plan: &Plan) -> String {
     let slot = plan.indices.binary_search(&index).ok();
     match (way, slot) {
-        (Way::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),
-        (Way::Dynamic | Way::Constant | Way::Copied | Way::Passed | Way::Written, _) => {
-            index.to_string()
-        }
+        (AccessMode::Dynamic, Some(slot)) => format!("landfall_words[{slot}]"),
+        (
+            AccessMode::Dynamic
+            | AccessMode::Constant
+            | AccessMode::Copied
+            | AccessMode::Passed
+            | AccessMode::Written,
+            _,
+        ) => index.to_string(),
     }
 }
 
 /// Returns the access to a component: by name, or by index if the way is dynamic.
-pub(super) fn component(from: String, read: &Read, way: Way, plan: &Plan) -> String {
+pub(super) fn component(from: String, read: &Read, way: AccessMode, plan: &Plan) -> String {
     let column = read.column.map(u32::from).map(|column| subscript(column, way, plan));
     let row = read.row.map(|row| match way {
-        Way::Dynamic => format!("[{}]", subscript(u32::from(row), way, plan)),
-        Way::Constant | Way::Copied | Way::Passed | Way::Written => {
+        AccessMode::Dynamic => format!("[{}]", subscript(u32::from(row), way, plan)),
+        AccessMode::Constant | AccessMode::Copied | AccessMode::Passed | AccessMode::Written => {
             format!(".{}", ["x", "y", "z", "w"][usize::from(row)])
         }
     });

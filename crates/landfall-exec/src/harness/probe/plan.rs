@@ -33,7 +33,7 @@ pub const LARGEST_BUFFER: u64 = 32 << 20;
 
 /// The way in which a leaf is read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Way {
+pub enum AccessMode {
     /// `data[3].pos.x`.
     Constant,
     /// `data[i].pos[j]`, with indices known only at run time.
@@ -46,15 +46,15 @@ pub enum Way {
     Written,
 }
 
-impl Way {
+impl AccessMode {
     /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
-            Way::Constant => "constant",
-            Way::Dynamic => "dynamic",
-            Way::Copied => "copied",
-            Way::Passed => "passed",
-            Way::Written => "written",
+            AccessMode::Constant => "constant",
+            AccessMode::Dynamic => "dynamic",
+            AccessMode::Copied => "copied",
+            AccessMode::Passed => "passed",
+            AccessMode::Written => "written",
         }
     }
 }
@@ -71,7 +71,7 @@ pub struct Read {
     /// The component of a vector or of a matrix's column.
     pub row: Option<u8>,
     /// The way of access.
-    pub way: Way,
+    pub way: AccessMode,
     /// The word in the results; a `double` takes two.
     pub slot: u32,
     /// The expected byte.
@@ -173,7 +173,7 @@ pub fn plans(
         }
         for way in ways(leaf, top, block.space, access) {
             // Two elements of a copy reveal as much as all.
-            let copied = matches!(way, Way::Copied | Way::Passed);
+            let copied = matches!(way, AccessMode::Copied | AccessMode::Passed);
             let elements = if copied { &elements[..elements.len().min(2)] } else { &elements };
             for element in elements {
                 for (column, row) in components(&leaf.ty) {
@@ -191,7 +191,7 @@ pub fn plans(
                         byte,
                         scalar,
                     };
-                    let writes = way == Way::Written;
+                    let writes = way == AccessMode::Written;
                     let batch = batches.entry(writes).or_default();
                     let full = batch.add(read, most);
                     if full {
@@ -362,30 +362,35 @@ pub fn top_name(leaf: &Leaf) -> Option<&str> {
     leaf.path.split(['.', '[']).next()
 }
 
-fn ways(leaf: &Leaf, top: Option<&MemberLayout>, space: AddressSpace, access: Access) -> Vec<Way> {
+fn ways(
+    leaf: &Leaf,
+    top: Option<&MemberLayout>,
+    space: AddressSpace,
+    access: Access,
+) -> Vec<AccessMode> {
     let mut ways = Vec::new();
     if access.read {
-        ways.push(Way::Constant);
+        ways.push(AccessMode::Constant);
         let indexed =
             !leaf.dims.is_empty() || !matches!(leaf.ty, Type::Scalar(_) | Type::Atomic(_));
         if indexed {
-            ways.push(Way::Dynamic);
+            ways.push(AccessMode::Dynamic);
         }
         match top.map(|top| (top, top.ty.innermost())) {
             Some((_, Type::Struct(structure))) if can_be_copied(structure) => {
                 // A copy of an unnamed structure cannot be declared.
                 if !structure.name.is_empty() {
-                    ways.extend([Way::Copied, Way::Passed]);
+                    ways.extend([AccessMode::Copied, AccessMode::Passed]);
                 }
             }
             Some((top, _)) if !top.dims.is_empty() && is_small(top) && !has_atomic(&top.ty) => {
-                ways.push(Way::Copied);
+                ways.push(AccessMode::Copied);
             }
             Some(_) | None => {}
         }
     }
     if access.write && space == AddressSpace::Storage && !matches!(leaf.ty, Type::Atomic(_)) {
-        ways.push(Way::Written);
+        ways.push(AccessMode::Written);
     }
     ways
 }

@@ -2,7 +2,7 @@
 //!
 //! Uses a [`Plan`] and the [`sentinel`]s its runs returned.
 
-use super::plan::{Plan, Read, Way};
+use super::plan::{AccessMode, Plan, Read};
 use super::sentinel;
 use landfall_layout::shape::ScalarKind;
 
@@ -96,7 +96,7 @@ pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
         .collect();
     let mut stray = changed.iter().copied().filter(|byte| !meant.contains(byte));
     let sight = |read: &Read| {
-        debug_assert_eq!(read.way, Way::Written);
+        debug_assert_eq!(read.way, AccessMode::Written);
         let got = if read.scalar.kind == ScalarKind::Bool {
             // `false` is written as zero everywhere.
             if word((read.byte / 4) as usize) == 0 {

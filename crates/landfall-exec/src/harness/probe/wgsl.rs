@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
-use super::plan::{Plan, Read, Way};
+use super::plan::{AccessMode, Plan, Read};
 use super::sentinel;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
@@ -34,22 +34,22 @@ pub(crate) fn text(
     for (number, group) in groups(block, plan).into_iter().enumerate() {
         let Group { way, member, start, reads } = group;
         match way {
-            Way::Constant | Way::Dynamic => {
+            AccessMode::Constant | AccessMode::Dynamic => {
                 for read in reads {
                     let from = format!("{root}{}", path(block, read, 0, way, plan));
                     let from = component(from, read, way, plan);
                     result(&mut body, read, &loaded(block, read, from));
                 }
             }
-            Way::Written => {
+            AccessMode::Written => {
                 for (nth, read) in reads.into_iter().enumerate() {
-                    let way = if nth % 2 == 0 { Way::Constant } else { Way::Dynamic };
+                    let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
                     let _ = writeln!(body, "    {to} = {};", value(read));
                 }
             }
-            Way::Copied | Way::Passed => {
+            AccessMode::Copied | AccessMode::Passed => {
                 let Some(member) = member else { continue };
                 let mut from = format!("{root}{}", member.name);
                 for index in &start {
@@ -58,12 +58,12 @@ pub(crate) fn text(
                 let skipped = if is_structure(member) { member.dims.len() } else { 0 };
                 let mut inside = String::new();
                 for read in reads {
-                    let rest = path(block, read, skipped, Way::Constant, plan);
+                    let rest = path(block, read, skipped, AccessMode::Constant, plan);
                     let from = component(format!("landfall_copy{rest}"), read, way, plan);
                     result(&mut inside, read, &from);
                 }
                 let name = format!("landfall_{}_{number}", way.name());
-                if way == Way::Passed {
+                if way == AccessMode::Passed {
                     let ty = member.ty.innermost().spelled(Language::Wgsl);
                     let _ = writeln!(text, "fn {name}(landfall_copy: {ty}) {{\n{inside}}}");
                     let _ = writeln!(body, "    {name}({from});");

@@ -22,7 +22,7 @@ use landfall_layout::{Diagnostic, Options, layout};
 const NAGA_BINDING: u32 = 99;
 
 /// The probe for which code is made.
-pub(super) struct Need<'a> {
+pub(super) struct ProbeRequest<'a> {
     pub backend: BackendKind,
     pub source: &'a Source,
     pub block: &'a BlockLayout,
@@ -97,7 +97,7 @@ pub(super) fn fits(
 ///
 /// # Errors
 /// Fails if the shader does not run.
-pub(super) fn code(need: &Need<'_>) -> Result<Code, Failure> {
+pub(super) fn code(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
         Form::Original => {
@@ -132,7 +132,7 @@ fn raised(source: Cow<'_, Source>) -> Cow<'_, Source> {
 }
 
 /// Returns a probe with its results at a binding of their own, which ES takes from the text alone.
-fn bound_apart(need: &Need<'_>, source: &Source, text: &str) -> String {
+fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
     if !glsl::Head::of(text).es {
         return text.to_string();
     }
@@ -151,7 +151,7 @@ pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
     without(&opened(source, &options.layout.read).text, "set")
 }
 
-fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
+fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
     let name = gl_name(&need.block.name, need.element);
     let text = bound_apart(need, source, text);
     let probe = stage_code(need.stage.into(), "main", None, Some(without(&text, "set")));
@@ -172,7 +172,7 @@ fn for_gl(need: &Need<'_>, source: &Source, text: &str) -> Result<Code, Failure>
 }
 
 /// Returns the fragment stage that a vertex stage needs to run.
-fn fragment(need: &Need<'_>, source: &Source) -> Result<StageCode, Failure> {
+fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failure> {
     let source = partner::fragment(source, &need.options.layout.read);
     let module = match need.backend {
         BackendKind::Gl => None,
@@ -199,7 +199,7 @@ pub(crate) fn gl_name(block: &str, element: &[u32]) -> String {
 }
 
 /// Returns the code with loose uniforms in a block, members in their order.
-fn ported(need: &Need<'_>) -> Result<Code, Failure> {
+fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     let mut options = PortOptions::default();
     options.read = need.options.layout.read.clone();
     let ported = port(need.source, &options).map_err(|found| refused("ported", &found))?;
@@ -222,7 +222,7 @@ fn ported(need: &Need<'_>) -> Result<Code, Failure> {
     Ok(code)
 }
 
-fn module(need: &Need<'_>, form: Form) -> Result<Code, Failure> {
+fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
     let (text, entry) = match need.source.language {
         Language::Glsl => {
             (glsl::text(need.source, need.block, need.element, need.plan, need.stage), "main")

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use rustc_hash::FxHashMap;
 
 use super::code;
-use super::code::{Code, Need};
+use super::code::{Code, ProbeRequest};
 use super::{
     BackendReport, BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, Unprobed,
     VerifyOptions, reported,
@@ -230,7 +230,7 @@ impl Verifier<'_> {
         plan: &Plan,
         buffer: u64,
     ) -> Result<Vec<ProbeResult>, Failure> {
-        let need = Need {
+        let need = ProbeRequest {
             backend: backend.device().backend,
             source: self.source,
             block: self.block,
@@ -241,7 +241,8 @@ impl Verifier<'_> {
             options: self.options,
         };
         let code = code::code(&need)?;
-        let writes = plan.reads.iter().any(|read| read.way == crate::harness::probe::Way::Written);
+        let writes =
+            plan.reads.iter().any(|read| read.way == crate::harness::probe::AccessMode::Written);
         let mut ask = |bytes: Vec<u8>| self.ask(backend, &code, stage, plan, bytes);
         let answer = ask(sentinel::buffer(buffer))?;
         if writes {

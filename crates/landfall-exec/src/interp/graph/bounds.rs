@@ -8,7 +8,7 @@ use super::cast::converted;
 use super::exact::{self, between, hull, is_empty, meet, point, size};
 use super::fault::{Fault, Faults};
 use super::guard::{Context, Reached};
-use super::node::{Act, GuardId, NodeId};
+use super::node::{GuardId, NodeId, NodeOp};
 use super::value::{Applied, Arithmetic, Range};
 use super::{Graph, Site, word};
 
@@ -85,10 +85,10 @@ impl Bounds {
         let of = |nth: usize| self.seen(graph, guard, ids[nth]);
         let plain = |value: Interval| Applied { value, faults: Faults::NONE };
         match node.act {
-            Act::Input(n) => plain(self.input(n as usize, node.class)),
-            Act::Constant(x) => plain(point(x)),
-            Act::F1(f) => arithmetic::f1(how, f, of(0)),
-            Act::F2(f) => {
+            NodeOp::Input(n) => plain(self.input(n as usize, node.class)),
+            NodeOp::Constant(x) => plain(point(x)),
+            NodeOp::F1(f) => arithmetic::f1(how, f, of(0)),
+            NodeOp::F2(f) => {
                 let rounded = [ids[0], ids[1]].map(|id| !graph.is_exact(id));
                 let same = ids[0] == ids[1];
                 if f == F2::Div && !same {
@@ -101,36 +101,40 @@ impl Bounds {
                 }
                 arithmetic::f2(how, f, of(0), of(1), same, rounded)
             }
-            Act::F3(f) => {
+            NodeOp::F3(f) => {
                 let steady = ids[1] == ids[2];
                 arithmetic::f3(how, f, [of(0), of(1), of(2)], steady)
             }
-            Act::Compare(cmp) => plain(word::compare(cmp, of(0), of(1))),
-            Act::Test(test) => plain(match (test, is_empty(of(0))) {
+            NodeOp::Compare(cmp) => plain(word::compare(cmp, of(0), of(1))),
+            NodeOp::Test(test) => plain(match (test, is_empty(of(0))) {
                 (_, true) => exact::EMPTY,
                 // Numbers that are not finite are faults before.
                 (Test::IsNan | Test::IsInf, false) => point(0.0),
             }),
-            Act::Ldexp => ldexp(how, of(0), word::signed(of(1), true)),
-            Act::Dot | Act::Length | Act::Distance | Act::Normalize(_) | Act::Cross(_) => {
-                self.vector(graph, node, guard)
-            }
-            Act::I1(f) => plain(word::one(f, of(0))),
-            Act::I2(f) => word::two(f, of(0), of(1)),
-            Act::CompareWords(cmp, signed) => {
+            NodeOp::Ldexp => ldexp(how, of(0), word::signed(of(1), true)),
+            NodeOp::Dot
+            | NodeOp::Length
+            | NodeOp::Distance
+            | NodeOp::Normalize(_)
+            | NodeOp::Cross(_) => self.vector(graph, node, guard),
+            NodeOp::I1(f) => plain(word::one(f, of(0))),
+            NodeOp::I2(f) => word::two(f, of(0), of(1)),
+            NodeOp::CompareWords(cmp, signed) => {
                 plain(word::compare(cmp, word::signed(of(0), signed), word::signed(of(1), signed)))
             }
-            Act::Extract(signed) => field(signed, of(1), of(2)),
-            Act::Cast(cast) => converted(how, cast, of(0)),
-            Act::Select => plain(self.select(graph, ids, guard)),
-            Act::Index(len) => {
+            NodeOp::Extract(signed) => field(signed, of(1), of(2)),
+            NodeOp::Cast(cast) => converted(how, cast, of(0)),
+            NodeOp::Select => plain(self.select(graph, ids, guard)),
+            NodeOp::Index(len) => {
                 let past = word::signed(of(0), false).high >= f64::from(len);
                 let past = past && !is_empty(of(0));
                 Applied { value: of(0), faults: Faults::when(past, K::IndexOutOfBounds) }
             }
-            Act::Within(low, high) => plain(between(low, high)),
-            Act::Endless => Applied { value: point(0.0), faults: Faults::of(Fault::Endless) },
-            Act::Unfollowed => Applied { value: point(0.0), faults: Faults::of(Fault::Unfollowed) },
+            NodeOp::Within(low, high) => plain(between(low, high)),
+            NodeOp::Endless => Applied { value: point(0.0), faults: Faults::of(Fault::Endless) },
+            NodeOp::Unfollowed => {
+                Applied { value: point(0.0), faults: Faults::of(Fault::Unfollowed) }
+            }
         }
     }
 
@@ -160,7 +164,7 @@ impl Bounds {
         }
         // A side that is one of the compared numbers: `x < 0 ? 0 : x`.
         let node = &graph.nodes[ids[0] as usize];
-        let (Act::Compare(cmp), [a, b]) = (node.act, graph.operands(node)) else {
+        let (NodeOp::Compare(cmp), [a, b]) = (node.act, graph.operands(node)) else {
             return hull(yes, no);
         };
         let side = |value: Interval, id: NodeId, truth: bool| {

@@ -5,7 +5,7 @@ use super::super::interval::Interval;
 use super::bounds::Bounds;
 use super::exact::{self, is_empty, meet};
 use super::guard::{ALWAYS, Guard, Reached};
-use super::node::{Act, GuardId, NodeId};
+use super::node::{GuardId, NodeId, NodeOp};
 use super::value::Arithmetic;
 use super::{Graph, word};
 
@@ -128,7 +128,7 @@ impl Bounds {
         }
         let operands = graph.operands(node);
         match (node.act, truth) {
-            (Act::Compare(cmp), _) => {
+            (NodeOp::Compare(cmp), _) => {
                 let (a, b) = (operands[0], operands[1]);
                 let values = [self.seen(graph, guard, a), self.seen(graph, guard, b)];
                 let next = match self.arithmetic {
@@ -139,7 +139,7 @@ impl Bounds {
                 self.narrow(graph, guard, a, x, DEPTH)?;
                 self.narrow(graph, guard, b, y, DEPTH)
             }
-            (Act::CompareWords(cmp, signed), _) => {
+            (NodeOp::CompareWords(cmp, signed), _) => {
                 let (a, b) = (operands[0], operands[1]);
                 let of = |id| word::signed(self.seen(graph, guard, id), signed);
                 let values = [of(a), of(b)];
@@ -153,12 +153,12 @@ impl Bounds {
                 }
                 Some(())
             }
-            (Act::I1(I1::LogicalNot), _) => self.assume(graph, guard, operands[0], !truth),
-            (Act::I2(I2::And), true) | (Act::I2(I2::Or), false) => {
+            (NodeOp::I1(I1::LogicalNot), _) => self.assume(graph, guard, operands[0], !truth),
+            (NodeOp::I2(I2::And), true) | (NodeOp::I2(I2::Or), false) => {
                 self.assume(graph, guard, operands[0], truth)?;
                 self.assume(graph, guard, operands[1], truth)
             }
-            (Act::Select, _) => {
+            (NodeOp::Select, _) => {
                 let [c, a, b] = [operands[0], operands[1], operands[2]];
                 let against = exact::point(f64::from(u8::from(!truth)));
                 if self.seen(graph, guard, b) == against {
@@ -203,14 +203,14 @@ impl Bounds {
             exact::between(x.low - error, x.high + error)
         };
         match node.act {
-            Act::F1(F1::Neg) => {
+            NodeOp::F1(F1::Neg) => {
                 self.narrow(graph, guard, operands[0], exact::neg(after), depth - 1)
             }
-            Act::F1(F1::Sqrt) => {
+            NodeOp::F1(F1::Sqrt) => {
                 let square = slack(exact::squared(exact::between(after.low.max(0.0), after.high)));
                 self.narrow(graph, guard, operands[0], square, depth - 1)
             }
-            Act::F2(f @ (F2::Add | F2::Sub)) if operands[0] != operands[1] => {
+            NodeOp::F2(f @ (F2::Add | F2::Sub)) if operands[0] != operands[1] => {
                 let [a, b] = [0, 1].map(|i| self.seen(graph, guard, operands[i]));
                 // An error of the sum is relative to the sum.
                 let sum = slack(after);

@@ -5,7 +5,7 @@ use super::MOST_TURNS;
 use super::exact;
 use super::function::{Follow, Followed, TooLarge};
 use super::guard::Guard;
-use super::node::{Act, GuardId, NodeId};
+use super::node::{GuardId, NodeId, NodeOp};
 use super::paths::{Exits, Path, State};
 
 impl Follow<'_> {
@@ -154,7 +154,7 @@ impl Follow<'_> {
     fn merge(&mut self, condition: NodeId, yes: &State, no: &State) -> Followed<()> {
         for (class, reg) in yes.differences(no) {
             let sides = [condition, yes.get(class, reg), no.get(class, reg)];
-            let id = self.node(Act::Select, class, &sides)?;
+            let id = self.node(NodeOp::Select, class, &sides)?;
             self.set(class, reg, id);
         }
         Ok(())
@@ -168,11 +168,11 @@ impl Follow<'_> {
         let Guard { parent, cond, truth, .. } = self.graph.guards[guard as usize];
         let own = match truth {
             true => cond,
-            false => self.node(Act::I1(I1::LogicalNot), Class::Word, &[cond])?,
+            false => self.node(NodeOp::I1(I1::LogicalNot), Class::Word, &[cond])?,
         };
         Ok(Some(match self.condition(parent, outer)? {
             None => own,
-            Some(before) => self.node(Act::I2(I2::And), Class::Word, &[before, own])?,
+            Some(before) => self.node(NodeOp::I2(I2::And), Class::Word, &[before, own])?,
         }))
     }
 
@@ -215,7 +215,7 @@ impl Follow<'_> {
             turns += 1;
             if turns > MOST_TURNS {
                 self.pc = pc;
-                self.node(Act::Endless, Class::Word, &[])?;
+                self.node(NodeOp::Endless, Class::Word, &[])?;
                 break;
             }
             let start = self.guard;
@@ -259,9 +259,9 @@ impl Follow<'_> {
             let mut taken = self.constant(Class::Word, 0.0)?;
             for bits in values.bits {
                 let value = self.constant(Class::Word, f64::from(bits as i32))?;
-                let equal = Act::CompareWords(Cmp::Eq, true);
+                let equal = NodeOp::CompareWords(Cmp::Eq, true);
                 let same = self.node(equal, Class::Word, &[selector, value])?;
-                taken = self.node(Act::I2(I2::Or), Class::Word, &[taken, same])?;
+                taken = self.node(NodeOp::I2(I2::Or), Class::Word, &[taken, same])?;
             }
             self.enter(taken, !values.default);
             if let Some(more) = falling.take() {

@@ -5,7 +5,7 @@ use super::super::undefined::UndefinedKind as K;
 use super::bounds::Bounds;
 use super::exact::is_empty;
 use super::fault::Fault;
-use super::node::Act;
+use super::node::NodeOp;
 use super::{Graph, Site, word};
 
 /// How far an operation is from breaking.
@@ -56,19 +56,19 @@ impl Bounds {
         };
         Some(match (kind, node.act) {
             (K::DivisionByZero, _) => Distance::Zero(of(1)?),
-            (K::BornInfinite, Act::F2(F2::Div)) => {
+            (K::BornInfinite, NodeOp::F2(F2::Div)) => {
                 // Without the quotient itself, which is infinite near a divisor of zero.
                 Distance::Below(of(1)?.abs() - of(0)?.abs() / most)
             }
             (K::BornInfinite, _) => Distance::Below(most - result.low.abs().max(result.high.abs())),
-            (K::ArcOutOfRange, Act::F1(F1::Acosh)) => Distance::Below(of(0)? - 1.0),
+            (K::ArcOutOfRange, NodeOp::F1(F1::Acosh)) => Distance::Below(of(0)? - 1.0),
             (K::ArcOutOfRange, _) => Distance::Below(1.0 - of(0)?.abs()),
             (K::RootOfNegative | K::LogOfNonPositive | K::PowOfNegative, _) => {
                 Distance::Below(of(0)?)
             }
             (K::PowOfZero, _) => Distance::Zero(of(0)?.abs() + of(1)?.max(0.0)),
             (K::AtanOfZeros, _) => Distance::Zero(of(0)?.abs() + of(1)?.abs()),
-            (K::NormalizeOfZero | K::SquaresTooSmall, Act::Distance) => {
+            (K::NormalizeOfZero | K::SquaresTooSmall, NodeOp::Distance) => {
                 let half = ids.len() / 2;
                 let mut all = 0.0;
                 for nth in 0..half {
@@ -83,18 +83,18 @@ impl Bounds {
                 }
                 Distance::Zero(all)
             }
-            (K::SmoothStepEdges, Act::F3(F3::SmoothStep)) => Distance::Below(of(1)? - of(0)?),
+            (K::SmoothStepEdges, NodeOp::F3(F3::SmoothStep)) => Distance::Below(of(1)? - of(0)?),
             (K::ClampBounds, _) => Distance::Below(of(2)? - of(1)?),
             (K::IntegerDivisionByZero, _) => Distance::Zero(of(1)?),
             (K::RemainderOfNegative, _) => Distance::Below(of(0)?.min(of(1)?) + 1.0),
-            (K::IndexOutOfBounds, Act::Index(len)) => {
+            (K::IndexOutOfBounds, NodeOp::Index(len)) => {
                 let index = word::signed(self.seen(graph, node.guard, ids[0]), false).high;
                 Distance::Below(f64::from(len) - 1.0 - index)
             }
-            (K::ShiftTooFar, Act::I2(I2::Shl | I2::ShrSint | I2::ShrUint)) => {
+            (K::ShiftTooFar, NodeOp::I2(I2::Shl | I2::ShrSint | I2::ShrUint)) => {
                 Distance::Below(31.0 - of(1)?)
             }
-            (K::ConversionOutOfRange, Act::Cast(cast)) => Distance::Below(match cast {
+            (K::ConversionOutOfRange, NodeOp::Cast(cast)) => Distance::Below(match cast {
                 Cast::RealToUint => of(0)? + 1.0,
                 Cast::HalfToBits => 65520.0 - of(0)?.abs(),
                 _ => 2_147_483_647.0 - of(0)?.abs(),

@@ -11,7 +11,7 @@ use super::super::interval::Interval;
 use super::Graph;
 use super::bounds::Bounds;
 use super::exact::{self, between, contains, is_empty, meet, point, size};
-use super::node::{Act, Node, NodeId};
+use super::node::{Node, NodeId, NodeOp};
 use super::value::{Arithmetic, Range};
 
 /// The roundings whose errors are bounded.
@@ -120,20 +120,20 @@ impl Graph {
         let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
         let value = bounds.values[id as usize];
         match node.act {
-            Act::F1(f) => slope_of(f, of(0), value),
-            Act::F2(f) => slope_of_two(f, [of(0), of(1)], value, nth),
-            Act::F3(F3::Fma) => match nth {
+            NodeOp::F1(f) => slope_of(f, of(0), value),
+            NodeOp::F2(f) => slope_of_two(f, [of(0), of(1)], value, nth),
+            NodeOp::F3(F3::Fma) => match nth {
                 0 => of(1),
                 1 => of(0),
                 _ => point(1.0),
             },
-            Act::F3(F3::Mix) => match nth {
+            NodeOp::F3(F3::Mix) => match nth {
                 0 => exact::sub(point(1.0), of(2)),
                 1 => of(2),
                 _ => exact::sub(of(1), of(0)),
             },
-            Act::F3(F3::Clamp) => between(0.0, 1.0),
-            Act::F3(F3::SmoothStep) => {
+            NodeOp::F3(F3::Clamp) => between(0.0, 1.0),
+            NodeOp::F3(F3::SmoothStep) => {
                 let width = exact::sub(of(1), of(0));
                 if width.low <= 0.0 {
                     return ANY;
@@ -141,18 +141,18 @@ impl Graph {
                 let steep = exact::div(between(0.0, 1.5), width);
                 if nth == 2 { steep } else { exact::neg(steep) }
             }
-            Act::Dot => {
+            NodeOp::Dot => {
                 let half = ids.len() / 2;
                 of(if nth < half { nth + half } else { nth - half })
             }
-            Act::Length => unit_slope(of(nth), value),
-            Act::Distance => {
+            NodeOp::Length => unit_slope(of(nth), value),
+            NodeOp::Distance => {
                 let half = ids.len() / 2;
                 let apart = exact::sub(of(nth % half), of(nth % half + half));
                 let slope = unit_slope(apart, value);
                 if nth < half { slope } else { exact::neg(slope) }
             }
-            Act::Normalize(own) => {
+            NodeOp::Normalize(own) => {
                 let squares = (0..ids.len()).map(|i| exact::squared(of(i)));
                 let length = exact::sqrt(squares.reduce(exact::add).unwrap_or_default());
                 if length.low <= 0.0 {
@@ -163,7 +163,7 @@ impl Graph {
                     if usize::from(own) == nth { between(0.0, 1.0) } else { between(-0.5, 0.5) };
                 exact::div(most, length)
             }
-            Act::Cross(own) => {
+            NodeOp::Cross(own) => {
                 let (j, k) = ((usize::from(own) + 1) % 3, (usize::from(own) + 2) % 3);
                 match nth {
                     n if n == j => of(k + 3),
@@ -173,12 +173,12 @@ impl Graph {
                     _ => point(0.0),
                 }
             }
-            Act::Select => match bounds.seen(self, node.guard, ids[0]) {
+            NodeOp::Select => match bounds.seen(self, node.guard, ids[0]) {
                 x if x == point(0.0) => point(f64::from(u8::from(nth == 2))),
                 x if x.low >= 1.0 => point(f64::from(u8::from(nth == 1))),
                 _ => between(0.0, 1.0),
             },
-            Act::Cast(Cast::RoundHalf) => point(1.0),
+            NodeOp::Cast(Cast::RoundHalf) => point(1.0),
             // Integers, bools and bits of a number that is off may be any others.
             _ if value.low == value.high => point(0.0),
             _ => ANY,
@@ -197,15 +197,15 @@ impl Graph {
         let whole = rounding.rounded(size(value));
         let product = |a: Interval, b: Interval| size(exact::mul(a, b));
         match node.act {
-            Act::F2(F2::Add | F2::Sub | F2::Mul) => whole,
-            Act::F3(F3::Fma) => whole + rounding.rounded(product(of(0), of(1))),
-            Act::F3(F3::Mix) => {
+            NodeOp::F2(F2::Add | F2::Sub | F2::Mul) => whole,
+            NodeOp::F3(F3::Fma) => whole + rounding.rounded(product(of(0), of(1))),
+            NodeOp::F3(F3::Mix) => {
                 let rest = exact::sub(point(1.0), of(2));
                 let terms = rounding.rounded(product(of(0), rest))
                     + rounding.rounded(product(of(1), of(2)));
                 size(of(0)) * rounding.rounded(size(rest)) + terms + whole
             }
-            Act::F3(F3::SmoothStep) => {
+            NodeOp::F3(F3::SmoothStep) => {
                 let (past, width) = (exact::sub(of(2), of(0)), exact::sub(of(1), of(0)));
                 if width.low <= 0.0 {
                     return f64::INFINITY;
@@ -215,26 +215,26 @@ impl Graph {
                     + 3.0 * rounding.unit(1.0);
                 1.5 * t + 8.0 * rounding.unit(1.0)
             }
-            Act::Dot => {
+            NodeOp::Dot => {
                 let half = ids.len() / 2;
                 let terms: Vec<f64> = (0..half).map(|i| product(of(i), of(i + half))).collect();
                 sum_error(rounding, &terms)
             }
-            Act::Cross(own) => {
+            NodeOp::Cross(own) => {
                 let (j, k) = ((usize::from(own) + 1) % 3, (usize::from(own) + 2) % 3);
                 sum_error(rounding, &[product(of(j), of(k + 3)), product(of(k), of(j + 3))])
             }
-            Act::Length | Act::Distance => {
+            NodeOp::Length | NodeOp::Distance => {
                 let half = ids.len() / 2;
                 let terms: Vec<f64> = match node.act {
-                    Act::Length => (0..ids.len()).map(|i| size(of(i)).powi(2)).collect(),
+                    NodeOp::Length => (0..ids.len()).map(|i| size(of(i)).powi(2)).collect(),
                     _ => (0..half).map(|i| size(exact::sub(of(i), of(i + half))).powi(2)).collect(),
                 };
                 if value.low <= 0.0 {
                     return f64::INFINITY;
                 }
                 // Differences, squares and their sum, then the root within 5 units.
-                let apart = if let Act::Distance = node.act {
+                let apart = if let NodeOp::Distance = node.act {
                     2.0 * rounding.unit(size(value))
                 } else {
                     0.0
@@ -244,14 +244,16 @@ impl Graph {
                     + 5.0 * rounding.unit(size(value))
             }
             // Its formula has an error of at most 8 units.
-            Act::Normalize(_) => 8.0 * rounding.unit(1.0),
-            Act::Ldexp => 0.0,
-            Act::F1(F1::Fract) if rounding == Rounding::Double => whole,
-            Act::F1(F1::Sqrt) | Act::F2(F2::Div) if rounding == Rounding::Double => whole,
-            Act::F1(_) | Act::F2(_) if rounding == Rounding::Double => rounding.unit(size(value)),
-            Act::F1(_) | Act::F2(_) => self.excess(bounds, node, value) + whole,
-            Act::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
-            Act::Cast(_) => whole,
+            NodeOp::Normalize(_) => 8.0 * rounding.unit(1.0),
+            NodeOp::Ldexp => 0.0,
+            NodeOp::F1(F1::Fract) if rounding == Rounding::Double => whole,
+            NodeOp::F1(F1::Sqrt) | NodeOp::F2(F2::Div) if rounding == Rounding::Double => whole,
+            NodeOp::F1(_) | NodeOp::F2(_) if rounding == Rounding::Double => {
+                rounding.unit(size(value))
+            }
+            NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node, value) + whole,
+            NodeOp::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
+            NodeOp::Cast(_) => whole,
             _ => f64::INFINITY,
         }
     }
@@ -261,8 +263,8 @@ impl Graph {
         let ids = self.operands(node);
         let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
         let exact = match node.act {
-            Act::F1(f) => super::arithmetic::f1(Arithmetic::Exact, f, of(0)),
-            Act::F2(f) => super::arithmetic::f2(
+            NodeOp::F1(f) => super::arithmetic::f1(Arithmetic::Exact, f, of(0)),
+            NodeOp::F2(f) => super::arithmetic::f2(
                 Arithmetic::Exact,
                 f,
                 of(0),

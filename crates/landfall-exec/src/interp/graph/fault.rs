@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::super::code::{Cast, F1, F2, F3, I2};
 use super::super::undefined::UndefinedKind;
-use super::node::Act;
+use super::node::NodeOp;
 
 /// A way in which an operation can break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -70,7 +70,7 @@ impl Faults {
 }
 
 /// Returns the faults that an act can have.
-pub(super) fn faults_of(act: Act) -> &'static [Fault] {
+pub(super) fn faults_of(act: NodeOp) -> &'static [Fault] {
     use Fault::Undefined as U;
     use UndefinedKind as K;
     const OVERFLOW: &[Fault] = &[U(K::BornInfinite)];
@@ -78,14 +78,14 @@ pub(super) fn faults_of(act: Act) -> &'static [Fault] {
     const ARC: &[Fault] = &[U(K::ArcOutOfRange)];
     const SQUARES: &[Fault] = &[U(K::SquaresTooLarge), U(K::SquaresTooSmall)];
     match act {
-        Act::F1(f) => match f {
+        NodeOp::F1(f) => match f {
             F1::Sqrt | F1::InverseSqrt => &[U(K::RootOfNegative)],
             F1::Log | F1::Log2 => LOG,
             F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => ARC,
             F1::Sinh | F1::Cosh | F1::Exp | F1::Exp2 | F1::Tan | F1::Degrees => OVERFLOW,
             _ => &[],
         },
-        Act::F2(f) => match f {
+        NodeOp::F2(f) => match f {
             F2::Div | F2::Rem => &[U(K::DivisionByZero), U(K::BornInfinite)],
             F2::Pow => &[U(K::PowOfNegative), U(K::PowOfZero), U(K::BornInfinite)],
             F2::Atan2 => &[U(K::AtanOfZeros)],
@@ -93,29 +93,31 @@ pub(super) fn faults_of(act: Act) -> &'static [Fault] {
             F2::Mul => OVERFLOW,
             F2::Min | F2::Max | F2::Step => &[],
         },
-        Act::F3(f) => match f {
+        NodeOp::F3(f) => match f {
             F3::SmoothStep => &[U(K::SmoothStepEdges), U(K::BornInfinite)],
             F3::Clamp => &[U(K::ClampBounds)],
             F3::Fma | F3::Mix => OVERFLOW,
         },
-        Act::Normalize(0) => &[U(K::NormalizeOfZero), U(K::SquaresTooLarge), U(K::SquaresTooSmall)],
-        Act::Length | Act::Distance => SQUARES,
-        Act::Dot | Act::Cross(_) | Act::Ldexp => OVERFLOW,
-        Act::I2(I2::DivSint) => &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow)],
-        Act::I2(I2::RemSint) => {
+        NodeOp::Normalize(0) => {
+            &[U(K::NormalizeOfZero), U(K::SquaresTooLarge), U(K::SquaresTooSmall)]
+        }
+        NodeOp::Length | NodeOp::Distance => SQUARES,
+        NodeOp::Dot | NodeOp::Cross(_) | NodeOp::Ldexp => OVERFLOW,
+        NodeOp::I2(I2::DivSint) => &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow)],
+        NodeOp::I2(I2::RemSint) => {
             &[U(K::IntegerDivisionByZero), U(K::IntegerOverflow), U(K::RemainderOfNegative)]
         }
-        Act::I2(I2::DivUint | I2::RemUint) => &[U(K::IntegerDivisionByZero)],
-        Act::I2(I2::Shl | I2::ShrSint | I2::ShrUint) => &[U(K::ShiftTooFar)],
-        Act::Extract(_) => &[U(K::BitsOutOfRange)],
-        Act::Cast(Cast::RealToSint | Cast::RealToUint | Cast::HalfToBits) => {
+        NodeOp::I2(I2::DivUint | I2::RemUint) => &[U(K::IntegerDivisionByZero)],
+        NodeOp::I2(I2::Shl | I2::ShrSint | I2::ShrUint) => &[U(K::ShiftTooFar)],
+        NodeOp::Extract(_) => &[U(K::BitsOutOfRange)],
+        NodeOp::Cast(Cast::RealToSint | Cast::RealToUint | Cast::HalfToBits) => {
             &[U(K::ConversionOutOfRange)]
         }
-        Act::Cast(Cast::BitsReal | Cast::LowHalf | Cast::HighHalf) => &[U(K::BornNan)],
-        Act::Cast(Cast::RoundHalf) => OVERFLOW,
-        Act::Index(_) => &[U(K::IndexOutOfBounds)],
-        Act::Endless => &[Fault::Endless],
-        Act::Unfollowed => &[Fault::Unfollowed],
+        NodeOp::Cast(Cast::BitsReal | Cast::LowHalf | Cast::HighHalf) => &[U(K::BornNan)],
+        NodeOp::Cast(Cast::RoundHalf) => OVERFLOW,
+        NodeOp::Index(_) => &[U(K::IndexOutOfBounds)],
+        NodeOp::Endless => &[Fault::Endless],
+        NodeOp::Unfollowed => &[Fault::Unfollowed],
         _ => &[],
     }
 }

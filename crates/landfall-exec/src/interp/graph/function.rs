@@ -9,7 +9,7 @@ use super::super::program::Program;
 use super::bounds::Bounds;
 use super::fault::faults_of;
 use super::guard::{ALWAYS, Guard};
-use super::node::{Act, GuardId, Node, NodeId};
+use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::paths::{Path, State};
 use super::value::{Arithmetic, Range};
 use super::{Graph, MOST_INSTRUCTIONS, MOST_NODES};
@@ -143,7 +143,7 @@ impl Follow<'_> {
                 let id = match given {
                     Given::Zero => self.constant(class, 0.0)?,
                     Given::Input(n) => {
-                        let id = self.node(Act::Input(*n as u32), class, &[])?;
+                        let id = self.node(NodeOp::Input(*n as u32), class, &[])?;
                         inputs[*n].1 = Some(id);
                         id
                     }
@@ -194,7 +194,7 @@ impl Follow<'_> {
         match class {
             Class::Real => match f64::from(f32::from_bits(bits as u32)) {
                 x if x.is_finite() => self.constant(class, x),
-                _ => self.node(Act::Within(-most, most), class, &[]),
+                _ => self.node(NodeOp::Within(-most, most), class, &[]),
             },
             Class::Word => self.constant(class, f64::from(bits as u32 as i32)),
             Class::Wide => self.constant(class, 0.0),
@@ -203,13 +203,13 @@ impl Follow<'_> {
 
     pub fn constant(&mut self, class: Class, x: f64) -> Followed<NodeId> {
         let guard = std::mem::replace(&mut self.guard, ALWAYS);
-        let id = self.node(Act::Constant(x), class, &[]);
+        let id = self.node(NodeOp::Constant(x), class, &[]);
         self.guard = guard;
         id
     }
 
     /// Adds a value, unless the same is known on the path.
-    pub fn node(&mut self, act: Act, class: Class, operands: &[NodeId]) -> Followed<NodeId> {
+    pub fn node(&mut self, act: NodeOp, class: Class, operands: &[NodeId]) -> Followed<NodeId> {
         let mut key = (act.key(), operands.to_vec());
         key.0.0 += (class as u64) << 32;
         if act.is_pure() {
@@ -232,7 +232,7 @@ impl Follow<'_> {
         let (guard, pc) = (self.guard, self.pc as u32);
         graph.nodes.push(Node { act, class, first, count, guard, pc, exact });
         let id = id as NodeId;
-        if let Act::F1(super::super::code::F1::Abs) = act {
+        if let NodeOp::F1(super::super::code::F1::Abs) = act {
             graph.absolute.insert(operands[0], id);
         }
         self.bounds.contexts.resize_with(graph.guards.len(), Default::default);
@@ -240,7 +240,7 @@ impl Follow<'_> {
         let value = self.bounds.values[id as usize];
         // Loop counters and what they decide are known.
         let is_known = class == Class::Word && value.low == value.high;
-        if is_known && faults_of(act).is_empty() && !matches!(act, Act::Constant(_)) {
+        if is_known && faults_of(act).is_empty() && !matches!(act, NodeOp::Constant(_)) {
             let known = self.constant(class, value.low)?;
             self.known.entry(key).or_default().push(known);
             return Ok(known);

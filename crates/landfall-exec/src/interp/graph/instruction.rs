@@ -2,7 +2,7 @@
 
 use super::super::code::{Axis, Cast, Class, F1, F2, I2, Inst, Op};
 use super::function::{Follow, TooLarge};
-use super::node::{Act, NodeId};
+use super::node::{NodeId, NodeOp};
 use super::word;
 
 impl Follow<'_> {
@@ -20,7 +20,7 @@ impl Follow<'_> {
                 // What is read back later is any number.
                 self.buffers[buffer] = &[];
                 if let Op::Atomic(_) = inst.op {
-                    let any = Act::Within(word::ANY_WORD.low, word::ANY_WORD.high);
+                    let any = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
                     for &to in &operands[..2] {
                         let id = self.node(any, Class::Word, &[])?;
                         self.set(Class::Word, to, id);
@@ -33,7 +33,7 @@ impl Follow<'_> {
             Op::Sample | Op::Texel => return self.texels(operands),
             Op::ImageSize => return self.image_size(operands),
             Op::ArrayLength(_) => {
-                let id = self.node(Act::Within(0.0, 4_294_967_295.0), Class::Word, &[])?;
+                let id = self.node(NodeOp::Within(0.0, 4_294_967_295.0), Class::Word, &[])?;
                 self.set(Class::Word, operands[0], id);
                 return Ok(());
             }
@@ -47,48 +47,48 @@ impl Follow<'_> {
 
     fn group(&mut self, op: Op, to: &[u32], from: &[u32]) -> Result<(), TooLarge> {
         let most = f64::from(f32::MAX);
-        let any_word = Act::Within(word::ANY_WORD.low, word::ANY_WORD.high);
+        let any_word = NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high);
         let (reads, class, act) = match op {
-            Op::F1(f) => (Class::Real, Class::Real, Act::F1(f)),
-            Op::F2(f) => (Class::Real, Class::Real, Act::F2(f)),
-            Op::F3(f) => (Class::Real, Class::Real, Act::F3(f)),
-            Op::FCmp(cmp) => (Class::Real, Class::Word, Act::Compare(cmp)),
-            Op::FTest(test) => (Class::Real, Class::Word, Act::Test(test)),
-            Op::Dot(_) => (Class::Real, Class::Real, Act::Dot),
-            Op::Length(1) => (Class::Real, Class::Real, Act::F1(F1::Abs)),
-            Op::Length(_) => (Class::Real, Class::Real, Act::Length),
+            Op::F1(f) => (Class::Real, Class::Real, NodeOp::F1(f)),
+            Op::F2(f) => (Class::Real, Class::Real, NodeOp::F2(f)),
+            Op::F3(f) => (Class::Real, Class::Real, NodeOp::F3(f)),
+            Op::FCmp(cmp) => (Class::Real, Class::Word, NodeOp::Compare(cmp)),
+            Op::FTest(test) => (Class::Real, Class::Word, NodeOp::Test(test)),
+            Op::Dot(_) => (Class::Real, Class::Real, NodeOp::Dot),
+            Op::Length(1) => (Class::Real, Class::Real, NodeOp::F1(F1::Abs)),
+            Op::Length(_) => (Class::Real, Class::Real, NodeOp::Length),
             Op::Distance(n) => {
                 if n == 1 {
                     let ids = [0, 1].map(|i| self.get(Class::Real, from[i]));
-                    let between = self.node(Act::F2(F2::Sub), Class::Real, &ids)?;
-                    let id = self.node(Act::F1(F1::Abs), Class::Real, &[between])?;
+                    let between = self.node(NodeOp::F2(F2::Sub), Class::Real, &ids)?;
+                    let id = self.node(NodeOp::F1(F1::Abs), Class::Real, &[between])?;
                     self.set(Class::Real, to[0], id);
                     return Ok(());
                 }
-                (Class::Real, Class::Real, Act::Distance)
+                (Class::Real, Class::Real, NodeOp::Distance)
             }
             Op::Normalize(_) => return self.normalize(to, from),
             Op::Cross => return self.cross(to, from),
-            Op::I1(f) => (Class::Word, Class::Word, Act::I1(f)),
-            Op::I2(f) => (Class::Word, Class::Word, Act::I2(f)),
-            Op::CmpSint(cmp) => (Class::Word, Class::Word, Act::CompareWords(cmp, true)),
-            Op::CmpUint(cmp) => (Class::Word, Class::Word, Act::CompareWords(cmp, false)),
-            Op::ExtractSint => (Class::Word, Class::Word, Act::Extract(true)),
-            Op::ExtractUint => (Class::Word, Class::Word, Act::Extract(false)),
+            Op::I1(f) => (Class::Word, Class::Word, NodeOp::I1(f)),
+            Op::I2(f) => (Class::Word, Class::Word, NodeOp::I2(f)),
+            Op::CmpSint(cmp) => (Class::Word, Class::Word, NodeOp::CompareWords(cmp, true)),
+            Op::CmpUint(cmp) => (Class::Word, Class::Word, NodeOp::CompareWords(cmp, false)),
+            Op::ExtractSint => (Class::Word, Class::Word, NodeOp::Extract(true)),
+            Op::ExtractUint => (Class::Word, Class::Word, NodeOp::Extract(false)),
             Op::Ldexp => {
                 let ids = [self.get(Class::Real, from[0]), self.get(Class::Word, from[1])];
-                let id = self.node(Act::Ldexp, Class::Real, &ids)?;
+                let id = self.node(NodeOp::Ldexp, Class::Real, &ids)?;
                 self.set(Class::Real, to[0], id);
                 return Ok(());
             }
             Op::Cast(cast) => {
                 let (reads, writes) = classes(cast);
-                (reads, writes, Act::Cast(cast))
+                (reads, writes, NodeOp::Cast(cast))
             }
             Op::Select(class) => {
                 let [c, a, b] =
                     [0, 1, 2].map(|i| self.get(if i == 0 { Class::Word } else { class }, from[i]));
-                let id = if a == b { a } else { self.node(Act::Select, class, &[c, a, b])? };
+                let id = if a == b { a } else { self.node(NodeOp::Select, class, &[c, a, b])? };
                 self.set(class, to[0], id);
                 return Ok(());
             }
@@ -99,25 +99,25 @@ impl Follow<'_> {
             }
             Op::DerivativeFine(axis) | Op::DerivativeCoarse(axis) => {
                 let low = if axis == Axis::Width { 0.0 } else { -most };
-                (Class::Real, Class::Real, Act::Within(low, most))
+                (Class::Real, Class::Real, NodeOp::Within(low, most))
             }
             Op::Insert => (Class::Word, Class::Word, any_word),
             Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_) => {
-                (Class::Wide, Class::Word, Act::Within(0.0, 1.0))
+                (Class::Wide, Class::Word, NodeOp::Within(0.0, 1.0))
             }
             // Double precision and 64-bit integers are not followed.
             _ => (Class::Wide, Class::Wide, any_word),
         };
-        let opaque = matches!(act, Act::Within(..));
+        let opaque = matches!(act, NodeOp::Within(..));
         if class == Class::Wide || reads == Class::Wide {
-            self.node(Act::Unfollowed, Class::Word, &[])?;
+            self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         }
         let ids: Vec<NodeId> = match opaque {
             true => Vec::new(),
             false => from.iter().map(|&reg| self.get(reads, reg)).collect(),
         };
         let id = match act {
-            Act::I2(f) => self.integer(f, &ids)?,
+            NodeOp::I2(f) => self.integer(f, &ids)?,
             _ => self.node(act, class, &ids)?,
         };
         self.set(class, to[0], id);
@@ -129,14 +129,14 @@ impl Follow<'_> {
         if ids[0] == ids[1] && matches!(f, I2::And | I2::Or) {
             return Ok(ids[0]);
         }
-        self.node(Act::I2(f), Class::Word, ids)
+        self.node(NodeOp::I2(f), Class::Word, ids)
     }
 
     fn normalize(&mut self, to: &[u32], from: &[u32]) -> Result<(), TooLarge> {
         let ids: Vec<NodeId> = from.iter().map(|&reg| self.get(Class::Real, reg)).collect();
         let mut unit = Vec::new();
         for (nth, _) in to.iter().enumerate() {
-            unit.push(self.node(Act::Normalize(nth as u8), Class::Real, &ids)?);
+            unit.push(self.node(NodeOp::Normalize(nth as u8), Class::Real, &ids)?);
         }
         for (&to, &id) in to.iter().zip(&unit) {
             self.set(Class::Real, to, id);
@@ -151,7 +151,7 @@ impl Follow<'_> {
         let ids: Vec<NodeId> = from.iter().map(|&reg| self.get(Class::Real, reg)).collect();
         let mut all = Vec::new();
         for nth in 0..3 {
-            all.push(self.node(Act::Cross(nth), Class::Real, &ids)?);
+            all.push(self.node(NodeOp::Cross(nth), Class::Real, &ids)?);
         }
         for (&to, id) in to.iter().zip(all) {
             self.set(Class::Real, to, id);

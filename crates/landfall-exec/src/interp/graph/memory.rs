@@ -3,7 +3,7 @@
 use super::super::code::{Access, Bound, Class, Cmp, Stored};
 use super::exact;
 use super::function::{Follow, Followed, TooLarge};
-use super::node::{Act, NodeId};
+use super::node::{NodeId, NodeOp};
 use super::word;
 
 /// An element: the offset of its registers or bytes, and the values that the indices then have.
@@ -30,7 +30,7 @@ impl Follow<'_> {
                     (bytes.saturating_sub(offset as usize) / (stride as usize).max(1)) as u32
                 }
             };
-            self.node(Act::Index(len), Class::Word, &[index])?;
+            self.node(NodeOp::Index(len), Class::Word, &[index])?;
             let seen = self.bounds.values[index as usize];
             let range = word::signed(seen, false);
             let last = f64::from(len.saturating_sub(1));
@@ -59,11 +59,11 @@ impl Follow<'_> {
         for &(index, value) in at {
             let value = self.constant(Class::Word, f64::from(value as i32))?;
             let same =
-                self.node(Act::CompareWords(Cmp::Eq, false), Class::Word, &[index, value])?;
+                self.node(NodeOp::CompareWords(Cmp::Eq, false), Class::Word, &[index, value])?;
             all = Some(match all {
                 None => same,
                 Some(before) => {
-                    let and = Act::I2(super::super::code::I2::And);
+                    let and = NodeOp::I2(super::super::code::I2::And);
                     self.node(and, Class::Word, &[before, same])?
                 }
             });
@@ -73,10 +73,10 @@ impl Follow<'_> {
 
     fn anything(&mut self, class: Class) -> Result<NodeId, TooLarge> {
         let most = f64::from(f32::MAX);
-        self.node(Act::Unfollowed, Class::Word, &[])?;
+        self.node(NodeOp::Unfollowed, Class::Word, &[])?;
         let act = match class {
-            Class::Real => Act::Within(-most, most),
-            Class::Word | Class::Wide => Act::Within(word::ANY_WORD.low, word::ANY_WORD.high),
+            Class::Real => NodeOp::Within(-most, most),
+            Class::Word | Class::Wide => NodeOp::Within(word::ANY_WORD.low, word::ANY_WORD.high),
         };
         self.node(act, class, &[])
     }
@@ -100,7 +100,7 @@ impl Follow<'_> {
                         let element = self.get(class, group[1] + *offset as u32);
                         found = Some(match (found, self.indexed(at)?) {
                             (Some(other), Some(same)) if other != element => {
-                                self.node(Act::Select, class, &[same, element, other])?
+                                self.node(NodeOp::Select, class, &[same, element, other])?
                             }
                             (_, _) => element,
                         });
@@ -135,7 +135,7 @@ impl Follow<'_> {
                 let before = self.get(class, reg);
                 let id = match self.indexed(at)? {
                     Some(same) if !single => {
-                        self.node(Act::Select, class, &[same, value, before])?
+                        self.node(NodeOp::Select, class, &[same, value, before])?
                     }
                     _ => value,
                 };
@@ -169,7 +169,7 @@ impl Follow<'_> {
                 Some(all) if !all.is_empty() => {
                     let low = all.iter().copied().fold(f64::INFINITY, f64::min);
                     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                    self.node(Act::Within(low, high), class, &[])?
+                    self.node(NodeOp::Within(low, high), class, &[])?
                 }
                 _ => self.anything(class)?,
             };
@@ -195,7 +195,7 @@ impl Follow<'_> {
                 }),
                 None => (-most, most),
             };
-            let id = self.node(Act::Within(low, high), Class::Real, &[])?;
+            let id = self.node(NodeOp::Within(low, high), Class::Real, &[])?;
             self.set(Class::Real, to, id);
         }
         Ok(())
@@ -203,7 +203,7 @@ impl Follow<'_> {
 
     pub(super) fn image_size(&mut self, operands: &[u32]) -> Result<(), TooLarge> {
         for &to in &operands[..2] {
-            let id = self.node(Act::Within(0.0, 65536.0), Class::Word, &[])?;
+            let id = self.node(NodeOp::Within(0.0, 65536.0), Class::Word, &[])?;
             self.set(Class::Word, to, id);
         }
         Ok(())

@@ -11,7 +11,7 @@ pub(super) type GuardId = u32;
 /// A value: an operation on earlier values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    pub act: Act,
+    pub act: NodeOp,
     pub class: Class,
     /// The operands: `count` words of the pool from `first`.
     pub first: u32,
@@ -26,7 +26,7 @@ pub(super) struct Node {
 
 /// What a node computes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Act {
+pub(super) enum NodeOp {
     /// A scalar of the inputs.
     Input(u32),
     /// A number; words are from -2^31 to 2^32, by their bits.
@@ -62,42 +62,42 @@ pub(super) enum Act {
     Unfollowed,
 }
 
-impl Act {
+impl NodeOp {
     /// Returns a key equal for equal acts.
     pub fn key(self) -> (u64, u64, u64) {
         let of = |tag: u64, more: u64| (tag, more, 0);
         match self {
-            Act::Input(n) => of(0, u64::from(n)),
-            Act::Constant(x) => of(1, x.to_bits()),
-            Act::F1(f) => of(2, f as u64),
-            Act::F2(f) => of(3, f as u64),
-            Act::F3(f) => of(4, f as u64),
-            Act::Compare(c) => of(5, c as u64),
-            Act::Test(t) => of(6, t as u64),
-            Act::Ldexp => of(7, 0),
-            Act::Dot => of(8, 0),
-            Act::Length => of(9, 0),
-            Act::Distance => of(10, 0),
-            Act::Normalize(i) => of(11, u64::from(i)),
-            Act::Cross(i) => of(12, u64::from(i)),
-            Act::I1(f) => of(13, f as u64),
-            Act::I2(f) => of(14, f as u64),
-            Act::CompareWords(c, s) => of(15, c as u64 * 2 + u64::from(s)),
-            Act::Extract(s) => of(16, u64::from(s)),
-            Act::Cast(c) => of(17, c as u64),
-            Act::Select => of(18, 0),
-            Act::Index(len) => of(20, u64::from(len)),
-            Act::Within(low, high) => (21, low.to_bits(), high.to_bits()),
-            Act::Endless => of(22, 0),
-            Act::Unfollowed => of(23, 0),
+            NodeOp::Input(n) => of(0, u64::from(n)),
+            NodeOp::Constant(x) => of(1, x.to_bits()),
+            NodeOp::F1(f) => of(2, f as u64),
+            NodeOp::F2(f) => of(3, f as u64),
+            NodeOp::F3(f) => of(4, f as u64),
+            NodeOp::Compare(c) => of(5, c as u64),
+            NodeOp::Test(t) => of(6, t as u64),
+            NodeOp::Ldexp => of(7, 0),
+            NodeOp::Dot => of(8, 0),
+            NodeOp::Length => of(9, 0),
+            NodeOp::Distance => of(10, 0),
+            NodeOp::Normalize(i) => of(11, u64::from(i)),
+            NodeOp::Cross(i) => of(12, u64::from(i)),
+            NodeOp::I1(f) => of(13, f as u64),
+            NodeOp::I2(f) => of(14, f as u64),
+            NodeOp::CompareWords(c, s) => of(15, c as u64 * 2 + u64::from(s)),
+            NodeOp::Extract(s) => of(16, u64::from(s)),
+            NodeOp::Cast(c) => of(17, c as u64),
+            NodeOp::Select => of(18, 0),
+            NodeOp::Index(len) => of(20, u64::from(len)),
+            NodeOp::Within(low, high) => (21, low.to_bits(), high.to_bits()),
+            NodeOp::Endless => of(22, 0),
+            NodeOp::Unfollowed => of(23, 0),
         }
     }
 
     /// Whether the result is exact if the operands are.
     pub fn keeps_exact(self) -> bool {
         match self {
-            Act::Input(_) | Act::Constant(_) | Act::Select => true,
-            Act::F1(f) => matches!(
+            NodeOp::Input(_) | NodeOp::Constant(_) | NodeOp::Select => true,
+            NodeOp::F1(f) => matches!(
                 f,
                 F1::Neg
                     | F1::Abs
@@ -108,30 +108,30 @@ impl Act {
                     | F1::Trunc
                     | F1::Saturate
             ),
-            Act::F2(f) => matches!(f, F2::Min | F2::Max | F2::Step),
-            Act::F3(f) => f == F3::Clamp,
-            Act::Cast(cast) => !matches!(cast, Cast::RoundHalf),
-            Act::Within(..) => true,
-            Act::Compare(_)
-            | Act::Test(_)
-            | Act::Ldexp
-            | Act::Dot
-            | Act::Length
-            | Act::Distance
-            | Act::Normalize(_)
-            | Act::Cross(_)
-            | Act::I1(_)
-            | Act::I2(_)
-            | Act::CompareWords(..)
-            | Act::Extract(_)
-            | Act::Index(_)
-            | Act::Endless
-            | Act::Unfollowed => false,
+            NodeOp::F2(f) => matches!(f, F2::Min | F2::Max | F2::Step),
+            NodeOp::F3(f) => f == F3::Clamp,
+            NodeOp::Cast(cast) => !matches!(cast, Cast::RoundHalf),
+            NodeOp::Within(..) => true,
+            NodeOp::Compare(_)
+            | NodeOp::Test(_)
+            | NodeOp::Ldexp
+            | NodeOp::Dot
+            | NodeOp::Length
+            | NodeOp::Distance
+            | NodeOp::Normalize(_)
+            | NodeOp::Cross(_)
+            | NodeOp::I1(_)
+            | NodeOp::I2(_)
+            | NodeOp::CompareWords(..)
+            | NodeOp::Extract(_)
+            | NodeOp::Index(_)
+            | NodeOp::Endless
+            | NodeOp::Unfollowed => false,
         }
     }
 
     /// Whether equal operands give equal values.
     pub fn is_pure(self) -> bool {
-        !matches!(self, Act::Within(..) | Act::Endless | Act::Unfollowed)
+        !matches!(self, NodeOp::Within(..) | NodeOp::Endless | NodeOp::Unfollowed)
     }
 }

@@ -4,7 +4,7 @@ use super::super::program::Program;
 use super::super::undefined::UndefinedKind as K;
 use super::fault::faults_of;
 use super::guard::{ALWAYS, Guard};
-use super::node::{Act, NodeId};
+use super::node::{NodeId, NodeOp};
 use super::{Fault, Graph, Site};
 use landfall_layout::source::Language;
 
@@ -49,7 +49,7 @@ impl Graph {
         let mut all: Vec<Vec<usize>> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let mut mine = Vec::new();
-            if let Act::Input(n) = node.act {
+            if let NodeOp::Input(n) = node.act {
                 mine.push(n as usize);
             }
             for &id in self.operands(node) {

@@ -10,7 +10,7 @@ use super::arithmetic;
 use super::bounds::Bounds;
 use super::exact::{self, between, contains, is_empty, meet, size};
 use super::fault::{Fault, Faults};
-use super::node::{Act, GuardId, Node, NodeId};
+use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::value::{Applied, Arithmetic};
 
 /// The room for the roundings of a sum of four products of numbers up to one.
@@ -27,7 +27,7 @@ impl Graph {
     /// Returns the vectors of the inputs that have length one, by scalar.
     fn unit_size(&self, ids: &[NodeId], how: Arithmetic) -> Option<Interval> {
         let of = |id: NodeId| match self.nodes[id as usize] {
-            Node { act: Act::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
+            Node { act: NodeOp::F1(F1::Neg), .. } => self.operands(&self.nodes[id as usize])[0],
             _ => id,
         };
         let first = of(*ids.first()?);
@@ -42,7 +42,7 @@ impl Graph {
         };
         let unit = vectors.iter().find(within)?;
         let unit = &self.units[*unit];
-        let is_input = matches!(self.nodes[unit[0] as usize].act, Act::Input(_));
+        let is_input = matches!(self.nodes[unit[0] as usize].act, NodeOp::Input(_));
         let error = match (is_input, how) {
             (true, _) => UNIT_INPUT,
             (false, Arithmetic::Exact) => 1e-12,
@@ -65,7 +65,7 @@ impl Bounds {
         let half = ids.len() / 2;
         let unit = |ids: &[NodeId]| graph.unit_size(ids, how);
         match node.act {
-            Act::Dot => {
+            NodeOp::Dot => {
                 let same = ids[..half] == ids[half..];
                 let product = |i: usize| {
                     arithmetic::f2(
@@ -85,7 +85,7 @@ impl Bounds {
                 let value = meet(found.value, between(least, most));
                 Applied { value: if is_empty(value) { found.value } else { value }, ..found }
             }
-            Act::Cross(i) => {
+            NodeOp::Cross(i) => {
                 let (j, k) = ((usize::from(i) + 1) % 3, (usize::from(i) + 2) % 3);
                 let mul = F2::Mul;
                 let of = |a: usize, b: usize| {
@@ -101,9 +101,9 @@ impl Bounds {
                 let most = a.high * b.high + PRODUCTS;
                 Applied { value: meet(found.value, between(-most, most)), faults }
             }
-            Act::Length | Act::Distance => {
+            NodeOp::Length | NodeOp::Distance => {
                 let terms: Vec<Applied> = match node.act {
-                    Act::Length => all.iter().map(|x| square(how, *x)).collect(),
+                    NodeOp::Length => all.iter().map(|x| square(how, *x)).collect(),
                     _ => (0..half)
                         .map(|i| {
                             let sub = F2::Sub;
@@ -117,7 +117,7 @@ impl Bounds {
                 let (squares, faults) = lengths(how, terms, true);
                 let root = arithmetic::f1(how, F1::Sqrt, squares).value;
                 let known = match node.act {
-                    Act::Length => unit(ids),
+                    NodeOp::Length => unit(ids),
                     _ => None,
                 };
                 let value = known.map_or(root, |unit| {
@@ -131,7 +131,7 @@ impl Bounds {
 
     fn normalized(&self, graph: &Graph, node: &Node, all: &[Interval]) -> Applied {
         let how = self.arithmetic;
-        let Act::Normalize(nth) = node.act else {
+        let NodeOp::Normalize(nth) = node.act else {
             unreachable!("the other operations on vectors are done before")
         };
         let terms = all.iter().map(|x| square(how, *x)).collect();

@@ -20,7 +20,7 @@ pub struct Candidate {
     pub hazard: Occurrence,
     node: Id,
     /// The condition on a value that rules it out.
-    need: Option<Need>,
+    need: Option<Requirement>,
 }
 
 impl Candidate {
@@ -31,7 +31,7 @@ impl Candidate {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Need {
+enum Requirement {
     Nonzero(Id),
     NotNegative(Id),
 }
@@ -64,8 +64,8 @@ impl<'m> Walk<'m> {
                 continue;
             }
             let is_met = match need {
-                Need::Nonzero(id) => self.facts(id).nonzero,
-                Need::NotNegative(id) => self.facts(id).low >= 0.0,
+                Requirement::Nonzero(id) => self.facts(id).nonzero,
+                Requirement::NotNegative(id) => self.facts(id).low >= 0.0,
             };
             if is_met {
                 met.push(index);
@@ -204,7 +204,7 @@ impl<'m> Walk<'m> {
         let Some((number, about)) = self.difference(v) else { return };
         let kind = Kind::UnguardedNormalize;
         let candidate = self.report(kind, number, Certainty::Possible, span, about);
-        (candidate.node, candidate.need) = (id, Some(Need::Nonzero(v)));
+        (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(v)));
     }
 
     /// Returns the hazard and the path of a point if a vector is the difference of two points of
@@ -282,7 +282,7 @@ impl<'m> Walk<'m> {
         };
         let (kind, number, about) = found;
         let candidate = self.report(kind, number, Certainty::Possible, span, about);
-        (candidate.node, candidate.need) = (id, Some(Need::Nonzero(below)));
+        (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(below)));
     }
 
     fn look_at_comparison(&mut self, a: Id, b: Id, span: Span) {
@@ -367,14 +367,14 @@ impl<'m> Walk<'m> {
             };
             let candidate =
                 self.report(Kind::PowOfNegative, Hazard::PowOfNegative, sure, span, about);
-            (candidate.node, candidate.need) = (id, Some(Need::NotNegative(base)));
+            (candidate.node, candidate.need) = (id, Some(Requirement::NotNegative(base)));
         } else if !x.nonzero && n.low <= 0.0 {
             let sure = match n.low.is_finite() {
                 true => Certainty::Likely,
                 false => Certainty::Possible,
             };
             let candidate = self.report(Kind::PowOfZero, Hazard::PowOfZero, sure, span, about);
-            (candidate.node, candidate.need) = (id, Some(Need::Nonzero(base)));
+            (candidate.node, candidate.need) = (id, Some(Requirement::Nonzero(base)));
         }
     }
 

@@ -1,7 +1,7 @@
 //! Attributes (§11) that layouts and bindings depend on; others are skipped.
 
 use super::constants;
-use super::constants::Trouble;
+use super::constants::ConstantError;
 use super::expressions;
 use super::expressions::ExpressionContext;
 use super::fallback;
@@ -76,7 +76,7 @@ fn argument<'a>(
     super::types::expect(reader, lexer, b')', "`)`")?;
     let value = match outcome {
         Ok(value) => value.integer(),
-        Err(trouble @ Trouble::Fault(Fault::Unsupported, _)) => {
+        Err(trouble @ ConstantError::Fault(Fault::Unsupported, _)) => {
             match fallback::positive(reader.outline, reader.text, span) {
                 Some(value) => Some(value.into()),
                 None => {
@@ -99,7 +99,7 @@ fn argument<'a>(
     }
 }
 
-fn refuse(reader: &mut ModuleReader<'_>, trouble: Trouble, at: Span, name: &str) -> Refused {
+fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span, name: &str) -> Refused {
     constants::refuse(reader, trouble, at, Code::InvalidAttribute, &format!("`@{name}`"))
 }
 

@@ -18,11 +18,11 @@ use crate::syntax::constant;
 use crate::syntax::constant::{Fault, Kind, Value};
 
 /// The value of an expression, or the reason it has none.
-pub(super) type Outcome = Result<Value, Trouble>;
+pub(super) type Outcome = Result<Value, ConstantError>;
 
 /// The reason a parsed expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Trouble {
+pub(super) enum ConstantError {
     /// Evaluation failed; the span is the part at fault.
     Fault(Fault, Span),
     /// It depends on an override without a value: the override's index in the outline.
@@ -43,7 +43,7 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
     reader.used_override |= reader.outline.items[index].class == Class::Override;
     match reader.constants.get(&index) {
         Some(Known::Done(outcome)) => return outcome.clone(),
-        Some(Known::Broken) => return Err(Trouble::Refused),
+        Some(Known::Broken) => return Err(ConstantError::Refused),
         Some(Known::Open) => {
             let item = &reader.outline.items[index];
             let message = format!("`{}` depends on its own value", item.name);
@@ -51,7 +51,7 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
                 Diagnostic::error(Code::RecursiveConstant, at, message)
                     .with_label(item.name_span, "defined here"),
             );
-            return Err(Trouble::Refused);
+            return Err(ConstantError::Refused);
         }
         None => {}
     }
@@ -59,7 +59,7 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
         Class::Const => constant,
         Class::Override => override_value,
         Class::Struct | Class::Alias | Class::Var | Class::Fn => {
-            return Err(Trouble::NotConstant(at, index));
+            return Err(ConstantError::NotConstant(at, index));
         }
     };
     if reader.depth() > DEEP_CHAIN && !reader.swept {
@@ -68,7 +68,7 @@ pub(super) fn value_of(reader: &mut ModuleReader<'_>, index: usize, at: Span) ->
     }
     reader.constants.insert(index, Known::Open);
     let result = reader.deeper_expression(at, |reader| read(reader, index));
-    let outcome = result.unwrap_or(Err(Trouble::Refused));
+    let outcome = result.unwrap_or(Err(ConstantError::Refused));
     reader.constants.insert(index, Known::Done(outcome.clone()));
     outcome
 }
@@ -123,7 +123,7 @@ fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome
         let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
         typed(outcome, kind, at)
     } else {
-        Err(Trouble::Valueless(index))
+        Err(ConstantError::Valueless(index))
     };
     let value = outcome.as_ref().ok().and_then(Value::integer).and_then(|v| i64::try_from(v).ok());
     reader.note_override(item.name, id, value);
@@ -170,7 +170,7 @@ pub(super) fn component(ty: &Type) -> Option<Scalar> {
 fn typed(outcome: Outcome, scalar: Option<Scalar>, at: Span) -> Outcome {
     match (outcome, scalar) {
         (Ok(value), Some(scalar)) => {
-            convert(&value, scalar).map_err(|fault| Trouble::Fault(fault, at))
+            convert(&value, scalar).map_err(|fault| ConstantError::Fault(fault, at))
         }
         (outcome, _) => outcome,
     }
@@ -207,15 +207,15 @@ pub(super) fn convert(value: &Value, scalar: Scalar) -> Result<Value, Fault> {
 /// Reports why an expression that must be constant has no value.
 pub(super) fn refuse(
     reader: &mut ModuleReader<'_>,
-    trouble: Trouble,
+    trouble: ConstantError,
     at: Span,
     code: Code,
     what: &str,
 ) -> Refused {
     let text = reader.slice(at);
     let diagnostic = match trouble {
-        Trouble::Refused => return Refused,
-        Trouble::Valueless(index) => {
+        ConstantError::Refused => return Refused,
+        ConstantError::Valueless(index) => {
             let name = reader.outline.items[index].name;
             Diagnostic::error(
                 code,
@@ -224,7 +224,7 @@ pub(super) fn refuse(
             )
             .with_help(format!("`{name}` has no default: pass `-O {name}=VALUE`"))
         }
-        Trouble::Unknown(place) => {
+        ConstantError::Unknown(place) => {
             let name = reader.slice(place);
             let diagnostic =
                 Diagnostic::error(Code::UnknownName, place, format!("`{name}` is not defined"));
@@ -234,7 +234,7 @@ pub(super) fn refuse(
             });
             report::misspelt(diagnostic, name, known.map(|item| item.name))
         }
-        Trouble::NotConstant(place, index) => {
+        ConstantError::NotConstant(place, index) => {
             let item = &reader.outline.items[index];
             let message = format!(
                 "{what} must be constant, but `{}` is {}",
@@ -245,7 +245,7 @@ pub(super) fn refuse(
                 .with_label(item.name_span, "defined here")
                 .with_help("use a `const` or an `override`")
         }
-        Trouble::Fault(fault, place) => {
+        ConstantError::Fault(fault, place) => {
             let message = match fault {
                 Fault::DivisionByZero => format!("{what} divides by zero"),
                 Fault::Overflow => format!("{what} overflows its type"),

@@ -1,7 +1,7 @@
 //! Const-expressions and override-expressions (§8), evaluated while parsing.
 
 use super::constants;
-use super::constants::{Outcome, Trouble};
+use super::constants::{ConstantError, Outcome};
 use super::lexer::{Kind, Lexer, Token};
 use super::outline::Class;
 use super::reader::ModuleReader;
@@ -58,7 +58,7 @@ fn binary<'a>(
             ("&&", Ok(Value::Bool(false))) => Ok(Value::Bool(false)),
             ("||", Ok(Value::Bool(true))) => Ok(Value::Bool(true)),
             (_, Ok(a)) => right.and_then(|b| {
-                constant::binary(op, &a, &b).map_err(|fault| Trouble::Fault(fault, at))
+                constant::binary(op, &a, &b).map_err(|fault| ConstantError::Fault(fault, at))
             }),
             (_, Err(trouble)) => Err(trouble),
         };
@@ -109,8 +109,9 @@ fn unary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Par
     let (inner, end) =
         reader.deeper_expression(report::span(token), |reader| unary(reader, lexer))?;
     let at = Span { file: 0, start: token.start, end };
-    let outcome = inner
-        .and_then(|value| constant::unary(op, &value).map_err(|fault| Trouble::Fault(fault, at)));
+    let outcome = inner.and_then(|value| {
+        constant::unary(op, &value).map_err(|fault| ConstantError::Fault(fault, at))
+    });
     Ok((outcome, end))
 }
 
@@ -144,11 +145,11 @@ fn postfix<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<P
 
 fn swizzle(value: &Value, names: &str, at: Span) -> Outcome {
     let Value::List(items) = value else {
-        return Err(Trouble::Fault(Fault::Unsupported, at));
+        return Err(ConstantError::Fault(Fault::Unsupported, at));
     };
     let component = |name: char| {
         let index = "xyzw".find(name).or_else(|| "rgba".find(name));
-        index.and_then(|i| items.get(i)).cloned().ok_or(Trouble::Fault(Fault::Mismatch, at))
+        index.and_then(|i| items.get(i)).cloned().ok_or(ConstantError::Fault(Fault::Mismatch, at))
     };
     let mut picked = names.chars().map(component).collect::<Result<Vec<_>, _>>()?;
     Ok(if picked.len() == 1 { picked.remove(0) } else { Value::List(picked) })
@@ -156,10 +157,10 @@ fn swizzle(value: &Value, names: &str, at: Span) -> Outcome {
 
 fn element(value: &Value, index: &Value, at: Span) -> Outcome {
     let (Value::List(items), Some(index)) = (value, index.integer()) else {
-        return Err(Trouble::Fault(Fault::Unsupported, at));
+        return Err(ConstantError::Fault(Fault::Unsupported, at));
     };
     let item = usize::try_from(index).ok().and_then(|i| items.get(i));
-    item.cloned().ok_or(Trouble::Fault(Fault::Mismatch, at))
+    item.cloned().ok_or(ConstantError::Fault(Fault::Mismatch, at))
 }
 
 fn primary<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<Part, Refused> {
@@ -208,7 +209,7 @@ fn word<'a>(
                 if lexer.take(b'(') {
                     end = arguments(reader, lexer)?.1;
                 }
-                Ok((Err(Trouble::NotConstant(at, index)), end))
+                Ok((Err(ConstantError::NotConstant(at, index)), end))
             }
         };
     }
@@ -223,13 +224,13 @@ fn word<'a>(
         types::expect(reader, lexer, b'>', "`>`")?;
     }
     if !lexer.take(b'(') {
-        return Ok((Err(Trouble::Unknown(at)), token.end));
+        return Ok((Err(ConstantError::Unknown(at)), token.end));
     }
     let (values, end) = arguments(reader, lexer)?;
     let whole = Span { file: 0, start: token.start, end };
     let outcome = values.and_then(|values| {
         let result = constant::call(name, &values);
-        result.map_err(|fault| Trouble::Fault(fault, whole))
+        result.map_err(|fault| ConstantError::Fault(fault, whole))
     });
     Ok((outcome, end))
 }
@@ -238,7 +239,7 @@ fn word<'a>(
 fn arguments<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
-) -> Result<(Result<Vec<Value>, Trouble>, u32), Refused> {
+) -> Result<(Result<Vec<Value>, ConstantError>, u32), Refused> {
     let mut values = Ok(Vec::new());
     loop {
         let next = lexer.peek();
@@ -286,7 +287,7 @@ fn constructor<'a>(
                 _ => Ok(Value::List(values)),
             },
         };
-        made.map_err(|fault| Trouble::Fault(fault, whole))
+        made.map_err(|fault| ConstantError::Fault(fault, whole))
     });
     Ok((outcome, end))
 }

@@ -3,7 +3,7 @@
 use crate::diagnostic::Code;
 use std::sync::Arc;
 
-use super::constants::Trouble;
+use super::constants::ConstantError;
 use super::expressions;
 use super::expressions::ExpressionContext;
 use super::lexer::Lexer;
@@ -35,14 +35,20 @@ pub(super) fn read<'a>(
     let text = reader.slice(at);
     let count = match outcome {
         Ok(value) => value.integer(),
-        Err(Trouble::Valueless(index)) => {
+        Err(ConstantError::Valueless(index)) => {
             let len = ArrayLen::Override(Arc::from(text));
             return Ok(Length { len, waits_for: Some(index), overridden });
         }
-        Err(Trouble::Fault(Fault::Unsupported, place)) => {
+        Err(ConstantError::Fault(Fault::Unsupported, place)) => {
             match fallback::positive(reader.outline, reader.text, at) {
                 Some(count) => Some(count.into()),
-                None => return Err(refuse(reader, Trouble::Fault(Fault::Unsupported, place), at)),
+                None => {
+                    return Err(refuse(
+                        reader,
+                        ConstantError::Fault(Fault::Unsupported, place),
+                        at,
+                    ));
+                }
             }
         }
         Err(trouble) => return Err(refuse(reader, trouble, at)),
@@ -71,6 +77,6 @@ pub(super) fn read<'a>(
     }
 }
 
-fn refuse(reader: &mut ModuleReader<'_>, trouble: Trouble, at: Span) -> Refused {
+fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span) -> Refused {
     constants::refuse(reader, trouble, at, Code::ArraySize, "an array length")
 }

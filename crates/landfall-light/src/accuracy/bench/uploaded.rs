@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use super::scene::Stage;
-use crate::bind::{Lit, OverflowPolicy};
+use crate::bind::{FragmentLights, OverflowPolicy};
 use crate::culling::Options;
 use crate::render;
 use crate::render::planned::FragmentGroup;
@@ -39,11 +39,12 @@ impl<'a> Uploaded<'a> {
         let wrong = |error: render::RenderError| error.to_string();
         let lights = renderer.lights(&stage.upload, OverflowPolicy::Refuse);
         let [directional, point, spot] = lights.map_err(|error| error.to_string())?;
-        let all = Lit { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let none = Lit { ambient: true, directional: &[], point: &[], spot: &[] };
+        let all =
+            FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+        let none = FragmentLights { ambient: true, directional: &[], point: &[], spot: &[] };
         let work = work(stage, limit);
         let numbers: Vec<u32> = (0..stage.frame.fragments.len() as u32).collect();
-        let lots = |lights: Lit<'_>| {
+        let lots = |lights: FragmentLights<'_>| {
             let draw = Draw { fragments: &numbers, lights, tiles: None };
             renderer.lots(&work, &draw).map_err(wrong)
         };

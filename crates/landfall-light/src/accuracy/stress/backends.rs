@@ -8,11 +8,11 @@ use super::drivers::Drivers;
 use super::found::{BackendResult, StressFinding};
 use super::input::Sample;
 use super::kept::Tally;
-use super::measure::{Off, Outcome, floats};
+use super::measure::{Outcome, SampleError, floats};
 use super::permitted::{PermittedAt, Verdict, permitted, verdict};
 use super::plan::{Plan, columns, settings};
 use super::shrink::plausible;
-use super::verdict::{Answered, DriverOutcome, DriverRecord, Why, came};
+use super::verdict::{Answered, DriverKeepReason, DriverOutcome, DriverRecord, came};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::PureFunction;
@@ -73,7 +73,7 @@ pub struct DriverCase {
 
 impl DriverCase {
     /// Returns the error, if finite.
-    pub fn off(&self) -> Option<Off> {
+    pub fn off(&self) -> Option<SampleError> {
         match self.outcome {
             DriverOutcome::Finite(off) => off,
             DriverOutcome::NotANumber | DriverOutcome::Infinite => None,
@@ -122,14 +122,14 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Backe
             let (sample, results) = &kept.sample;
             written(writing, &seen.device, sample, results)
         };
-        let odd = |why: Why| {
+        let odd = |why: DriverKeepReason| {
             let nth = why as usize;
             Disagreement {
                 count: seen.counts[nth],
                 cases: seen.tops[nth].iter().map(case).collect(),
             }
         };
-        let [ulp, steps, apart, not_finite, hidden] = Why::ALL.map(odd);
+        let [ulp, steps, apart, not_finite, hidden] = DriverKeepReason::ALL.map(odd);
         let worst = [ulp, steps].into_iter().filter_map(|odd| odd.cases.into_iter().next());
         let ran_all = seen.ran.max(seen.tally.samples);
         reports.push(BackendReport {
@@ -220,7 +220,7 @@ pub(super) fn on_a_driver(
         outcome: match found.outcome {
             DriverOutcome::NotANumber => Outcome::NotANumber,
             DriverOutcome::Infinite => Outcome::Infinite,
-            DriverOutcome::Finite(off) => Outcome::Off(off.unwrap_or_default(), false),
+            DriverOutcome::Finite(off) => Outcome::Finite(off.unwrap_or_default(), false),
         },
         breach: None,
         case: found.case.clone(),

@@ -125,7 +125,7 @@ pub(super) fn examine(
             candidates.push(Candidate { hazard, place, operation: None, about, kind: Some(kind) });
         }
     }
-    if let Outcome::Off(off, _) = outcome {
+    if let Outcome::Finite(off, _) = outcome {
         if off.steps > plan.steps || off.ulp > plan.ulp {
             candidates.extend(look.inaccurate(&floats, &called));
         }

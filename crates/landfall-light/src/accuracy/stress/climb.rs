@@ -7,7 +7,7 @@ use super::drivers::Drivers;
 use super::generate::Generator;
 use super::input::{Input, Sample, float};
 use super::kept::Tally;
-use super::measure::{Off, Outcome, floats, outcome};
+use super::measure::{Outcome, SampleError, floats, outcome};
 use super::plan::{Plan, columns, settings};
 use super::random::Random;
 use landfall_exec::harness::call::pure::PureFunction;
@@ -42,21 +42,21 @@ pub(super) fn climb(
     generator: &Generator<'_>,
     plan: &Plan,
     start: &Sample,
-    (height, whose): (impl Fn(&Off) -> f64, ClimbTarget),
+    (height, whose): (impl Fn(&SampleError) -> f64, ClimbTarget),
     random: &mut Random,
     climbs: &mut Climbs<'_, '_>,
-) -> (Sample, Off) {
+) -> (Sample, SampleError) {
     let (inputs, domain) = (generator.inputs, generator.domain);
     let floats = floats(pure);
     if climbs.over {
         let called = pure.call(&columns(std::slice::from_ref(start)), 1, &settings(plan, false));
         let off = called.ok().and_then(|called| match outcome(&called, &floats, 0) {
-            Outcome::Off(off, _) => Some(off),
+            Outcome::Finite(off, _) => Some(off),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         });
         return (start.clone(), off.unwrap_or_default());
     }
-    let mut best = (start.clone(), Off::default());
+    let mut best = (start.clone(), SampleError::default());
     let mut highest = match whose {
         ClimbTarget::Interpreter => 0.0,
         ClimbTarget::Driver(_, height) => height,
@@ -104,7 +104,7 @@ pub(super) fn climb(
             }
         }
         for (lane, (sample, outcome)) in samples.iter().zip(outcomes).enumerate() {
-            if let Outcome::Off(off, _) = outcome {
+            if let Outcome::Finite(off, _) = outcome {
                 if height(&off) > highest {
                     highest = height(&off);
                     idle = if lane == 0 { idle } else { 0 };

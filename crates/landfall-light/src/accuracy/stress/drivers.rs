@@ -10,7 +10,7 @@ use super::deadline::Deadline;
 use super::input::{Input, Sample};
 use super::measure::{Outcome, floats};
 use super::plan::{Plan, columns};
-use super::verdict::{DriverRecord, Judge, Why, singles};
+use super::verdict::{DriverKeepReason, DriverRecord, VerdictContext, singles};
 use landfall_exec::backend::{Backend, BackendKind, FailureKind};
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 use landfall_exec::harness::call::pure::PureFunction;
@@ -34,7 +34,7 @@ struct DriverSlot<'r> {
 /// All requested drivers.
 pub(super) struct Drivers<'r> {
     seats: Vec<DriverSlot<'r>>,
-    judge: Judge<'r>,
+    judge: VerdictContext<'r>,
     /// Samples of climbs, collected into larger batches.
     waiting: Batch,
     climbs: usize,
@@ -69,7 +69,12 @@ impl<'r> Drivers<'r> {
         });
         Drivers {
             seats: seats.collect(),
-            judge: Judge { inputs, floats: floats(pure), steps: plan.steps, ulp: plan.ulp },
+            judge: VerdictContext {
+                inputs,
+                floats: floats(pure),
+                steps: plan.steps,
+                ulp: plan.ulp,
+            },
             waiting: Batch::default(),
             climbs: 0,
             until: plan.until.clone(),
@@ -124,7 +129,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns the samples to climb from on a driver, with their severity.
-    pub fn starts(&self, driver: usize, why: Why) -> Vec<(Sample, f64)> {
+    pub fn starts(&self, driver: usize, why: DriverKeepReason) -> Vec<(Sample, f64)> {
         let tops = &self.seats[driver].seen.tops[why as usize];
         tops.iter().map(|kept| (kept.sample.0.clone(), kept.severity)).collect()
     }

@@ -11,7 +11,7 @@ use super::classify::{Candidate, Examined, examine};
 use super::climb::{ClimbTarget, Climbs, climb};
 use super::generate::Generator;
 use super::input::Sample;
-use super::kept::{Exemplars, Kept, Why};
+use super::kept::{Exemplars, KeepReason, Kept};
 use super::measure::Outcome;
 use super::plan::Plan;
 use super::random::Random;
@@ -34,7 +34,7 @@ pub(super) struct Raw {
 }
 
 /// A kept sample with how it was made and why it was kept.
-type Exemplar = ((u32, Why), Kept);
+type Exemplar = ((u32, KeepReason), Kept);
 
 /// The hazard's code, the file and the line of a finding.
 type Key = (&'static str, u32, u32);
@@ -68,12 +68,13 @@ pub(super) fn findings(
     let ordered = order(exemplars);
     // Climb from the worst losses first, and examine the results with the other samples.
     let mut climbed = Vec::new();
-    let losses = ordered.iter().filter(|(key, _)| matches!(key.1, Why::Above | Why::Below));
+    let losses =
+        ordered.iter().filter(|(key, _)| matches!(key.1, KeepReason::Above | KeepReason::Below));
     let left = plan.until.left().unwrap_or(UNHURRIED);
     let looking = plan.until.sooner(left / 2);
     let plan_of_climbs = &Plan { until: plan.until.sooner(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
-        let steps = |off: &super::measure::Off| off.steps;
+        let steps = |off: &super::measure::SampleError| off.steps;
         climbed.push(
             climb(
                 pure,
@@ -90,17 +91,17 @@ pub(super) fn findings(
     for sample in &climbed {
         look(sample, &mut groups);
     }
-    let mut each: FxHashMap<Why, usize> = FxHashMap::default();
+    let mut each: FxHashMap<KeepReason, usize> = FxHashMap::default();
     for ((_, why), kept) in &ordered {
         if looking.is_over() {
             break;
         }
-        if *why == Why::Endless {
+        if *why == KeepReason::Endless {
             continue;
         }
         let count = each.entry(*why).or_default();
         *count += 1;
-        let most = if matches!(why, Why::Undefined(..)) { EACH } else { 10 * EACH };
+        let most = if matches!(why, KeepReason::Undefined(..)) { EACH } else { 10 * EACH };
         if *count <= most {
             look(&kept.sample, &mut groups);
         }
@@ -154,7 +155,7 @@ fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
 
 fn bad(examined: &Examined, plan: &Plan) -> bool {
     match examined.outcome {
-        Outcome::Off(off, _) => off.steps > plan.steps || off.ulp > plan.ulp,
+        Outcome::Finite(off, _) => off.steps > plan.steps || off.ulp > plan.ulp,
         Outcome::Discarded => false,
         Outcome::NotANumber | Outcome::Infinite => true,
     }
@@ -164,10 +165,10 @@ fn bad(examined: &Examined, plan: &Plan) -> bool {
 fn order(exemplars: Exemplars) -> Vec<Exemplar> {
     let mut all: Vec<Exemplar> = exemplars.into_iter().collect();
     all.sort_by(|a, b| {
-        let rank = |key: &(u32, Why)| key.0 >= 1 << 24;
+        let rank = |key: &(u32, KeepReason)| key.0 >= 1 << 24;
         rank(&a.0).cmp(&rank(&b.0)).then(b.1.severity.total_cmp(&a.1.severity)).then(a.0.cmp(&b.0))
     });
-    let mut turns: FxHashMap<Why, usize> = FxHashMap::default();
+    let mut turns: FxHashMap<KeepReason, usize> = FxHashMap::default();
     let mut numbered: Vec<(usize, Exemplar)> = all
         .into_iter()
         .map(|one| {
@@ -191,7 +192,7 @@ fn sort(
         Outcome::Discarded => 0.0,
         Outcome::NotANumber => f64::INFINITY,
         Outcome::Infinite => f64::MAX,
-        Outcome::Off(off, _) => off.steps,
+        Outcome::Finite(off, _) => off.steps,
     };
     let plausible = plausible(generator.inputs, sample);
     let mut met: Vec<Key> = Vec::new();

@@ -5,7 +5,7 @@
 use super::case::Case;
 use super::classify::Performed;
 use super::condition::Condition;
-use super::measure::{Off, Outcome};
+use super::measure::{Outcome, SampleError};
 use super::permitted::PermittedAt;
 use super::rewrite::Gain;
 use landfall_exec::backend::BackendKind;
@@ -17,7 +17,7 @@ use landfall_layout::finding::Level;
 #[derive(Clone, Debug)]
 pub struct Worst {
     /// The error.
-    pub off: Off,
+    pub off: SampleError,
     /// The effect of the inputs' own rounding.
     pub condition: Option<Condition>,
     /// The inputs and results.

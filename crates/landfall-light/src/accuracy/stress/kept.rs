@@ -40,7 +40,7 @@ impl Tally {
             Outcome::Discarded => self.discarded += 1,
             Outcome::NotANumber => self.nan += 1,
             Outcome::Infinite => self.infinite += 1,
-            Outcome::Off(off, _) => {
+            Outcome::Finite(off, _) => {
                 self.ulp.add(off.ulp);
                 self.relative.add(off.relative);
                 self.steps.add(off.steps);
@@ -64,7 +64,7 @@ impl Tally {
 
 /// The reason a sample is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Why {
+pub(super) enum KeepReason {
     /// An undefined value of that kind at a byte of a file.
     Undefined(UndefinedKind, u32, u32),
     NotANumber,
@@ -84,7 +84,7 @@ pub(super) struct Kept<T = Sample> {
 }
 
 /// Kept samples by how they were made and why they were kept.
-pub(super) type Exemplars = FxHashMap<(u32, Why), Kept>;
+pub(super) type Exemplars = FxHashMap<(u32, KeepReason), Kept>;
 
 /// The results of all samples.
 #[derive(Clone, Debug, Default)]
@@ -134,7 +134,7 @@ pub(super) fn top<T>(
 
 /// Keeps a sample if there is none of its kind or only a less severe one; adds new kinds up to
 /// `most`.
-pub(super) fn keep(all: &mut Exemplars, key: (u32, Why), new: Kept, most: usize) {
+pub(super) fn keep(all: &mut Exemplars, key: (u32, KeepReason), new: Kept, most: usize) {
     let room = all.len() < most;
     match all.get_mut(&key) {
         Some(known) => {

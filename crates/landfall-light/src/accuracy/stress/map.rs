@@ -118,8 +118,8 @@ pub fn error_map(
             cells.push(match outcome(&called, &floats, lane) {
                 Outcome::Discarded => Cell::Empty,
                 Outcome::NotANumber | Outcome::Infinite => Cell::NonFinite,
-                Outcome::Off(..) if undefined(lane) => Cell::Undefined,
-                Outcome::Off(off, _) => Cell::Error(off.steps),
+                Outcome::Finite(..) if undefined(lane) => Cell::Undefined,
+                Outcome::Finite(off, _) => Cell::Error(off.steps),
             });
         }
     }

@@ -15,13 +15,13 @@ impl StressFinding {
             (Some(steps), _) => format!(": {} steps", figure(steps)),
             (None, Outcome::NotANumber) => ": the result is NaN".to_string(),
             (None, Outcome::Infinite) => ": the result is infinite".to_string(),
-            (None, Outcome::Off(off, _)) if off.steps >= 0.05 => {
+            (None, Outcome::Finite(off, _)) if off.steps >= 0.05 => {
                 format!(": {} steps off, {} ULP", figure(off.steps), figure(off.ulp))
             }
-            (None, Outcome::Off(off, _)) if self.kind.is_none() => {
+            (None, Outcome::Finite(off, _)) if self.kind.is_none() => {
                 format!(": {} ULP off", figure(off.ulp))
             }
-            (None, Outcome::Off(..)) => ": no error in the interpreter's result".to_string(),
+            (None, Outcome::Finite(..)) => ": no error in the interpreter's result".to_string(),
             (None, Outcome::Discarded) => String::new(),
         };
         let what = match self.backend {
@@ -64,7 +64,7 @@ impl StressFinding {
                 ));
             }
         }
-        if let (Some(condition), None, Outcome::Off(off, _)) =
+        if let (Some(condition), None, Outcome::Finite(off, _)) =
             (&self.condition, self.breach, self.outcome)
         {
             if condition.steps > 0.0 {
@@ -87,7 +87,7 @@ impl StressFinding {
                 figure(gain.before)
             ));
         }
-        if let (Some(permitted), Outcome::Off(off, _), None) =
+        if let (Some(permitted), Outcome::Finite(off, _), None) =
             (&self.permitted, self.outcome, self.breach)
         {
             if off.steps >= 0.05 {
@@ -117,7 +117,7 @@ impl StressFinding {
                 Outcome::NotANumber => format!("`{function}` returns NaN here"),
                 Outcome::Infinite => format!("`{function}` returns infinity here"),
                 Outcome::Discarded => format!("`{function}` discards here"),
-                Outcome::Off(off, _) => {
+                Outcome::Finite(off, _) => {
                     format!("`{function}` is {} steps off here", figure(off.steps))
                 }
             });

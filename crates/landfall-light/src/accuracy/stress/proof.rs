@@ -10,7 +10,7 @@ use super::climb::Climbs;
 use super::deadline::Deadline;
 use super::find::{self, Raw};
 use super::generate::Generator;
-use super::kept::{Exemplars, Kept, Why};
+use super::kept::{Exemplars, KeepReason, Kept};
 use super::plan::Plan;
 use crate::accuracy::inputs::Inputs;
 use crate::accuracy::inputs::domain::Domain;
@@ -79,10 +79,10 @@ fn witnesses(goals: &[Goal], exemplars: &mut Exemplars) -> Exemplars {
         let span = goal.place.span;
         match goal.fault {
             Fault::Undefined(kind) => {
-                exemplars.insert((tag, Why::Undefined(kind, span.file, span.start)), kept);
+                exemplars.insert((tag, KeepReason::Undefined(kind, span.file, span.start)), kept);
             }
             Fault::Cancellation => {
-                lost.insert((tag, Why::Above), kept);
+                lost.insert((tag, KeepReason::Above), kept);
             }
             Fault::Endless | Fault::Unfollowed => {}
         }

@@ -14,7 +14,7 @@ use super::found::{Against, StressFinding, Worst};
 use super::generate::Family;
 use super::input::{Input, Sample};
 use super::kept::Tally;
-use super::measure::{Off, Outcome, floats, outcome};
+use super::measure::{Outcome, SampleError, floats, outcome};
 use super::operation::{Operation, operations};
 use super::permitted::permitted;
 use super::plan::{Plan, columns, settings};
@@ -83,7 +83,7 @@ pub(super) struct ReportParts<'a> {
     pub families: Vec<(Family, Tally)>,
     pub raws: Vec<Raw>,
     pub proof: Proof,
-    pub worst: Vec<(Sample, Off)>,
+    pub worst: Vec<(Sample, SampleError)>,
     pub drivers: Drivers<'a>,
     pub endless: Vec<Sample>,
     pub every: Option<u64>,

@@ -11,7 +11,7 @@ use super::domain::ValueRange;
 use super::find::Raw;
 use super::generate::Generator;
 use super::input::{Input, Inputs, Sample, float};
-use super::measure::{Off, Outcome, floats};
+use super::measure::{Outcome, SampleError, floats};
 use super::plan::Plan;
 use super::random::Random;
 use super::role::Role;
@@ -105,10 +105,10 @@ impl Check<'_> {
         };
         let place = graph.pure.place_of(step);
         let candidate = Candidate { hazard, place, operation: Some(operation), about, kind: None };
-        let off = Off { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
+        let off = SampleError { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
         Raw {
             candidate,
-            outcome: Outcome::Off(off, false),
+            outcome: Outcome::Finite(off, false),
             sample: sample.clone(),
             severity: 255.0 * change,
             seen: 1,

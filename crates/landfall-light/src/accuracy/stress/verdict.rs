@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::batch::Batch;
 use super::input::{Input, Sample};
 use super::kept::{Kept, Tally, top};
-use super::measure::{Off, Outcome, outcome_of};
+use super::measure::{Outcome, SampleError, outcome_of};
 use super::shrink::plausible;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::kernel::KernelResult;
@@ -21,12 +21,12 @@ pub enum DriverOutcome {
     /// A result is infinite.
     Infinite,
     /// All are finite: the error, if the expected results fit an `f32`.
-    Finite(Option<Off>),
+    Finite(Option<SampleError>),
 }
 
 /// The reason a sample of a driver is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Why {
+pub(super) enum DriverKeepReason {
     /// The largest error in units of the last place.
     Ulp,
     /// The largest error in steps.
@@ -39,8 +39,14 @@ pub(super) enum Why {
     Hidden,
 }
 
-impl Why {
-    pub const ALL: [Why; 5] = [Why::Ulp, Why::Steps, Why::Apart, Why::NotFinite, Why::Hidden];
+impl DriverKeepReason {
+    pub const ALL: [DriverKeepReason; 5] = [
+        DriverKeepReason::Ulp,
+        DriverKeepReason::Steps,
+        DriverKeepReason::Apart,
+        DriverKeepReason::NotFinite,
+        DriverKeepReason::Hidden,
+    ];
 }
 
 /// A kept sample with the driver's floats.
@@ -52,9 +58,9 @@ pub(super) struct DriverRecord {
     pub device: Device,
     /// The samples with finite inputs; errors where both results are finite.
     pub tally: Tally,
-    /// The number of samples for each [`Why`]; meaningless for the largest errors.
+    /// The number of samples for each [`DriverKeepReason`]; meaningless for the largest errors.
     pub counts: [u64; 5],
-    /// The worst samples for each [`Why`], with the driver's floats.
+    /// The worst samples for each [`DriverKeepReason`], with the driver's floats.
     pub tops: [Vec<Answered>; 5],
     /// The samples discarded by either the driver or the interpreter, not both.
     pub parted: u64,
@@ -69,7 +75,7 @@ pub(super) struct DriverRecord {
 }
 
 /// The inputs and limits for judging a driver's results.
-pub(super) struct Judge<'r> {
+pub(super) struct VerdictContext<'r> {
     pub inputs: &'r [Input],
     pub floats: Vec<(usize, usize)>,
     /// The error limits beyond which a sample is kept.
@@ -101,8 +107,8 @@ pub(super) fn came(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> DriverOu
     }
     let held = |nth| pair(nth).1.abs() <= f64::from(f32::MAX);
     DriverOutcome::Finite(match outcome_of(count, &pair) {
-        Outcome::Off(off, _) if (0..count).all(held) => Some(off),
-        Outcome::Off(..) | Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
+        Outcome::Finite(off, _) if (0..count).all(held) => Some(off),
+        Outcome::Finite(..) | Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
     })
 }
 
@@ -127,13 +133,13 @@ impl DriverRecord {
         &mut self,
         batch: &Batch,
         called: &KernelResult,
-        judge: &Judge<'_>,
+        judge: &VerdictContext<'_>,
     ) -> Vec<Outcome> {
         let mut outcomes = Vec::new();
         if batch.special {
             return outcomes;
         }
-        let Judge { inputs, floats, steps, ulp } = judge;
+        let VerdictContext { inputs, floats, steps, ulp } = judge;
         for (lane, theirs) in batch.outcomes.iter().enumerate() {
             let at = (batch.at.0, batch.at.1 + lane);
             let sample = || (batch.sample(lane), singles(called, floats, lane).collect());
@@ -151,7 +157,7 @@ impl DriverRecord {
                     continue;
                 }
             }
-            let finite = matches!(theirs, Outcome::Off(..));
+            let finite = matches!(theirs, Outcome::Finite(..));
             // Plausible samples rank before all others, as in findings.
             let rank = |severity: f64, sample: &Sample| {
                 let below_one = (severity.max(1.0e-300).log2() + 1000.0) / 3000.0;
@@ -163,7 +169,7 @@ impl DriverRecord {
                 outcomes.push(outcome);
                 if finite {
                     let severity = rank(severity, &batch.sample(lane));
-                    self.keep(Why::NotFinite, severity, at, sample);
+                    self.keep(DriverKeepReason::NotFinite, severity, at, sample);
                 }
             };
             match came(floats.len(), pair) {
@@ -171,25 +177,25 @@ impl DriverRecord {
                 DriverOutcome::Infinite => not_finite(Outcome::Infinite, 1.0),
                 DriverOutcome::Finite(off) => {
                     match off {
-                        Some(off) => self.tally.add(Outcome::Off(off, false)),
+                        Some(off) => self.tally.add(Outcome::Finite(off, false)),
                         None => self.tally.samples += 1,
                     }
-                    outcomes.push(off.map_or(Outcome::Infinite, |off| Outcome::Off(off, false)));
+                    outcomes.push(off.map_or(Outcome::Infinite, |off| Outcome::Finite(off, false)));
                     if !finite {
                         let severity = rank(1.0, &batch.sample(lane));
-                        self.keep(Why::Hidden, severity, at, sample);
+                        self.keep(DriverKeepReason::Hidden, severity, at, sample);
                     }
                     let Some(off) = off else { continue };
-                    self.keep(Why::Ulp, off.ulp, at, sample);
-                    self.keep(Why::Steps, off.steps, at, sample);
-                    let Outcome::Off(own, _) = theirs else { continue };
+                    self.keep(DriverKeepReason::Ulp, off.ulp, at, sample);
+                    self.keep(DriverKeepReason::Steps, off.steps, at, sample);
+                    let Outcome::Finite(own, _) = theirs else { continue };
                     let fine = own.steps <= *steps && own.ulp <= *ulp;
                     // Slightly more than the limit is not a different kind of error.
                     let far = off.steps > *steps && off.steps > 2.0 * own.steps
                         || off.ulp > *ulp && off.ulp > 2.0 * own.ulp;
                     if fine && far {
                         let severity = rank(off.steps, &batch.sample(lane));
-                        self.keep(Why::Apart, severity, at, sample);
+                        self.keep(DriverKeepReason::Apart, severity, at, sample);
                     }
                 }
             }
@@ -199,7 +205,7 @@ impl DriverRecord {
 
     fn keep(
         &mut self,
-        why: Why,
+        why: DriverKeepReason,
         severity: f64,
         at: (usize, usize),
         sample: impl FnOnce() -> (Sample, Vec<f32>),

@@ -7,7 +7,7 @@ use std::sync::mpsc::SyncSender;
 
 use super::batch::Batch;
 use super::generate::{Chunk, Family, TAG_BITS};
-use super::kept::{Kept, Sampled, Tally, Why, keep, top};
+use super::kept::{KeepReason, Kept, Sampled, Tally, keep, top};
 use super::measure::{Outcome, floats, outcome};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
@@ -85,7 +85,7 @@ impl<'a> Worker<'a> {
                         severity: 1.0,
                         at: (number, lanes.start),
                     };
-                    keep(&mut self.sampled.exemplars, (0, Why::Endless), kept, KEPT);
+                    keep(&mut self.sampled.exemplars, (0, KeepReason::Endless), kept, KEPT);
                     return Ok(());
                 }
                 let middle = lanes.start + lanes.len() / 2;
@@ -118,7 +118,7 @@ impl<'a> Worker<'a> {
                 continue;
             }
             let nth = lanes.start + lane;
-            if let Outcome::Off(off, _) = outcome {
+            if let Outcome::Finite(off, _) = outcome {
                 let sample = || chunk.samples[nth].clone();
                 let [by_ulp, by_steps] = &mut self.sampled.tops;
                 top(by_ulp, off.ulp, (number, nth), sample);
@@ -126,15 +126,15 @@ impl<'a> Worker<'a> {
             }
             let (why, severity) = match outcome {
                 Outcome::Discarded => continue,
-                Outcome::NotANumber => (Why::NotANumber, 2.0),
-                Outcome::Infinite => (Why::Infinite, 1.0),
-                Outcome::Off(off, _)
+                Outcome::NotANumber => (KeepReason::NotANumber, 2.0),
+                Outcome::Infinite => (KeepReason::Infinite, 1.0),
+                Outcome::Finite(off, _)
                     if off.steps <= self.plan.steps && off.ulp <= self.plan.ulp =>
                 {
                     continue;
                 }
-                Outcome::Off(off, above) => {
-                    (if above { Why::Above } else { Why::Below }, off.steps)
+                Outcome::Finite(off, above) => {
+                    (if above { KeepReason::Above } else { KeepReason::Below }, off.steps)
                 }
             };
             let tag = chunk.tags[nth];
@@ -152,7 +152,8 @@ impl<'a> Worker<'a> {
             let span = seen.place.span;
             for &lane in seen.lanes.iter().filter(|_| !special) {
                 let nth = lanes.start + lane;
-                let key = (chunk.tags[nth], Why::Undefined(seen.kind, span.file, span.start));
+                let key =
+                    (chunk.tags[nth], KeepReason::Undefined(seen.kind, span.file, span.start));
                 self.keep(chunk, number, nth, key, 0.0);
             }
         }
@@ -160,7 +161,14 @@ impl<'a> Worker<'a> {
         outcomes
     }
 
-    fn keep(&mut self, chunk: &Chunk, number: usize, nth: usize, key: (u32, Why), severity: f64) {
+    fn keep(
+        &mut self,
+        chunk: &Chunk,
+        number: usize,
+        nth: usize,
+        key: (u32, KeepReason),
+        severity: f64,
+    ) {
         let known = self.sampled.exemplars.get(&key);
         if known.is_some_and(|known| known.severity >= severity) {
             return;

@@ -1,6 +1,6 @@
 //! Compares the light of each reading with the reference, by order.
 
-use super::reading::{Question, Ties};
+use super::reading::{BindingGroup, Ties};
 
 /// The result of comparing all readings.
 #[derive(Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-3;
 
 /// Returns the reading that agrees with the reference; `seen` holds the light of each. Readings of
 /// a later tier count only where none of an earlier one agrees.
-pub(super) fn judge(question: &Question, seen: &[Vec<f64>]) -> Judged {
+pub(super) fn judge(question: &BindingGroup, seen: &[Vec<f64>]) -> Judged {
     let same =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()));
     if seen.windows(2).all(|pair| same(&pair[0], &pair[1])) {

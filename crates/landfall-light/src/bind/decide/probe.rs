@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use crate::bind::fill::{BlockWriter, Lit};
+use crate::bind::fill::{BlockWriter, FragmentLights};
 use crate::bind::quantity::Kind;
 use crate::reference::{Family, LightId, Model, Window, see};
 use crate::scene::{
@@ -60,7 +60,7 @@ pub(super) fn run(
         let mut upload = probe.upload.clone();
         let numbers = filled(&mut upload, writer, probe.lamp);
         let [directional, point, spot] = &numbers;
-        let lit = Lit { ambient: false, directional, point, spot };
+        let lit = FragmentLights { ambient: false, directional, point, spot };
         let material = &upload.materials[0];
         let blocks = writer.blocks(&upload, &lit, material, None);
         let blocks = blocks.map_err(|error| Failure::refused(error.to_string(), ""))?;

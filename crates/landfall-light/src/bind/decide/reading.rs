@@ -66,7 +66,7 @@ pub(super) enum Ties {
 
 /// Members to be bound together.
 #[derive(Debug)]
-pub(super) struct Question {
+pub(super) struct BindingGroup {
     pub topic: Topic,
     /// The indices of the members in the map.
     pub members: Vec<usize>,
@@ -76,7 +76,7 @@ pub(super) struct Question {
     pub ties: Ties,
 }
 
-impl Question {
+impl BindingGroup {
     /// Returns the number of fragments that each reading is run on.
     pub fn probes(&self) -> usize {
         self.probes.iter().map(|probe| probe.fragments.len()).sum()
@@ -93,7 +93,7 @@ pub(super) struct Reading {
 
 /// Returns the questions about the lights of a map. Members whose keys `given` accepts keep their
 /// sources.
-pub(super) fn questions(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<Question> {
+pub(super) fn questions(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<BindingGroup> {
     let mut lights: Vec<(Kind, Slot)> = Vec::new();
     for member in &map.members {
         if let Some(Quantity::Light { kind, slot, .. }) = member.source.quantity() {
@@ -104,7 +104,7 @@ pub(super) fn questions(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<Q
     }
     let topics = [Topic::Direction, Topic::Cone, Topic::Attenuation, Topic::Strength, Topic::Range];
     let each = topics.into_iter().flat_map(|topic| lights.iter().map(move |light| (topic, *light)));
-    let mut questions: Vec<Question> = each
+    let mut questions: Vec<BindingGroup> = each
         .filter_map(|(topic, (kind, slot))| {
             let group = Group { map, kind, slot };
             match topic {
@@ -170,13 +170,13 @@ impl Group<'_> {
         Lamp { kind: self.kind, number: if let Slot::One(number) = self.slot { number } else { 0 } }
     }
 
-    fn direction(&self) -> Option<Question> {
+    fn direction(&self) -> Option<BindingGroup> {
         if self.kind != Kind::Directional {
             return None;
         }
         let (at, _, own) = self.find(&[LightPart::Direction])?;
         let reading = |source| Reading { sources: vec![source], tier: 0 };
-        Some(Question {
+        Some(BindingGroup {
             topic: Topic::Direction,
             members: vec![at],
             readings: vec![reading(own.clone()), reading(opposite(own))],
@@ -185,7 +185,7 @@ impl Group<'_> {
         })
     }
 
-    fn cone(&self) -> Option<Question> {
+    fn cone(&self) -> Option<BindingGroup> {
         if self.kind != Kind::Spot {
             return None;
         }
@@ -227,7 +227,7 @@ impl Group<'_> {
         }
         let probes = vec![probe::cone(self.lamp(), inner.iter().chain(&outer).count())];
         let ties = Ties::Dark;
-        (!members.is_empty()).then_some(Question {
+        (!members.is_empty()).then_some(BindingGroup {
             topic: Topic::Cone,
             members,
             readings,
@@ -236,13 +236,13 @@ impl Group<'_> {
         })
     }
 
-    fn range(&self) -> Option<Question> {
+    fn range(&self) -> Option<BindingGroup> {
         use LightPart::{InverseRange, InverseRangeSquared, Range, RangeSquared};
         let all = [Range, RangeSquared, InverseRange, InverseRangeSquared];
         let (at, own, _) = self.find(&all)?;
         let parts = std::iter::once(own).chain(all.into_iter().filter(|part| *part != own));
         let reading = |part| Reading { sources: vec![self.source(part)], tier: 0 };
-        Some(Question {
+        Some(BindingGroup {
             topic: Topic::Range,
             members: vec![at],
             readings: parts.map(reading).collect(),
@@ -251,7 +251,7 @@ impl Group<'_> {
         })
     }
 
-    fn attenuation(&self) -> Option<Question> {
+    fn attenuation(&self) -> Option<BindingGroup> {
         let all = [LightPart::Constant, LightPart::Linear, LightPart::Quadratic];
         let found: Vec<(usize, LightPart)> = all
             .iter()
@@ -267,7 +267,7 @@ impl Group<'_> {
             sources: order.iter().map(|&at| self.source(found[at].1)).collect(),
             tier: u8::from(nth > 0),
         };
-        Some(Question {
+        Some(BindingGroup {
             topic: Topic::Attenuation,
             members: found.iter().map(|(at, _)| *at).collect(),
             readings: orders.iter().enumerate().map(reading).collect(),
@@ -276,7 +276,7 @@ impl Group<'_> {
         })
     }
 
-    fn strength(&self) -> Option<Question> {
+    fn strength(&self) -> Option<BindingGroup> {
         let (intensity, _, factor) = self.find(&[LightPart::Intensity])?;
         let (members, readings) = match self.find(&[LightPart::Color]) {
             Some((color, _, own)) => {
@@ -289,7 +289,7 @@ impl Group<'_> {
             }
         };
         let readings = readings.map(|sources| Reading { sources, tier: 0 });
-        Some(Question {
+        Some(BindingGroup {
             topic: Topic::Strength,
             members,
             readings: readings.to_vec(),

@@ -5,7 +5,7 @@
 use glam::DVec3;
 use landfall_ir::analysis::hazard::threshold;
 
-use super::{Lit, Tiles};
+use super::{FragmentLights, Tiles};
 use crate::bind::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
 use crate::scene::{Cone, Emission, Material, PointLight, Surface};
 use crate::{Upload, sample};
@@ -13,7 +13,7 @@ use crate::{Upload, sample};
 /// The sources of all values.
 pub(super) struct ValueSources<'a> {
     pub upload: &'a Upload,
-    pub lit: &'a Lit<'a>,
+    pub lit: &'a FragmentLights<'a>,
     pub material: &'a Material,
     pub tiles: &'a Tiles<'a>,
 }
@@ -218,7 +218,7 @@ fn of_cone(cone: &Cone, part: LightPart) -> Option<Number> {
     }
 }
 
-pub(super) fn chosen<'l>(lit: &Lit<'l>, kind: Kind) -> &'l [u32] {
+pub(super) fn chosen<'l>(lit: &FragmentLights<'l>, kind: Kind) -> &'l [u32] {
     match kind {
         Kind::Directional => lit.directional,
         Kind::Point => lit.point,

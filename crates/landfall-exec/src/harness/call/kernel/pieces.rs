@@ -42,9 +42,13 @@ pub(super) fn member(
 
 /// The block member that a value is, and its type in the text; `None` if the type is that of its
 /// carrier.
-type Own<'a> = Option<(&'a MemberLayout, &'a Type)>;
+type OwnMember<'a> = Option<(&'a MemberLayout, &'a Type)>;
 
-fn pieces(carried: &ValueType, own: Own<'_>, new: &dyn Fn(&str) -> String) -> Option<Vec<Piece>> {
+fn pieces(
+    carried: &ValueType,
+    own: OwnMember<'_>,
+    new: &dyn Fn(&str) -> String,
+) -> Option<Vec<Piece>> {
     let mut pieces = Vec::new();
     push(carried, own, String::new(), new, &mut 0, &mut pieces)?;
     Some(pieces)
@@ -52,7 +56,7 @@ fn pieces(carried: &ValueType, own: Own<'_>, new: &dyn Fn(&str) -> String) -> Op
 
 fn push(
     carried: &ValueType,
-    own: Own<'_>,
+    own: OwnMember<'_>,
     path: String,
     new: &dyn Fn(&str) -> String,
     word: &mut u32,
@@ -141,7 +145,7 @@ fn push(
 
 /// The direction in which words move.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
+pub(super) enum WordDirection {
     Load,
     Store,
 }
@@ -151,7 +155,7 @@ pub(super) enum Way {
 pub(super) fn moves(
     text: &mut String,
     pieces: &[Piece],
-    way: Way,
+    way: WordDirection,
     (name, buffer, from): (&str, &str, &str),
 ) {
     nested(text, pieces, way, (name, buffer, from), 1);
@@ -160,7 +164,7 @@ pub(super) fn moves(
 fn nested(
     text: &mut String,
     pieces: &[Piece],
-    way: Way,
+    way: WordDirection,
     (name, buffer, from): (&str, &str, &str),
     depth: usize,
 ) {
@@ -171,8 +175,8 @@ fn nested(
                 let at = |more: u32| format!("{buffer}[{from} + {}u]", word + more);
                 let place = format!("{name}{path}");
                 let line = match way {
-                    Way::Load => format!("{place} = {};", loaded(*scalar, at)),
-                    Way::Store => stored(*scalar, &place, at),
+                    WordDirection::Load => format!("{place} = {};", loaded(*scalar, at)),
+                    WordDirection::Store => stored(*scalar, &place, at),
                 };
                 let _ = writeln!(text, "{space}{line}");
             }

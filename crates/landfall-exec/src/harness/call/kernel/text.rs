@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::packing::Places;
-use super::pieces::{ONE, Piece, Way, member, moves, plain};
+use super::pieces::{ONE, Piece, WordDirection, member, moves, plain};
 use super::{Code, Lanes, ROW, buffer, refused};
 use crate::backend::{Failure, Resource, StageCode};
 use crate::harness::access;
@@ -324,7 +324,7 @@ impl<'p> User<'p> {
             };
             let pieces = plain(&result.ty, &new);
             let from = format!("{TO} + {first}u");
-            moves(text, &pieces, Way::Store, (&name, OUTPUTS[1], &from));
+            moves(text, &pieces, WordDirection::Store, (&name, OUTPUTS[1], &from));
         }
     }
 
@@ -345,7 +345,7 @@ impl<'p> User<'p> {
 
 fn load(text: &mut String, place: &str, first: u32, pieces: &[Piece]) {
     let from = format!("{FROM} + {first}u");
-    moves(text, pieces, Way::Load, (place, INPUTS[1], &from));
+    moves(text, pieces, WordDirection::Load, (place, INPUTS[1], &from));
 }
 
 /// Returns the declaration `float name[4]` for the type `float[4]`.
