@@ -432,13 +432,13 @@ error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
         ),
         (
             &table("size = 1\nfile = \"{a\""),
-            "3:8",
+            "4:8",
             "bad-glob",
             str![[r#"
 error[bad-glob]: `{a` is not a glob: unclosed alternate group; missing '}' (maybe escape '{' with '[{]'?)
- --> landfall.toml:3:8
+ --> landfall.toml:4:8
   |
-3 | file = "{a"
+4 | file = "{a"
   |        ^^^^
   |
   = help: escape literal `[`, `{`, `*` and `?` with `\`
@@ -448,13 +448,13 @@ error[bad-glob]: `{a` is not a glob: unclosed alternate group; missing '}' (mayb
         ),
         (
             &table("size = 1\nsizes = 1"),
-            "3:1",
+            "4:1",
             "unknown-key",
             str![[r#"
 error[unknown-key]: `[[table]]` has no key `sizes`
- --> landfall.toml:3:1
+ --> landfall.toml:4:1
   |
-3 | sizes = 1
+4 | sizes = 1
   | ^^^^^
   |
   = help: did you mean `size`?
