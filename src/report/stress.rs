@@ -59,17 +59,19 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), &mut text);
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(
-                "    one ULP of `{}` moves the result by {} steps; condition number {}",
+                "one ULP of `{}` moves the result by {} steps; condition number {}",
                 condition.path,
                 figure(condition.steps),
                 figure(condition.number)
             );
-            let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+            let line = wrapped(&line, WIDTH - 6).join("\n      ");
+            let _ = writeln!(text, "    {}", paint.text(FAINT, &line));
         }
     }
     stressed.backends.iter().for_each(|backend| driver(backend, paint, &mut text));
     for note in &stressed.notes {
-        let _ = writeln!(text, "  {}", paint.text(FAINT, note));
+        let note = wrapped(note, WIDTH - 4).join("\n    ");
+        let _ = writeln!(text, "  {}", paint.text(FAINT, &note));
     }
     text.push('\n');
     let is_folded = |found: &&StressFinding| {
@@ -235,12 +237,14 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
     let mut widths: Vec<usize> = (0..head.len())
         .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
         .collect();
+    let all = widths.iter().sum::<usize>() + 2 + GAP.len() * (widths.len() - 1);
+    let gap = if all > WIDTH { " " } else { GAP };
     // Above the pairs of columns, the measures of error.
-    let mut line = " ".repeat(2 + widths[..4].iter().sum::<usize>() + 3 * GAP.len());
+    let mut line = " ".repeat(2 + widths[..4].iter().sum::<usize>() + 3 * gap.len());
     for (measure, column) in [("ULP", 4), ("relative", 6), ("1/255 steps", 8)] {
-        let pair = widths[column] + GAP.len() + widths[column + 1];
+        let pair = widths[column] + gap.len() + widths[column + 1];
         widths[column] += measure.len().saturating_sub(pair);
-        line.push_str(&format!("{GAP}{measure:>0$}", pair.max(measure.len())));
+        line.push_str(&format!("{gap}{measure:>0$}", pair.max(measure.len())));
     }
     let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     for (nth, row) in rows.iter().enumerate() {
@@ -249,7 +253,7 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
             let pad = " ".repeat(width - cell.chars().count());
             match column {
                 0 => line.push_str(&format!("{cell}{pad}")),
-                _ => line.push_str(&format!("  {pad}{cell}")),
+                _ => line.push_str(&format!("{gap}{pad}{cell}")),
             }
         }
         let non_finite = nth > 0 && (row[2] != "0" || row[3] != "0") && row[0] != "special";

@@ -90,6 +90,7 @@ fn texts_of_other_languages_are_named_and_refused() {
         ("HLSL", "// a picture\nTexture2D picture;\nSamplerState s;"),
         ("Slang", "import lighting;\nstruct A { float a; };"),
         ("Metal", "#include <metal_stdlib>\nusing namespace metal;\nstruct A { float a; };"),
+        ("Metal", "#include <metal_stdlib>\nstruct A { float a; };"),
         ("WGSL", "struct A { a: f32 }\n"),
         ("WGSL", "@group(0) @binding(0) var<uniform> a: vec4f;"),
         ("ShaderLab", "Shader \"x\" { }"),
@@ -179,12 +180,15 @@ fn a_mistake_in_a_list_of_members_leaves_the_rest_of_the_text() {
 }
 
 #[test]
-fn a_second_else_or_version_is_an_error() {
+fn directives_that_compilers_refuse_are_errors() {
     for (text, code) in [
         ("#version 450\n#if 1\n#else\n#else\n#endif\nvoid main() {}\n", "unmatched-directive"),
         ("#version 450\n#if 0\n#else\n#else\n#endif\nvoid main() {}\n", "unmatched-directive"),
         ("#version 450\n#if 1\n#else\n#elif 1\n#endif\nvoid main() {}\n", "unmatched-directive"),
         ("#version 450\n#version 330\nvoid main() {}\n", "version"),
+        ("#version 450\n#define defined 1\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#define F(a, a) a\nvoid main() {}\n", "macro-call"),
+        ("#version 450\n#if 1.5 > 1\n#endif\nvoid main() {}\n", "condition"),
     ] {
         assert!(!is_taken(text, Client::OpenGl), "{text}");
         assert_eq!(severities(text, code), [Severity::Error], "{text}");

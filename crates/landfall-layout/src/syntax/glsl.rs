@@ -19,6 +19,7 @@ mod legality;
 pub mod lexer;
 mod line_numbers;
 mod macros;
+mod member_uses;
 mod members;
 mod nested;
 pub mod parser;
@@ -31,7 +32,6 @@ mod splice;
 mod target;
 mod texts;
 pub mod types;
-mod uses;
 
 use std::borrow::Cow;
 

@@ -7,7 +7,7 @@
 //! that is dark, equal where that is equal. Orders are compared, not values, since tone curves and
 //! other reflection models keep them.
 
-mod judge;
+mod comparison;
 mod probe;
 mod reading;
 
@@ -15,7 +15,7 @@ use landfall_exec::harness::fragments::FragmentShader;
 use landfall_exec::interp::{Cpu, Settings};
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
-use judge::{Judged, judge};
+use comparison::{ReadingComparison, compare};
 use reading::{BindingGroup, Reading, questions};
 
 pub use reading::Topic;
@@ -89,7 +89,7 @@ fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> boo
         let probe = probe::highlight(probe::Lamp { kind, number: 0 });
         let Ok(writer) = BlockWriter::new(shader, map) else { return false };
         let seen = probe::run(shader, &writer, std::slice::from_ref(&probe), cpu);
-        seen.is_ok_and(|seen| judge::is_ordered(&probe.reference, &seen))
+        seen.is_ok_and(|seen| comparison::is_ordered(&probe.reference, &seen))
     })
 }
 
@@ -116,12 +116,14 @@ fn answer(
             Err(failure) => return Ok((None, Outcome::NotRun(failure.message))),
         }
     }
-    let agreed = match judge(question, &seen) {
-        Judged::One(reading) => return Ok((Some(reading), Outcome::Agrees)),
-        Judged::Same => return Ok((None, Outcome::Same)),
-        Judged::Several(agreed) => agreed,
-        Judged::None if !question.topic.is_refused() => return Ok((None, Outcome::Named)),
-        Judged::None => Vec::new(),
+    let agreed = match compare(question, &seen) {
+        ReadingComparison::One(reading) => return Ok((Some(reading), Outcome::Agrees)),
+        ReadingComparison::Same => return Ok((None, Outcome::Same)),
+        ReadingComparison::Several(agreed) => agreed,
+        ReadingComparison::None if !question.topic.is_refused() => {
+            return Ok((None, Outcome::Named));
+        }
+        ReadingComparison::None => Vec::new(),
     };
     Err(undecided(map, question, &agreed))
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use landfall_layout::Error;
+use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_light::culling;
 use landfall_light::culling::{ConstantKind, Costs, Measured, Plan};
 use landfall_light::reference;
@@ -26,7 +27,10 @@ pub fn help() -> String {
     let width = culling::PARTS.iter().map(|(part, _)| part.len()).max().unwrap_or(0);
     let mut text = String::from("parts of --skip, separated by commas:\n");
     for (part, does) in culling::PARTS {
-        let _ = writeln!(text, "  {part:width$}  {does}");
+        for (nth, line) in wrapped(does, WIDTH - width - 4).iter().enumerate() {
+            let part = if nth == 0 { part } else { "" };
+            let _ = writeln!(text, "  {part:width$}  {line}");
+        }
     }
     text
 }

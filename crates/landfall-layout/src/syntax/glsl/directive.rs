@@ -3,6 +3,8 @@
 use crate::diagnostic::Code;
 use std::rc::Rc;
 
+use rustc_hash::FxHashSet;
+
 use super::evaluate::{Names, Problem, evaluate_tokens};
 use super::lexer::{Kind, Lexer, Stop, Token};
 use super::macros::Macro;
@@ -165,8 +167,21 @@ impl<'a> Preprocessor<'a> {
         if tokens.first().is_some_and(|t| t.is("(") && !t.spaced) {
             let close = tokens.iter().position(|t| t.is(")")).unwrap_or(tokens.len() - 1);
             let names = tokens[1..close].iter().filter(|t| t.kind == Kind::Name);
-            parameters = Some(names.map(|t| t.text).collect());
+            parameters = Some(names.map(|t| t.text).collect::<Vec<_>>());
             tokens.drain(..=close);
+        }
+        let mut seen = FxHashSet::default();
+        let twice = parameters.iter().flatten().find(|parameter| !seen.insert(**parameter));
+        let refused = match (name.text, twice) {
+            ("defined", _) => Some("`defined` cannot be a macro".to_string()),
+            (_, Some(parameter)) => {
+                Some(format!("macro `{}` has the parameter `{parameter}` twice", name.text))
+            }
+            _ => None,
+        };
+        if let Some(message) = refused {
+            self.report(Diagnostic::error(Code::MacroCall, name.span, message));
+            return lexer;
         }
         let definition = Macro::new(name, parameters, tokens);
         self.brace_macros |= definition.has_unpaired_brace();
@@ -261,6 +276,11 @@ impl<'a> Preprocessor<'a> {
         let tokens = self.expand_alone(&tokens);
         if tokens.is_empty() {
             return Err(Problem::new(at, "is empty"));
+        }
+        let is_fraction = |t: &&Token<'_>| t.kind == Kind::Number && t.text.contains('.');
+        if let Some(token) = tokens.iter().find(is_fraction) {
+            let message = format!("has `{}`, which is not an integer", token.text);
+            return Err(Problem::new(token.span, message));
         }
         let mut names = Undefined { es: self.version.es, met: Vec::new(), unevaluated: 0 };
         let value = evaluate_tokens(&tokens, at, &mut names)?;

@@ -5,9 +5,9 @@
 
 use super::ast::Item;
 use super::declarations::{DeclarationReader, Lengths, Unsized};
+use super::member_uses::Uses;
 use super::parser::{Bodies, Parser};
 use super::texts::Texts;
-use super::uses::Uses;
 use crate::source::{ReadOptions, Source};
 
 /// Returns a shader with the lengths of such members written into their declarations, which then

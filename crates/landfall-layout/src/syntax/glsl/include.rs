@@ -69,6 +69,13 @@ impl<'a> Preprocessor<'a> {
             }
         }
         let Some(path) = found.or(outer) else {
+            if name == "metal_stdlib" {
+                let message = "`<metal_stdlib>` is a header of Metal, not GLSL";
+                let found = Diagnostic::error(Code::OtherLanguage, span, message);
+                self.report(found.with_help("landfall reads GLSL and WGSL"));
+                self.stopped = true;
+                return;
+            }
             let mut diagnostic =
                 Diagnostic::error(Code::MissingInclude, span, format!("`{name}` not found"));
             for place in places {

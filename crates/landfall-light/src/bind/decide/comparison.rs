@@ -4,7 +4,7 @@ use super::reading::{BindingGroup, Ties};
 
 /// The result of comparing all readings.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Judged {
+pub(super) enum ReadingComparison {
     /// The index of the only one that agrees.
     One(usize),
     /// All readings give the same light.
@@ -23,11 +23,11 @@ const ROUNDING: f64 = 1e-3;
 
 /// Returns the reading that agrees with the reference; `seen` holds the light of each. Readings of
 /// a later tier count only where none of an earlier one agrees.
-pub(super) fn judge(question: &BindingGroup, seen: &[Vec<f64>]) -> Judged {
+pub(super) fn compare(question: &BindingGroup, seen: &[Vec<f64>]) -> ReadingComparison {
     let same =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()));
     if seen.windows(2).all(|pair| same(&pair[0], &pair[1])) {
-        return Judged::Same;
+        return ReadingComparison::Same;
     }
     let reference: Vec<f64> =
         question.probes.iter().flat_map(|probe| probe.reference.iter().copied()).collect();
@@ -39,15 +39,15 @@ pub(super) fn judge(question: &BindingGroup, seen: &[Vec<f64>]) -> Judged {
             .collect();
         match agreed[..] {
             [] => {}
-            [one] => return Judged::One(one),
+            [one] => return ReadingComparison::One(one),
             // Readings that give the same light are told apart by their names alone.
             [first, ..] if agreed.iter().all(|&at| same(&seen[at], &seen[first])) => {
-                return Judged::One(first);
+                return ReadingComparison::One(first);
             }
-            _ => return Judged::Several(agreed),
+            _ => return ReadingComparison::Several(agreed),
         }
     }
-    Judged::None
+    ReadingComparison::None
 }
 
 /// Whether light is brighter wherever the reference is, without a look at equal light.
