@@ -284,7 +284,7 @@ fn an_override_of_another_type_is_refused() {
 /// glslangValidator searches the folders of all open files before those of `-I`.
 #[test]
 fn an_include_that_compilers_find_elsewhere_is_warned_of() {
-    let place = project("include");
+    let place = project("include-elsewhere");
     place.write("sub/z.glsl", "#include \"x.glsl\"\n").write("x.glsl", "vec2 c;\n");
     let text = "#version 450\n#extension GL_GOOGLE_include_directive : enable\n\
                 layout(std140, binding = 0) uniform U { float s;\n#include \"sub/z.glsl\"\n\
@@ -302,6 +302,9 @@ fn an_include_that_compilers_find_elsewhere_is_warned_of() {
     let ran = place.run(&["layout", "t.frag", "-f", "csv"]);
     assert_eq!((ran.code, &*ran.err), (0, ""));
     assert!(ran.out.contains(",c,vec2,8,"), "{}", ran.out);
+    // The same file by another path.
+    let ran = place.run(&["layout", "t.frag", "-f", "csv", "-I", "./sub/.."]);
+    assert_eq!((ran.code, &*ran.err), (0, ""));
     place.write("inc/x.glsl", "vec3 b;\n");
     assert!(glslang(&["-Iinc"]).contains(of_block), "{}", glslang(&["-Iinc"]));
     let ran = place.run(&["layout", "t.frag", "-f", "csv", "-I", "inc"]);

@@ -60,7 +60,8 @@ impl<'a> Preprocessor<'a> {
         let (places, found) = self.find(name, angled, span.file);
         let outer = if angled { None } else { self.find_as_glslang(name, span.file) };
         if let (Some(path), Some(outer)) = (&found, &outer) {
-            if path != outer {
+            let real = |path: &Path| path.canonicalize().ok();
+            if path != outer && real(path) != real(outer) {
                 let message = format!("`{name}` is read from `{}`", path.display());
                 let found = Diagnostic::warning(Code::Include, span, message);
                 let note = format!("glslangValidator reads `{}`", outer.display());

@@ -150,7 +150,7 @@ fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
     while before.kind != Kind::End {
         let token = preprocessor.next();
         layout = layout.after(&before);
-        if before.is("struct") && token.kind == Kind::Name {
+        if before.is("struct") && is_type(token.text) && !own.contains(&token.text) {
             own.push(token.text);
         }
         if !own.contains(&before.text) && is_vulkan(&before, &token, layout) {
@@ -198,5 +198,9 @@ fn is_vulkan(token: &Token<'_>, next: &Token<'_>, layout: Layout) -> bool {
     VULKAN_NAMES.contains(&text)
         || inside && VULKAN_LAYOUTS.contains(&text)
         || inside && text == "set" && next.is("=")
-        || next.kind == Kind::Name && [VULKAN_TYPES, SEPARATE_TYPES].concat().contains(&text)
+        || next.kind == Kind::Name && is_type(text)
+}
+
+fn is_type(name: &str) -> bool {
+    VULKAN_TYPES.contains(&name) || SEPARATE_TYPES.contains(&name)
 }
