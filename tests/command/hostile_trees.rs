@@ -240,3 +240,25 @@ fn a_panic_of_naga_prints_nothing() {
         assert!(!ran.err.contains("panicked at"), "{command:?}: {}", ran.err);
     }
 }
+
+#[test]
+fn includes_are_bounded_in_depth_and_number() {
+    let place = Place::new("trees-includes");
+    for nth in 0..600 {
+        place.write(&format!("deep/{nth}.glsl"), format!("#include \"{}.glsl\"\n", nth + 1));
+        let twice = format!("#include \"{}.glsl\"\n", nth + 1).repeat(2);
+        place.write(&format!("twice/{nth}.glsl"), if nth < 40 { &twice } else { "" });
+    }
+    place.write("deep/600.glsl", "");
+    for (folder, said) in
+        [("deep", "includes are nested more than 512 deep"), ("twice", "more than 16384 includes")]
+    {
+        place.write(
+            "a.frag",
+            format!("#version 450\n#include \"{folder}/0.glsl\"\n{}", &CLEAN[12..]),
+        );
+        let ran = place.run(&["layout", "a.frag"]);
+        assert_eq!(ran.code, 2, "{folder}");
+        assert!(ran.err.contains(said), "{folder}: {}", ran.err);
+    }
+}
