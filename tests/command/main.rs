@@ -19,6 +19,7 @@ mod cli_rule;
 mod cli_run;
 mod cli_stress;
 mod cli_verify;
+mod completions;
 mod help;
 mod hostile_names;
 mod hostile_trees;

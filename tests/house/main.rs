@@ -13,6 +13,7 @@ mod paths;
 mod planted;
 mod sizes;
 mod strings;
+mod systems;
 mod token;
 mod tree;
 
@@ -79,6 +80,12 @@ fn the_tree_is_as_architecture_md_shows_it() {
     let found = problems(files);
     let list = found.join("\n");
     assert!(found.is_empty(), "{} problems:\n{list}", found.len());
+}
+
+#[test]
+fn code_for_one_system_has_its_other_half() {
+    let found = systems::problems(&repository());
+    assert!(found.is_empty(), "{} problems:\n{}", found.len(), found.join("\n"));
 }
 
 /// Prints the blocks of `ARCHITECTURE.md` as they would be, those of folders included:

@@ -14,9 +14,15 @@ pub fn time() -> Option<Duration> {
     Some(Duration::new(seconds, u32::try_from(time.tv_nsec).ok()?))
 }
 
-/// Returns the processor time of all threads of this process; `None` if the system does not report
-/// it.
-#[cfg(not(unix))]
+/// Returns the processor time of all threads of this process (`GetProcessTimes`); `None` if the
+/// system does not report it.
+#[cfg(windows)]
+pub fn time() -> Option<Duration> {
+    cpu_time::ProcessTime::try_now().ok().map(|time| time.as_duration())
+}
+
+/// Returns `None`: this system is not known to report processor time.
+#[cfg(not(any(unix, windows)))]
 pub fn time() -> Option<Duration> {
     None
 }

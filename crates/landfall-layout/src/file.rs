@@ -41,7 +41,9 @@ pub fn read_whole(path: &Path, most: u64) -> Result<Vec<u8>, Error> {
         let message = "is a device, pipe or socket, not a file";
         return Err(Error::new(&shown, message).unreadable());
     }
-    let mut bytes = Vec::new();
+    // With room for the end of the file to be seen by the same read.
+    let room = found.len().min(most).min(1 << 20) as usize + 64;
+    let mut bytes = Vec::with_capacity(room);
     // A file may grow while it is read, and files in `/proc` report size 0.
     let read = fs::File::open(path)
         .and_then(|file| match found.len() <= most {

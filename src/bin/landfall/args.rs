@@ -5,6 +5,8 @@ mod bench;
 mod budget;
 mod check;
 mod codec;
+#[cfg(feature = "completions")]
+mod completions;
 mod examples;
 #[cfg(feature = "exec")]
 mod floats;
@@ -13,7 +15,7 @@ mod levels;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
-#[cfg(not(feature = "exec"))]
+#[cfg(not(all(feature = "exec", feature = "completions")))]
 mod missing;
 #[cfg(feature = "exec")]
 mod prove;
@@ -39,8 +41,12 @@ pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
+#[cfg(feature = "completions")]
+pub use completions::{CompletionsArgs, ManArgs};
 #[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
+#[cfg(feature = "completions")]
+pub use help::command;
 pub use help::parse;
 #[cfg(feature = "analysis")]
 pub use lights::{LightsArgs, LightsFormat};
@@ -49,6 +55,8 @@ pub use lock::{DiffArgs, DiffFormat, LockArgs};
 pub use missing::LightsArgs;
 #[cfg(not(feature = "exec"))]
 pub use missing::{BenchArgs, DevicesArgs, ProveArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
+#[cfg(not(feature = "completions"))]
+pub use missing::{CompletionsArgs, ManArgs};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};
@@ -119,6 +127,12 @@ pub enum Command {
     Rule(RuleArgs),
     /// Print the JSON Schema of an output format or of scenes
     Schema(SchemaArgs),
+    /// Print a script that completes the arguments of landfall in a shell
+    #[command(hide = true)]
+    Completions(CompletionsArgs),
+    /// Write the manual pages of landfall and its commands
+    #[command(hide = true)]
+    Man(ManArgs),
     /// Serve a driver to another process over stdin and stdout
     #[cfg(any(feature = "gl", feature = "gpu"))]
     #[command(hide = true)]

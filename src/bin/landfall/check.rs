@@ -15,6 +15,7 @@ mod proved;
 pub mod reports;
 mod rust;
 pub mod shard;
+mod stamp;
 pub mod tree;
 mod verified;
 
@@ -23,6 +24,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, PoisonError};
+use std::time::SystemTime;
 
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
@@ -47,6 +49,7 @@ pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them,
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     refuse(args)?;
+    let began = SystemTime::now();
     let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
         return Ok(Outcome::CouldNot);
     };
@@ -82,6 +85,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         stdin,
         locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),
+        began,
         so_far: Arc::default(),
     };
     let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
@@ -113,8 +117,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         true => tree::sorted(tree::alone(&pass)),
         false => findings(args, &run, &mut pass, &mut cache, streams)?,
     };
-    let is_new =
-        pass.fresh > 0 || args.fix || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
+    let is_new = pass.fresh + pass.restamped > 0
+        || args.fix
+        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
     if has_cache && is_new && !stopped {
         if let Err(error) = cache.write(&pass) {
             cache_unused(&error, streams);

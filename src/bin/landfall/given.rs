@@ -193,9 +193,12 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         Command::Lock(args) => &args.read.text,
         Command::Diff(args) => &args.read.text,
         Command::Check(args) => &args.text,
-        Command::Devices(_) | Command::Merge(_) | Command::Rule(_) | Command::Schema(_) => {
-            return None;
-        }
+        Command::Completions(_)
+        | Command::Devices(_)
+        | Command::Man(_)
+        | Command::Merge(_)
+        | Command::Rule(_)
+        | Command::Schema(_) => return None,
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
     })

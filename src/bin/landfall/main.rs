@@ -11,6 +11,8 @@ mod backends;
 #[cfg(feature = "exec")]
 mod bench;
 mod check;
+#[cfg(feature = "completions")]
+mod completions;
 mod config;
 #[cfg(feature = "exec")]
 mod data;
@@ -28,7 +30,7 @@ mod layout;
 mod lights;
 mod lock;
 mod merge;
-#[cfg(not(feature = "exec"))]
+#[cfg(not(all(feature = "exec", feature = "completions")))]
 mod missing;
 mod output;
 mod port;
@@ -103,6 +105,12 @@ fn main() -> ExitCode {
         Command::Merge(args) => merge::run(args, &streams),
         Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),
+        #[cfg(feature = "completions")]
+        Command::Completions(args) => completions::run(args, &streams),
+        #[cfg(feature = "completions")]
+        Command::Man(args) => completions::man(args),
+        #[cfg(not(feature = "completions"))]
+        Command::Completions(_) | Command::Man(_) => missing::run(&args.command),
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => serve_backend::run(args),
     };

@@ -1,5 +1,5 @@
 //! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
-//! needs `analysis`.
+//! needs `analysis`, `completions` and `man` need `completions`.
 
 use landfall_layout::Error;
 
@@ -9,6 +9,8 @@ use crate::output::{Failure, Outcome};
 /// Returns the error that names the missing feature.
 pub fn run(command: &Command) -> Result<Outcome, Failure> {
     let name = match command {
+        Command::Completions(_) => "completions",
+        Command::Man(_) => "man",
         Command::Verify(_) => "verify",
         Command::Run(_) => "run",
         Command::Stress(_) => "stress",
@@ -20,6 +22,7 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         _ => unreachable!("every other command is in every build"),
     };
     let (feature, all) = match name {
+        "completions" | "man" => ("completions", "completions"),
         "lights" => ("analysis", "analysis"),
         _ => ("exec", "full"),
     };
@@ -37,6 +40,18 @@ mod tests {
     use super::*;
     use crate::args::Args;
 
+    #[cfg(not(feature = "completions"))]
+    #[test]
+    fn completions_and_man_name_their_feature() {
+        for arguments in [["landfall", "completions", "bash"], ["landfall", "man", "out"]] {
+            let args = Args::parse_from(arguments);
+            let Err(error) = run(&args.command) else { panic!("it ran") };
+            assert!(error.message.contains("`completions`"), "{}", error.message);
+            let help = error.help.expect("it says what to install");
+            assert!(help.contains("--features completions"), "{help}");
+        }
+    }
+
     #[cfg(not(feature = "analysis"))]
     #[test]
     fn lights_names_the_smaller_feature() {
@@ -45,6 +60,7 @@ mod tests {
         assert!(error.message.contains("`analysis`"), "{}", error.message);
     }
 
+    #[cfg(not(feature = "exec"))]
     #[test]
     fn every_missing_command_names_the_feature_that_brings_it() {
         for name in ["verify", "run", "stress", "prove", "render", "bench", "devices"] {

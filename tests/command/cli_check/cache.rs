@@ -57,6 +57,113 @@ fn only_what_changed_is_laid_out_again() {
     assert_eq!(laid_out(&place, &[]), (0, after));
 }
 
+/// Waits until the files of a tree are old enough to have stamps, and has them recorded.
+#[cfg(unix)]
+fn settle(place: &Place) {
+    std::thread::sleep(std::time::Duration::from_millis(2100));
+    assert_eq!(laid_out(place, &[]).0, 0);
+}
+
+/// Whether the cache has stamps of a file: its size, device and inode, in this order.
+#[cfg(unix)]
+fn is_stamped(place: &Place, file: &str) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let found = fs::metadata(place.0.join(file)).unwrap();
+    let start = format!("[{},{},{},", found.size(), found.dev(), found.ino());
+    let entries = fs::read_dir(place.0.join("cache")).unwrap().map(|entry| entry.unwrap().path());
+    entries.map(|path| fs::read_to_string(path).unwrap()).any(|text| text.contains(&start))
+}
+
+#[cfg(unix)]
+#[test]
+fn files_that_were_just_written_have_no_stamps() {
+    let place = tree("cache-racy");
+    assert_eq!(laid_out(&place, &[]).0, 3);
+    // Written within the granularity of the clock: a second write might leave the times as they are.
+    assert!(!is_stamped(&place, "s/c.frag") && !is_stamped(&place, "lib/light.inc"));
+    settle(&place);
+    for file in ["s/a.frag", "s/c.frag", "lib/light.inc"] {
+        assert!(is_stamped(&place, file), "{file}");
+    }
+    place.write("s/c.frag", CLEAN);
+    assert_eq!(laid_out(&place, &[]).0, 1);
+    assert!(!is_stamped(&place, "s/c.frag") && is_stamped(&place, "s/a.frag"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_change_that_keeps_size_and_modification_time_is_found() {
+    let place = tree("cache-same-time");
+    let found = idle();
+    let silent = found.replace("landfall: allow", "landfalls allow");
+    place.write("s/c.frag", silent);
+    let (_, clean) = laid_out(&place, &[]);
+    assert!(!clean.contains("unused-allow"), "{clean}");
+    settle(&place);
+    let overwrite = |file: &str, text: &str| {
+        let path = place.0.join(file);
+        let before = fs::metadata(&path).unwrap();
+        place.write(file, text);
+        let opened = fs::File::options().append(true).open(&path).unwrap();
+        opened.set_modified(before.modified().unwrap()).unwrap();
+        let after = fs::metadata(&path).unwrap();
+        assert_eq!(before.len(), after.len());
+        assert_eq!(before.modified().unwrap(), after.modified().unwrap());
+    };
+    overwrite("s/c.frag", &found);
+    let (count, report) = laid_out(&place, &[]);
+    assert_eq!(count, 1);
+    assert!(report.contains("unused-allow"), "{report}");
+    settle(&place);
+    overwrite("lib/light.inc", "struct Light { vec3 color; };\n");
+    assert_eq!(laid_out(&place, &[]).0, 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_is_replaced_by_another_of_its_times_is_read() {
+    let place = tree("cache-renamed");
+    // As `cp -p` and archives do: the size and the time of modification are those of the first.
+    let other = place.read("s/c.frag").replace("450", "460");
+    place.write("other.frag", other);
+    laid_out(&place, &[]);
+    settle(&place);
+    let time = fs::metadata(place.0.join("s/c.frag")).unwrap().modified().unwrap();
+    let opened = fs::File::options().append(true).open(place.0.join("other.frag")).unwrap();
+    opened.set_modified(time).unwrap();
+    fs::rename(place.0.join("other.frag"), place.0.join("s/c.frag")).unwrap();
+    assert_eq!(laid_out(&place, &[]).0, 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn locks_that_change_come_or_go_are_seen_beside_shaders_that_were_not_touched() {
+    let place = tree("cache-locks");
+    place.run(&["lock", "s", "-q"]).code(0);
+    let (_, clean) = laid_out(&place, &[]);
+    settle(&place);
+    let lock = "layouts/s/a.frag.json";
+    let was = place.read(lock);
+    place.write(lock, was.replacen("16", "32", 1));
+    let (_, changed) = laid_out(&place, &[]);
+    assert_ne!(changed, clean);
+    fs::remove_file(place.0.join(lock)).unwrap();
+    let (_, missing) = laid_out(&place, &[]);
+    assert!(missing.contains("lock-missing"), "{missing}");
+    // The result without a lock has stamps, too.
+    settle_without(&place, &missing);
+    place.write(lock, was);
+    assert_eq!(laid_out(&place, &[]).1, clean);
+}
+
+#[cfg(unix)]
+fn settle_without(place: &Place, report: &str) {
+    std::thread::sleep(std::time::Duration::from_millis(2100));
+    for _ in 0..2 {
+        assert_eq!(laid_out(place, &[]), (0, report.to_string()));
+    }
+}
+
 #[test]
 fn what_is_read_with_other_macros_or_folders_is_laid_out_again() {
     let place = tree("cache-settings");
@@ -101,6 +208,8 @@ fn a_shader_that_failed_is_looked_at_again() {
 #[test]
 fn a_cache_that_is_broken_is_as_good_as_none() {
     let place = tree("cache-broken");
+    // From here on, the cache has the stamps of its files.
+    std::thread::sleep(std::time::Duration::from_millis(2100));
     let (_, report) = laid_out(&place, &[]);
     let folder = place.0.join("cache");
     let file = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());

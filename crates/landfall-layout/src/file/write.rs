@@ -45,9 +45,11 @@ pub enum Written {
 /// Writes files, but never over an input, and never through a symbolic link out of its tree.
 #[derive(Clone, Debug, Default)]
 pub struct FileWriter {
-    /// The paths of inputs, links resolved.
+    /// The paths of inputs that are links, or without a number; links resolved.
     paths: HashSet<PathBuf>,
-    /// Their device and inode numbers.
+    /// The other inputs, as they were named.
+    named: Vec<PathBuf>,
+    /// The device and inode numbers of all inputs.
     nodes: HashSet<(u64, u64)>,
     tree: Option<PathBuf>,
 }
@@ -89,10 +91,25 @@ impl FileWriter {
 
     /// Protects more files.
     pub fn protect(&mut self, inputs: impl IntoIterator<Item = impl AsRef<Path>>) {
-        for found in inputs.into_iter().filter_map(|path| Identity::of(path.as_ref())) {
-            self.paths.insert(found.path);
-            self.nodes.extend(found.node);
+        for path in inputs {
+            let path = path.as_ref();
+            let found = fs::symlink_metadata(path).ok().filter(Metadata::is_file);
+            if let Some(node) = found.as_ref().and_then(node) {
+                self.nodes.insert(node);
+                self.named.push(path.to_path_buf());
+            } else if let Some(found) = Identity::of(path) {
+                self.paths.insert(found.path);
+                self.nodes.extend(found.node);
+            }
         }
+    }
+
+    /// Whether an input that is no link has this path, links resolved. Only paths that end alike
+    /// are resolved: an input may be one of thousands.
+    fn is_named(&self, real: &Path) -> bool {
+        let end = |path: &Path| path.file_name().map(OsStr::to_ascii_lowercase);
+        let (name, mut alike) = (end(real), self.named.iter());
+        alike.any(|path| end(path) == name && fs::canonicalize(path).is_ok_and(|path| path == real))
     }
 
     /// Restricts the writer to files below `tree`: nothing is written or removed outside it, even
@@ -190,7 +207,9 @@ impl FileWriter {
     /// Fails if a file is an input.
     fn refuse_input(&self, path: &Path) -> Result<(), Error> {
         let is_input = |found: Identity| {
-            self.paths.contains(&found.path) || found.node.is_some_and(|n| self.nodes.contains(&n))
+            found.node.is_some_and(|node| self.nodes.contains(&node))
+                || self.paths.contains(&found.path)
+                || self.is_named(&found.path)
         };
         // Files that decide which files are inputs.
         let is_ignore_file =
@@ -397,5 +416,25 @@ mod tests {
         let here = fs::canonicalize(".").expect("a current folder");
         assert_eq!(real(Path::new("no/such/file")), here.join("no/such/file"));
         assert_eq!(real(Path::new("src/../no.txt")), here.join("no.txt"));
+    }
+
+    #[test]
+    fn an_input_that_was_replaced_since_is_known_by_its_path() {
+        let folder = std::env::temp_dir().join(format!("landfall-replaced-{}", partial_name()));
+        fs::create_dir_all(folder.join("sub")).expect("temporary files can be written");
+        let [input, other, link] = ["Input.frag", "other", "link"].map(|name| folder.join(name));
+        for path in [&input, &other] {
+            fs::write(path, path.as_os_str().as_encoded_bytes()).expect("a file of this test");
+        }
+        let writer = FileWriter::new([&input]);
+        assert!(writer.write(&link, "new").is_ok() && writer.write(&other, "new").is_ok());
+        // Another file, with another number, as editors write.
+        fs::rename(&link, &input).expect("a file of this test");
+        for path in [input.clone(), folder.join("sub/../Input.frag")] {
+            let refused = writer.write(&path, "output").expect_err("it is an input");
+            assert!(refused.message.contains("is an input"), "{}", refused.message);
+        }
+        assert_eq!(fs::read(&input).ok(), Some(b"new".to_vec()));
+        fs::remove_dir_all(&folder).expect("the folder of this test");
     }
 }

@@ -13,12 +13,25 @@ pub struct MissingArgs {
     pub rest: Vec<OsString>,
 }
 
-pub type BenchArgs = MissingArgs;
-pub type DevicesArgs = MissingArgs;
+#[cfg(not(feature = "completions"))]
+pub type CompletionsArgs = MissingArgs;
+#[cfg(not(feature = "completions"))]
+pub type ManArgs = MissingArgs;
 #[cfg(not(feature = "analysis"))]
 pub type LightsArgs = MissingArgs;
-pub type ProveArgs = MissingArgs;
-pub type RenderArgs = MissingArgs;
-pub type RunArgs = MissingArgs;
-pub type StressArgs = MissingArgs;
-pub type VerifyArgs = MissingArgs;
+
+#[cfg(not(feature = "exec"))]
+pub use of_exec::*;
+
+#[cfg(not(feature = "exec"))]
+mod of_exec {
+    use super::MissingArgs;
+
+    pub type BenchArgs = MissingArgs;
+    pub type DevicesArgs = MissingArgs;
+    pub type ProveArgs = MissingArgs;
+    pub type RenderArgs = MissingArgs;
+    pub type RunArgs = MissingArgs;
+    pub type StressArgs = MissingArgs;
+    pub type VerifyArgs = MissingArgs;
+}

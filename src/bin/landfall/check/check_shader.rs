@@ -6,6 +6,7 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::lock::Lock;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
 use super::hash::Hash;
+use super::stamp::Stamp;
 use crate::config::Root;
 use crate::given;
 use crate::inputs::Input;
@@ -43,6 +45,9 @@ pub struct Checked {
     /// The hash of its lock's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lock: Option<Hash>,
+    /// The stamps of the shader, its includes and its lock; none if one of them is not settled.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stamps: Vec<Stamp>,
     /// The names of `-O` that it has constants for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constants: Vec<String>,
@@ -60,7 +65,7 @@ pub struct Checked {
 
 impl Checked {
     /// The shader and its includes.
-    pub fn files(&self) -> impl Iterator<Item = &String> {
+    pub fn files(&self) -> impl Iterator<Item = &String> + Clone {
         std::iter::once(&self.path).chain(self.includes.iter().map(|(path, _)| path))
     }
 }
@@ -79,12 +84,14 @@ pub struct Job<'a> {
     pub accept: bool,
     /// Hashes of files included by several shaders.
     pub hashes: Mutex<HashMap<String, Option<Hash>>>,
+    /// When the check began.
+    pub began: SystemTime,
 }
 
 /// The result for one input.
 pub enum Done {
-    /// Unchanged since the earlier result.
-    Same(String),
+    /// Unchanged since the earlier result, with new stamps if those were not.
+    Same(String, Option<Vec<Stamp>>),
     Fresh(Box<Fresh>),
     /// Not a file, or a directory that cannot be searched.
     NoInput(Box<Finding>),
@@ -105,10 +112,30 @@ struct LockFile {
     bytes: Result<Option<Vec<u8>>, Error>,
 }
 
+impl LockFile {
+    fn read(path: PathBuf) -> LockFile {
+        // Reading a pipe would block.
+        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+        if fs::metadata(&path).is_ok_and(is_other) {
+            let bytes = Err(Error::new(path.display().to_string(), "is not a file"));
+            return LockFile { path, bytes };
+        }
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(cause) => {
+                let message = format!("cannot be read: {}", landfall_layout::file::reason(&cause));
+                Err(Error::new(path.display().to_string(), message))
+            }
+        };
+        LockFile { path, bytes }
+    }
+}
+
 impl Weighed for Done {
     fn bytes(&self) -> usize {
         match self {
-            Done::Same(path) => path.len(),
+            Done::Same(path, _) => path.len(),
             Done::NoInput(_) => 256,
             Done::Fresh(fresh) => fresh.weight(),
         }
@@ -133,6 +160,12 @@ impl Job<'_> {
             }
         };
         let shown = self.shown(&path);
+        let lock_path = self.lock_path(&shown);
+        let known = self.known.get(&shown);
+        if let Some(known) = known.filter(|known| self.is_untouched(known, lock_path.as_deref())) {
+            given::record_names(&known.constants);
+            return Done::Same(shown, None);
+        }
         let bytes = match self.texts.get(&shown) {
             Some(text) => Ok(text.clone().into_bytes()),
             None => source::read_bytes(&path, self.basis.max_bytes()),
@@ -144,11 +177,14 @@ impl Job<'_> {
             }
         };
         let hash = Hash::of(&bytes);
-        let lock = self.lock(&shown);
-        if let Some(known) = self.known.get(&shown) {
+        let lock = lock_path.map(LockFile::read);
+        if let Some(known) = known {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
                 given::record_names(&known.constants);
-                return Done::Same(shown);
+                let lock = lock.as_ref().map(|lock| lock.path.as_path());
+                let stamps = self.stamps(known.files(), lock.filter(|_| known.lock.is_some()));
+                let is_new = !stamps.is_empty() && stamps != known.stamps;
+                return Done::Same(shown, is_new.then_some(stamps));
             }
         }
         let source = match self.basis.source(&shown, bytes) {
@@ -173,30 +209,44 @@ impl Job<'_> {
         if self.texts.contains_key(&given) { given } else { self.root.show(path) }
     }
 
-    /// The lock of a shader, if locks are checked.
-    fn lock(&self, shown: &str) -> Option<LockFile> {
+    /// The path of a shader's lock, if locks are checked.
+    fn lock_path(&self, shown: &str) -> Option<PathBuf> {
         let locks = self.basis.locks.as_ref()?;
         let quiet = |code| levels::level(code, &self.basis.settings) == Level::Allow;
         if quiet("layout-drift") && quiet("lock-missing") {
             return None;
         }
         let below = self.root.below(Path::new(shown))?;
-        let path = lock::path_of(Path::new(locks), Path::new(&below));
-        // Reading a pipe would block.
-        let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
-        if fs::metadata(&path).is_ok_and(is_other) {
-            let bytes = Err(Error::new(path.display().to_string(), "is not a file"));
-            return Some(LockFile { path, bytes });
-        }
-        let bytes = match fs::read(&path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(cause) => {
-                let message = format!("cannot be read: {}", landfall_layout::file::reason(&cause));
-                Err(Error::new(path.display().to_string(), message))
-            }
+        Some(lock::path_of(Path::new(locks), Path::new(&below)))
+    }
+
+    /// The stamps of a shader with its includes, and of its lock if it has one; none if one of them
+    /// is not settled.
+    fn stamps<'a>(
+        &self,
+        files: impl Iterator<Item = &'a String>,
+        lock: Option<&'a Path>,
+    ) -> Vec<Stamp> {
+        let settled = |path: &Path| Stamp::settled(path, self.began);
+        let stamps = files.map(Path::new).chain(lock).map(settled);
+        stamps.collect::<Option<Vec<Stamp>>>().unwrap_or_default()
+    }
+
+    /// Whether no file that a result depends on was touched since.
+    fn is_untouched(&self, known: &Checked, lock: Option<&Path>) -> bool {
+        // A lock that was missing must be missing still, and no other takes its place.
+        let lock_is_there = match lock {
+            None => known.lock.is_none(),
+            Some(lock) => known.lock.is_some() || is_missing(lock),
         };
-        Some(LockFile { path, bytes })
+        let lock = lock.filter(|_| known.lock.is_some());
+        let files = known.files().map(Path::new).chain(lock);
+        !known.stamps.is_empty()
+            && lock_is_there
+            && !self.texts.contains_key(&known.path)
+            && self.is_reusable(known)
+            && known.stamps.len() == files.clone().count()
+            && files.zip(&known.stamps).all(|(path, stamp)| Stamp::of(path).as_ref() == Some(stamp))
     }
 
     /// Whether the includes and lock of a shader with unchanged bytes are unchanged.
@@ -206,12 +256,15 @@ impl Job<'_> {
             Some(Ok(bytes)) => bytes.as_deref().map(Hash::of),
             Some(Err(_)) => return false,
         };
-        let to_accept = self.accept && known.findings.iter().any(is_drift);
-        !known.failed
-            && !to_accept
+        self.is_reusable(known)
             && known.lock == lock
             && known.includes.iter().all(|(path, hash)| self.hash(path).as_ref() == Some(hash))
-            && !known.absent.iter().any(|path| Path::new(path).exists())
+    }
+
+    /// Whether a result may be reused at all, if its files are unchanged.
+    fn is_reusable(&self, known: &Checked) -> bool {
+        let to_accept = self.accept && known.findings.iter().any(is_drift);
+        !known.failed && !to_accept && !known.absent.iter().any(|path| Path::new(path).exists())
     }
 
     /// The hash of a file, cached for other shaders that include it.
@@ -242,6 +295,7 @@ impl Job<'_> {
         let mut failed: Vec<Finding> = Vec::new();
         let mut new_lock = None;
         let mut lock_hash = None;
+        let lock_path = lock.as_ref().map(|lock| lock.path.clone());
         let mut allowed = allows(&shader.files, shader.language);
         if errors.is_empty() {
             let subject = Subject { source: &source, options, shader: &shader };
@@ -286,12 +340,19 @@ impl Job<'_> {
             // A file that has vanished has no hash, so the shader is checked again next time.
             .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or_default()))
             .collect();
+        let files = std::iter::once(&source.path).chain(includes.iter().map(|(path, _)| path));
+        let stamps = match self.texts.contains_key(&source.path) || new_lock.is_some() {
+            // What was checked is not, or not yet, what the files hold.
+            true => Vec::new(),
+            false => self.stamps(files, lock_path.as_deref().filter(|_| lock_hash.is_some())),
+        };
         let checked = Checked {
             path: source.path.clone(),
             hash,
             absent: self.absent(&source.path, &includes),
             includes,
             lock: lock_hash,
+            stamps,
             constants,
             failed: is_failed,
             findings,
@@ -325,6 +386,10 @@ impl Job<'_> {
         absent.dedup();
         absent
     }
+}
+
+fn is_missing(path: &Path) -> bool {
+    path.symlink_metadata().is_err_and(|cause| cause.kind() == std::io::ErrorKind::NotFound)
 }
 
 fn is_drift(finding: &Finding) -> bool {
@@ -361,6 +426,7 @@ fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        stamps: Vec::new(),
         constants: Vec::new(),
         failed: true,
         findings: vec![found.located(&Files::default())],

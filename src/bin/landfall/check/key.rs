@@ -81,13 +81,19 @@ fn make(file: &Path) -> Result<(), std::io::Error> {
     fs::create_dir_all(file.parent().unwrap_or(Path::new(".")))?;
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt;
-        options.mode(0o600);
-    }
+    for_user_only(&mut options);
     options.open(file)?.write_all(random().as_bytes())
 }
+
+#[cfg(unix)]
+fn for_user_only(options: &mut OpenOptions) {
+    use std::os::unix::fs::OpenOptionsExt;
+    options.mode(0o600);
+}
+
+/// Windows closes the files of `LOCALAPPDATA` to other users.
+#[cfg(not(unix))]
+fn for_user_only(_: &mut OpenOptions) {}
 
 /// A random key of 64 characters, from the hash seeds that the standard library takes from the
 /// operating system.

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use landfall_layout::Diagnostic;
 use landfall_layout::file::FileWriter;
@@ -40,6 +40,8 @@ pub struct Run<'a> {
     pub locks: FileWriter,
     /// Number of excluded shaders.
     pub excluded: AtomicUsize,
+    /// When the check began, before it read any file.
+    pub began: SystemTime,
     /// What is known of an unfinished pass.
     pub so_far: Arc<Mutex<PartialFindings>>,
 }
@@ -61,7 +63,7 @@ impl PartialFindings {
                 self.failures += 1;
                 return;
             }
-            Done::Same(path) => known.get(path),
+            Done::Same(path, _) => known.get(path),
             Done::Fresh(fresh) => Some(&fresh.checked),
         };
         self.shaders += 1;
@@ -86,6 +88,8 @@ pub struct Pass {
     pub left: HashMap<String, Checked>,
     /// Number of shaders laid out.
     pub fresh: usize,
+    /// Number of unchanged shaders with new stamps.
+    pub restamped: usize,
     /// Number of locks written.
     pub accepted: usize,
     kept: usize,
@@ -114,6 +118,7 @@ impl Run<'_> {
             texts: &all,
             accept,
             hashes: Mutex::default(),
+            began: self.began,
         };
         work::ordered(
             Inputs::new(self.paths.clone()).filter(|input| self.is_ours(input)),
@@ -126,8 +131,9 @@ impl Run<'_> {
             |done| {
                 match done {
                     // Moved out of `known` once the threads no longer use it.
-                    Done::Same(path) => {
-                        same.push((pass.checked.len(), path));
+                    Done::Same(path, stamps) => {
+                        pass.restamped += usize::from(stamps.is_some());
+                        same.push((pass.checked.len(), path, stamps));
                         pass.checked.push(blank());
                     }
                     Done::NoInput(found) => pass.no_input.push(*found),
@@ -140,9 +146,10 @@ impl Run<'_> {
                 Ok::<(), Failure>(())
             },
         )?;
-        for (number, path) in same {
+        for (number, path, stamps) in same {
             if let Some(known) = known.remove(&path) {
-                pass.checked[number] = known;
+                let stamps = stamps.unwrap_or_else(|| known.stamps.clone());
+                pass.checked[number] = Checked { stamps, ..known };
             }
         }
         pass.left = known;
@@ -170,6 +177,7 @@ fn blank() -> Checked {
         includes: Vec::new(),
         absent: Vec::new(),
         lock: None,
+        stamps: Vec::new(),
         constants: Vec::new(),
         failed: false,
         findings: Vec::new(),

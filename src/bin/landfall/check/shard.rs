@@ -35,7 +35,8 @@ struct Outer {
 
 /// The shard's data for `merge` as JSON. The findings in the report are in the order of shaders.
 pub fn part(shard: Shard, basis: &Basis, pass: &Pass) -> String {
-    let bare = |checked: &Checked| Checked { findings: Vec::new(), ..checked.clone() };
+    let bare =
+        |checked: &Checked| Checked { findings: Vec::new(), stamps: Vec::new(), ..checked.clone() };
     let part = Part {
         index: shard.index,
         of: shard.count,

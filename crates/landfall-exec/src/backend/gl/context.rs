@@ -60,18 +60,35 @@ pub(super) struct Display {
 
 /// `EGL_PLATFORM_SURFACELESS_MESA`, of `EGL_MESA_platform_surfaceless`.
 const PLATFORM_SURFACELESS: egl::Enum = 0x31DD;
-const INSTALL: &str =
-    "the Debian packages `libegl1` and `libgl1-mesa-dri` provide a software driver";
+
+/// What provides EGL on an operating system, by its name in `std::env::consts::OS`.
+fn provider(system: &str) -> &'static str {
+    match system {
+        "windows" => {
+            "Windows has WGL, which landfall does not use: put `libEGL.dll` and \
+             `libGLESv2.dll` of ANGLE on PATH, for ES shaders, or use `--backend gpu`"
+        }
+        "macos" => {
+            "macOS has CGL, which landfall does not use: put `libEGL.dylib` and \
+             `libGLESv2.dylib` of ANGLE on DYLD_LIBRARY_PATH, for ES shaders, or use \
+             `--backend gpu`"
+        }
+        _ => "the Debian packages `libegl1` and `libgl1-mesa-dri` provide a software driver",
+    }
+}
+
+/// The failure of a system without an OpenGL driver.
+fn no_driver(why: &str, cause: String) -> Failure {
+    let provider = provider(std::env::consts::OS);
+    Failure::missing(format!("no OpenGL driver: {why}; {provider}"), cause)
+}
 
 impl Display {
     /// Loads libEGL and opens the surfaceless display, or else the default one.
     pub(super) fn open() -> Result<Rc<Display>, Failure> {
         // SAFETY: loading libEGL runs its initialisers, which is what it is for.
-        let egl =
-            unsafe { egl::DynamicInstance::<egl::EGL1_5>::load_required() }.map_err(|cause| {
-                let message = format!("no OpenGL driver: libEGL 1.5 cannot be loaded; {INSTALL}");
-                Failure::missing(message, cause.to_string())
-            })?;
+        let egl = unsafe { egl::DynamicInstance::<egl::EGL1_5>::load_required() }
+            .map_err(|cause| no_driver("libEGL 1.5 cannot be loaded", cause.to_string()))?;
         // SAFETY: the surfaceless platform takes no native display.
         let surfaceless = unsafe {
             let nothing = [egl::ATTRIB_NONE];
@@ -94,10 +111,8 @@ impl Display {
                     Some(Err(cause)) => cause.to_string(),
                     Some(Ok(_)) | None => "EGL has no default display".to_string(),
                 };
-                Err(Failure::missing(
-                    format!("no OpenGL driver: EGL cannot open a display; {INSTALL}"),
-                    format!("surfaceless: {cause}\ndefault: {other}"),
-                ))
+                let cause = format!("surfaceless: {cause}\ndefault: {other}");
+                Err(no_driver("EGL cannot open a display", cause))
             }
         }
     }
@@ -297,5 +312,21 @@ unsafe fn limits(gl: &glow::Context, kind: ContextKind, version: (u32, u32)) -> 
         } else {
             None
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_driver_is_named_for_each_system() {
+        for (system, names) in [
+            ("linux", ["libegl1", "libgl1-mesa-dri"]),
+            ("windows", ["WGL", "libEGL.dll"]),
+            ("macos", ["CGL", "libEGL.dylib"]),
+        ] {
+            assert!(names.iter().all(|name| provider(system).contains(name)), "{system}");
+        }
     }
 }

@@ -43,8 +43,7 @@ impl Process {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         // Ctrl-C is meant for the parent: this process ends when its stdin does.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        in_own_group(&mut command);
         let mut child = command.spawn().map_err(|cause| {
             let program = launch.program.display();
             Failure::missing(
@@ -152,6 +151,22 @@ impl Drop for Process {
         let _ = self.child.wait();
     }
 }
+
+#[cfg(unix)]
+fn in_own_group(command: &mut Command) {
+    std::os::unix::process::CommandExt::process_group(command, 0);
+}
+
+#[cfg(windows)]
+fn in_own_group(command: &mut Command) {
+    /// `CREATE_NEW_PROCESS_GROUP`.
+    const NEW_GROUP: u32 = 0x200;
+    std::os::windows::process::CommandExt::creation_flags(command, NEW_GROUP);
+}
+
+/// Without process groups, Ctrl-C ends the driver's process together with this one.
+#[cfg(not(any(unix, windows)))]
+fn in_own_group(_: &mut Command) {}
 
 #[cfg(unix)]
 fn ending(status: ExitStatus) -> String {
