@@ -71,8 +71,8 @@ fn template(command: &Command) -> StyledStr {
     let styles = command.get_styles();
     let (header, literal) = (styles.get_header(), styles.get_literal());
     let mut text = String::from("{about-with-newline}\n{usage-heading} {usage}\n");
-    let width = command.get_subcommands().map(|command| command.get_name().len()).max();
-    let width = width.unwrap_or(0);
+    let shown = command.get_subcommands().filter(|command| !command.is_hide_set());
+    let width = shown.map(|command| command.get_name().len()).max().unwrap_or(0);
     for (group, names) in GROUPS {
         let _ = writeln!(text, "\n{header}{group}:{header:#}");
         for name in names {
