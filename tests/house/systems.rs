@@ -79,7 +79,7 @@ fn name(line: &str) -> Option<&str> {
 /// Whether the item at the margin that a line belongs to has a condition on the system.
 fn is_conditional(lines: &[&str], at: usize) -> bool {
     let is_start = |line: &&str| line.starts_with(|c: char| c.is_ascii_alphabetic());
-    let Some(start) = lines[..=at].iter().rposition(|line| is_start(line)) else { return false };
+    let Some(start) = lines[..=at].iter().rposition(is_start) else { return false };
     let above = lines[..start].iter().rev();
     above
         .take_while(|line| line.starts_with('#') || line.starts_with("//"))
