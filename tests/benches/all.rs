@@ -279,8 +279,16 @@ encase::impl_vector!(3, Three, f32; using AsRef AsMut From);
 
 /// 128 lights into the bytes of their block.
 fn mirrors(table: &mut Table) {
-    let light = gpu::PointLight::new([1.0, 2.0, 3.0], [0.5; 3], 1.0, 1.0, 0.09, 0.032);
-    let mut block = gpu::PointLightBlock::new([light; 128], 2);
+    let light = gpu::PointLight::new(gpu::PointLightInit {
+        pos: [1.0, 2.0, 3.0],
+        color: [0.5; 3],
+        intensity: 1.0,
+        constant: 1.0,
+        linear: 0.09,
+        quadratic: 0.032,
+    });
+    let lit = gpu::PointLightBlockInit { data: [light; 128], actually_used_count: 2 };
+    let mut block = gpu::PointLightBlock::new(lit);
     let lamp = Lamp {
         pos: Three([1.0, 2.0, 3.0]),
         color: Three([0.5; 3]),
@@ -304,7 +312,7 @@ fn mirrors(table: &mut Table) {
     assert_eq!(ours, *theirs.as_ref(), "both write the same block");
     let lights = [light; 128];
     // Aligned as the block is, or one of the two copies is of lines that are split.
-    let mut to = gpu::PointLightBlock::new([light; 128], 2);
+    let mut to = gpu::PointLightBlock::new(lit);
     let memcpy = || {
         let bytes = &mut bytemuck::bytes_of_mut(black_box(&mut to))[..6144];
         bytes.copy_from_slice(bytemuck::cast_slice(black_box(&lights)));

@@ -175,8 +175,14 @@ fn main() {
     let mut built = |_: &mut Buffer| {
         let block = black_box(&mut *block);
         for (to, l) in block.data.iter_mut().zip(black_box(&lights[..])) {
-            let (pos, color) = (l.pos, l.color);
-            *to = gpu::PointLight::new(pos, color, l.intensity, l.constant, l.linear, l.quadratic);
+            *to = gpu::PointLight::new(gpu::PointLightInit {
+                pos: l.pos,
+                color: l.color,
+                intensity: l.intensity,
+                constant: l.constant,
+                linear: l.linear,
+                quadratic: l.quadratic,
+            });
         }
     };
     slower(

@@ -27,27 +27,45 @@ pub struct PointLight {
     pub _pad_44: [u8; 4],
 }
 
+/// The members of [`PointLight`] by name, for `PointLight::new`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(dead_code)]
+pub struct PointLightInit {
+    /// `vec3 pos`.
+    pub pos: [f32; 3],
+    /// `vec3 color`.
+    pub color: [f32; 3],
+    /// `float intensity`.
+    pub intensity: f32,
+    /// `float constant`.
+    pub constant: f32,
+    /// `float linear`.
+    pub linear: f32,
+    /// `float quadratic`.
+    pub quadratic: f32,
+}
+
 #[allow(dead_code)]
 impl PointLight {
     /// From its members; padding is zero.
-    pub fn new(
-        pos: [f32; 3],
-        color: [f32; 3],
-        intensity: f32,
-        constant: f32,
-        linear: f32,
-        quadratic: f32,
-    ) -> Self {
+    #[inline]
+    pub const fn new(init: PointLightInit) -> Self {
         Self {
-            pos,
+            pos: init.pos,
             _pad_12: [0; 4],
-            color,
-            intensity,
-            constant,
-            linear,
-            quadratic,
+            color: init.color,
+            intensity: init.intensity,
+            constant: init.constant,
+            linear: init.linear,
+            quadratic: init.quadratic,
             _pad_44: [0; 4],
         }
+    }
+}
+
+impl From<PointLightInit> for PointLight {
+    fn from(init: PointLightInit) -> Self {
+        Self::new(init)
     }
 }
 
@@ -70,15 +88,32 @@ pub struct PointLightBlock {
     pub _pad_6148: [u8; 12],
 }
 
+/// The members of [`PointLightBlock`] by name, for `PointLightBlock::new`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(dead_code)]
+pub struct PointLightBlockInit {
+    /// `PointLight data[128]`.
+    pub data: [PointLight; 128],
+    /// `int actually_used_count`.
+    pub actually_used_count: i32,
+}
+
 #[allow(dead_code)]
 impl PointLightBlock {
     /// From its members; padding is zero.
-    pub fn new(data: [PointLight; 128], actually_used_count: i32) -> Self {
+    #[inline]
+    pub const fn new(init: PointLightBlockInit) -> Self {
         Self {
-            data,
-            actually_used_count,
+            data: init.data,
+            actually_used_count: init.actually_used_count,
             _pad_6148: [0; 12],
         }
+    }
+}
+
+impl From<PointLightBlockInit> for PointLightBlock {
+    fn from(init: PointLightBlockInit) -> Self {
+        Self::new(init)
     }
 }
 

@@ -40,16 +40,35 @@ pub struct Light {
     pub _pad_24: [u8; 8],
 }
 
+/// The members of [`Light`] by name, for `Light::new`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(dead_code)]
+pub struct LightInit {
+    /// `vec3 pos`.
+    pub pos: glam::Vec3,
+    /// `float power`.
+    pub power: f32,
+    /// `vec2 size`.
+    pub size: glam::Vec2,
+}
+
 #[allow(dead_code)]
 impl Light {
     /// From its members; padding is zero.
-    pub fn new(pos: glam::Vec3, power: f32, size: glam::Vec2) -> Self {
+    #[inline]
+    pub const fn new(init: LightInit) -> Self {
         Self {
-            pos,
-            power,
-            size,
+            pos: init.pos,
+            power: init.power,
+            size: init.size,
             _pad_24: [0; 8],
         }
+    }
+}
+
+impl From<LightInit> for Light {
+    fn from(init: LightInit) -> Self {
+        Self::new(init)
     }
 }
 

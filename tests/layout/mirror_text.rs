@@ -21,11 +21,12 @@ fn output(text: &str) -> RustOutput {
     rust(&[&laid_out("a.frag", text)], &RustOptions::default())
 }
 
-/// The names of the structures that are written.
+/// The names of the structures that are written, without those of their members.
 fn structures(text: &str) -> Vec<&str> {
     text.lines()
         .filter_map(|line| line.strip_prefix("pub struct "))
         .map(|rest| rest.split([' ', '(']).next().expect("split yields something"))
+        .filter(|name| !name.ends_with("Init"))
         .collect()
 }
 

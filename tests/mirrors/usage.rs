@@ -19,7 +19,9 @@ fn main() {
 }
 
 fn mirrors_are_made_without_typing_a_pad() {
-    let light = PointLight::new(Vec3::X, 2.0, Vec3::Y);
+    const LIGHT: PointLight =
+        PointLight::new(PointLightInit { color: Vec3::Y, range: 2.0, pos: Vec3::X });
+    let light = LIGHT;
     let same = PointLight { pos: Vec3::X, range: 2.0, color: Vec3::Y, ..Default::default() };
     assert_eq!(light, same);
     let mut block = PointLightBlock::default();
@@ -32,17 +34,17 @@ fn matrices_and_bools_convert_both_ways() {
     let projection = Mat4::from_cols_array(&core::array::from_fn(|i| i as f32));
     let normal = Mat3::from_cols_array(&core::array::from_fn(|i| i as f32));
     let two = [[Vec3::X, Vec3::Y], [Vec3::Z, Vec3::ONE]];
-    let camera = Camera::new(
-        Mat4::IDENTITY,
+    let camera = Camera::new(CameraInit {
+        view: Mat4::IDENTITY,
         projection,
         normal,
         two,
-        true,
-        [true, false, true],
-        [1.0, 2.0, 3.0],
-        [[1.0, 2.0], [3.0, 4.0]],
-        [normal, Mat3::IDENTITY],
-    );
+        on: true,
+        which: [true, false, true],
+        weights: [1.0, 2.0, 3.0],
+        grid: [[1.0, 2.0], [3.0, 4.0]],
+        bones: [normal, Mat3::IDENTITY],
+    });
     assert_eq!(Mat4::from(camera.projection), projection);
     assert_eq!(Mat3::from(camera.normal), normal);
     assert_eq!(<[[f32; 3]; 3]>::from(camera.normal), normal.to_cols_array_2d());
@@ -68,8 +70,9 @@ fn padded_elements_act_like_what_they_hold() {
 }
 
 fn a_runtime_sized_tail_is_written_after_its_header() {
-    let list = [PointLight::new(Vec3::X, 1.0, Vec3::Y); 3];
-    let header = ParticlesHeader::new(3);
+    let list: [PointLight; 3] =
+        [PointLightInit { pos: Vec3::X, range: 1.0, color: Vec3::Y }.into(); 3];
+    let header = ParticlesHeader::new(ParticlesHeaderInit { count: 3 });
     let mut bytes = [0xffu8; 128];
     let size = ParticlesHeader::size_for(list.len());
     assert_eq!(size, 16 + 3 * 32);

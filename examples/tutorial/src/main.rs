@@ -19,10 +19,22 @@ const POSITIONS: [Vec3; 4] = [
 ];
 
 fn main() -> io::Result<()> {
-    let [ambient, diffuse, specular] = [0.05, 0.8, 1.0].map(Vec3::splat);
-    let light =
-        |position| gpu::PointLight::new(position, ambient, diffuse, specular, 1.0, 0.09, 0.032);
-    let lights = gpu::Lights::new(POSITIONS.map(light), Vec3::new(0.0, 0.0, 3.0), 32.0);
+    let light = |position| {
+        gpu::PointLight::new(gpu::PointLightInit {
+            position,
+            ambient: Vec3::splat(0.05),
+            diffuse: Vec3::splat(0.8),
+            specular: Vec3::splat(1.0),
+            constant: 1.0,
+            linear: 0.09,
+            quadratic: 0.032,
+        })
+    };
+    let lights = gpu::Lights::new(gpu::LightsInit {
+        point_lights: POSITIONS.map(light),
+        view_pos: Vec3::new(0.0, 0.0, 3.0),
+        shininess: 32.0,
+    });
 
     // The buffer of a program: glBufferData(GL_UNIFORM_BUFFER, size, bytes, GL_DYNAMIC_DRAW).
     let bytes = bytemuck::bytes_of(&lights);

@@ -67,9 +67,12 @@ fn scene() -> gpu::Lights {
     let mut scene = gpu::Lights::zeroed();
     for (index, light) in scene.lights.iter_mut().enumerate() {
         let i = index as f32;
-        let position = Vec3::new((index % 64) as f32, 1.0 + i / 128.0, (index / 64) as f32);
-        let color = Vec3::new(1.0, i / 128.0, 1.0 - i / 128.0);
-        *light = gpu::PointLight::new(position, color, 0.5 + i, 4.0 + i / 2.0);
+        *light = gpu::PointLight::new(gpu::PointLightInit {
+            position: Vec3::new((index % 64) as f32, 1.0 + i / 128.0, (index / 64) as f32),
+            color: Vec3::new(1.0, i / 128.0, 1.0 - i / 128.0),
+            intensity: 0.5 + i,
+            radius: 4.0 + i / 2.0,
+        });
     }
     scene.count = scene.lights.len() as u32;
     scene

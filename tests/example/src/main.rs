@@ -12,8 +12,12 @@ fn main() {
     let mut lights = gpu::Lights::zeroed();
     for (i, light) in lights.lights.iter_mut().enumerate().take(3) {
         let i = i as f32;
-        *light =
-            gpu::PointLight::new(Vec3::new(i, 2.0, 3.0), Vec3::new(1.0, i, 0.5), 10.0 + i, 25.0);
+        *light = gpu::PointLight::new(gpu::PointLightInit {
+            position: Vec3::new(i, 2.0, 3.0),
+            color: Vec3::new(1.0, i, 0.5),
+            intensity: 10.0 + i,
+            range: 25.0,
+        });
     }
     lights.used = 3;
     let bytes = bytemuck::bytes_of(&lights);
@@ -30,8 +34,13 @@ fn main() {
     assert_eq!(by_name.offset, gpu::lights::lights_color(2));
 
     let normals = Mat3::from_cols_array(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
-    let camera =
-        gpu::Camera::new(Mat4::IDENTITY, normals, Vec3::new(0.5, 1.5, 2.5), true, [0.1, 0.2, 0.3]);
+    let camera = gpu::Camera::new(gpu::CameraInit {
+        view: Mat4::IDENTITY,
+        normals,
+        eye: Vec3::new(0.5, 1.5, 2.5),
+        fog: true,
+        fog_density: [0.1, 0.2, 0.3],
+    });
     let bytes = bytemuck::bytes_of(&camera);
     // Columns of a mat3 stand 16 bytes apart in std140, and so do the elements of a float array.
     assert_eq!(floats(bytes, gpu::camera::NORMALS + 16, 3), [4.0, 5.0, 6.0]);
@@ -39,8 +48,14 @@ fn main() {
     assert_eq!(bytes[gpu::camera::FOG], 1);
     println!("camera: {} bytes", bytes.len());
 
-    let particles = [gpu::Particle::new(Vec3::ONE, 7.0, Vec3::ZERO, 1); 5];
-    let header = gpu::ParticlesHeader { alive: 5, ..Zeroable::zeroed() };
+    const NEW: gpu::Particle = gpu::Particle::new(gpu::ParticleInit {
+        position: Vec3::ONE,
+        age: 7.0,
+        velocity: Vec3::ZERO,
+        flags: 1,
+    });
+    let particles = [NEW; 5];
+    let header = gpu::ParticlesHeader::new(gpu::ParticlesHeaderInit { alive: 5 });
     let mut bytes = vec![0; gpu::ParticlesHeader::size_for(particles.len())];
     header.write_to(&particles, &mut bytes).expect("the buffer has that size");
     println!("particles: {} bytes for {}", bytes.len(), particles.len());

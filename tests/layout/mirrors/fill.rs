@@ -4,6 +4,7 @@
 //! Both count the components of a block from 1 in the order of its leaves, so
 //! that every component has a value of its own where its type has room for it.
 
+use std::collections::HashMap;
 use std::fmt::Write as _;
 
 use landfall_layout::codegen::rust::Vectors;
@@ -128,6 +129,7 @@ fn write(bytes: &[u8]) {
 ",
     );
     bools(&mut program, text);
+    again(&mut program, text);
     for block in blocks {
         fill(&mut program, block, vectors);
     }
@@ -168,6 +170,75 @@ fn bools(program: &mut String, text: &str) {
     }
 }
 
+/// The fields of a structure of the output, by name.
+type Fields<'a> = Vec<(&'a str, &'a str)>;
+
+/// Functions that make every mirror again from the structure of its members.
+fn again(program: &mut String, text: &str) {
+    let mut structures: HashMap<&str, Fields<'_>> = HashMap::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let Some(name) = line.strip_prefix("pub struct ") else { continue };
+        let Some(name) = name.strip_suffix(" {") else { continue };
+        let mut fields = Vec::new();
+        let mut pending = "";
+        for line in lines.by_ref().take_while(|line| *line != "}") {
+            let line = line.trim();
+            if let Some((field, ty)) = line.strip_suffix(',').and_then(|line| line.split_once(": "))
+            {
+                fields.push((field.trim_start_matches("pub "), ty));
+            } else if let Some(field) = line.strip_suffix(':') {
+                pending = field.trim_start_matches("pub ");
+            } else if let Some(ty) = line.strip_suffix(',') {
+                fields.push((pending, ty));
+            }
+        }
+        structures.insert(name, fields);
+    }
+    for (name, fields) in &structures {
+        let Some(init) = structures.get(format!("{name}Init").as_str()) else { continue };
+        let _ = writeln!(program, "#[allow(dead_code, non_snake_case)]");
+        let _ = writeln!(program, "pub fn again_{name}(old: {name}) -> {name} {{");
+        let _ = writeln!(program, "    {name}Init {{");
+        for (field, host) in init {
+            let (_, ty) = fields.iter().find(|(name, _)| name == field).expect("a field");
+            let value = host_value(&structures, ty, host, &format!("old.{field}"));
+            let _ = writeln!(program, "        {field}: {value},");
+        }
+        let _ = writeln!(program, "    }}.into()\n}}");
+    }
+}
+
+/// The expression that turns `value` of type `ty` into the type that the structure of members has.
+fn host_value(structures: &HashMap<&str, Fields<'_>>, ty: &str, host: &str, value: &str) -> String {
+    let array = |ty: &str| {
+        let (element, len) = ty.strip_prefix('[')?.strip_suffix(']')?.rsplit_once("; ")?;
+        Some((element.to_string(), len.to_string()))
+    };
+    let field = |name: &str| {
+        let fields = structures.get(ty)?;
+        fields.iter().find(|field| field.0 == name).map(|field| field.1)
+    };
+    if structures.contains_key(format!("{ty}Init").as_str()) {
+        return format!("again_{ty}({value})");
+    }
+    if let Some(last) = field("last") {
+        let (element, len) = array(host).expect("an array");
+        let one = host_value(structures, last, &element, "x");
+        return format!("<[{last}; {len}]>::from({value}).map(|x| {one})");
+    }
+    if let Some(inner) = field("value") {
+        return host_value(structures, inner, host, &format!("{value}.value"));
+    }
+    match (array(ty), array(host)) {
+        (Some((of, _)), Some((to, _))) => {
+            format!("{value}.map(|x| {})", host_value(structures, &of, &to, "x"))
+        }
+        _ if ty == host => value.to_string(),
+        _ => format!("<{host}>::from({value})"),
+    }
+}
+
 fn fill(program: &mut String, block: &Block, vectors: Vectors) {
     let name = &block.name;
     let tail = block.tail();
@@ -185,6 +256,13 @@ fn fill(program: &mut String, block: &Block, vectors: Vectors) {
     for leaf in &block.leaves {
         fill_leaf(program, leaf, tail, &module, n, vectors);
         n += leaf.count();
+    }
+    // Made from its members by name it has the same bytes.
+    if block.leaves.iter().any(|leaf| tail.is_none_or(|tail| !leaf.path.starts_with(tail))) {
+        let _ = writeln!(
+            program,
+            "    assert_eq!(bytemuck::bytes_of(&again_{ty}(block)), bytemuck::bytes_of(&block));"
+        );
     }
     if tail.is_some() {
         let _ = writeln!(

@@ -10,6 +10,7 @@ mod check;
 mod docs;
 mod field;
 mod header;
+mod host;
 mod leaf;
 mod mirror;
 mod names;

@@ -35,6 +35,8 @@ pub(super) struct MirrorDoc {
     rules: Vec<Rules>,
     /// The documentation of each field, in ascending order of offset.
     pub(super) fields: Vec<Vec<String>>,
+    /// The declaration of each member, in source order.
+    pub(super) declared: Vec<String>,
     /// Its name in the shader.
     pub(super) shader_name: String,
     /// The shader.
@@ -59,6 +61,7 @@ impl MirrorDoc {
             cut: false,
             rules: vec![block.rules],
             fields: fields(members, at),
+            declared: members.iter().map(|member| declared(member, at.language)).collect(),
             shader_name: block.name.to_string(),
             input: at.input.to_string(),
             marks: ["Block", order_mark(members), ""],
@@ -81,6 +84,7 @@ impl MirrorDoc {
             cut,
             rules: vec![rules],
             fields: fields(members, at),
+            declared: members.iter().map(|member| declared(member, at.language)).collect(),
             shader_name: name.to_string(),
             input: at.input.to_string(),
             marks: ["", order_mark(members), if cut { "Tight" } else { "" }],

@@ -16,6 +16,8 @@ use crate::shape::{Scalar, ScalarKind};
 pub(super) struct Names {
     /// The name of each [`GeneratedType`], by index.
     pub(super) made: Vec<String>,
+    /// The structure of each mirror's members.
+    pub(super) inits: FxHashMap<GeneratedTypeId, String>,
     /// The element type of each runtime-sized tail, by the mirror before it.
     pub(super) elements: FxHashMap<GeneratedTypeId, String>,
     /// The module of each block's table.
@@ -31,6 +33,10 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
     let mut scope = Scope::default();
     let mut made = vec![String::new(); plan.made.len()];
     name_mirrors(plan, &mut scope, &mut made);
+    let mut inits = FxHashMap::default();
+    for (id, _) in plan.mirrors() {
+        inits.insert(id, scope.take(&format!("{}Init", made[id.0].trim_end_matches('_'))));
+    }
     let mut elements = FxHashMap::default();
     for (id, mirror) in plan.mirrors() {
         if let Some(tail) = &mirror.tail {
@@ -55,6 +61,7 @@ pub(super) fn name_all(plan: &Plan<'_>, tables: Tables) -> Names {
     let mut top = |wanted| scope.take(wanted);
     Names {
         made,
+        inits,
         elements,
         mismatch: top("Mismatch"),
         too_short: top("TooShort"),

@@ -112,6 +112,16 @@ pub(super) fn call(
     let _ = writeln!(text, "{indent})\n{indent}{method}");
 }
 
+/// The text of an array of these elements, the argument of a call: on one line, or one each.
+pub(super) fn list(indent: &str, items: &[String]) -> String {
+    let line = format!("[{}]", items.join(", "));
+    if line.len() <= CALL {
+        return line;
+    }
+    let items: String = items.iter().map(|item| format!("{indent}    {item},\n")).collect();
+    format!("[\n{items}{indent}]")
+}
+
 /// Prints `impl TRAIT for TYPE {`, on two lines if it is too long.
 pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
     let line = format!("impl {of} for {ty} {{");
@@ -122,21 +132,20 @@ pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
     }
 }
 
-/// A field of a structure literal: `NAME`, or `NAME: VALUE.METHOD`.
+/// A field of a structure literal: `NAME`, or `NAME: VALUE`.
 pub(super) struct FieldValue {
     pub(super) name: String,
+    /// May have several lines.
     pub(super) value: String,
-    /// Includes its dot; empty if there is none.
-    pub(super) method: String,
 }
 
 /// Prints `Self { fields }`.
 pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
     let lines: Vec<String> = fields
         .iter()
-        .map(|FieldValue { name, value, method }| match name == value && method.is_empty() {
+        .map(|FieldValue { name, value }| match name == value {
             true => name.clone(),
-            false => format!("{name}: {value}{method}"),
+            false => format!("{name}: {value}"),
         })
         .collect();
     let body = lines.join(", ");
@@ -145,17 +154,14 @@ pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
         return;
     }
     let _ = writeln!(text, "{indent}Self {{");
-    let fits = |line: &str| line.chars().count() < WIDTH;
-    for (line, FieldValue { name, value, method }) in lines.iter().zip(fields) {
-        // The breaks that rustfmt tries, in order.
-        let choices = [
-            format!("{indent}    {line}"),
-            format!("{indent}    {name}: {value}\n{indent}        {method}"),
-            format!("{indent}    {name}:\n{indent}        {value}{method}"),
-            format!("{indent}    {name}:\n{indent}        {value}\n{indent}            {method}"),
-        ];
-        let fitting = choices.iter().find(|choice| choice.split('\n').all(fits));
-        let _ = writeln!(text, "{},", fitting.unwrap_or(&choices[3]));
+    for (line, FieldValue { name, value }) in lines.iter().zip(fields) {
+        let head = line.split('\n').next().unwrap_or(line);
+        // rustfmt breaks after the name of a field that is too long.
+        let line = match indent.len() + 4 + head.chars().count() < WIDTH {
+            true => format!("{indent}    {line}"),
+            false => format!("{indent}    {name}:\n{indent}        {value}"),
+        };
+        let _ = writeln!(text, "{line},");
     }
     let _ = writeln!(text, "{indent}}}");
 }

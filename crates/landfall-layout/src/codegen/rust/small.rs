@@ -3,7 +3,8 @@
 
 use std::fmt::Write as _;
 
-use super::print::{DERIVES, Printer, conversion, default, doc, implement};
+use super::host::natural_leaf;
+use super::print::{DERIVES, Printer, conversion, default, doc, implement, list, signature};
 use super::types::{Bits, Component, GeneratedType, LeafType, Shape, component};
 use super::{Vectors, leaf, strided, tail};
 
@@ -33,9 +34,18 @@ fn bool_type(out: &Printer<'_>, text: &mut String, name: &str) {
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 {public} struct {name}(u32);
 
+#[allow(dead_code)]
+impl {name} {{
+    /// 1 or 0.
+    #[inline]
+    {public} const fn new(value: bool) -> Self {{
+        Self(value as u32)
+    }}
+}}
+
 impl From<bool> for {name} {{
     fn from(value: bool) -> Self {{
-        Self(value as u32)
+        Self::new(value)
     }}
 }}
 
@@ -107,10 +117,11 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
     let transparent = "#[repr(transparent)]";
     let _ =
         write!(text, "{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n", out.visibility());
+    new(out, text, name, &plain, leaf);
     default(text, name);
     match leaf.shape {
         Shape::Scalar | Shape::Vector { .. } => vector(text, name, &plain, leaf),
-        Shape::Matrix { row_major, .. } => matrix(text, name, &plain, leaf, row_major),
+        Shape::Matrix { .. } => matrix(text, name, &plain, leaf),
     }
     if matches!(self::component(leaf.scalar), Component::Bits(Bits::Bool)) {
         bools(text, name, &plain, leaf.shape);
@@ -118,6 +129,79 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
     if out.options.vectors == Vectors::Glam {
         glam(text, name, &plain, leaf);
     }
+}
+
+/// Prints `new`, a `const fn` from the host's type.
+fn new(out: &Printer<'_>, text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+    let (public, host) = (out.visibility(), natural_leaf(out, leaf));
+    let glam = host.starts_with("glam::") || host.starts_with("[glam::");
+    let bits = self::component(leaf.scalar);
+    let bool = matches!(bits, Component::Bits(Bits::Bool));
+    // A component as it is stored.
+    let cell = |value: &str| match (leaf.unaligned, &bits) {
+        (true, Component::Bits(Bits::Bool)) => format!("({value} as u32).to_ne_bytes()"),
+        (true, Component::Bits(_)) => format!("{value}.0.to_ne_bytes()"),
+        (true, Component::Plain(_)) => format!("{value}.to_ne_bytes()"),
+        (false, Component::Bits(Bits::Bool)) => format!("{}::new({value})", plain.component),
+        (false, Component::Bits(_) | Component::Plain(_)) => value.to_string(),
+    };
+    let of = if matches!(leaf.shape, Shape::Matrix { .. }) { "columns" } else { "value" };
+    let _ = write!(text, "#[allow(dead_code)]\nimpl {name} {{\n    /// As shaders store it.\n");
+    text.push_str("    #[inline]\n");
+    let head = format!("{public} const fn new");
+    signature(text, "    ", &head, &[format!("{of}: {host}")], " -> Self {");
+    match leaf.shape {
+        Shape::Scalar => {
+            let _ = writeln!(text, "        Self({})", cell("value"));
+        }
+        Shape::Vector { .. } if !bool && !leaf.unaligned => {
+            let value = if glam { "value.to_array()" } else { "value" };
+            let _ = writeln!(text, "        Self({value})");
+        }
+        Shape::Vector { rows } => {
+            if glam {
+                text.push_str("        let value = value.to_array();\n");
+            }
+            let items: Vec<String> = (0..rows).map(|i| cell(&format!("value[{i}]"))).collect();
+            let _ = writeln!(text, "        Self({})", list("        ", &items));
+        }
+        Shape::Matrix { columns, rows, stride, row_major } => {
+            let column = match (glam, host.starts_with('[')) {
+                (true, true) => "columns[c].to_array()",
+                (true, false) => {
+                    text.push_str("        let columns = columns.to_cols_array_2d();\n");
+                    "columns[c]"
+                }
+                (false, _) => "columns[c]",
+            };
+            let zero = match (leaf.unaligned, &bits) {
+                (true, _) => format!("[0; {}]", leaf.scalar.width),
+                (false, Component::Plain(_)) => "0.0".to_string(),
+                (false, Component::Bits(_)) => format!("{}(0)", plain.component),
+            };
+            let lanes = stride / u64::from(leaf.scalar.width);
+            let place = if row_major { "[r][c]" } else { "[c][r]" };
+            let _ = write!(
+                text,
+                "        let mut matrix = Self([[{zero}; {lanes}]; {}]);
+        let mut c = 0;
+        while c < {columns} {{
+            let column = {column};
+            let mut r = 0;
+            while r < {rows} {{
+                matrix.0{place} = {};
+                r += 1;
+            }}
+            c += 1;
+        }}
+        matrix
+",
+                leaf.shape.stored().0,
+                cell("column[r]"),
+            );
+        }
+    }
+    text.push_str("    }\n}\n\n");
 }
 
 /// The type of its only field.
@@ -160,8 +244,9 @@ fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     conversion(text, name, ty, "value", from);
 }
 
-fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType, row_major: bool) {
+fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     let ty = &plain.ty;
+    let row_major = matches!(leaf.shape, Shape::Matrix { row_major: true, .. });
     let place = if row_major { "[r][c]" } else { "[c][r]" };
     let (cell, value) = match leaf.unaligned {
         true => ("bytemuck::cast(*value)", format!("bytemuck::cast(matrix.0{place})")),

@@ -3,10 +3,11 @@
 
 use std::fmt::Write as _;
 
-use super::mirror;
-use super::mirror::natural;
-use super::print::{DERIVES, Printer, assignment, conversion, default, implement, signature};
-use super::types::{Padded, Tight};
+use super::host::{natural, stored};
+use super::print::{
+    DERIVES, FieldValue, Printer, assignment, conversion, default, implement, literal, signature,
+};
+use super::types::{GeneratedType, Padded, RustType, Tight};
 
 pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &Padded) {
     let (public, inner) = (out.visibility(), out.ty(&padded.inner));
@@ -26,9 +27,22 @@ pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &
 
 #[allow(dead_code)]
 impl {name} {{
-    /// Elements with their padding.
+    /// The element with its padding.
+    #[inline]
 "
     );
+    let host = natural(out, &padded.inner);
+    let parameter = format!("value: {}", host.as_ref().unwrap_or(&inner));
+    signature(text, "    ", &format!("{public} const fn new"), &[parameter], " -> Self {");
+    let fields = [
+        FieldValue {
+            name: "value".to_string(),
+            value: stored(out, &padded.inner, "value", "            "),
+        },
+        FieldValue { name: format!("_pad_{size}"), value: format!("[0; {pad}]") },
+    ];
+    literal(text, "        ", &fields);
+    text.push_str("    }\n\n    /// Elements with their padding.\n");
     let head = format!("{public} fn array<const N: usize>");
     signature(text, "    ", &head, &[format!("values: {values}")], &format!(" -> {array} {{"));
     text.push_str(
@@ -52,13 +66,8 @@ impl {name} {{
 "
     );
     conversion(text, name, &inner, "element", "element.value");
-    if let Some(plain) = natural(out, &padded.inner) {
-        implement(text, &format!("From<{plain}>"), name);
-        let method = mirror::conversion(out, &padded.inner);
-        signature(text, "    ", "fn from", &[format!("value: {plain}")], " -> Self {");
-        let (head, tail) = (format!("let value: {inner}"), format!("value{method};"));
-        assignment(text, "        ", &head, " =", &tail);
-        text.push_str("        Self::from(value)\n    }\n}\n\n");
+    if let Some(host) = host {
+        conversion(text, &host, name, "value", "Self::new(value)");
     }
     implement(text, "core::ops::Deref", name);
     let _ = write!(
@@ -98,8 +107,39 @@ pub(super) fn tight(out: &Printer<'_>, text: &mut String, name: &str, tight: &Ti
     last: {element},
 }}
 
+#[allow(dead_code)]
+impl {name} {{
+    /// From its elements.
+    #[inline]
 "
     );
+    let host = natural(out, &tight.element).unwrap_or_else(|| element.clone());
+    let parameter = format!("values: [{host}; {len}]");
+    signature(text, "    ", &format!("{public} const fn new"), &[parameter], " -> Self {");
+    // The elements before the last, with their padding; their type may be another than the last's.
+    let padded = match &tight.head {
+        RustType::GeneratedType(id) => matches!(out.plan.get(*id), GeneratedType::Padded(_)),
+        RustType::Named(_) | RustType::Array(..) => false,
+    };
+    let one = |at: &str, indent: &str| match padded {
+        true => format!("{head}::new(values[{at}])"),
+        false => stored(out, &tight.element, &format!("values[{at}]"), indent),
+    };
+    assignment(
+        text,
+        "        ",
+        "let mut head",
+        " =",
+        &format!("[{}; {last}];", one("0", "        ")),
+    );
+    let _ = write!(text, "        let mut at = 1;\n        while at < {last} {{\n");
+    assignment(text, "            ", "head[at]", " =", &format!("{};", one("at", "            ")));
+    text.push_str("            at += 1;\n        }\n");
+    let value = stored(out, &tight.element, &format!("values[{last}]"), "            ");
+    let last_value = FieldValue { name: "last".to_string(), value };
+    let head_value = FieldValue { name: "head".to_string(), value: "head".to_string() };
+    literal(text, "        ", &[head_value, last_value]);
+    text.push_str("    }\n}\n\n");
     default(text, name);
     implement(text, &format!("From<{of}>"), name);
     signature(text, "    ", "fn from", &[format!("values: {of}")], " -> Self {");
