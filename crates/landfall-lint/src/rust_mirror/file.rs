@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use syn::spanned::Spanned;
 
 use super::items::{bounded, ends_item, keyword};
-use super::syntax::{self, Alias, Imports, parse};
+use super::syntax::{self, Alias, Imports, parse, unraw};
 use crate::settings::RustFile;
 use landfall_layout::error::Error;
 use landfall_layout::finding::Place;
@@ -325,9 +325,4 @@ fn repr(attributes: &[syn::Attribute]) -> Repr {
         });
     }
     repr
-}
-
-pub(super) fn unraw(name: &syn::Ident) -> String {
-    let name = name.to_string();
-    name.strip_prefix("r#").map_or(name.clone(), str::to_string)
 }

@@ -9,8 +9,6 @@ use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
 use syn::{Attribute, DeriveInput, Expr, Generics, Ident, Token, Type, Visibility, WhereClause};
 
-use super::file::unraw;
-
 /// How syn's message begins where only the whole of syn could go on.
 const UNSUPPORTED: &str = "unsupported expression";
 
@@ -161,4 +159,10 @@ fn imports(
         found.push((last, full));
     }
     Ok(())
+}
+
+/// A name without its `r#`.
+pub(super) fn unraw(name: &syn::Ident) -> String {
+    let name = name.to_string();
+    name.strip_prefix("r#").map_or(name.clone(), str::to_string)
 }
