@@ -3,7 +3,8 @@
 //! Used by `--diff` to show the edits of [`fix`](landfall_lint::fix).
 
 use landfall_layout::text::escape::is_bidi;
-use similar::{Algorithm, ChangeTag, capture_diff_slices, group_diff_ops};
+use similar::algorithms::{Capture, Compact, Replace, myers};
+use similar::{ChangeTag, DiffOp, group_diff_ops};
 
 pub use landfall_layout::format::paint::{HEADING, PLAIN, Paint, REMOVED, STRONG};
 
@@ -17,9 +18,8 @@ const NO_NEWLINE: &str = "\\ No newline at end of file\n";
 pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
     // Only `\n` ends a line for `patch`: a lone `\r` is a byte like any other.
     let (before, after) = (lines(old), lines(new));
-    let operations = capture_diff_slices(Algorithm::Myers, &before, &after);
     let mut text = String::new();
-    for group in group_diff_ops(operations, CONTEXT) {
+    for group in group_diff_ops(operations(&before, &after), CONTEXT) {
         let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
         if text.is_empty() {
             let head = format!("--- {}\n+++ {}\n", name("a/", path), name("b/", path));
@@ -46,6 +46,14 @@ pub fn diff(path: &str, old: &str, new: &str, paint: Paint) -> String {
         }
     }
     text
+}
+
+/// Returns the operations that turn one text into the other. `similar::capture_diff_slices` does the
+/// same, but compiles all six algorithms.
+fn operations(before: &[&str], after: &[&str]) -> Vec<DiffOp> {
+    let mut hook = Compact::new(Replace::new(Capture::new()), before, after);
+    let Ok(()) = myers::diff(&mut hook, before, 0..before.len(), after, 0..after.len());
+    hook.into_inner().into_inner().into_ops()
 }
 
 fn lines(text: &str) -> Vec<&str> {

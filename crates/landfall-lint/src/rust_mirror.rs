@@ -10,6 +10,7 @@ mod fit;
 mod items;
 mod known;
 mod rust_type;
+mod syntax;
 mod target;
 mod types;
 

@@ -292,6 +292,8 @@ fn the_configuration_names_mirrors_aliases_and_shaders() {
     assert_eq!(asked("rust-mirror-unknown", &settings, &shaders[1..]), []);
 }
 
+const UNKNOWN_LENGTH: &str = "field `color`: its array's length is not known";
+
 #[test]
 fn what_cannot_be_judged_is_said_and_not_blamed() {
     let shader = "#version 330\nlayout(std140) uniform Light { vec4 color; };\nvoid main() {}\n";
@@ -299,6 +301,10 @@ fn what_cannot_be_judged_is_said_and_not_blamed() {
         ("color: Colour,", "field `color`: the layout of `Colour` is not known"),
         ("color: Option<f32>,", "field `color`: the layout of `Option` is not known"),
         ("color: [f32; SIZE],", "field `color`: constant `SIZE` is not known"),
+        ("color: [f32; if true { 4 } else { 3 }],", UNKNOWN_LENGTH),
+        ("color: [f32; 2 * match 2 { n => n }],", UNKNOWN_LENGTH),
+        ("color: [[f32; { unsafe { 4 } }]; 1],", UNKNOWN_LENGTH),
+        ("color: nalgebra::SVector<f32, { loop { break 4 } }>,", UNKNOWN_LENGTH),
         ("#[cfg(unix)] color: [f32; 4],", "a `cfg` decides if field `color` is there"),
         (
             "color: [crate::lints_b::math::Vec4; 2],",
@@ -390,7 +396,9 @@ fn hostile_rust_is_answered() {
 const STRUCTURES: &str = "\
 pub const COUNT: usize = 3;
 pub const LARGER: usize = (COUNT + 2) * 4 / 2 % 7 | 8;
+pub const SIDE: usize = { COUNT + 1 };
 pub type Row = [f32; 4];
+#[repr(C)] pub struct Blocks { pub a: u8, pub b: [f32; { SIDE * 2 }], pub c: [[u16; { 3 }]; SIDE] }
 #[repr(C)] pub struct Primitives { pub a: u8, pub b: u16, pub c: u32, pub d: u64, pub e: bool, pub f: f32, pub g: i8, pub h: f64, pub i: i16 }
 #[repr(C)] pub struct Arrays { pub a: [f32; 3], pub b: [[f32; 3]; COUNT], pub c: [u8; LARGER], pub d: [Row; 2], pub e: u64 }
 #[repr(C)] pub struct Nested { pub a: u8, pub b: Primitives, pub c: [Arrays; 2], pub d: u8 }
@@ -412,14 +420,14 @@ pub type Row = [f32; 4];
 #[test]
 fn layouts_are_those_of_rustc() {
     let file = rust(STRUCTURES);
-    let mut program = format!("#![allow(dead_code)]\n{STRUCTURES}\nfn main() {{\n");
+    let mut program = format!("#![allow(dead_code, unused_braces)]\n{STRUCTURES}\nfn main() {{\n");
     let mut ours = String::new();
     let names: Vec<&str> = STRUCTURES
         .split("pub struct ")
         .skip(1)
         .map(|rest| rest.split(' ').next().expect("a name"))
         .collect();
-    assert_eq!(names.len(), 15);
+    assert_eq!(names.len(), 16);
     for name in names {
         let laid = laid_out(&file, name).unwrap_or_else(|error| panic!("{error}"));
         writeln!(ours, "{name} {} {}", laid.size, laid.align).expect("a string takes all");

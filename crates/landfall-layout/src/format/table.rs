@@ -241,7 +241,7 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
     let mut widths = [0; COLUMNS];
     for row in rows {
         for (width, cell) in widths.iter_mut().zip(&row.cells) {
-            *width = (*width).max(cell.width());
+            *width = (*width).max(columns(cell));
         }
     }
     // Empty columns are left out, with their titles.
@@ -254,7 +254,7 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
         let mut line = String::new();
         for &i in &shown {
             line.push_str("  ");
-            line.push_str(&cell(row, i, widths[i], paint));
+            write_cell(row, i, widths[i], paint, &mut line);
         }
         if let Some(caution) = &row.caution {
             line.push_str("  ");
@@ -265,24 +265,35 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
     }
 }
 
-/// A cell padded to its column's width: numbers aligned right, text left.
-fn cell(row: &Row, column: usize, width: usize, paint: Paint) -> String {
+/// Appends a cell padded to its column's width: numbers aligned right, text left.
+fn write_cell(row: &Row, column: usize, width: usize, paint: Paint, line: &mut String) {
     let content = &row.cells[column];
-    let fill = " ".repeat(width - content.width());
+    let fill = width - columns(content);
     let is_word = column >= 5;
-    let painted = match column {
-        _ if row.padding => paint.text(FAINT, content),
+    if !is_word {
+        line.extend(std::iter::repeat_n(' ', fill));
+    }
+    match column {
+        _ if paint == Paint::Plain => line.push_str(content),
+        _ if row.padding => line.push_str(&paint.text(FAINT, content)),
         3 => {
             let (around, own) = content.split_at(row.inherited);
-            format!("{}{own}", paint.text(FAINT, around))
+            line.push_str(&paint.text(FAINT, around));
+            line.push_str(own);
         }
-        5 => paint.text(TYPE, content),
-        _ => content.clone(),
-    };
-    match column {
-        NAME => painted,
-        _ if is_word => format!("{painted}{fill}"),
-        _ => format!("{fill}{painted}"),
+        5 => line.push_str(&paint.text(TYPE, content)),
+        _ => line.push_str(content),
+    }
+    if is_word && column != NAME {
+        line.extend(std::iter::repeat_n(' ', fill));
+    }
+}
+
+/// The columns that a text takes; most texts are ASCII, whose printable characters take one each.
+fn columns(text: &str) -> usize {
+    match text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
+        true => text.len(),
+        false => text.width(),
     }
 }
 

@@ -29,7 +29,17 @@ pub fn is_bidi(c: char) -> bool {
 
 /// Whether a terminal acts on the character instead of displaying it.
 fn is_hostile(c: char) -> bool {
-    c.is_control() || is_bidi(c) || is_invisible(c)
+    if c.is_ascii() {
+        c.is_ascii_control()
+    } else {
+        c.is_control() || is_bidi(c) || is_invisible(c)
+    }
+}
+
+/// Whether a text is ASCII without control characters other than line ends and tabs, as most texts
+/// are: it has no character that [`is_hostile`] finds.
+fn is_plain(text: &str) -> bool {
+    text.bytes().all(|byte| matches!(byte, b' '..=b'~' | b'\n' | b'\t'))
 }
 
 /// Whether a character has no width, so that two names may look the same.
@@ -94,7 +104,7 @@ pub fn output(text: &str, styles: Styles) -> Cow<'_, str> {
 /// Escapes control characters, except for kept styles.
 fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
     let shown = |c: char| matches!(c, '\n' | '\t') || !is_hostile(c);
-    if text.chars().all(shown) {
+    if is_plain(text) || text.chars().all(shown) {
         return Cow::Borrowed(text);
     }
     let mut result = String::with_capacity(text.len());
@@ -186,7 +196,8 @@ fn bracket(line: &str) -> Option<usize> {
 /// without characters that a terminal acts on and without commands.
 pub fn json(text: &str) -> Cow<'_, str> {
     let hostile = |c: char| c > '\u{7e}' && is_hostile(c);
-    if !text.contains(hostile) && memmem::find(text.as_bytes(), b"##").is_none() {
+    let shown = is_plain(text) || !text.contains(hostile);
+    if shown && memmem::find(text.as_bytes(), b"##").is_none() {
         return Cow::Borrowed(text);
     }
     let mut result = String::with_capacity(text.len() + 16);

@@ -10,7 +10,8 @@ use proc_macro2::{TokenStream, TokenTree};
 use rustc_hash::FxHashMap;
 use syn::spanned::Spanned;
 
-use super::items::{bounded, ends_item, keyword, parse};
+use super::items::{bounded, ends_item, keyword};
+use super::syntax::{self, Alias, Imports, parse, unraw};
 use crate::settings::RustFile;
 use landfall_layout::error::Error;
 use landfall_layout::finding::Place;
@@ -159,15 +160,15 @@ impl ItemReader<'_> {
             "struct" => self.structure(item, at)?,
             "const" | "static" => self.constant(&item[at..]),
             "type" if bounded(&item) => {
-                if let Ok(alias) = parse::<syn::ItemType>(&item) {
-                    if alias.generics.params.is_empty() {
-                        self.declarations.aliases.insert(alias.ident.to_string(), *alias.ty);
+                if let Ok(alias) = parse::<Alias>(&item) {
+                    if !alias.generic {
+                        self.declarations.aliases.insert(alias.name.to_string(), alias.ty);
                     }
                 }
             }
             "use" if bounded(&item) => {
-                if let Ok(import) = parse::<syn::ItemUse>(&item) {
-                    imports(&import.tree, &mut Vec::new(), &mut self.declarations.imports);
+                if let Ok(Imports(imports)) = parse(&item) {
+                    self.declarations.imports.extend(imports);
                 }
             }
             _ => {}
@@ -185,10 +186,11 @@ impl ItemReader<'_> {
                 "landfall stops here",
             ));
         }
-        let parsed: syn::ItemStruct = parse(&item)
+        let parsed = syntax::structure(&item)
             .map_err(|cause| self.refused(cause.span(), "invalid structure", &cause.to_string()))?;
+        let syn::Data::Struct(data) = parsed.data else { return Ok(()) };
         let repr = repr(&parsed.attrs);
-        let fields = parsed.fields.into_iter().enumerate().map(|(index, field)| {
+        let fields = data.fields.into_iter().enumerate().map(|(index, field)| {
             let span = field.ident.as_ref().map_or_else(|| field.ty.span(), |name| name.span());
             let range = field.ty.span().byte_range();
             Field {
@@ -323,41 +325,4 @@ fn repr(attributes: &[syn::Attribute]) -> Repr {
         });
     }
     repr
-}
-
-fn imports(
-    tree: &syn::UseTree,
-    path: &mut Vec<String>,
-    found: &mut FxHashMap<String, Vec<String>>,
-) {
-    match tree {
-        syn::UseTree::Path(step) => {
-            path.push(unraw(&step.ident));
-            imports(&step.tree, path, found);
-            path.pop();
-        }
-        syn::UseTree::Name(name) => {
-            let name = unraw(&name.ident);
-            let full = if name == "self" { path.clone() } else { [&path[..], &[name]].concat() };
-            if let Some(last) = full.last().cloned() {
-                found.insert(last, full);
-            }
-        }
-        syn::UseTree::Rename(rename) => {
-            let name = unraw(&rename.ident);
-            let full = if name == "self" { path.clone() } else { [&path[..], &[name]].concat() };
-            found.insert(unraw(&rename.rename), full);
-        }
-        syn::UseTree::Glob(_) => {
-            found.insert(format!("*{}", path.join("::")), path.clone());
-        }
-        syn::UseTree::Group(group) => {
-            group.items.iter().for_each(|tree| imports(tree, path, found));
-        }
-    }
-}
-
-fn unraw(name: &syn::Ident) -> String {
-    let name = name.to_string();
-    name.strip_prefix("r#").map_or(name.clone(), str::to_string)
 }

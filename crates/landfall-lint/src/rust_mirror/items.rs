@@ -51,10 +51,6 @@ pub(super) fn keyword(item: &[TokenTree]) -> Option<usize> {
     }
 }
 
-pub(super) fn parse<T: syn::parse::Parse>(item: &[TokenTree]) -> syn::Result<T> {
-    syn::parse2(item.iter().cloned().collect())
-}
-
 /// Returns whether a recursive parser can parse the tokens without exhausting the stack.
 pub(super) fn bounded(tokens: &[TokenTree]) -> bool {
     let mut waiting: Vec<(TokenStream, usize)> = vec![(tokens.iter().cloned().collect(), 0)];

@@ -11,6 +11,7 @@ use syn::{Expr, Lit};
 use super::file::{Declarations, Structure};
 use super::known;
 use super::rust_type::{Argument, LaidField, RustType, Shape, StructureLayout, Unknown};
+use super::syntax;
 
 /// The deepest nesting of structures, aliases and constants.
 const DEEPEST: u32 = 32;
@@ -174,10 +175,10 @@ impl<'d> Types<'d> {
             Expr::Paren(inner) => self.value(&inner.expr, depth + 1),
             Expr::Group(inner) => self.value(&inner.expr, depth + 1),
             Expr::Cast(cast) => self.value(&cast.expr, depth + 1),
-            Expr::Block(block) => match block.block.stmts.as_slice() {
-                [syn::Stmt::Expr(inner, None)] => self.value(inner, depth + 1),
-                _ => Err(unknown()),
-            },
+            Expr::Verbatim(block) => {
+                let inner = syntax::inside_block(block).ok_or_else(unknown)?;
+                self.value(&inner, depth + 1)
+            }
             Expr::Path(path) => self.constant(&path.path, depth),
             Expr::Binary(binary) => {
                 let left = self.value(&binary.left, depth + 1)?;
@@ -193,7 +194,7 @@ impl<'d> Types<'d> {
         let name = path.segments.last().map(|s| s.ident.to_string()).unwrap_or_default();
         let unknown = || Unknown(format!("constant `{name}` is not known"));
         let tokens = self.declarations.constants.get(&name).ok_or_else(unknown)?;
-        let value: Expr = syn::parse2(tokens.clone()).map_err(|_| unknown())?;
+        let value = syntax::expression(tokens.clone()).map_err(|_| unknown())?;
         self.value(&value, depth + 1)
     }
 

@@ -1,10 +1,6 @@
 //! SHA-256 of files and settings, and HMAC seals.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-
-/// The block size of SHA-256 in bytes.
-const BLOCK: usize = 64;
 
 /// A SHA-256 in hexadecimal; empty for what could not be read.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,7 +10,7 @@ pub struct Hash(String);
 impl Hash {
     /// Returns the hash of bytes.
     pub fn of(bytes: &[u8]) -> Hash {
-        Hash(hex(&Sha256::digest(bytes)))
+        Hash(hex(&hmac_sha256::Hash::hash(bytes)))
     }
 
     /// Whether it is the hash of a file that could be read.
@@ -34,15 +30,7 @@ impl Hash {
 
 /// HMAC-SHA256 (RFC 2104) in hexadecimal.
 pub fn seal(key: &[u8], bytes: &[u8]) -> String {
-    let mut block = [0; BLOCK];
-    if key.len() > BLOCK {
-        block[..32].copy_from_slice(&Sha256::digest(key));
-    } else {
-        block[..key.len()].copy_from_slice(key);
-    }
-    let inner = Sha256::new().chain_update(block.map(|byte| byte ^ 0x36)).chain_update(bytes);
-    let outer = Sha256::new().chain_update(block.map(|byte| byte ^ 0x5c));
-    hex(&outer.chain_update(inner.finalize()).finalize())
+    hex(&hmac_sha256::HMAC::mac(bytes, key))
 }
 
 fn hex(bytes: &[u8]) -> String {
