@@ -34,7 +34,7 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     let (subject, number) = (paint.text(STRONG, subject), phrases::number(*fragments));
     let _ = write!(text, "{subject}  {number} {}s", unit.name());
     if *lights > 0 {
-        let _ = write!(text, ", {lights} lights");
+        let _ = write!(text, ", {}", phrases::counted(*lights as usize, "light"));
     }
     let _ = writeln!(text, "; errors against {truth}");
     let rounds = rows.iter().map(|row| row.fragment.rounds).max();

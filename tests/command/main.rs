@@ -23,6 +23,7 @@ mod completions;
 mod help;
 mod hostile_names;
 mod hostile_trees;
+mod names_without_effect;
 mod nothing_done;
 mod readme;
 mod reference;

@@ -2,6 +2,8 @@
 //! behind links; and that a file is the old one or the new one whatever happens meanwhile.
 
 pub mod campaign;
+#[cfg(target_os = "linux")]
+mod disk;
 
 use std::collections::BTreeSet;
 use std::fs;

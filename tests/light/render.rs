@@ -120,6 +120,26 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
 }
 
 #[test]
+fn ambient_terms_are_the_share_of_red_that_the_lint_states() {
+    let mut made = Made::new("six_lights.json", [400, 300]);
+    let red = |made: &Made| {
+        let picture = made.truth(&Model::default()).picture;
+        let at = made.frame.fragments.iter().map(|fragment| fragment.pixel as usize);
+        at.map(|pixel| f64::from(picture.pixels[pixel][0])).sum::<f64>()
+    };
+    let with = red(&made);
+    let lights = &mut made.upload.lights;
+    let emissions = lights.directional.iter_mut().map(|light| &mut light.emission);
+    let emissions = emissions.chain(lights.point.iter_mut().map(|light| &mut light.emission));
+    let ambient = emissions.map(|emission| std::mem::take(&mut emission.ambient));
+    assert_eq!(ambient.filter(|ambient| (ambient.x - 0.05).abs() < 1e-8).count(), 5);
+    let share = 100.0 * (1.0 - red(&made) / with);
+    let why = landfall_lint::lint("ambient-per-light").expect("a lint of that code").why;
+    let stated = format!("five of 0.05 are {share:.0} % of the red of the surfaces");
+    assert!(why.contains(&stated), "{stated}: {why}");
+}
+
+#[test]
 fn every_scene_is_lit_as_its_reference_says() {
     let mut backends = backends();
     for (name, shaders, most) in [

@@ -11,3 +11,4 @@ mod findings;
 mod fix;
 mod lints_a;
 mod lints_b;
+mod stated;

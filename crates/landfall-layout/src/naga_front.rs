@@ -23,6 +23,10 @@ const MOST_STATEMENTS: usize = 4_000;
 /// it lays out a GLSL structure, and when it validates one of either language.
 const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
+/// The limit on the words of a WGSL function, squared and added for all functions: naga 30.0.1 walks
+/// over all expressions of a function for each of them.
+const MOST_SQUARED_WORDS: u64 = 16_000 * 16_000;
+
 /// The limit on line continuations in a row: naga's preprocessor recurses on them.
 const MOST_CONTINUATIONS: usize = 1_000;
 
@@ -72,6 +76,7 @@ pub fn is_bounded(text: &str) -> bool {
         && longest_chain(text) <= LONGEST_CHAIN
         && text.bytes().filter(|byte| b";{".contains(byte)).count() <= MOST_STATEMENTS
         && nested_members(text) <= MOST_NESTED_MEMBERS
+        && squared_words(text) <= MOST_SQUARED_WORDS
         && continuations(text) <= MOST_CONTINUATIONS
 }
 
@@ -96,6 +101,23 @@ fn nested_members(text: &str) -> u64 {
         sizes.insert(name, size);
     }
     all
+}
+
+/// Returns the sum of the squares of the numbers of words between `fn` and the next one.
+fn squared_words(text: &str) -> u64 {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let (mut sum, mut words, mut is_function) = (0u64, 0u64, false);
+    for word in text.split(|c| !is_word(c)).filter(|word| !word.is_empty()).chain(["fn"]) {
+        match word {
+            "fn" if is_function => {
+                sum = sum.saturating_add(words * words);
+                words = 0;
+            }
+            "fn" => is_function = true,
+            _ => words += u64::from(is_function),
+        }
+    }
+    sum
 }
 
 /// Runs a front end on a text within the limits; a panic yields `None`.
@@ -201,6 +223,11 @@ mod tests {
             nested += &format!("struct S{i} {{ S{0} a; S{0} b; }};", i - 1);
         }
         assert!(glsl_module(&nested, None).is_none());
+        let function = format!("fn f() {{ var x = u.y; {} }}", "x = x + u.y;".repeat(3_900));
+        assert_eq!(squared_words(&function.repeat(2)), 2 * (5 + 4 * 3_900u64).pow(2));
+        assert!(wgsl_module(&format!("var<private> u: vec2f; {function}")).is_some());
+        let longer = function.replace("x + u.y;", "x + u.y + u.y + u.y;");
+        assert!(wgsl_module(&format!("var<private> u: vec2f; {longer}")).is_none());
         for line in ["\\\n", "\\\r\n"] {
             let continued = format!("{}void main() {{}}", line.repeat(400_000));
             assert!(glsl_module(&continued, Some(Stage::Fragment)).is_none());

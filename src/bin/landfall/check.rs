@@ -36,7 +36,7 @@ use landfall_lint::LINTS;
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{read, watch, write};
+use crate::{given, read, watch, write};
 use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
@@ -54,7 +54,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::CouldNot);
     };
     for pattern in &args.exclude {
-        config.exclude.add(pattern).map_err(|cause| config::bad_glob(pattern, &cause))?;
+        config.exclude.add(pattern, false).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
     config.exclude.ready()?;
     let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
@@ -62,6 +62,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Err(found) => return Ok(could_not(found, streams)),
     };
     let options = config.options(&args.text, &args.levels.defines);
+    if args.paths.is_empty() {
+        given::configured(&config);
+    }
     let paths = config.paths(&args.paths);
     if Basis::wants_rust(&settings) {
         match rust::files(&config, &settings, &args.paths) {
@@ -97,6 +100,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut pass = first_pass(args, &run, known, streams)?;
     let stopped = watch::is_stopped();
     let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
+    if !stopped {
+        given::excluded(&config, args.paths.is_empty(), streams);
+    }
     if args.diff {
         let outcome = diff(&run, pass, &mut cache, streams)?;
         return Ok(left_out.unwrap_or(outcome));

@@ -12,6 +12,7 @@ mod toml;
 
 use landfall_layout::diagnostic::Code;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use landfall_layout::file::FileWriter;
@@ -155,7 +156,7 @@ fn exclude(keys: &Keys<'_>) -> Exclude {
     let mut exclude = Exclude::default();
     let texts = keys.texts("exclude").unwrap_or_default();
     for text in &texts {
-        if let Err(cause) = exclude.add(&text.value) {
+        if let Err(cause) = exclude.add(&text.value, true) {
             keys.bad_glob(text, &cause);
         }
     }
@@ -300,15 +301,27 @@ pub fn unknown_code(code: &str) -> Diagnostic {
 /// Excluded paths, relative to the configuration's directory.
 #[derive(Debug, Default)]
 pub struct Exclude {
+    patterns: Vec<Pattern>,
     globs: Vec<globset::Glob>,
     set: GlobSet,
 }
+
+#[derive(Debug)]
+struct Pattern {
+    text: String,
+    is_configured: bool,
+    /// Whether a path matched it.
+    is_used: AtomicBool,
+}
+
+/// Each pattern is a glob for a path and one for what is below it.
+const GLOBS_OF_PATTERN: usize = 2;
 
 impl Exclude {
     /// Adds a pattern. With a `/` it is relative to the configuration's directory; without, it
     /// matches a file or directory of that name anywhere. A match of a directory excludes its
     /// contents.
-    pub fn add(&mut self, pattern: &str) -> Result<(), String> {
+    pub fn add(&mut self, pattern: &str, is_configured: bool) -> Result<(), String> {
         if let Some(cause) = crate::inputs::too_deep(pattern) {
             return Err(cause);
         }
@@ -318,10 +331,13 @@ impl Exclude {
             None => (bare, bare.contains('/')),
         };
         let from = if anchored { from.to_string() } else { format!("**/{from}") };
-        for pattern in [from.clone(), format!("{from}/**")] {
-            let glob = GlobBuilder::new(&pattern).literal_separator(true).build();
+        let globs: [String; GLOBS_OF_PATTERN] = [from.clone(), format!("{from}/**")];
+        for glob in globs {
+            let glob = GlobBuilder::new(&glob).literal_separator(true).build();
             self.globs.push(glob.map_err(|cause| cause.kind().to_string())?);
         }
+        let text = pattern.to_string();
+        self.patterns.push(Pattern { text, is_configured, is_used: AtomicBool::new(false) });
         Ok(())
     }
 
@@ -341,7 +357,22 @@ impl Exclude {
 
     /// Whether a path relative to the configuration's directory is excluded.
     pub fn takes(&self, path: &str) -> bool {
-        !self.globs.is_empty() && self.set.is_match(path)
+        if self.globs.is_empty() {
+            return false;
+        }
+        let matches = self.set.matches(path);
+        for glob in &matches {
+            if let Some(pattern) = self.patterns.get(glob / GLOBS_OF_PATTERN) {
+                pattern.is_used.store(true, Ordering::Relaxed);
+            }
+        }
+        !matches.is_empty()
+    }
+
+    /// The patterns that no path matched, and whether each is of the configuration.
+    pub fn unused(&self) -> impl Iterator<Item = (&str, bool)> {
+        let unused = self.patterns.iter().filter(|p| !p.is_used.load(Ordering::Relaxed));
+        unused.map(|pattern| (pattern.text.as_str(), pattern.is_configured))
     }
 }
 
@@ -375,7 +406,7 @@ mod tests {
     fn exclusion_is_by_path_or_by_any_part_of_it() {
         let mut exclude = Exclude::default();
         for pattern in ["vendor", "gen/*.frag", "*.wgsl", "./top/"] {
-            exclude.add(pattern).unwrap();
+            exclude.add(pattern, true).unwrap();
         }
         exclude.ready().unwrap();
         for out in ["vendor/a.frag", "x/vendor/b/c.frag", "gen/a.frag", "deep/a.wgsl", "top/a.vert"]
@@ -385,6 +416,6 @@ mod tests {
         for kept in ["vendored/a.frag", "x/gen/a.frag", "gen/deep/a.frag", "x/top/a.vert"] {
             assert!(!exclude.takes(kept), "{kept}");
         }
-        assert!(Exclude::default().add("a[").is_err());
+        assert!(Exclude::default().add("a[", true).is_err());
     }
 }

@@ -1,67 +1,156 @@
-//! Warnings about options without effect: `-I` with a path that is not a directory, `-O` for a
-//! constant that no shader has, `--adapter` where nothing runs on the GPU, and options of `emit` for
-//! another language.
+//! Warnings about options and configuration without effect: constants and macros that no shader
+//! has, patterns that exclude nothing, include directories that are none, and options of another
+//! language, backend or mode.
+
+mod unused;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
-#[cfg(feature = "exec")]
-use crate::args::BackendName;
-use crate::args::{Command, EmitArgs, EmitLang, TextArgs};
+use crate::args::{Command, TextArgs};
+use crate::config::Config;
 use crate::output::{FindingForm, Streams};
 
-/// The names of `-O`, and those that some shader has a constant for.
-struct OverrideNames {
-    names: Vec<String>,
-    matched: Mutex<Matched>,
+/// What a name is given for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Constant,
+    Macro,
+    Precision,
 }
 
-#[derive(Default)]
-struct Matched {
-    names: BTreeSet<String>,
-    any: bool,
+/// A name that has no effect unless a shader has it.
+#[derive(Clone, Debug)]
+struct Given {
+    kind: Kind,
+    name: String,
+    /// Where it is given.
+    option: String,
 }
 
-/// The `-O` options of this process.
-static GIVEN: OnceLock<OverrideNames> = OnceLock::new();
-
-/// Records the `-O` options, and warns about `-I` paths that are not directories, an adapter that
-/// nothing runs on, and options of `emit` for another language.
-pub fn begin(command: &Command, streams: &Streams) {
-    #[cfg(feature = "exec")]
-    if let Some(name) = unused_adapter(command) {
-        let error =
-            Error::new(format!("--adapter {name}"), "has no effect without `--backend gpu`");
-        warn(Code::UnusedOption, error, streams);
-    }
-    if let Command::Emit(args) = command {
-        for option in unused_of_emit(args) {
-            let error = Error::new(option, format!("has no effect on {}", args.lang.shown()));
-            warn(Code::UnusedOption, error, streams);
+impl Given {
+    /// The name in caches, which tells kinds apart.
+    fn key(&self) -> String {
+        match self.kind {
+            Kind::Constant => self.name.clone(),
+            Kind::Macro => format!("#{}", self.name),
+            Kind::Precision => "#es".to_string(),
         }
     }
-    let Some(text) = text_of(command) else { return };
-    let names = text.overrides.iter().map(|(name, _)| name.clone()).collect();
-    let _ = GIVEN.set(OverrideNames { names, matched: Mutex::default() });
+
+    fn is_in(&self, text: &str) -> bool {
+        match self.kind {
+            Kind::Constant => has_constant(text, &self.name),
+            Kind::Macro => has_word(text, &self.name),
+            Kind::Precision => is_es(text) && (has_word(text, "mediump") || has_word(text, "lowp")),
+        }
+    }
+
+    fn unused(&self) -> (Code, Error) {
+        match self.kind {
+            Kind::Constant => {
+                let error = Error::new(&*self.option, "has no effect: no shader has this constant");
+                let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` \
+                            in WGSL, by name or number";
+                (Code::UnknownOverride, error.with_help(help))
+            }
+            Kind::Macro => {
+                let what = "has no effect: no shader contains this name";
+                (Code::UnusedOption, Error::new(&*self.option, what))
+            }
+            Kind::Precision => {
+                let what = "has no effect: the shader is not of OpenGL ES, or declares nothing \
+                            `mediump` or `lowp`";
+                (Code::UnusedOption, Error::new(&*self.option, what))
+            }
+        }
+    }
+}
+
+/// The names given, and those that some shader has.
+#[derive(Default)]
+struct Names {
+    given: Vec<Given>,
+    matched: BTreeSet<String>,
+    any: bool,
+    /// Whether only some of the shaders are read.
+    is_part: bool,
+}
+
+static NAMES: Mutex<Names> =
+    Mutex::new(Names { given: Vec::new(), matched: BTreeSet::new(), any: false, is_part: false });
+
+fn names() -> MutexGuard<'static, Names> {
+    NAMES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Records the names given to a command, and warns about its options without effect.
+pub fn begin(command: &Command, streams: &Streams) {
+    unused::warn_of_options(command, streams);
+    // Other shards may have what this one lacks.
+    names().is_part = matches!(command, Command::Check(args) if args.shard.is_some());
+    let Some((text, defines)) = text_of(command) else { return };
+    let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
+    let given = |kind, name: &String, option| Given {
+        kind,
+        name: name.clone(),
+        option: format!("{option} {name}"),
+    };
+    let constants = text.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "-O"));
+    let macros = defines.iter().map(|(name, _)| given(Kind::Macro, name, option));
+    let mut all: Vec<Given> = constants.chain(macros).collect();
+    if unused::is_mediump(command) {
+        let option = "--mediump".to_string();
+        all.push(Given { kind: Kind::Precision, name: String::new(), option });
+    }
+    names().given = all;
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
 }
 
-/// The options of `emit` that are for the other language.
-fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
-    let given = match args.lang {
-        EmitLang::Rust => vec![(!args.prefix.is_empty(), "--prefix")],
-        EmitLang::C => vec![
-            (args.vectors.is_some(), "--vectors"),
-            (args.crate_visible, "--crate-visible"),
-            (args.no_tables, "--no-tables"),
-        ],
+/// Records the names that a configuration gives to all its shaders.
+pub fn configured(config: &Config) {
+    let Some(file) = &config.file else { return };
+    let file = file.display();
+    let given = |kind, name: &str, key: &str| Given {
+        kind,
+        name: name.to_string(),
+        option: format!("{name}` in `{key}` of `{file}"),
     };
-    given.into_iter().filter(|(is, _)| *is).map(|(_, option)| option).collect()
+    let read = &config.read;
+    let constants = read.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "override"));
+    let macros = read.defines.iter().map(|(name, _)| given(Kind::Macro, name, "define"));
+    let permutations = config.settings.permutations.iter().flatten();
+    let permuted = permutations.map(|(name, _)| given(Kind::Macro, name, "permutations"));
+    let mut names = names();
+    for new in constants.chain(macros).chain(permuted) {
+        if !names.given.iter().any(|old| old.key() == new.key()) {
+            names.given.push(new);
+        }
+    }
+}
+
+/// Warns about patterns that exclude nothing.
+pub fn excluded(config: &Config, whole: bool, streams: &Streams) {
+    if names().is_part {
+        return;
+    }
+    for (pattern, is_configured) in config.exclude.unused() {
+        let at = pattern.trim_end_matches('/').trim_start_matches("./").trim_start_matches('/');
+        // A directory without a shader, or that is ignored, may have one elsewhere.
+        let is_there = || config.root.path(at).exists();
+        let option = match (&config.file, is_configured) {
+            (Some(_), true) if !whole || is_there() => continue,
+            (Some(file), true) => format!("{pattern}` in `exclude` of `{}", file.display()),
+            (None, _) | (_, false) => format!("--exclude {pattern}"),
+        };
+        let error = Error::new(option, "has no effect: no shader matches it");
+        warn(Code::UnusedOption, error, streams);
+    }
 }
 
 /// Warns about include directories that are none.
@@ -76,62 +165,37 @@ pub fn include_dirs(folders: &[PathBuf], help: &str, streams: &Streams) {
     }
 }
 
-/// The adapter named for a command that does not use the GPU.
-#[cfg(feature = "exec")]
-fn unused_adapter(command: &Command) -> Option<&str> {
-    let gpu = BackendName::Gpu;
-    let (adapter, is_used) = match command {
-        Command::Verify(args) => {
-            (&args.adapter, args.backends.is_empty() || args.backends.contains(&gpu))
-        }
-        Command::Bench(args) => {
-            (&args.adapter, args.backend.is_empty() || args.backend.contains(&gpu))
-        }
-        Command::Run(args) => (&args.adapter, args.backend == gpu),
-        Command::Stress(args) => (&args.adapter, args.backends.contains(&gpu)),
-        Command::Render(args) => {
-            let compares = args.compare.iter().any(|what| what.eq_ignore_ascii_case("gpu"));
-            (&args.adapter, args.backend == gpu || compares)
-        }
-        _ => return None,
-    };
-    adapter.as_deref().filter(|_| !is_used)
-}
-
-/// The names of `-O` that a shader has constants for.
+/// The names given that a shader has.
 pub fn known(files: &Files) -> Vec<String> {
-    let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else {
-        return Vec::new();
-    };
-    let known = |name: &&String| files.iter().any(|file| has_constant(&file.text, name));
-    given.names.iter().filter(known).cloned().collect()
+    let given = names().given.clone();
+    // Macros of the command line are files, too: `-D NAME`.
+    let texts: Vec<&str> =
+        files.iter().filter(|file| !file.path.starts_with("-D ")).map(|file| &*file.text).collect();
+    let known = |given: &&Given| texts.iter().any(|text| given.is_in(text));
+    given.iter().filter(known).map(Given::key).collect()
 }
 
-/// Records the constants of a shader.
+/// Records the names of a shader.
 pub fn record(files: &Files) {
     record_names(&known(files));
 }
 
-/// Records the constants of a cached shader.
-pub fn record_names(names: &[String]) {
-    let Some(given) = GIVEN.get().filter(|given| !given.names.is_empty()) else { return };
-    let mut matched = given.matched.lock().unwrap_or_else(PoisonError::into_inner);
-    matched.any = true;
-    matched.names.extend(names.iter().cloned());
+/// Records the names of a cached shader.
+pub fn record_names(known: &[String]) {
+    let mut names = names();
+    names.any = true;
+    names.matched.extend(known.iter().cloned());
 }
 
-/// Warns about `-O` options that no shader has a constant for.
+/// Warns about the names given that no shader has.
 pub fn finish(streams: &Streams) {
-    let Some(given) = GIVEN.get() else { return };
-    let matched = given.matched.lock().unwrap_or_else(PoisonError::into_inner);
-    if !matched.any {
+    let names = names();
+    if !names.any || names.is_part {
         return;
     }
-    for name in given.names.iter().filter(|name| !matched.names.contains(*name)) {
-        let error = Error::new(format!("-O {name}"), "has no effect: no shader has this constant");
-        let help = "constants are those of `layout(constant_id = N)` in GLSL and `override` in \
-                    WGSL, by name or number";
-        warn(Code::UnknownOverride, error.with_help(help), streams);
+    for given in names.given.iter().filter(|given| !names.matched.contains(&given.key())) {
+        let (code, error) = given.unused();
+        warn(code, error, streams);
     }
 }
 
@@ -158,27 +222,33 @@ fn has_word(text: &str, word: &str) -> bool {
     })
 }
 
-/// The options of a command for reading shaders.
-fn text_of(command: &Command) -> Option<&TextArgs> {
-    Some(match command {
-        Command::Layout(args) => &args.read.text,
-        Command::Explain(args) => &args.read.text,
-        Command::Emit(args) => &args.read.text,
-        Command::Port(args) => &args.read.text,
-        Command::Encode(args) => &args.read.text,
-        Command::Decode(args) => &args.read.text,
+/// Whether a text is of OpenGL ES.
+fn is_es(text: &str) -> bool {
+    let version = text.lines().find_map(|line| line.trim_start().strip_prefix("#version"));
+    version.is_none_or(|version| has_word(version, "es") || has_word(version, "100"))
+}
+
+/// The options of a command for reading shaders, and its macros.
+fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
+    let read = match command {
+        Command::Layout(args) => &args.read,
+        Command::Explain(args) => &args.read,
+        Command::Emit(args) => &args.read,
+        Command::Port(args) => &args.read,
+        Command::Encode(args) => &args.read,
+        Command::Decode(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Verify(args) => &args.read.text,
+        Command::Verify(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Run(args) => &args.read.text,
+        Command::Run(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Stress(args) => &args.read.text,
+        Command::Stress(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Prove(args) => &args.read.text,
+        Command::Prove(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Render(args) => &args.read.text,
+        Command::Render(args) => &args.read,
         #[cfg(feature = "exec")]
-        Command::Bench(args) => &args.read.text,
+        Command::Bench(args) => &args.read,
         #[cfg(not(feature = "exec"))]
         Command::Verify(_)
         | Command::Run(_)
@@ -187,12 +257,12 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         | Command::Render(_)
         | Command::Bench(_) => return None,
         #[cfg(feature = "analysis")]
-        Command::Lights(args) => &args.read.text,
+        Command::Lights(args) => &args.read,
         #[cfg(not(feature = "analysis"))]
         Command::Lights(_) => return None,
-        Command::Lock(args) => &args.read.text,
-        Command::Diff(args) => &args.read.text,
-        Command::Check(args) => &args.text,
+        Command::Lock(args) => &args.read,
+        Command::Diff(args) => &args.read,
+        Command::Check(args) => return Some((&args.text, &args.levels.defines)),
         Command::Completions(_)
         | Command::Devices(_)
         | Command::Man(_)
@@ -201,7 +271,8 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         | Command::Schema(_) => return None,
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
-    })
+    };
+    Some((&read.text, &read.defines))
 }
 
 #[cfg(test)]

@@ -36,6 +36,9 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),
     };
+    if args.paths.is_empty() {
+        given::configured(&config);
+    }
     let mut tally = Tally::default();
     work::ordered(
         Inputs::new(paths).filter(|input| job.takes(input)),
@@ -52,6 +55,9 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         };
         streams.report(&job.style.text(&[found], &Files::default()));
         return Ok(outcome);
+    }
+    if !watch::is_stopped() {
+        given::excluded(&config, args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)

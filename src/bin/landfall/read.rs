@@ -39,15 +39,15 @@ pub fn named(path: &Path, args: &ReadArgs) -> PathBuf {
 
 /// Reads one shader.
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
+    if args.text.language.is_none() {
+        other_language::refuse(&named(path, args))?;
+    }
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
         let most = args.text.max_bytes.unwrap_or(MOST_BYTES);
         let bytes = read_stream("<stdin>", std::io::stdin().lock(), most)?;
         Source::from_bytes(name, bytes)?
     } else {
-        if args.text.language.is_none() {
-            other_language::refuse(path)?;
-        }
         let bytes = source::read_bytes(path, args.text.max_bytes)?;
         Source::from_bytes(path.display().to_string(), bytes)?
     };

@@ -289,6 +289,9 @@ impl PreparedScene<'_> {
         let lit =
             FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let mut notes = self.renderer.as_ref().map_or(Vec::new(), |r| r.notes(&self.upload));
+        if self.frame.fragments.is_empty() {
+            notes.push("no pixel shows an object: the picture is the background".to_string());
+        }
         if let Some(renderer) = &self.renderer {
             let unknown = renderer.map.unknown();
             notes.extend(

@@ -21,16 +21,18 @@ pub fn rounds(usual: u32) -> u32 {
 }
 
 /// A project whose files of landfall's are all of an older layout.
-fn old(name: &str) -> Place {
+pub fn old(name: &str) -> Place {
     let place = Place::new(&format!("campaign-{name}"));
     for i in 0..12 {
         place.write(&format!("s/{i}.frag"), CLEAN);
         // A comment that allows nothing, to be mended.
         place.write(&format!("f/{i}.frag"), idle());
     }
-    place.write("many.frag", many(400)).write("m.rs", "");
+    place.write("many.frag", many(400)).write("m.rs", "").write("p.png", "");
     place.write("scene.json", scene());
     assert_eq!(place.run(&["lock", "s"]).code, 0);
+    assert_eq!(place.run(&["layout", "s", "--out", "o"]).code, 0);
+    assert!(place.run(&["check", "s", "-f", "sarif=r.sarif"]).code < 2);
     for i in 0..12 {
         let text = CLEAN.replace("vec4 color;\n}", "vec4 color;\n    vec4 more;\n}");
         place.write(&format!("s/{i}.frag"), text);
@@ -45,7 +47,7 @@ fn many(members: usize) -> String {
 }
 
 /// Commands that write, each with the folder or file it writes.
-const COMMANDS: [(&str, &[&str]); 4] = [
+pub const COMMANDS: [(&str, &[&str]); 7] = [
     ("layouts", &["lock", "s"]),
     ("m.rs", &["emit", "many.frag", "--lang", "rust", "--out", "m.rs"]),
     ("f", &["check", "f", "--fix", "-A", "all", "-W", "unused-allow", "-W", "stale-comment"]),
@@ -63,10 +65,13 @@ const COMMANDS: [(&str, &[&str]); 4] = [
             "p.png",
         ],
     ),
+    ("layouts", &["check", "s", "--accept"]),
+    ("o", &["layout", "s", "--out", "o"]),
+    ("r.sarif", &["check", "s", "f", "-f", "sarif=r.sarif", "-A", "all", "-W", "unused-allow"]),
 ];
 
 /// What a command leaves, from its name.
-fn outputs(place: &Place, target: &str) -> Vec<(String, Vec<u8>)> {
+pub fn outputs(place: &Place, target: &str) -> Vec<(String, Vec<u8>)> {
     let path = place.0.join(target);
     let mut found = if path.is_dir() { files(&path) } else { Vec::new() };
     if path.is_file() {
@@ -77,12 +82,17 @@ fn outputs(place: &Place, target: &str) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-fn is_partial(name: &str) -> bool {
+pub fn is_partial(name: &str) -> bool {
     name.rsplit('/').next().is_some_and(|name| name.starts_with(".landfall-"))
 }
 
 /// Each file is as it was before or as it is after.
-fn whole(place: &Place, target: &str, before: &[(String, Vec<u8>)], after: &[(String, Vec<u8>)]) {
+pub fn whole(
+    place: &Place,
+    target: &str,
+    before: &[(String, Vec<u8>)],
+    after: &[(String, Vec<u8>)],
+) {
     for (name, bytes) in outputs(place, target) {
         if is_partial(&name) {
             continue;
@@ -145,6 +155,9 @@ lock: error[output]: `layouts/s/0.frag.json` cannot be written: file too large
 emit: error[output]: `m.rs` cannot be written: file too large
 check: error[output]: `f/0.frag` cannot be written: file too large
 render: error[output]: `p.png` cannot be written: file too large
+check: error[unreadable-file]: `layouts/s/0.frag.json` cannot be written: file too large
+layout: error[output]: `o/0.frag.txt` cannot be written: file too large
+check: error[output]: `r.sarif` cannot be written: file too large
 
 "#]],
     );

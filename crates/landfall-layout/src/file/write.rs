@@ -1,8 +1,9 @@
 //! Atomic file writes that never overwrite an input.
 //!
 //! A file is written under a temporary name in the same directory and then renamed, so that others
-//! see either the old text or the new one. Temporary files of a killed process are removed by the
-//! next process that writes to the directory.
+//! see either the old text or the new one. Where it replaces another, its bytes are on the disk
+//! before, so that this holds where the system stops, too. Temporary files of a killed process are
+//! removed by the next process that writes to the directory.
 
 use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsStr;
@@ -305,7 +306,7 @@ fn replace(
     loop {
         let partial = folder.join(partial_name());
         partials().insert(partial.clone());
-        let written = fill(&partial, bytes).and_then(|()| {
+        let written = fill(&partial, bytes, old.is_some()).and_then(|()| {
             // Keep the old file's permissions.
             if let Some(old) = &old {
                 fs::set_permissions(&partial, old.permissions())?;
@@ -343,8 +344,11 @@ pub fn remove_partial() {
 }
 
 /// Creates a new file, failing if anything, such as a link, is in its place.
-fn fill(path: &Path, bytes: &[u8]) -> Result<(), io::Error> {
-    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(bytes)
+fn fill(path: &Path, bytes: &[u8], replaces: bool) -> Result<(), io::Error> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    file.write_all(bytes)?;
+    // Of a file that was not there before, nothing is lost where the system stops.
+    if replaces { file.sync_data() } else { Ok(()) }
 }
 
 /// A token that distinguishes this process from later ones with the same identifier.

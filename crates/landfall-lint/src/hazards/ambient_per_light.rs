@@ -9,10 +9,10 @@ pub(crate) const LINT: Lint = Lint {
     // It is a model, and often wanted.
     level: Level::Allow,
     what: "an array of lights, each with an ambient term of its own",
-    why: "Every light adds its ambient term, wherever it shines: five of them are 13 % of the red \
-          in the published scene of six lights, and 128 saturate the picture. One ambient light \
-          beside the array costs 16 bytes once instead of 16 bytes per light. Allowed by default, \
-          because it is a valid model and often intended.",
+    why: "Every light adds its ambient term, wherever it shines: five of 0.05 are 15 % of the red \
+          of the surfaces in the published scene of six lights, and 128 saturate the picture. One \
+          ambient light beside the array costs 16 bytes once instead of 16 bytes per light. \
+          Allowed by default, because it is a valid model and often intended.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 ambient; vec3 diffuse; };

@@ -10,9 +10,9 @@ pub(crate) const LINT: Lint = Lint {
     level: Level::Allow,
     what: "a highlight that is not cut off where the light is behind the surface",
     why: "The mirrored direction may still point at the eye when the light is a little below the \
-          horizon: at a grazing view, a light 0.2 behind the surface adds 0.46 of its colour. It \
-          also keeps a renderer from skipping lights that a surface faces away from. Allowed by \
-          default, because the reference model is published that way.",
+          horizon: at a grazing view, a light with dot(n, l) = -0.2 adds a highlight of exponent 32 \
+          of 0.52 times its colour. It also keeps a renderer from skipping lights that a surface \
+          faces away from. Allowed by default, because the reference model is published that way.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; float constant; float linear; float quadratic; };

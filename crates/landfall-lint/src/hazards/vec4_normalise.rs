@@ -12,8 +12,9 @@ pub(crate) const LINT: Lint = Lint {
     why: "The transposed inverse of a matrix with a translation gives a normal a fourth component, \
           minus the dot product of normal and translation. Normalised with it, the three others \
           come out too short, by another factor at each vertex, and the interpolated normal bends: \
-          by 3 degrees with the camera 2 units away, by 14 at 100 units. Normalising again in the fragment shader \
-          does not correct it.",
+          halfway between vertex normals 30 degrees apart by up to 3 degrees with the camera 2 \
+          units away, by 14 at 100 units. Normalising again in the fragment shader does not \
+          correct it.",
     example: "\
 #version 330 core
 struct PointLight { vec3 position; vec3 color; };

@@ -110,6 +110,11 @@ pub fn bench(
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
     let all = frame.fragments.len();
+    if all == 0 {
+        let what = "shows no object in any pixel: there is nothing to measure";
+        return Err(Error::new(args.subject.display().to_string(), what)
+            .with_help("turn its camera, or enlarge it with `--size`"));
+    }
     let upload = Upload::new(&own.scene);
     let stage = Stage::new(model, upload.clone(), frame.clone(), most);
     let others: Vec<Option<Stage>> = models

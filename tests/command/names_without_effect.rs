@@ -1,0 +1,156 @@
+//! Macros, constants, patterns and options that have no effect on anything are named; scenes of
+//! which no pixel shows an object, too.
+
+use crate::cli_check::place::CLEAN;
+use crate::support::command::{Place, Ran};
+
+const FUNCTION: &str = "#version 450
+#ifndef LIGHTS
+#define LIGHTS 4
+#endif
+layout(std140, binding = 0) uniform U { vec4 color[LIGHTS]; };
+layout(location = 0) out vec4 o;
+float f(float x) { return x * color[0].x; }
+void main() { o = vec4(f(1.0)); }
+";
+
+/// A scene whose camera looks at the sky.
+const SKY: &str = r#"{"size": [8, 8], "model": "multi", "camera": {"position": [0, 1, 0],
+    "target": [0, 9, 0], "up": [1, 0, 0], "fov": 60}, "lights": {"point": [{"position": [0, 3, 3],
+    "color": [9, 9, 9]}]}, "materials": [{"name": "grey", "diffuse": 0.8}],
+    "objects": [{"mesh": "plane"}]}"#;
+
+fn project(name: &str) -> Place {
+    let place = Place::new(&format!("names-{name}"));
+    place.write("a.frag", FUNCTION).write("b/b.frag", CLEAN).write("v.json", "{}");
+    place
+}
+
+/// The warnings of a run that say that something has no effect.
+fn unused(ran: &Ran) -> Vec<String> {
+    assert!(ran.code < 2, "{}{}", ran.out, ran.err);
+    let warnings = ran.err.lines().filter(|line| line.contains("has no effect"));
+    warnings.map(|line| line.split_once(": ").expect("a code").1.to_string()).collect()
+}
+
+fn split(command: &str) -> Vec<&str> {
+    command.split(' ').collect()
+}
+
+#[test]
+fn a_macro_that_no_shader_contains_is_warned_of() {
+    let place = project("macro");
+    for (command, option) in [
+        ("layout a.frag", "-D"),
+        ("emit a.frag --lang c", "-D"),
+        ("explain a.frag color", "-D"),
+        ("encode a.frag v.json --hex", "-D"),
+        ("verify a.frag --backend cpu", "-D"),
+        ("lights a.frag", "-D"),
+        ("run a.frag --fn f --args [1]", "-D"),
+        ("lock a.frag", "-D"),
+        ("check a.frag", "--define"),
+        ("check . --cache-dir c", "--define"),
+        // From the cache.
+        ("check . --cache-dir c", "--define"),
+    ] {
+        let with = |text: &str| unused(&place.run(&[&*split(command), &[option, text]].concat()));
+        let said = format!("`{option} LIGTHS` has no effect: no shader contains this name");
+        assert_eq!(with("LIGTHS=128"), [said], "{command}");
+        assert_eq!(with("LIGHTS=8"), [""; 0], "{command}");
+    }
+    // Another shard may have it.
+    let shard = "check . --shard 1/2 -f json=r.json --define LIGTHS";
+    assert_eq!(unused(&place.run(&split(shard))), [""; 0]);
+}
+
+#[test]
+fn names_of_the_configuration_that_no_shader_has_are_warned_of() {
+    let place = project("configuration");
+    let text = "define = [\"LIGTHS=2\", \"LIGHTS=2\"]\noverride = [\"nope=3\"]\n\
+                exclude = [\"vendor\", \"b/nope*.frag\", \"kept\", \"b.frag\"]\n\
+                permutations = [[\"LIGHTS=1\"], [\"FOGG\"]]\n";
+    place.write("landfall.toml", text).write("kept/notes.txt", "no shader");
+    let at = "of `landfall.toml` has no effect";
+    let mut all = vec![
+        format!("`vendor` in `exclude` {at}: no shader matches it"),
+        format!("`b/nope*.frag` in `exclude` {at}: no shader matches it"),
+        format!("`nope` in `override` {at}: no shader has this constant"),
+        format!("`LIGTHS` in `define` {at}: no shader contains this name"),
+        format!("`FOGG` in `permutations` {at}: no shader contains this name"),
+    ];
+    for command in ["check", "lock", "check --cache-dir c", "check --cache-dir c"] {
+        assert_eq!(unused(&place.run(&split(command))), all, "{command}");
+    }
+    // Some of the shaders may lack what others have.
+    for command in ["check a.frag", "lock a.frag"] {
+        assert_eq!(unused(&place.run(&split(command))), [""; 0], "{command}");
+    }
+    let ran = place.run(&["check", "--exclude", "nosuch", "--exclude", "b"]);
+    all.insert(2, "`--exclude nosuch` has no effect: no shader matches it".to_string());
+    assert_eq!(unused(&ran), all);
+    let ran = place.run(&["check", "a.frag", "--exclude", "nosuch"]);
+    assert_eq!(unused(&ran), [all.swap_remove(2)]);
+}
+
+#[test]
+fn options_that_others_leave_without_effect_are_warned_of() {
+    let place = project("options");
+    place.write("scene.json", SKY);
+    place.write(
+        "es.frag",
+        "#version 300 es\nprecision mediump float;\nout vec4 o;\n\
+                            float f(float x) { return x * 3.0; }\nvoid main() { o = vec4(0); }\n",
+    );
+    let reference = "render scene.json --reference";
+    for (command, said) in [
+        ("verify a.frag --backend cpu --locks x", "`--locks` has no effect without `--record`"),
+        (
+            "layout a.frag --stdin-filename x.frag",
+            "`--stdin-filename` has no effect without the input `-`",
+        ),
+        (
+            "run a.frag --fn f --args [1] --mediump",
+            "`--mediump` has no effect: the shader is not \
+          of OpenGL ES, or declares nothing `mediump` or `lowp`",
+        ),
+        (
+            &format!("{reference} --watch"),
+            "`--watch` has no effect on the reference, which runs no shader",
+        ),
+        (
+            &format!("{reference} --entry main"),
+            "`--entry` has no effect on the reference, which runs no shader",
+        ),
+    ] {
+        assert_eq!(unused(&place.run(&split(command))), [said], "{command}");
+    }
+    for command in ["run es.frag --fn f --args [1] --mediump", reference] {
+        assert_eq!(unused(&place.run(&split(command))), [""; 0], "{command}");
+    }
+}
+
+#[test]
+fn standard_input_with_the_name_of_another_language_is_refused() {
+    let place = project("stdin");
+    let command = ["layout", "-", "--stdin-filename", "a.slang"];
+    let ran = place.run_with_stdin(&command, CLEAN);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("`a.slang` is Slang by its extension"), "{}", ran.err);
+    let command = [&command[..], &["--language", "glsl"]].concat();
+    assert_eq!(place.run_with_stdin(&command, CLEAN).code, 0);
+}
+
+#[test]
+fn a_scene_without_an_object_in_sight_is_not_measured() {
+    let place = project("sky");
+    place.write("scene.json", SKY);
+    let ran = place.run(&["bench", "scene.json", "--rounds", "3", "--backend", "cpu"]);
+    assert_eq!((ran.code, &*ran.out), (2, ""));
+    let said = "`scene.json` shows no object in any pixel: there is nothing to measure";
+    assert!(ran.err.contains(said), "{}", ran.err);
+    let ran = place.run(&["render", "scene.json", "--reference"]);
+    assert_eq!(ran.code, 0);
+    let said = ran.out.clone() + &ran.err;
+    assert!(said.contains("no pixel shows an object: the picture is the background"), "{said}");
+}
