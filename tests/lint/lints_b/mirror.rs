@@ -299,7 +299,7 @@ fn what_cannot_be_judged_is_said_and_not_blamed() {
         ("color: Colour,", "field `color`: the layout of `Colour` is not known"),
         ("color: Option<f32>,", "field `color`: the layout of `Option` is not known"),
         ("color: [f32; SIZE],", "field `color`: constant `SIZE` is not known"),
-        ("#[cfg(unix)] color: [f32; 4],", "a `cfg` decides if field `color` is there"),
+        ("#[cfg(unix)] color: [f32; 4],", "field `color` exists only under a `cfg`"),
         (
             "color: [crate::lints_b::math::Vec4; 2],",
             "field `color`: the layout of `crate::lints_b::math::Vec4` is not known",
