@@ -14,7 +14,7 @@ use landfall_light::bind::{BindingMap, Decision, Member, Outcome, Source};
 pub fn text(map: &BindingMap, paint: Paint) -> String {
     let mut text = String::new();
     let members = map.members.iter().map(|member| (member.key(), &member.source));
-    let bound = |all: &[landfall_light::bind::Bound]| -> Vec<(String, Source)> {
+    let bound = |all: &[landfall_light::bind::BoundValue]| -> Vec<(String, Source)> {
         all.iter().map(|bound| (bound.name.clone(), bound.source.clone())).collect()
     };
     let groups: [(&str, Vec<(String, Source)>); 3] = [

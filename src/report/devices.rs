@@ -52,7 +52,7 @@ pub fn table(found: &[BackendEntry], paint: Paint) -> String {
     text
 }
 
-/// What is known of a device, or the reason it is missing: a line for each, with its style.
+/// The lines about a device, or the reason it is missing, each with its style.
 fn described(found: &BackendEntry) -> Vec<(Style, String)> {
     let (device, limits) = match &found.outcome {
         Ok(there) => there,

@@ -19,7 +19,7 @@ use landfall_layout::diagnostic::{Diagnostic, Severity};
 pub use landfall_layout::format::columns;
 use landfall_layout::format::columns::GAP;
 use landfall_layout::format::diagnostics::human as diagnostics;
-use landfall_layout::format::diagnostics::render::Pen;
+use landfall_layout::format::diagnostics::render::DiagnosticRenderer;
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, STRONG, TYPE};
 pub use landfall_layout::format::phrases::{bytes, number};
 use landfall_layout::format::{Paint, SCHEMA_VERSION};
@@ -223,7 +223,7 @@ fn bound_text(bound: Bound) -> String {
 }
 
 fn hazards(found: &[LightHazard], files: &Files, paint: Paint) -> String {
-    let mut pen = Pen::new(files, paint);
+    let mut pen = DiagnosticRenderer::new(files, paint);
     let mut text = String::new();
     for hazard in found {
         let finding = &hazard.finding;

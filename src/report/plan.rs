@@ -115,8 +115,7 @@ fn claim(error: &Claim) -> Option<(bool, String)> {
         Claim::Measured(Measured { steps, codes, of, fragments, every }) => {
             let part = 100.0 * *codes as f64 / (*of).max(1) as f64;
             let sample = match every {
-                0 => ", those nearest to each light among the regions without it included"
-                    .to_string(),
+                0 => ", including those nearest to each light in regions without it".to_string(),
                 1 => String::new(),
                 n => format!(", every {n}th of them"),
             };

@@ -1,4 +1,4 @@
-//! The report of `landfall prove`: what is known of each operation, and of each demand.
+//! The report of `landfall prove`: a verdict on each operation and on each demand.
 //!
 //! Formats the data of [`accuracy::demand`](landfall_light::accuracy::demand); the report of
 //! `landfall stress` ends with the same counts.
@@ -7,7 +7,7 @@ mod json;
 
 use std::fmt::Write as _;
 
-pub use self::json::{OperationObject, json, operations};
+pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, operations};
 pub use super::schema::PROVE_SCHEMA;
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
 use landfall_layout::format::phrases;
@@ -18,10 +18,10 @@ use landfall_light::accuracy::prove::Class;
 use landfall_light::accuracy::stress::messages::{figure, number};
 use landfall_light::accuracy::stress::{Known, Operation, counts};
 
-/// Which operations are listed.
+/// The operations to list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listed {
-    /// Those that break, or may break, with an undefined result.
+    /// Operations that have, or may have, an undefined result.
     Few,
     /// Every operation.
     All,

@@ -59,7 +59,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), &mut text);
         if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
             let line = format!(
-                "one ULP of `{}` moves the result by {} steps; condition number {}",
+                "changing `{}` by one ULP changes the result by {} steps; condition number {}",
                 condition.path,
                 figure(condition.steps),
                 figure(condition.number)

@@ -62,9 +62,9 @@ struct Table {
 impl Table {
     fn heading(&self) {
         if self.markdown {
-            println!("| what | takes times as long |\n|---|---|");
+            println!("| what | ratio of their times |\n|---|---|");
         } else {
-            println!("{:<70} takes times as long", "");
+            println!("{:<70} ratio of their times", "");
         }
     }
 

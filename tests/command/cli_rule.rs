@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
-use landfall_light::reference::Undef;
+use landfall_light::reference::UndefinedReason;
 use landfall_lint::LINTS;
 use landfall_lint::hazards::lint_of;
 use snapbox::str;
@@ -32,7 +32,7 @@ fn printed() -> BTreeSet<&'static str> {
     // `stress`.
     codes.extend(Hazard::ALL.into_iter().map(Hazard::code));
     // `render` against the reference: fragments without a value, and those at an edge.
-    codes.extend(Undef::ALL.into_iter().map(|undef| undef.hazard().code()));
+    codes.extend(UndefinedReason::ALL.into_iter().map(|undef| undef.hazard().code()));
     codes.insert(Hazard::ConeEdge.code());
     codes
 }

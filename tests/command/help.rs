@@ -121,6 +121,7 @@ Guard:
 
 Prove:
   verify   Run shaders to prove that every member is read at its offset
+  prove    Prove that a function has no undefined results, NaN or infinities
   run      Call a function of a shader in f32 and f64
   devices  List the backends and adapters of this machine, with their limits
 
@@ -130,7 +131,6 @@ Light:
 
 Measure:
   stress   Search for inputs at which a function is inaccurate
-  prove    Prove that no operation of a function breaks
   bench    Measure the run time and error of shader variants
 
 Options:

@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use snapbox::str;
+
 use crate::cli_check::place::CLEAN;
 use crate::support::command::Place;
 use crate::writers::{campaign::rounds, files};
@@ -173,19 +175,27 @@ fn a_pipe_without_a_reader_is_an_error() {
     place.write("a.frag", CLEAN);
     let made = Command::new("mkfifo").arg(place.path("pipe")).status();
     assert!(made.is_ok_and(|made| made.success()));
-    for command in
-        [&["emit", "--lang", "c", "a.frag", "-o", "pipe"][..], &["check", "-f", "json=pipe"]]
-    {
-        let ran = place.run(command);
-        assert_eq!(ran.code, 2, "{command:?}");
-        assert!(ran.err.contains("`pipe` is a pipe that no process reads"), "{}", ran.err);
-    }
+    let emit = ["emit", "--lang", "c", "a.frag", "-o", "pipe"];
+    place.run(&emit).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `pipe` is a pipe that no process reads
+  |
+  = help: start its reader first, or name a file
+
+
+"#]]);
+    place.run(&["check", "-f", "json=pipe"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `pipe` is a pipe that no process reads
+  |
+  = help: start its reader first, or name a file
+
+
+"#]]);
     let reader = Command::new("cat").arg(place.path("pipe")).stdout(Stdio::piped()).spawn();
     let reader = reader.expect("cat");
     // Until it has opened the pipe.
     let ran = (0..100).map(|_| {
         thread::sleep(Duration::from_millis(20));
-        place.run(&["emit", "--lang", "c", "a.frag", "-o", "pipe"])
+        place.run(&emit)
     });
     assert!(ran.into_iter().any(|ran| ran.code == 0));
     let read = reader.wait_with_output().expect("cat ends");
@@ -213,14 +223,26 @@ fn patterns_that_are_too_large_together_are_one_error() {
     place.write("a.frag", CLEAN);
     let pattern = "a*".repeat(1500);
     let flags: Vec<&str> = (0..30).flat_map(|_| ["--exclude", &pattern]).collect();
-    let ran = place.run(&[&["check"][..], &flags].concat());
-    assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("patterns that are too large to compile together"), "{}", ran.err);
+    place.run(&[&["check"][..], &flags].concat()).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `exclude` has patterns that are too large to compile together
+  |
+  = help: exclude directories instead of single files
+
+
+"#]]);
     let list: Vec<String> = (0..6000).map(|i| format!("\"a*b*c*{i}\"")).collect();
     place.write("landfall.toml", format!("exclude = [{}]\n", list.join(", ")));
-    let ran = place.run(&["check"]);
-    assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("patterns that are too large to compile together"), "{}", ran.err);
+    place.run(&["check"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[wrong-value]: `exclude` has patterns that are too large to compile together
+ --> landfall.toml:1:12
+  |
+1 | exclude = ["a*b*c*0", "a*b*c*1", "a*b*c*2", "a*b*c*3", "a*b*c*4", "a*b*c*5", "a*b*c*6", "a*b*c*7", "a*b*c*8", "a*b*c*9", "a*b*c*10", "a*b*c*11", "a*b*c*12", "a*…
+  |            ^^^^^^^^^
+  |
+  = help: exclude directories instead of single files
+
+
+"#]]);
 }
 
 /// naga 30.0.1 panics on constants of arrays in GLSL.

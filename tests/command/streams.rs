@@ -1,10 +1,13 @@
 //! Standard input is an input like any other, and a reader of standard output that is gone changes
 //! no exit code.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::process::Stdio;
 
-use crate::support::command::Place;
+use snapbox::str;
+
+use crate::support::command::{Place, golden};
 
 const SHADER: &str = "#version 450\nlayout(std140, binding = 0) uniform U { vec4 a; float b; } u;\n\
                       layout(location = 0) out vec4 o;\nvoid main() { o = u.a * u.b; }\n";
@@ -16,6 +19,8 @@ fn no_output_is_written_over_the_file_of_standard_input() {
     place.write("a.frag", SHADER).write("v.json", "{\"a\": [1, 2, 3, 4], \"b\": 5}");
     std::fs::hard_link(place.path("a.frag"), place.path("hard.frag")).unwrap();
     let before = (place.read("a.frag"), place.read("v.json"));
+    // The error of each command, with its target as `FILE`.
+    let mut errors = BTreeSet::new();
     for (input, line) in [
         ("a.frag", "emit --lang c --language glsl - -o a.frag"),
         ("a.frag", "emit --lang c --language glsl - -o hard.frag"),
@@ -27,9 +32,20 @@ fn no_output_is_written_over_the_file_of_standard_input() {
         let output = place.command(&arguments).stdin(Stdio::from(file)).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{line}: {said}");
-        assert!(said.contains("is an input of this command"), "{line}: {said}");
+        let target = line.rsplit([' ', '=']).next().expect("the last word");
+        errors.insert(said.replace(&format!("`{target}`"), "`FILE`"));
         assert_eq!((place.read("a.frag"), place.read("v.json")), before, "{line}");
     }
+    golden().eq(
+        errors.into_iter().collect::<String>(),
+        str![[r#"
+error[output]: `FILE` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]],
+    );
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn lights_agree_with_80_digits_to_1e_12_and_hazards_are_tags() {
         println!("{name}: {numbers} points with a value, off by at most {worst:.1e}");
         assert!(numbers >= 1000, "{name} has {numbers} points with a value");
     }
-    assert_eq!(tags, BTreeSet::from(Undef::ALL), "every tag is in the tables");
+    assert_eq!(tags, BTreeSet::from(UndefinedReason::ALL), "every tag is in the tables");
     println!("{ramps} on a cone's ramp, {highlights} with a highlight");
     assert!(ramps > 500 && highlights > 1000, "the points see little: {ramps}, {highlights}");
 }
@@ -273,18 +273,18 @@ fn a_normal_of_four_components_bends_with_the_distance() {
     }
     let flat = glam::DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0));
     let flat = view_normal(&flat, DVec3::Z, NormalTransform::Mat3);
-    assert_eq!(flat, Err(Undef::NotFinite));
+    assert_eq!(flat, Err(UndefinedReason::NotFinite));
     let zero = view_normal(&glam::DMat4::IDENTITY, DVec3::ZERO, NormalTransform::Vec4);
-    assert_eq!(zero, Err(Undef::ZeroVector));
+    assert_eq!(zero, Err(UndefinedReason::ZeroVector));
 }
 
 /// What points.py calls the tag: it has one label for vectors that are zero, one for powers that
 /// are undefined whatever their base, and one for what the host should refuse.
-fn label(tag: Undef) -> &'static str {
+fn label(tag: UndefinedReason) -> &'static str {
     match tag {
-        Undef::NoHalfVector => "H1",
-        Undef::ZeroToNegative => "H10",
-        Undef::NotFinite => "H24",
+        UndefinedReason::NoHalfVector => "H1",
+        UndefinedReason::ZeroToNegative => "H10",
+        UndefinedReason::NotFinite => "H24",
         tag => tag.hazard().info().label.expect("a hazard of lighting"),
     }
 }

@@ -39,7 +39,7 @@ use naga::Handle;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::module::{
-    Bases, Binder, EntryInterface, FunctionInfo, Inputs, LeftOut, ModuleBlock, ModuleHandle,
+    Bases, Binder, EntryInterface, FunctionInfo, Inputs, ModuleBlock, ModuleHandle, SkippedFunction,
 };
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::{Files, Source, Span, Stage};
@@ -60,7 +60,7 @@ pub struct Lowered {
     pub functions: Vec<FunctionInfo>,
     pub inputs: Vec<EntryInterface>,
     pub outputs: Vec<EntryInterface>,
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedFunction>,
     pub files: Files,
     pub bases: Bases,
     /// The expressions that need no more than `mediump`, by their spans in naga's positions.
@@ -125,7 +125,7 @@ pub struct Lowerer<'a> {
     pub early_fragment_tests: bool,
     /// Initialisers of global variables, which the entry point runs first.
     initialisers: Vec<(usize, Rc<ast::Declaration<'a>>, usize)>,
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedFunction>,
     /// The current nesting of functions, statements and expressions.
     pub nesting: u32,
     /// The number of expressions in the finished functions.

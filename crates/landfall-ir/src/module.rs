@@ -33,7 +33,7 @@ pub struct Module {
     pub(crate) functions: Vec<FunctionInfo>,
     pub(crate) inputs: Vec<EntryInterface>,
     pub(crate) outputs: Vec<EntryInterface>,
-    pub(crate) left_out: Vec<LeftOut>,
+    pub(crate) left_out: Vec<SkippedFunction>,
     /// Names of local variables by expression.
     pub locals: Locals,
     /// The spans, in naga's positions, of the expressions that need no more than `mediump`.
@@ -115,15 +115,15 @@ pub struct EntryInterface {
 /// The inputs of the stage that a module includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Inputs {
-    /// Those that `main` reaches.
+    /// The inputs that `main` or its callees read.
     OfMain,
-    /// Those that any function reaches.
+    /// The inputs that any function reads.
     OfAny,
 }
 
 /// A function that could not be lowered and is not in the module.
 #[derive(Clone, Debug)]
-pub struct LeftOut {
+pub struct SkippedFunction {
     /// Its name.
     pub function: String,
     /// The reason.
@@ -231,7 +231,7 @@ impl Module {
     }
 
     /// Returns the functions that could not be lowered; the entry point does not need them.
-    pub fn left_out(&self) -> &[LeftOut] {
+    pub fn left_out(&self) -> &[SkippedFunction] {
         &self.left_out
     }
 

@@ -315,7 +315,7 @@ impl Output {
         match std::env::var_os(variable) {
             Some(dir) => Ok(PathBuf::from(dir).join(&self.file)),
             None => {
-                let message = format!("cannot be placed: `{variable}` is not set");
+                let message = format!("has no directory to be written to: `{variable}` is not set");
                 let error = Error::new(self.file.display().to_string(), message);
                 Err(error
                     .with_help("call `run` from a build script, or use `generate_string`")

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::source::Span;
 
-/// How serious a finding is.
+/// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Worth knowing; the layout stands.
@@ -42,7 +42,7 @@ impl Severity {
 pub struct Diagnostic<At = Span, C = Code> {
     /// The kind of diagnostic.
     pub code: C,
-    /// How serious it is.
+    /// The severity.
     pub severity: Severity,
     /// One sentence, lower case, names in backticks.
     pub message: String,

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::diagnostic::{self, Diagnostic, Label, Severity};
 use crate::source::{Files, Span};
 
-/// How much a lint's findings matter.
+/// The level of a lint: whether its findings are reported, and whether they fail the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {

@@ -398,7 +398,7 @@ fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32
     last.saturating_sub(options.first_binding)
 }
 
-fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::Passed> {
+fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::InterfaceDeclaration> {
     let shader = Shader::new(partner, &options.read);
     let stage = partner.stage.or_else(|| stage_of(&shader));
     let Some(stage) = stage else { return Vec::new() };

@@ -10,7 +10,7 @@ use crate::syntax::Parsed;
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Options {
-    /// How the text is read.
+    /// The options of reading the text.
     pub read: ReadOptions,
     /// Rules that replace those of every block.
     pub rules: Option<Rules>,

@@ -31,14 +31,14 @@ pub struct BindingMap {
     /// The members of blocks, and loose uniforms, that the shader may read.
     pub members: Vec<Member>,
     /// The textures, in the order of the shader.
-    pub textures: Vec<Bound>,
+    pub textures: Vec<BoundValue>,
     /// The inputs, in the order of the shader.
-    pub inputs: Vec<Bound>,
+    pub inputs: Vec<BoundValue>,
     /// Notes on the inference.
     pub notes: Vec<String>,
     /// The signs and units settled by running the shader.
     pub decisions: Vec<Decision>,
-    /// Whether the shader takes the camera to be at the origin, as in view space.
+    /// Whether the shader assumes that the camera is at the origin, as in view space.
     pub camera_at_origin: bool,
 }
 
@@ -59,7 +59,7 @@ pub struct Member {
 
 /// A texture or input and its source.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bound {
+pub struct BoundValue {
     /// The name in the shader.
     pub name: String,
     /// The source.
@@ -181,13 +181,13 @@ pub enum BindError {
         /// The most similar quantity.
         nearest: Option<String>,
     },
-    /// A shader that takes the camera to be at the origin, and a scene whose camera is elsewhere.
+    /// A shader that assumes the camera at the origin, and a scene whose camera is elsewhere.
     CameraElsewhere,
     /// Members whose sign or unit running the shader did not settle.
     Undecided {
         /// The keys of the members.
         keys: Vec<String>,
-        /// What is open.
+        /// The property that cannot be inferred.
         topic: Topic,
         /// The readings that agree with the reference and differ from each other: none or several.
         agreed: usize,
@@ -298,7 +298,7 @@ impl fmt::Display for BindError {
                 )
             }
             BindError::CameraElsewhere => f.write_str(
-                "the shader takes the camera to be at the origin, where the camera of the scene is not",
+                "the shader assumes that the camera is at the origin, but the scene's camera is elsewhere",
             ),
             BindError::Undecided { keys, topic, agreed, readings, probes, .. } => {
                 let names: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();

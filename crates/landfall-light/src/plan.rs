@@ -26,7 +26,7 @@ pub struct Plan {
     pub grids: Vec<Grid>,
     /// The light lists as buffers, if the frame was divided into tiles.
     pub tiles: Option<TileLists>,
-    /// What a shader must hold for these lights.
+    /// The numbers of lights that a shader must hold.
     pub compiled: Compiled,
     /// The savings and errors.
     pub savings: Savings,
@@ -113,7 +113,7 @@ pub struct TileLists {
 pub struct Savings {
     /// The fragments of the frame.
     pub fragments: u64,
-    /// The light evaluations of the plain loop over every slot of the shader.
+    /// The light evaluations of a loop over every slot of the shader.
     pub before: u64,
     /// The light evaluations of the plan, those at nodes included.
     pub after: u64,

@@ -2,7 +2,7 @@
 //!
 //! A [`Model`] selects the lighting; [`shade`] lights a fragment of a [`Frame`](super::Frame) with
 //! the lights of an [`Upload`](super::Upload), [`see`] gives the contribution of each light,
-//! [`view_normal`] a vertex's normal. An undefined result is an [`Undef`] with the hazard's id,
+//! [`view_normal`] a vertex's normal. An undefined result is an [`UndefinedReason`] with the hazard's id,
 //! never a number.
 //!
 //! Directions of an upload are those in which light travels, also for shaders that take the
@@ -21,4 +21,4 @@ pub use model::{
     Normal, NormalTransform, Power, Reflectance, SpecularGate, Window,
 };
 pub use normal::view_normal;
-pub use undef::Undef;
+pub use undef::UndefinedReason;

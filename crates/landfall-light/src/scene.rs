@@ -16,7 +16,7 @@ use serde_json::{Map, Value};
 pub use generate::{Generate, RandomCubes, RandomLights, generate};
 pub use mesh::{cube, plane, sphere};
 pub use obj::{MOST_TRIANGLES, ObjFault, ObjMesh, read_obj};
-pub use read::{MOST_PIXELS, Open, Reading, read, read_file};
+pub use read::{FileOpener, MOST_PIXELS, Reading, read, read_file};
 
 /// The largest coordinate or length: squares of larger ones overflow an `f32`.
 const LARGEST: f64 = landfall_ir::analysis::hazard::threshold::COORDINATE.value;

@@ -254,7 +254,7 @@ fn finding(way: &[Copy<'_>], there: &Copy<'_>) -> Finding {
             format!("block `{}` is declared differently in {path}: {}", block.name, first(&all))
         }
         false => format!(
-            "block `{}` has the binding of `{}` in {path} but not its layout: {}",
+            "block `{}` has the same binding as `{}` in {path} but another layout: {}",
             block.name,
             other.name,
             first(&all)

@@ -56,7 +56,7 @@ struct Block {
     readers: Vec<BackendReads>,
 }
 
-/// What one backend saw of a block.
+/// The results of one backend for a block.
 #[derive(Debug, Deserialize)]
 struct BackendReads {
     /// `gl`, `gpu`, `cpu`.
@@ -73,13 +73,13 @@ struct Read {
     path: String,
     /// `data[].color`.
     leaf: String,
-    /// Where the layout puts it, from the start of the block.
+    /// The offset in the layout, from the start of the block.
     expected_byte: u64,
-    /// Where the backend found what it read; `None` when nothing of the upload was read.
+    /// The offset whose bytes the backend read; `None` when nothing of the upload was read.
     byte_read: Option<u64>,
 }
 
-/// What the backend takes to be the reason.
+/// The likely cause, as the report names it.
 #[derive(Debug, Deserialize)]
 struct Cause {
     leaf: String,
@@ -130,12 +130,14 @@ pub fn read(path: &str, text: &str) -> Result<Report, Error> {
         let message = format!(
             "is a report of schema version {schema_version}; this landfall reads {SCHEMA_VERSION}"
         );
-        return Err(Error::new(path, message).with_help("use the landfall that wrote it"));
+        return Err(
+            Error::new(path, message).with_help("use the version of landfall that wrote it")
+        );
     }
     serde_json::from_str(text).map_err(refused)
 }
 
-/// What one backend read elsewhere of one leaf.
+/// The reads of one leaf that one backend made at other offsets.
 struct Elsewhere<'r> {
     reader: &'r BackendReads,
     reads: Vec<&'r Read>,

@@ -1,4 +1,4 @@
-//! `not-proved`: functions of `[[prove]]` for which a demand is not proved.
+//! `not-proved`: demands of `[[prove]]` in `landfall.toml` that are not proved.
 //!
 //! The command runs the proofs and gives their results to [`finding`].
 
@@ -11,11 +11,11 @@ pub const LINT: Lint = Lint {
     code: "not-proved",
     // The configuration demands it.
     level: Level::Deny,
-    what: "functions of `[[prove]]` in `landfall.toml` for which a demand is not proved",
+    what: "a demand on a function, listed in `landfall.toml`, that is not proved",
     why: "A result that is NaN or infinite spreads over everything that is computed from it, and an \
           error past the demanded limit is visible. The proof covers every input in the ranges on \
-          every conformant device; the finding has an input that breaks the demand, or says that \
-          the proof is open.",
+          every conformant device; the finding names an input that violates the demand, or says \
+          that neither a proof nor such an input was found.",
     example: "\
 #version 450
 // [[prove]] with function = \"falloff\", no-nan = true, domain = { d = [0, 100] }

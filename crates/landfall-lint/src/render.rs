@@ -72,7 +72,7 @@ impl ReportFormat {
     }
 }
 
-/// What a report needs besides the findings.
+/// The options of a report.
 #[derive(Clone, Copy)]
 pub struct ReportOptions<'a> {
     /// Colours, where the format has any.

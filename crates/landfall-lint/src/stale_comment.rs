@@ -9,7 +9,7 @@ mod tokens;
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{listing, place};
-use checks::{Right, counted_from, may_be_content, other_unit};
+use checks::{CorrectNumber, counted_from, may_be_content, other_unit};
 use claims::{Claim, claims};
 use columns::Row;
 use landfall_layout::finding::{Finding, Level};
@@ -290,7 +290,7 @@ fn finding(
     member: Option<&MemberLayout>,
     comment: Span,
     claim: &Claim,
-    right: &Right,
+    right: &CorrectNumber,
 ) -> Finding {
     let placed = &owner.places[0];
     let name = member.map_or(&owner.name, |member| &member.name);

@@ -10,6 +10,8 @@ mod completions;
 mod examples;
 #[cfg(feature = "exec")]
 mod floats;
+#[cfg(feature = "exec")]
+mod function;
 mod help;
 mod levels;
 #[cfg(feature = "analysis")]
@@ -45,6 +47,8 @@ pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 pub use completions::{CompletionsArgs, ManArgs};
 #[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
+#[cfg(feature = "exec")]
+pub use function::FunctionArgs;
 #[cfg(feature = "completions")]
 pub use help::command;
 pub use help::parse;
@@ -105,7 +109,7 @@ pub enum Command {
     Run(RunArgs),
     /// Search for inputs at which a function is inaccurate
     Stress(StressArgs),
-    /// Prove that no operation of a function breaks
+    /// Prove that a function has no undefined results, NaN or infinities
     Prove(ProveArgs),
     /// Render a JSON scene of lights with a shader
     Render(Box<RenderArgs>),

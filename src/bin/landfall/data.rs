@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use landfall_exec::harness::bindings::Data;
+use landfall_exec::harness::call::pure::PureRequest;
+use landfall_exec::interp::Floats;
 use landfall_layout::Error;
 use landfall_layout::buffer::read_json;
 use serde_json::Value;
 
+use crate::args::FunctionArgs;
 use crate::read;
 
 /// Reads the contents of blocks from a JSON object or from the file of that name.
@@ -47,4 +50,38 @@ pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
 /// Parses JSON; errors name their source.
 pub fn value(about: &str, text: &str) -> Result<Value, Error> {
     read_json(text).map_err(|error| Error::new(about, format!("is not JSON: {error}")))
+}
+
+/// Returns the function that the arguments name, its resources and the domain of its inputs.
+pub fn function(
+    args: &FunctionArgs,
+    floats: Floats,
+) -> Result<(PureRequest, Option<Value>), Error> {
+    let pure = PureRequest {
+        function: args.function.clone(),
+        data: blocks(args.data.as_deref())?,
+        textures: textures(&args.textures)?,
+        floats,
+    };
+    let domain = args.domain.as_deref().map(|text| file_or_value("--domain", text));
+    Ok((pure, domain.transpose()?))
+}
+
+/// Parses the colours of textures by name.
+pub fn textures(given: &[(String, String)]) -> Result<Vec<(String, [f32; 4])>, Error> {
+    let colours = given
+        .iter()
+        .map(|(name, text)| Ok((name.clone(), colour(&value("--texture", text)?, name)?)));
+    colours.collect()
+}
+
+/// Converts an array of four numbers to a colour.
+fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
+    let numbers: Option<Vec<f32>> = value
+        .as_array()
+        .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());
+    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+        Error::new("--texture", format!("needs a colour of four numbers for `{name}`"))
+            .with_help(format!("write `{name}=[1, 1, 1, 1]`"))
+    })
 }

@@ -127,7 +127,7 @@ fn of_path<'a>(
     }
 }
 
-/// How much of the path an error resolved.
+/// The length of the path that was resolved before an error.
 fn rank(error: &PathError) -> (usize, bool) {
     let suggests = match &error.kind {
         PathErrorKind::UnknownMember { nearest, .. } => nearest.is_some(),

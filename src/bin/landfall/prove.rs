@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use landfall::report::prove as print;
-use landfall_exec::harness::call::pure::PureRequest;
 use landfall_exec::interp::Floats;
 use landfall_exec::interp::graph::Rounding;
 use landfall_layout::Error;
@@ -14,7 +13,6 @@ use landfall_light::accuracy::demand::{Demand, ProveRequest, prove};
 
 use crate::args::{ProveArgs, ProveFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::run::textures;
 use crate::{data, given, read, watch, write};
 
 pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -23,7 +21,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ProveFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
-    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let made = (|| Ok((read::source(&args.function.file, &args.read)?, request(args)?)))();
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
@@ -55,20 +53,12 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 fn request(args: &ProveArgs) -> Result<ProveRequest, Error> {
-    let domain = match &args.domain {
-        None => None,
-        Some(text) => Some(data::file_or_value("--domain", text)?),
-    };
+    let (pure, domain) = data::function(&args.function, Floats::AsWritten)?;
     let flags = [(args.no_nan, Demand::NoNan), (args.no_inf, Demand::NoInfinity)];
     let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, demand)| demand);
     let limits = [args.max_ulp.map(Demand::MaxUlp), args.max_step.map(Demand::MaxStep)];
     Ok(ProveRequest {
-        pure: PureRequest {
-            function: args.function.clone(),
-            data: data::blocks(args.data.as_deref())?,
-            textures: textures(&args.textures)?,
-            floats: Floats::AsWritten,
-        },
+        pure,
         domain,
         demands: flags.chain(limits.into_iter().flatten()).collect(),
         rounding: if args.f64 { Rounding::Double } else { Rounding::Permitted },

@@ -29,14 +29,14 @@ use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, given, write};
 use plan::Planned;
-use request::{RenderRequest, Wanted};
+use request::{RenderArguments, RenderRequest};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
         RenderFormat::Human => FindingForm::Human,
         RenderFormat::Json => FindingForm::Json,
     });
-    let request = match request::load(&Wanted::from(args), streams, &style)? {
+    let request = match request::load(&RenderArguments::from(args), streams, &style)? {
         Some(request) => request,
         None => return Ok(Outcome::CouldNot),
     };

@@ -82,28 +82,9 @@ fn request(args: &RunArgs) -> Result<Request, Error> {
         function: args.function.clone(),
         arguments,
         data: data::blocks(args.data.as_deref())?,
-        textures: textures(&args.textures)?,
+        textures: data::textures(&args.textures)?,
         inputs: inputs.collect::<Result<_, Error>>()?,
         floats,
         limit: args.limit,
-    })
-}
-
-/// Parses the colours of textures by name.
-pub fn textures(given: &[(String, String)]) -> Result<Vec<(String, [f32; 4])>, Error> {
-    let colours = given
-        .iter()
-        .map(|(name, text)| Ok((name.clone(), colour(&data::value("--texture", text)?, name)?)));
-    colours.collect()
-}
-
-/// Converts an array of four numbers to a colour.
-fn colour(value: &Value, name: &str) -> Result<[f32; 4], Error> {
-    let numbers: Option<Vec<f32>> = value
-        .as_array()
-        .and_then(|items| items.iter().map(|item| item.as_f64().map(|x| x as f32)).collect());
-    numbers.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
-        Error::new("--texture", format!("needs a colour of four numbers for `{name}`"))
-            .with_help(format!("write `{name}=[1, 1, 1, 1]`"))
     })
 }

@@ -18,7 +18,6 @@ use landfall_light::accuracy::stress::{BackendReport, MapRequest, Request, error
 
 use crate::args::{BackendName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::run::textures;
 use crate::{backends, data, given, read, watch, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -27,7 +26,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         StressFormat::Json | StressFormat::Sarif => FindingForm::Json,
     };
     let style = streams.style(form);
-    let made = (|| Ok((read::source(&args.file, &args.read)?, request(args)?)))();
+    let made = (|| Ok((read::source(&args.function.file, &args.read)?, request(args)?)))();
     let (source, mut request) = match made {
         Ok(made) => made,
         Err(error) => {
@@ -123,8 +122,9 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
 /// A writer that does not overwrite inputs.
 fn inputs(args: &StressArgs, source: &Source, options: &Options, request: &Request) -> FileWriter {
     let against = args.against.as_deref().map(|text| text.split('#').next().unwrap_or(text));
-    let named = [args.domain.as_deref(), args.data.as_deref(), against];
-    let named = named.into_iter().flatten().map(Path::new).chain([args.file.as_path()]);
+    let function = &args.function;
+    let named = [function.domain.as_deref(), function.data.as_deref(), against];
+    let named = named.into_iter().flatten().map(Path::new).chain([function.file.as_path()]);
     let sources = request.against.iter().map(|(source, _)| source).chain([source]);
     let files: Vec<_> = sources.map(|source| write::files_of(source, options)).collect();
     write::protecting(named, &files)
@@ -147,22 +147,13 @@ fn open(args: &StressArgs) -> (Vec<Box<dyn Backend>>, Vec<BackendReport>) {
 }
 
 fn request(args: &StressArgs) -> Result<Request, Error> {
-    let domain = match &args.domain {
-        None => None,
-        Some(text) => Some(data::file_or_value("--domain", text)?),
-    };
-    let pure = PureRequest {
-        function: args.function.clone(),
-        data: data::blocks(args.data.as_deref())?,
-        textures: textures(&args.textures)?,
-        floats: args.floats.floats(),
-    };
+    let (pure, domain) = data::function(&args.function, args.floats.floats())?;
     let against = match &args.against {
         None => None,
         Some(text) => {
             let (file, name) = match text.split_once('#') {
                 Some((file, name)) => (file, name.to_string()),
-                None => (text.as_str(), args.function.clone()),
+                None => (text.as_str(), pure.function.clone()),
             };
             let source = read::source(Path::new(file), &args.read)?;
             let other = PureRequest { function: name, floats: Floats::AsWritten, ..pure.clone() };

@@ -17,7 +17,7 @@ const LARGEST_CLAIM: usize = 16;
 /// Bytes of waiting results above which no further work is started.
 const WAITING_BYTES: usize = 4 << 20;
 
-/// How long a thread collects results before handing them over: waking another thread costs more
+/// The time for which a thread collects results before handing them over: waking another thread costs more
 /// than laying out a small shader.
 const PATIENCE: Duration = Duration::from_millis(1);
 

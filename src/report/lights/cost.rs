@@ -23,7 +23,7 @@ pub struct Report {
     pub lights: Vec<Light>,
     /// The hazards in source order.
     pub hazards: Vec<LightHazard>,
-    /// Why the functions could not be analysed; if not empty, there are no hazards or loop bounds.
+    /// The reasons why functions could not be analysed; if not empty, there are no hazards or loop bounds.
     pub unfollowed: Vec<Diagnostic>,
     /// Whether the analysis stopped early because the functions are too long.
     pub cut_short: bool,
@@ -110,7 +110,7 @@ pub struct Reorder {
 pub struct LightHazard {
     /// The hazard.
     pub hazard: Hazard,
-    /// How certain it is that some input triggers it.
+    /// The certainty that some input triggers it.
     pub certainty: Certainty,
     /// The finding: lint, message, place and the robust form.
     pub finding: Finding,

@@ -7,6 +7,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::Files;
 use landfall_light::accuracy::demand::{ProveReport, Shown};
+use landfall_light::accuracy::inputs::Input;
 use landfall_light::accuracy::prove::Class;
 use landfall_light::accuracy::stress::{Case, Known, Operation, command};
 
@@ -25,13 +26,14 @@ struct Object<'a> {
     notes: &'a [String],
 }
 
+/// An input of the function and its domain.
 #[derive(Serialize)]
-struct InputObject<'a> {
+pub struct InputObject<'a> {
     path: &'a str,
     domain: &'a str,
 }
 
-/// What is known of one operation.
+/// An operation that can break, and its verdict.
 #[derive(Serialize)]
 pub struct OperationObject {
     fault: &'static str,
@@ -64,13 +66,12 @@ struct DemandObject {
 
 /// Returns the report as JSON, in the form of `landfall schema prove`.
 pub fn json(proved: &ProveReport) -> String {
-    let inputs = proved.inputs.iter();
     let object = Object {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &proved.path,
         function: &proved.function,
-        inputs: inputs.map(|(input, domain)| InputObject { path: &input.path, domain }).collect(),
+        inputs: inputs(&proved.inputs),
         parts: proved.parts,
         too_large: proved.too_large,
         operations: operations(&proved.operations, &proved.files),
@@ -94,7 +95,7 @@ pub fn json(proved: &ProveReport) -> String {
                         Shown::Broken(_) => "broken",
                         Shown::Open => "open",
                     },
-                    input: case.map(|case| input(case)),
+                    input: case.map(|case| case_inputs(case)),
                     command: case.map(|case| command(&case.arguments)),
                 }
             })
@@ -104,7 +105,12 @@ pub fn json(proved: &ProveReport) -> String {
     format!("{}\n", to_lines(&object, 0))
 }
 
-/// Returns what is known of each operation.
+/// Returns the inputs with their domains.
+pub fn inputs(inputs: &[(Input, String)]) -> Vec<InputObject<'_>> {
+    inputs.iter().map(|(input, domain)| InputObject { path: &input.path, domain }).collect()
+}
+
+/// Returns the operations with their verdicts.
 pub fn operations(operations: &[Operation], files: &Files) -> Vec<OperationObject> {
     let each = operations.iter().map(|operation| {
         let place = files.locate(operation.place.span);
@@ -125,7 +131,7 @@ pub fn operations(operations: &[Operation], files: &Files) -> Vec<OperationObjec
             line: place.line,
             column: place.column,
             excerpt: files.text(operation.place.span).to_string(),
-            input: case.map(|case| input(case)),
+            input: case.map(|case| case_inputs(case)),
             command: case.map(|case| command(&case.arguments)),
             open: match &operation.known {
                 Known::Open(ranges) => {
@@ -144,7 +150,8 @@ fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }
 
-fn input(case: &Case) -> Value {
+/// Returns the inputs of a sample by path.
+pub fn case_inputs(case: &Case) -> Value {
     let inputs = case.inputs.iter();
     let value = |text: &str| serde_json::from_str(text).unwrap_or(Value::Null);
     Value::Object(inputs.map(|(path, text)| (path.clone(), value(text))).collect())

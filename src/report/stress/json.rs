@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::SHARE;
 use crate::report::device::JsonBackend;
-use crate::report::prove::{OperationObject, operations};
+use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, operations};
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
@@ -39,12 +39,6 @@ struct Object<'a> {
     findings: Vec<FoundObject<'a>>,
     operations: Vec<OperationObject>,
     notes: &'a [String],
-}
-
-#[derive(Serialize)]
-struct InputObject<'a> {
-    path: &'a str,
-    domain: &'a str,
 }
 
 #[derive(Serialize)]
@@ -134,7 +128,7 @@ struct ConditionObject<'a> {
 
 #[derive(Serialize)]
 struct CaseObject<'a> {
-    inputs: serde_json::Map<String, Value>,
+    inputs: Value,
     results: Vec<ResultObject<'a>>,
     command: String,
 }
@@ -232,11 +226,7 @@ pub fn json(stressed: &Report) -> String {
         samples_per_second: stressed.rate,
         stopped: stressed.stopped,
         all_inputs: stressed.every,
-        inputs: stressed
-            .inputs
-            .iter()
-            .map(|(input, domain)| InputObject { path: &input.path, domain })
-            .collect(),
+        inputs: inputs(&stressed.inputs),
         families: stressed
             .families
             .iter()
@@ -354,12 +344,8 @@ fn condition(condition: &Condition) -> ConditionObject<'_> {
 }
 
 fn case(case: &Case) -> CaseObject<'_> {
-    let inputs = case
-        .inputs
-        .iter()
-        .map(|(path, text)| (path.clone(), serde_json::from_str(text).unwrap_or(Value::Null)));
     CaseObject {
-        inputs: inputs.collect(),
+        inputs: case_inputs(case),
         results: case
             .results
             .iter()

@@ -166,9 +166,9 @@ fn one_binding_under_two_names_is_one_buffer() {
     assert_eq!(messages(&mismatches(&[("a.vert", &a), ("a.frag", &same)])), [""; 0]);
     let finding = only(mismatches(&[("a.vert", &a), ("a.frag", &other)]));
     assert!(
-        finding
-            .message
-            .starts_with("block `Eye` has the binding of `Camera` in a.vert but not its layout"),
+        finding.message.starts_with(
+            "block `Eye` has the same binding as `Camera` in a.vert but another layout"
+        ),
         "{}",
         finding.message
     );

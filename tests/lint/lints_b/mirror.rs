@@ -305,7 +305,7 @@ fn what_cannot_be_judged_is_said_and_not_blamed() {
         ("color: [f32; 2 * match 2 { n => n }],", UNKNOWN_LENGTH),
         ("color: [[f32; { unsafe { 4 } }]; 1],", UNKNOWN_LENGTH),
         ("color: nalgebra::SVector<f32, { loop { break 4 } }>,", UNKNOWN_LENGTH),
-        ("#[cfg(unix)] color: [f32; 4],", "a `cfg` decides if field `color` is there"),
+        ("#[cfg(unix)] color: [f32; 4],", "field `color` exists only under a `cfg`"),
         (
             "color: [crate::lints_b::math::Vec4; 2],",
             "field `color`: the layout of `crate::lints_b::math::Vec4` is not known",

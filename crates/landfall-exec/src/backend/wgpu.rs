@@ -21,13 +21,13 @@ pub use adapter::Choice;
 
 use super::devices::{BackendEntry, Limits};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
-use device::Open;
+use device::OpenDevice;
 use pipeline::Pipelines;
 use timing::Timestamps;
 
 /// A GPU in this process.
 pub struct Gpu {
-    open: Open,
+    open: OpenDevice,
     pipelines: Pipelines,
     device: Device,
     limits: Limits,
@@ -52,7 +52,7 @@ impl Gpu {
     pub fn open(choice: &Choice) -> Result<Gpu, Failure> {
         let adapter = adapter::choose(choice)?;
         Ok(Gpu {
-            open: Open::new(&adapter)?,
+            open: OpenDevice::new(&adapter)?,
             pipelines: Pipelines::default(),
             device: adapter::device(&adapter),
             limits: adapter::limits(&adapter),

@@ -13,4 +13,4 @@ pub mod sentinel;
 pub(crate) mod wgsl;
 
 pub use plan::{AccessMode, Plan, Read, plans};
-pub use results::{Got, ProbeResult};
+pub use results::{ProbeResult, ProbedLocation};

@@ -25,7 +25,7 @@ pub(super) const MAIN: &str = "landfall_main";
 
 /// The names that a rewrite turns into variables.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Wanted {
+pub(super) struct RewriteTargets {
     /// Names without a value until the new `main` assigns one: inputs, members of blocks.
     pub late: Vec<String>,
     /// Built-in variables and their replacements.
@@ -78,7 +78,11 @@ pub(super) fn root(path: &str) -> &str {
 }
 
 /// Rewrites a text.
-pub(super) fn rewritten(source: &Source, options: &ReadOptions, wanted: &Wanted) -> Rewritten {
+pub(super) fn rewritten(
+    source: &Source,
+    options: &ReadOptions,
+    wanted: &RewriteTargets,
+) -> Rewritten {
     let flat = Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() };
     // Macros are expanded already, those of the command line too.
     let raw = raw::read(&flat, &ReadOptions::default());
@@ -140,7 +144,7 @@ const BLOCK_QUALIFIERS: [&str; 7] =
 
 struct Rewriter<'t> {
     text: &'t str,
-    wanted: &'t Wanted,
+    wanted: &'t RewriteTargets,
     out: String,
     blocks: Vec<(String, Option<String>)>,
     late: Vec<String>,
@@ -389,7 +393,7 @@ mod tests {
 
     /// Rewrites a text whose `v` is an input: returns declarations and postponed assignments.
     fn made(text: &str) -> (String, Vec<String>) {
-        let wanted = Wanted { late: vec!["v".to_string()], ..Wanted::default() };
+        let wanted = RewriteTargets { late: vec!["v".to_string()], ..RewriteTargets::default() };
         let source = Source::new("a.frag", format!("#version 450\nin vec3 v;\n{text}\n"));
         let made = rewritten(&source, &ReadOptions::default(), &wanted);
         let text = made.text.split_once("vec3 v ;\n").expect("the input comes first").1;

@@ -64,7 +64,7 @@ pub struct Counts {
     pub stores: u64,
     /// Texture lookups.
     pub textures: u64,
-    /// How many invocations called each function, by its name; entry points included.
+    /// The number of invocations that called each function, by name; entry points included.
     pub calls: Vec<(String, u64)>,
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use super::code::LANES;
 use super::counts::Tally;
-use super::machine::{Image, Machine, Memory, Occurrences, Stopped, Tracer, Watch};
+use super::machine::{Image, Machine, Memory, Occurrences, Sanitizer, Stopped, Tracer};
 use super::program::{BufferSpace, Program};
 use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
@@ -16,14 +16,14 @@ use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
 
 /// Resources as the program's buffers and images.
-pub(super) struct Bound<'j> {
+pub(super) struct BoundResources<'j> {
     buffers: Vec<(&'j [u8], Option<usize>)>,
     images: Vec<Image<'j>>,
     resources: usize,
     writes: bool,
 }
 
-impl<'j> Bound<'j> {
+impl<'j> BoundResources<'j> {
     /// Returns the contents of the buffers and the images.
     pub(super) fn contents(&self) -> (Vec<&'j [u8]>, Vec<Image<'j>>) {
         (self.buffers.iter().map(|(bytes, _)| *bytes).collect(), self.images.clone())
@@ -44,7 +44,7 @@ impl Program {
         &self,
         function: u32,
         resources: &'j [Resource],
-    ) -> Result<Bound<'j>, Failure> {
+    ) -> Result<BoundResources<'j>, Failure> {
         let state = self.functions[function as usize].state.as_ref();
         state.map_err(|why| refused_for(why))?;
         let globals = self.start.as_ref();
@@ -102,13 +102,13 @@ impl Program {
                 None => images.push(Image { width: 0, height: 0, texels: &[] }),
             }
         }
-        Ok(Bound { buffers, images, resources: resources.len(), writes })
+        Ok(BoundResources { buffers, images, resources: resources.len(), writes })
     }
 
     /// Runs batches on all threads, or on one thread if they write shared memory.
     pub(super) fn drive<R: Real, T: Send>(
         &self,
-        bound: &Bound,
+        bound: &BoundResources,
         batches: usize,
         settings: &Settings,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
@@ -152,7 +152,7 @@ impl Program {
             notes: Notes::default(),
         };
         let mut tally = Tally::new(self.functions.len());
-        let mut watch = Watch::default();
+        let mut watch = Sanitizer::default();
         let mut read = vec![Vec::new(); bound.resources];
         for done in done {
             let (results, machine) = done.map_err(|stopped| self.stopped(stopped))?;
@@ -184,7 +184,7 @@ impl Program {
 
     fn machine<'p, 'j, R: Real>(
         &'p self,
-        bound: &Bound<'j>,
+        bound: &BoundResources<'j>,
         settings: &Settings,
     ) -> Machine<'p, 'j, R> {
         let mut machine = Machine::new(self);
@@ -205,12 +205,12 @@ impl Program {
         if settings.watch {
             let tolerance = settings.tolerance.filter(|_| settings.precision == Precision::Both);
             let tracer = settings.trace.then(Box::<Tracer>::default);
-            machine.watch = Some(Box::new(Watch { tolerance, tracer, ..Watch::default() }));
+            machine.watch = Some(Box::new(Sanitizer { tolerance, tracer, ..Sanitizer::default() }));
         }
         machine
     }
 
-    fn note(&self, watch: Watch, notes: &mut Notes) {
+    fn note(&self, watch: Sanitizer, notes: &mut Notes) {
         let mut seen: Vec<_> = watch.undefined.into_iter().collect();
         seen.sort_by_key(|((pc, kind), _)| (*pc, *kind));
         for ((pc, kind), seen) in seen {
@@ -263,8 +263,8 @@ impl Program {
             }
             Stopped::Barrier(origin) => (
                 FailureKind::Refused,
-                "the interpreter supports barriers only if a workgroup of at most 64 reaches them \
-                 together",
+                "the interpreter supports barriers only in workgroups of at most 64 \
+                 invocations that all reach them together",
                 origin,
             ),
         };

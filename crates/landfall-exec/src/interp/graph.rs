@@ -69,7 +69,7 @@ pub struct Graph {
 /// An operation that can break in one way.
 #[derive(Clone, Debug)]
 pub struct Site {
-    /// What may happen.
+    /// The way in which it can break.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,

@@ -27,7 +27,7 @@ use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
 pub(super) use integer::two;
-pub(super) use sanitizer::{Occurrences, Watch};
+pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 
 /// A scalar of all lanes.
@@ -98,7 +98,7 @@ pub(super) struct Machine<'p, 'j, R> {
     /// Whether a batch holds all invocations of a workgroup.
     pub barriers: bool,
     pub tally: Tally,
-    pub watch: Option<Box<Watch>>,
+    pub watch: Option<Box<Sanitizer>>,
 }
 
 impl<'p, 'j, R: Real> Machine<'p, 'j, R> {

@@ -102,7 +102,7 @@ pub struct Invocations {
 pub struct Outputs {
     /// The values of each output.
     pub ports: Vec<(Port, Numbers)>,
-    /// Which invocations were discarded.
+    /// Whether each invocation executed `discard`.
     pub discarded: Vec<bool>,
     /// With [`Precision::Permitted`]: the invocations in which a comparison, or an integer
     /// converted from a float, may differ on another device.

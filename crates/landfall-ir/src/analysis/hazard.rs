@@ -116,7 +116,7 @@ pub struct HazardInfo {
     pub aliases: &'static [&'static str],
     /// The level of a finding about inputs that occur in scenes.
     pub level: Level,
-    /// What happens, as a clause without a full stop.
+    /// The hazard's effect, as a clause without a full stop.
     pub what: &'static str,
     /// The effect on the picture, with measured numbers.
     pub why: &'static str,

@@ -86,7 +86,7 @@ impl Kind {
     }
 }
 
-/// How certain it is that the hazard occurs for some input.
+/// The certainty that the hazard occurs for some input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Certainty {
     /// It occurs only for inputs that the program may never produce.

@@ -8,7 +8,7 @@ use super::body::{Body, Symbol, Val};
 use super::expression::Operand;
 use super::globals::Global;
 use super::lvalue::{HandlePath, Lvalue};
-use super::opaque::{Chosen, HandlePair, ways};
+use super::opaque::{HandleChoice, HandlePair, ways};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, R, refuse};
 use crate::module::Direction;
@@ -23,7 +23,7 @@ enum Argument {
     /// An `out` or `inout` argument: the pointer passed, and the place that receives the result.
     Back(Handle<Expression>, Option<(Lvalue, Lvalue)>),
     /// A handle, or a value that contains handles: its other values, and its path.
-    Handles(Option<Val>, Chosen, Ty),
+    Handles(Option<Val>, HandleChoice, Ty),
 }
 
 impl<'a> Body<'_, 'a> {
@@ -127,7 +127,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// `sampler2D(texture, sampler)`
-    fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<Chosen> {
+    fn pair(&mut self, name: Name<'a>, texture: &Expr<'a>, sampler: &Expr<'a>) -> R<HandleChoice> {
         let (texture, sampler) = (self.chosen(texture)?, self.chosen(sampler)?);
         self.span = name.span;
         let Some(Ty::Opaque(opaque)) = super::value_types::builtin(name.text) else {
@@ -144,17 +144,17 @@ impl<'a> Body<'_, 'a> {
                     });
             }
         }
-        Ok(Chosen::Joined(opaque, Box::new([texture, sampler])))
+        Ok(HandleChoice::Joined(opaque, Box::new([texture, sampler])))
     }
 
     /// Returns the handle that an expression refers to.
-    pub fn chosen(&mut self, e: &Expr<'a>) -> R<Chosen> {
+    pub fn chosen(&mut self, e: &Expr<'a>) -> R<HandleChoice> {
         let operand = self.operand(e)?;
         self.span = e.span;
         match operand {
             Operand::Handle(chosen) => Ok(chosen),
             Operand::Lvalue(Lvalue { path: Some(way), ty: ty @ Ty::Opaque(_), .. }) => {
-                Ok(Chosen::At(way, ty))
+                Ok(HandleChoice::At(way, ty))
             }
             _ => self.refuse("expected a sampler, texture or image"),
         }
@@ -182,8 +182,8 @@ impl<'a> Body<'_, 'a> {
             types.push(match &operand {
                 Operand::Value(value) => value.ty.clone(),
                 Operand::Lvalue(place) => place.ty.clone(),
-                Operand::Handle(Chosen::At(_, ty)) => ty.clone(),
-                Operand::Handle(Chosen::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
+                Operand::Handle(HandleChoice::At(_, ty)) => ty.clone(),
+                Operand::Handle(HandleChoice::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
                 Operand::Blocks(..) => Ty::Void,
             });
             // A value is read when its turn comes: what later arguments change comes later.
@@ -269,7 +269,7 @@ impl<'a> Body<'_, 'a> {
                         );
                     };
                     let rest = if holds_values(ty) { Some(self.load_rest(&place)?) } else { None };
-                    Ok(Argument::Handles(rest, Chosen::At(way, ty.clone()), ty.clone()))
+                    Ok(Argument::Handles(rest, HandleChoice::At(way, ty.clone()), ty.clone()))
                 }
                 Operand::Value(_) | Operand::Blocks(..) => {
                     self.refuse("expected a sampler or image")
@@ -315,7 +315,7 @@ impl<'a> Body<'_, 'a> {
         });
         let value = match chosen {
             None => self.emit_with(function, &arguments, returns, None)?,
-            Some(chosen @ (Chosen::At(_, Ty::Opaque(_)) | Chosen::Joined(..))) => {
+            Some(chosen @ (HandleChoice::At(_, Ty::Opaque(_)) | HandleChoice::Joined(..))) => {
                 let several = arguments.iter().filter(|argument| {
                     matches!(argument, Argument::Handles(_, chosen, _) if is_variable(chosen))
                 });
@@ -358,14 +358,15 @@ impl<'a> Body<'_, 'a> {
                     flat.extend(rest.as_ref().map(|rest| rest.expr));
                     let pairs: Vec<HandlePair> = match (chosen, pair) {
                         (
-                            Chosen::Joined(..) | Chosen::At(HandlePath { dynamic: Some(_), .. }, _),
+                            HandleChoice::Joined(..)
+                            | HandleChoice::At(HandlePath { dynamic: Some(_), .. }, _),
                             Some(pair),
                         ) => vec![pair.clone()],
-                        (Chosen::Joined(..), None) => {
+                        (HandleChoice::Joined(..), None) => {
                             return self
                                 .refuse("a sampler or image is selected in two ways at once");
                         }
-                        (Chosen::At(way, _), _) => {
+                        (HandleChoice::At(way, _), _) => {
                             let all = ways(ty).into_iter();
                             all.map(|(rest, _)| self.handle(&format!("{}{rest}", way.text)))
                                 .collect::<R<_>>()?
@@ -395,10 +396,10 @@ impl<'a> Body<'_, 'a> {
 }
 
 /// Returns whether a handle is selected at run time, or combined from a texture and a sampler.
-fn is_variable(chosen: &Chosen) -> bool {
+fn is_variable(chosen: &HandleChoice) -> bool {
     match chosen {
-        Chosen::At(way, _) => way.dynamic.is_some(),
-        Chosen::Joined(..) => true,
+        HandleChoice::At(way, _) => way.dynamic.is_some(),
+        HandleChoice::Joined(..) => true,
     }
 }
 

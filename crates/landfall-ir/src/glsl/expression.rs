@@ -8,7 +8,7 @@ use super::body::{Body, Symbol, Val};
 use super::constant::{Const, literal};
 use super::globals::Global;
 use super::lvalue::{Address, HandlePath, Index, Lvalue, Mem};
-use super::opaque::Chosen;
+use super::opaque::HandleChoice;
 use super::types::{Kind, Ty};
 use super::{Help, R, refuse};
 
@@ -17,7 +17,7 @@ use super::{Help, R, refuse};
 pub enum Operand {
     Value(Val),
     Lvalue(Lvalue),
-    Handle(Chosen),
+    Handle(HandleChoice),
     /// An array of blocks with the indices applied so far.
     Blocks(usize, Vec<u32>),
 }

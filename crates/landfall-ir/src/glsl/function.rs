@@ -13,7 +13,7 @@ use super::name_usage::written;
 use super::opaque::{HandlePair, Source, image_type, ways};
 use super::types::{Opaque, Ty, holds_values};
 use super::{Lowerer, R, refuse};
-use crate::module::{Direction, FunctionInfo, LeftOut, Parameter as PublicParameter};
+use crate::module::{Direction, FunctionInfo, Parameter as PublicParameter, SkippedFunction};
 use landfall_layout::diagnostic::Diagnostic;
 use landfall_layout::source::Span;
 
@@ -106,7 +106,8 @@ impl<'a> Lowerer<'a> {
 
     /// A function with unsupported types is an error where it is called.
     fn unusable(&mut self, name: Name<'a>, why: Box<Diagnostic>) -> R<()> {
-        self.left_out.push(LeftOut { function: name.text.to_string(), why: (*why).clone() });
+        self.left_out
+            .push(SkippedFunction { function: name.text.to_string(), why: (*why).clone() });
         self.declare_global(name.text, Global::Refused(why));
         Ok(())
     }
@@ -123,14 +124,14 @@ impl<'a> Lowerer<'a> {
 
     /// Lowers every function that has a body.
     pub fn lower_functions(&mut self) -> Result<Vec<FunctionInfo>, Vec<Diagnostic>> {
-        let mut failed: Vec<LeftOut> = Vec::new();
+        let mut failed: Vec<SkippedFunction> = Vec::new();
         for index in 0..self.functions.len() {
             if self.functions[index].declaration.body.is_none() {
                 continue;
             }
             let name = self.functions[index].declaration.name;
             if let Err(why) = self.function(index, name.span) {
-                failed.push(LeftOut { function: name.text.to_string(), why: *why });
+                failed.push(SkippedFunction { function: name.text.to_string(), why: *why });
             }
         }
         let main = self.function_names.get("main").and_then(|all| all.first().copied());
@@ -140,7 +141,7 @@ impl<'a> Lowerer<'a> {
         };
         if !runs && !failed.is_empty() {
             let mut all: Vec<Diagnostic> = Vec::new();
-            for LeftOut { why, .. } in failed {
+            for SkippedFunction { why, .. } in failed {
                 if !all.contains(&why) {
                     all.push(why);
                 }

@@ -7,7 +7,7 @@ use super::ast::Expr;
 use super::block_types::BlockTypeKind;
 use super::body::{Body, Val};
 use super::lvalue::{Address, Mem};
-use super::opaque::Chosen;
+use super::opaque::HandleChoice;
 use super::types::{Kind, Opaque, Ty};
 
 impl<'a> Body<'_, 'a> {
@@ -71,7 +71,7 @@ impl<'a> Body<'_, 'a> {
 
     fn image_access(&mut self, name: &str, arguments: &[Expr<'a>], e: &Expr<'a>) -> R<Val> {
         let (chosen, values) = self.handle_and_values(name, arguments, e)?;
-        let (Chosen::At(_, Ty::Opaque(Opaque::Storage(image))), Some(at)) =
+        let (HandleChoice::At(_, Ty::Opaque(Opaque::Storage(image))), Some(at)) =
             (chosen.clone(), values.first().cloned())
         else {
             return self.refuse(format!("`{name}` takes an image and coordinates"));
@@ -118,7 +118,7 @@ impl<'a> Body<'_, 'a> {
             sample = self.value(given)?;
         }
         self.span = e.span;
-        let Chosen::At(_, Ty::Opaque(Opaque::Texture(image))) = chosen.clone() else {
+        let HandleChoice::At(_, Ty::Opaque(Opaque::Texture(image))) = chosen.clone() else {
             return self.refuse("`subpassLoad` takes an input attachment");
         };
         let place = self.named("gl_FragCoord")?;
@@ -165,7 +165,7 @@ impl<'a> Body<'_, 'a> {
         let chosen = self.chosen(first)?;
         let (at, value) = (self.value(at)?, self.value(value)?);
         self.span = e.span;
-        let Chosen::At(_, Ty::Opaque(Opaque::Storage(image))) = chosen.clone() else {
+        let HandleChoice::At(_, Ty::Opaque(Opaque::Storage(image))) = chosen.clone() else {
             return self.refuse(format!("`{name}` takes an image"));
         };
         let value = self.coerce(&value, &Ty::Scalar(image.kind))?;

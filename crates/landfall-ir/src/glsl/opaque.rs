@@ -47,11 +47,11 @@ pub enum Source {
 
 /// A handle in an expression.
 #[derive(Clone, Debug)]
-pub enum Chosen {
+pub enum HandleChoice {
     /// By its path.
     At(HandlePath, Ty),
     /// `sampler2D(texture, sampler)`.
-    Joined(Opaque, Box<[Chosen; 2]>),
+    Joined(Opaque, Box<[HandleChoice; 2]>),
 }
 
 /// Returns every handle in a type, by its path.
@@ -282,7 +282,7 @@ impl Body<'_, '_> {
     /// Calls `with` for the selected handle; with a variable index, in a `switch` over all of them.
     pub fn with_handle(
         &mut self,
-        chosen: &Chosen,
+        chosen: &HandleChoice,
         ty: &Ty,
         mut with: impl FnMut(&mut Self, &HandlePair) -> R<Val>,
     ) -> R<Val> {
@@ -291,12 +291,12 @@ impl Body<'_, '_> {
 
     fn chosen_handle(
         &mut self,
-        chosen: &Chosen,
+        chosen: &HandleChoice,
         ty: &Ty,
         with: &mut dyn FnMut(&mut Self, &HandlePair) -> R<Val>,
     ) -> R<Val> {
         let (way, index, len) = match chosen {
-            Chosen::Joined(opaque, parts) => {
+            HandleChoice::Joined(opaque, parts) => {
                 let [texture, sampler] = &**parts;
                 return self.chosen_handle(texture, ty, &mut |this, texture| {
                     let image = texture.image;
@@ -306,7 +306,7 @@ impl Body<'_, '_> {
                     })
                 });
             }
-            Chosen::At(HandlePath { text, dynamic: None }, _) => {
+            HandleChoice::At(HandlePath { text, dynamic: None }, _) => {
                 let pair = match self.bound_array(text) {
                     Some((array, index)) => {
                         let index = self.u32(index);
@@ -316,7 +316,7 @@ impl Body<'_, '_> {
                 };
                 return with(self, &pair);
             }
-            Chosen::At(HandlePath { text, dynamic: Some((index, len)) }, _) => {
+            HandleChoice::At(HandlePath { text, dynamic: Some((index, len)) }, _) => {
                 if let Some(array) = self.cx.handles.get(text).cloned() {
                     return with(self, &element(&array, *index));
                 }

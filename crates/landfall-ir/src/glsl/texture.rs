@@ -5,7 +5,7 @@ use naga::{BinaryOperator as B, Expression, Handle, ImageDimension, ImageQuery, 
 use super::R;
 use super::ast::{Binary, Expr};
 use super::body::{Body, Val};
-use super::opaque::{Chosen, HandlePair};
+use super::opaque::{HandleChoice, HandlePair};
 use super::types::{Image, Kind, Opaque, Ty};
 use landfall_layout::source::Stage;
 
@@ -92,7 +92,7 @@ impl<'a> Body<'_, 'a> {
         name: &str,
         arguments: &[Expr<'a>],
         e: &Expr<'a>,
-    ) -> R<(Chosen, Vec<Val>)> {
+    ) -> R<(HandleChoice, Vec<Val>)> {
         let Some((first, rest)) = arguments.split_first() else {
             return self.refuse(format!("`{name}` takes at least one argument"));
         };
@@ -117,9 +117,11 @@ impl<'a> Body<'_, 'a> {
         }
         let (chosen, values) = self.handle_and_values(name, arguments, e)?;
         let image = match &chosen {
-            Chosen::At(_, Ty::Opaque(opaque)) => opaque.clone(),
-            Chosen::At(_, ty) => return self.refuse(format!("`{name}` does not take a `{ty}`")),
-            Chosen::Joined(opaque, _) => opaque.clone(),
+            HandleChoice::At(_, Ty::Opaque(opaque)) => opaque.clone(),
+            HandleChoice::At(_, ty) => {
+                return self.refuse(format!("`{name}` does not take a `{ty}`"));
+            }
+            HandleChoice::Joined(opaque, _) => opaque.clone(),
         };
         let (Opaque::Combined(image) | Opaque::Texture(image) | Opaque::Storage(image)) = image
         else {
@@ -421,7 +423,13 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Lowers queries of sizes and counts.
-    fn query(&mut self, name: &str, chosen: &Chosen, image: &Image, values: Vec<Val>) -> R<Val> {
+    fn query(
+        &mut self,
+        name: &str,
+        chosen: &HandleChoice,
+        image: &Image,
+        values: Vec<Val>,
+    ) -> R<Val> {
         let count = image_size(image);
         let sized = name == "textureSize" || name == "imageSize";
         let ty = if sized { Ty::of(Kind::Int, count) } else { Ty::INT };

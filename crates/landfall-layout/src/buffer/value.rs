@@ -20,7 +20,7 @@ pub trait Component: Copy + Sealed {
     /// The component type it represents.
     #[doc(hidden)]
     const SCALAR: Scalar;
-    /// How it represents a component type.
+    /// Returns how this type represents a component type.
     #[doc(hidden)]
     fn is(scalar: Scalar) -> ScalarMatch {
         if scalar == Self::SCALAR { ScalarMatch::Same } else { ScalarMatch::No }
@@ -39,7 +39,7 @@ pub trait Component: Copy + Sealed {
     fn take_as(scalar: Scalar, from: &[u8]) -> Self;
 }
 
-/// How a Rust number relates to a shader's component.
+/// The relation of a Rust number to a shader's component.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScalarMatch {

@@ -4,7 +4,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::leaves::{Fact, LeafChange, New};
+use super::leaves::{Fact, FormerContents, LeafChange};
 use super::{Block, Change, Class, Kind};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::ArrayLen;
@@ -31,9 +31,9 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, facts: &[Fact<'_>]) -> Vec
         _ => None,
     });
     let added = Group::of(facts, new.layout, |fact| match (&fact.what, fact.new) {
-        (LeafChange::New(New::Past), Some(b)) => Some((b, 0)),
-        (LeafChange::New(New::Padding), Some(b)) => Some((b, 1)),
-        (LeafChange::New(New::Reads(_)), Some(b)) => Some((b, 2)),
+        (LeafChange::New(FormerContents::Past), Some(b)) => Some((b, 0)),
+        (LeafChange::New(FormerContents::Padding), Some(b)) => Some((b, 1)),
+        (LeafChange::New(FormerContents::Reads(_)), Some(b)) => Some((b, 2)),
         _ => None,
     });
     let mut renamed = Renames::of(facts, old.layout);
@@ -246,22 +246,22 @@ impl Out<'_> {
         self.say(at, (Kind::Removed, Class::Breaking), path, (Some(ty), None), message);
     }
 
-    fn added(&mut self, path: &str, how: &New) {
+    fn added(&mut self, path: &str, how: &FormerContents) {
         let at = self.new_members.get(path).map_or(0, |(_, at)| *at);
         let ty = spelled(&self.new_members, self.new, path);
         let name = bare(path);
         let (kind, class, message) = match how {
-            New::Past => (
+            FormerContents::Past => (
                 Kind::Appended,
                 Class::Compatible,
                 format!("`{name}` (`{ty}`) is appended at {at}"),
             ),
-            New::Padding => (
+            FormerContents::Padding => (
                 Kind::PaddingUsed,
                 Class::Compatible,
                 format!("`{name}` (`{ty}`) uses former padding at {at}"),
             ),
-            New::Reads(other) => {
+            FormerContents::Reads(other) => {
                 let message = format!(
                     "`{name}` (`{ty}`) is inserted at {at}, where old uploads have `{other}`"
                 );
@@ -337,11 +337,13 @@ impl Out<'_> {
                 let name = bare(owner);
                 let (class, rest) = match how {
                     None => (Class::Cosmetic, "over former separate members".to_string()),
-                    Some(New::Past) => (Class::Compatible, "the new ones at the end".to_string()),
-                    Some(New::Padding) => {
+                    Some(FormerContents::Past) => {
+                        (Class::Compatible, "the new ones at the end".to_string())
+                    }
+                    Some(FormerContents::Padding) => {
                         (Class::Compatible, "the new ones in former padding".to_string())
                     }
-                    Some(New::Reads(other)) => {
+                    Some(FormerContents::Reads(other)) => {
                         (Class::Breaking, format!("the new ones where old uploads have `{other}`"))
                     }
                 };

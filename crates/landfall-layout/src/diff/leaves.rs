@@ -36,7 +36,7 @@ pub(super) enum LeafChange {
     /// A dimension has more elements; `None` if other old leaves had all of them.
     Longer {
         dim: usize,
-        new: Option<New>,
+        new: Option<FormerContents>,
     },
     /// A dimension has fewer elements; whether no other leaf has the rest.
     Shorter {
@@ -46,12 +46,12 @@ pub(super) enum LeafChange {
     Gone,
     /// The leaf has another path.
     Renamed,
-    New(New),
+    New(FormerContents),
 }
 
 /// The old contents of a new element's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum New {
+pub(super) enum FormerContents {
     /// Past the last byte of the old block.
     Past,
     /// Padding.
@@ -124,7 +124,7 @@ pub(super) fn facts<'a>(old: &'a BlockLayout, new: &'a BlockLayout) -> Vec<Fact<
         match rest.other {
             None if rest.done => {}
             None => {
-                let what = LeafChange::New(lies.unwrap_or(New::Padding));
+                let what = LeafChange::New(lies.unwrap_or(FormerContents::Padding));
                 facts.push(Fact { old: None, new: Some(rest.leaf), what });
             }
             Some(before) => longer(before, rest.leaf, lies, &mut facts),
@@ -186,7 +186,12 @@ fn shorter<'a>(old: &'a Leaf, new: &'a Leaf, lost: bool, facts: &mut Vec<Fact<'a
     }
 }
 
-fn longer<'a>(old: &'a Leaf, new: &'a Leaf, lies: Option<New>, facts: &mut Vec<Fact<'a>>) {
+fn longer<'a>(
+    old: &'a Leaf,
+    new: &'a Leaf,
+    lies: Option<FormerContents>,
+    facts: &mut Vec<Fact<'a>>,
+) {
     for (dim, (a, b)) in old.dims.iter().zip(&new.dims).enumerate() {
         // A dimension that is neither longer nor shorter counts as shorter.
         if !covers(a, b) && covers(b, a) {
@@ -261,7 +266,7 @@ fn single_renames<'a>(old: &mut [Rest<'a>], new: &mut [Rest<'a>], facts: &mut Ve
 const MOST_LOOKED_UP: usize = 512;
 
 /// The old contents under the unmatched elements of a leaf; `None` if all are matched.
-fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
+fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<FormerContents> {
     let places = match rest.places() {
         Some(mut places) => {
             let matched: FxHashSet<u64> = rest.matched.iter().copied().collect();
@@ -276,13 +281,13 @@ fn lies(rest: &Rest<'_>, old: &mut Owners<'_>, intact: bool) -> Option<New> {
         for place in places.into_iter().take(MOST_LOOKED_UP) {
             for byte in bytes(rest.leaf, place).into_iter().flat_map(|(at, n)| at..at + n) {
                 if let Some(leaf) = old.of_byte(byte) {
-                    return Some(New::Reads(leaf));
+                    return Some(FormerContents::Reads(leaf));
                 }
             }
         }
     }
     let end = old.block.data_size.unwrap_or(0);
-    Some(if start >= end { New::Past } else { New::Padding })
+    Some(if start >= end { FormerContents::Past } else { FormerContents::Padding })
 }
 
 /// The most steps in searching the owners of bytes of one block.

@@ -9,14 +9,14 @@ use super::shown;
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{Files, Location, Span};
 use crate::text::escape;
-use render::Pen;
+use render::DiagnosticRenderer;
 
 /// The most findings of one shader shown as text; the rest are counted.
 pub const MOST_SHOWN: usize = 100;
 
 /// Renders the findings of one shader as text: at most [`MOST_SHOWN`], then the number left out.
 pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String {
-    let mut pen = Pen::new(files, paint);
+    let mut pen = DiagnosticRenderer::new(files, paint);
     let mut text = String::new();
     for diagnostic in diagnostics.iter().take(MOST_SHOWN) {
         text.push_str(&pen.draw(diagnostic, origin(diagnostic).as_ref()));

@@ -87,7 +87,7 @@ pub struct Padding {
     pub before: Option<Arc<str>>,
 }
 
-/// How many bytes of a block are used and how many are padding.
+/// The used bytes and the padding of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Summary {

@@ -35,7 +35,7 @@ impl Direction {
 
 /// An input or output as declared.
 #[derive(Clone, Debug)]
-pub(super) struct Passed {
+pub(super) struct InterfaceDeclaration {
     pub name: String,
     pub direction: Direction,
     pub span: Span,
@@ -53,7 +53,7 @@ pub(super) fn passed(
     source: &Source,
     stage: Stage,
     read: &ReadOptions,
-) -> Vec<Passed> {
+) -> Vec<InterfaceDeclaration> {
     let mut all = Vec::new();
     let mut types = Vec::new();
     for (item, declared) in shader.items.iter().enumerate() {
@@ -66,7 +66,7 @@ pub(super) fn passed(
         let mut add = |name: &Name<'_>, declarator, ty: String| {
             if !name.text.starts_with("gl_") {
                 types.push(ty);
-                all.push(Passed {
+                all.push(InterfaceDeclaration {
                     name: name.text.to_string(),
                     direction,
                     span: name.span,
@@ -176,14 +176,15 @@ fn slots_of(ty: &Type) -> Option<u32> {
 /// that both stages get the same numbers; vertex attributes and fragment outputs keep source order.
 pub(super) fn locate(
     stage: Stage,
-    passed: &[Passed],
-    partner: &[Passed],
+    passed: &[InterfaceDeclaration],
+    partner: &[InterfaceDeclaration],
     given: &[(String, u32)],
     problems: &mut Vec<Diagnostic>,
 ) -> Vec<Location> {
     let mut locations = Vec::new();
     for direction in [Direction::In, Direction::Out] {
-        let own: Vec<&Passed> = passed.iter().filter(|p| p.direction == direction).collect();
+        let own: Vec<&InterfaceDeclaration> =
+            passed.iter().filter(|p| p.direction == direction).collect();
         let outside = (stage == Stage::Vertex && direction == Direction::In)
             || (stage == Stage::Fragment && direction == Direction::Out);
         let mut all = own.clone();
@@ -203,13 +204,13 @@ pub(super) fn locate(
 }
 
 fn place<'p>(
-    all: &[&'p Passed],
+    all: &[&'p InterfaceDeclaration],
     given: &[(String, u32)],
     problems: &mut Vec<Diagnostic>,
 ) -> BTreeMap<&'p str, u32> {
     let mut numbers = BTreeMap::new();
     let mut taken: Vec<(u32, u32)> = Vec::new();
-    let wanted = |passed: &Passed| {
+    let wanted = |passed: &InterfaceDeclaration| {
         let given = given.iter().find(|(name, _)| *name == passed.name).map(|(_, n)| *n);
         given.or(passed.explicit)
     };
@@ -234,7 +235,7 @@ fn place<'p>(
     numbers
 }
 
-fn unknown_size(passed: &Passed) -> Diagnostic {
+fn unknown_size(passed: &InterfaceDeclaration) -> Diagnostic {
     let message = format!("the number of locations that `{}` takes is unknown", passed.name);
     Diagnostic::error(Code::NotPortable, passed.span, message)
         .with_help("write its type and size without macros")
@@ -244,11 +245,11 @@ fn unknown_size(passed: &Passed) -> Diagnostic {
 pub(super) fn write(
     shader: &Shader<'_>,
     stage: Stage,
-    passed: &[Passed],
+    passed: &[InterfaceDeclaration],
     locations: &[Location],
     edits: &mut Edits,
 ) {
-    let number = |passed: &Passed| {
+    let number = |passed: &InterfaceDeclaration| {
         if passed.explicit.is_some()
             && passed.declarator == 0
             && locations.iter().any(|l| {

@@ -173,7 +173,7 @@ impl<'a> Shader<'a> {
 
     /// The text removed with a declaration: whole lines with their comments if nothing else is on
     /// them, else only the declaration.
-    pub fn lines_of(&self, tokens: &Tokens) -> Taken<'a> {
+    pub fn lines_of(&self, tokens: &Tokens) -> MovedText<'a> {
         let bytes = self.bytes(tokens);
         let (mut start, end) = (self.line_start(bytes.start), self.next_line(bytes.end));
         let after = self.text[bytes.end..end].trim();
@@ -183,7 +183,7 @@ impl<'a> Shader<'a> {
             self.text[start..bytes.start].trim().is_empty() && (after.is_empty() || comment);
         if !alone {
             let space = self.text[bytes.end..].starts_with(' ');
-            return Taken {
+            return MovedText {
                 bytes: bytes.start..bytes.end + usize::from(space),
                 before: "",
                 after: "",
@@ -198,7 +198,7 @@ impl<'a> Shader<'a> {
             }
             start = above;
         }
-        Taken { bytes: start..end, before: &self.text[start..own], after }
+        MovedText { bytes: start..end, before: &self.text[start..own], after }
     }
 }
 
@@ -222,7 +222,7 @@ fn qualifier_macros<'a>(text: &'a str, raw: &RawText) -> FxHashSet<&'a str> {
 
 /// A part of the text to be moved.
 #[derive(Clone, Debug)]
-pub(super) struct Taken<'a> {
+pub(super) struct MovedText<'a> {
     pub bytes: Range<usize>,
     /// Lines of comment above it.
     pub before: &'a str,

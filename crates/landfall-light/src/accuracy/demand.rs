@@ -21,14 +21,14 @@ use landfall_exec::interp::graph::{Fault, Rounding};
 use landfall_layout::Options;
 use landfall_layout::source::{Files, Source};
 
-/// What to prove, and the limits of the search.
+/// A function and the demands on it, with the limits of the search.
 #[derive(Clone, Debug)]
 pub struct ProveRequest {
     /// The function and its fixed bindings.
     pub pure: PureRequest,
     /// The domain of the inputs as JSON.
     pub domain: Option<Value>,
-    /// What is demanded; nothing means that no operation breaks.
+    /// The demands; if empty, that no operation has an undefined result.
     pub demands: Vec<Demand>,
     /// The roundings whose errors are bounded: where a limit of the error is demanded, and for
     /// those to `f64`.

@@ -3,7 +3,7 @@
 //! Reads results of [`PureFunction::call`](landfall_exec::harness::call::pure::PureFunction::call);
 //! used by [`stress`](super::stress) and [`bench`](mod@super::bench).
 
-use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::ScalarKind;
 
@@ -45,7 +45,7 @@ pub(super) fn floats(pure: &PureFunction) -> Vec<(usize, usize)> {
 }
 
 /// Returns the outcome of one lane.
-pub(super) fn outcome(called: &PureCalled, floats: &[(usize, usize)], lane: usize) -> Outcome {
+pub(super) fn outcome(called: &PureCallResult, floats: &[(usize, usize)], lane: usize) -> Outcome {
     if called.called.discarded.get(lane).copied().unwrap_or(false) {
         return Outcome::Discarded;
     }

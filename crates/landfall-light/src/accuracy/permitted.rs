@@ -5,7 +5,7 @@
 //! ([`Precision::Permitted`](landfall_exec::interp::Precision::Permitted)). Used by
 //! [`stress`](super::stress) and [`bench`](mod@super::bench).
 
-use landfall_exec::harness::call::pure::PureCalled;
+use landfall_exec::harness::call::pure::PureCallResult;
 
 /// The largest error of a conformant device; infinite where results are unbounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,7 +26,7 @@ pub(super) fn off_from([low, high]: [f64; 2], truth: f64) -> f64 {
 
 /// Returns the largest permitted error of the floats of a lane; `None` where it is unknown.
 pub(super) fn farthest(
-    called: &PureCalled,
+    called: &PureCallResult,
     floats: &[(usize, usize)],
     lane: usize,
     truth: &[f64],

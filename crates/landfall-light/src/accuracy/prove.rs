@@ -30,14 +30,14 @@ use points::Scratch;
 use space::Space;
 use split::Split;
 
-/// An operation that can break in one way, and what is known of it.
+/// An operation that can break in one way, and the verdict on it.
 #[derive(Clone, Debug)]
 pub struct Goal {
-    /// What may happen.
+    /// The way in which it can break.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// What is known.
+    /// The verdict.
     pub verdict: Verdict,
     /// The graph's sites: components of a vector, calls of a function, iterations of a loop.
     sites: Vec<usize>,
@@ -45,18 +45,18 @@ pub struct Goal {
     pub(super) inputs: Vec<usize>,
 }
 
-/// What is known of an operation over the domain.
+/// The verdict on an operation over the domain.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// It breaks at an input, on the interpreter.
     Found(Sample),
     /// It breaks nowhere in the domain, on any conformant device.
     Absent,
-    /// It is not known; by input scalar the least and greatest value where it may break.
+    /// Neither is known; for each scalar of the inputs, the smallest and largest value at which it may break.
     Open(Vec<[f64; 2]>),
 }
 
-/// What it means that an operation breaks.
+/// The effect of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// The result is not defined.
@@ -123,7 +123,7 @@ const BEYOND: f64 = 64.0;
 /// The parts examined between two looks at the clock.
 const EACH: u32 = 64;
 
-/// What is known of a function.
+/// The result of a search over a function.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Proof {
     /// The operations that can break.

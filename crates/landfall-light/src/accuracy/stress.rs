@@ -73,7 +73,7 @@ use landfall_layout::{Diagnostic, Options};
 use plan::Plan;
 use random::Random;
 
-/// What to search, and the limits of the search.
+/// A function to stress, with the limits of the search.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The function and its fixed bindings.

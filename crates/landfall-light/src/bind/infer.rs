@@ -6,7 +6,7 @@
 //! guess that [`decide`](mod@super::decide) tests by running the shader.
 
 use super::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
-use super::{BindError, BindingMap, Bound, Member, Source};
+use super::{BindError, BindingMap, BoundValue, Member, Source};
 use landfall_exec::harness::fragments::{FragmentShader, Input, PIXEL};
 use landfall_ir::analysis::identifier::words;
 use landfall_ir::analysis::roles;
@@ -38,7 +38,7 @@ pub fn infer(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
         }
     }
     let textures: Vec<&str> = shader.textures().map(|handle| handle.path.as_str()).collect();
-    let texture = |name: &&str| Bound {
+    let texture = |name: &&str| BoundValue {
         name: name.to_string(),
         source: texture(name, textures.len())
             .map_or(Source::Unknown, |part| Source::plain(Quantity::Material(part))),
@@ -67,7 +67,7 @@ pub fn members(shader: &FragmentShader) -> BindingMap {
             source: Source::Unknown,
         }));
     }
-    let unknown = |name: String| Bound { name, source: Source::Unknown };
+    let unknown = |name: String| BoundValue { name, source: Source::Unknown };
     map.textures = shader.textures().map(|handle| unknown(handle.path.clone())).collect();
     map.inputs = shader.inputs().iter().map(|input| unknown(input.name.clone())).collect();
     map
@@ -294,7 +294,7 @@ fn texture(name: &str, textures: usize) -> Option<MaterialPart> {
     (diffuse || textures == 1).then_some(MaterialPart::Diffuse)
 }
 
-fn input(input: &Input) -> Bound {
+fn input(input: &Input) -> BoundValue {
     let said = words(last(&input.name));
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let quantity = match input.components {
@@ -313,7 +313,7 @@ fn input(input: &Input) -> Bound {
         _ => None,
     };
     let source = quantity.map_or(Source::Unknown, Source::plain);
-    Bound { name: input.name.clone(), source }
+    BoundValue { name: input.name.clone(), source }
 }
 
 /// An edge of a cone.

@@ -7,7 +7,7 @@
 
 use serde_json::{Map, Value};
 
-use super::{BindError, BindingMap, Bound, Member, Quantity, Source};
+use super::{BindError, BindingMap, BoundValue, Member, Quantity, Source};
 
 /// Returns a map with some of its sources replaced.
 ///
@@ -80,7 +80,7 @@ fn element(map: &mut BindingMap, key: &str, source: &Source) -> bool {
 
 fn unknown(map: &BindingMap, key: &str) -> BindError {
     let members = map.members.iter().map(Member::key);
-    let bound = map.textures.iter().chain(&map.inputs).map(|Bound { name, .. }| name.clone());
+    let bound = map.textures.iter().chain(&map.inputs).map(|BoundValue { name, .. }| name.clone());
     let all: Vec<String> = members.chain(bound).collect();
     let nearest =
         landfall_layout::text::edit_distance::nearest(key, all.iter().map(String::as_str));

@@ -63,7 +63,7 @@ pub enum Division {
 /// The lights dropped from a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cull {
-    /// Those that contribute exactly zero in it.
+    /// The lights that contribute exactly zero in it.
     Exact,
     /// As many as contribute at most that many steps together anywhere in it, by their upper
     /// bounds.

@@ -60,7 +60,7 @@ pub(super) fn used(
         );
         let error = Claim::Exact(
             "a black light adds exactly zero where its attenuation is finite; a zeroed \
-             slot of the plain loop adds 0 * (1 / 0), which is NaN"
+             slot in a loop over all slots adds 0 * (1 / 0), which is NaN"
                 .to_string(),
         );
         savings.steps.push(OptionEffect {

@@ -2,7 +2,7 @@
 //!
 //! Set before the shader is compiled, laid out and mirrored; read from a [`Plan`](super::Plan).
 
-/// What a shader must hold for these lights, if each draw uploads its own lights.
+/// The numbers of lights that a shader must hold, if each draw uploads its own lights.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Compiled {
     /// Whether there is ambient light.

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::model::Window;
-use super::undef::Undef;
+use super::undef::UndefinedReason;
 use crate::scene::Attenuation;
 use landfall_ir::analysis::hazard::threshold::{COORDINATE, LENGTH};
 
@@ -16,23 +16,27 @@ use landfall_ir::analysis::hazard::threshold::{COORDINATE, LENGTH};
 const EQUAL: f64 = 1e-7;
 
 /// Returns the unit vector along `v`.
-pub(super) fn unit(v: DVec3) -> Result<DVec3, Undef> {
+pub(super) fn unit(v: DVec3) -> Result<DVec3, UndefinedReason> {
     let length = v.length();
     match length {
-        _ if !length.is_finite() => Err(Undef::NotFinite),
-        0.0 => Err(Undef::ZeroVector),
+        _ if !length.is_finite() => Err(UndefinedReason::NotFinite),
+        0.0 => Err(UndefinedReason::ZeroVector),
         _ => Ok(v / length),
     }
 }
 
 /// Returns a length whose square a shader can represent; `zero` if there is none.
-pub(super) fn distance(v: DVec3, zero: Undef, near: Undef) -> Result<f64, Undef> {
+pub(super) fn distance(
+    v: DVec3,
+    zero: UndefinedReason,
+    near: UndefinedReason,
+) -> Result<f64, UndefinedReason> {
     let d = v.length();
     match d {
-        _ if d.is_nan() => Err(Undef::NotFinite),
+        _ if d.is_nan() => Err(UndefinedReason::NotFinite),
         0.0 => Err(zero),
         _ if d < LENGTH.value => Err(near),
-        _ if d > COORDINATE.value => Err(Undef::TooFar),
+        _ if d > COORDINATE.value => Err(UndefinedReason::TooFar),
         _ => Ok(d),
     }
 }
@@ -43,12 +47,12 @@ pub(super) fn chord(a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Returns `max(1 - m, 0)` to the power of `n`.
-pub(super) fn power(m: f64, n: f64) -> Result<f64, Undef> {
+pub(super) fn power(m: f64, n: f64) -> Result<f64, UndefinedReason> {
     match m {
         _ if m < 1.0 => Ok((n * (-m).ln_1p()).exp()),
-        _ if m.is_nan() || n.is_nan() => Err(Undef::NotFinite),
-        _ if n == 0.0 => Err(Undef::ZeroToZero),
-        _ if n < 0.0 => Err(Undef::ZeroToNegative),
+        _ if m.is_nan() || n.is_nan() => Err(UndefinedReason::NotFinite),
+        _ if n == 0.0 => Err(UndefinedReason::ZeroToZero),
+        _ if n < 0.0 => Err(UndefinedReason::ZeroToNegative),
         _ => Ok(0.0),
     }
 }
@@ -63,10 +67,10 @@ pub(super) fn squared_less_one(v: DVec3) -> f64 {
 }
 
 /// Returns the attenuation at a distance.
-pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64, Undef> {
+pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64, UndefinedReason> {
     let divisor = a.constant + d * (a.linear + a.quadratic * d);
     if !(divisor > 0.0 && divisor.is_finite()) {
-        return Err(Undef::Attenuation);
+        return Err(UndefinedReason::Attenuation);
     }
     let kept = match (window, a.range) {
         (Window::None, _) | (Window::Quartic, None) => 1.0,
@@ -81,7 +85,7 @@ pub(super) fn attenuation(a: &Attenuation, window: Window, d: f64) -> Result<f64
 }
 
 /// Returns one minus the cosine of the angle between two vectors of any length.
-pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, Undef> {
+pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, UndefinedReason> {
     let m = chord(unit(to_light)?, unit(axis)?);
     if m > 1e-3 {
         return Ok(m);
@@ -98,20 +102,20 @@ pub(super) fn off_axis(to_light: DVec3, axis: DVec3) -> Result<f64, Undef> {
 }
 
 /// Returns the ramp between two angles, each given as one minus its cosine.
-pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, Undef> {
+pub(super) fn ramp(m: f64, outer: f64, inner: f64) -> Result<f64, UndefinedReason> {
     if outer != inner {
         return Ok(((outer - m) / (outer - inner)).clamp(0.0, 1.0));
     }
     match m - outer {
-        near if near.abs() < EQUAL => Err(Undef::EqualCones),
+        near if near.abs() < EQUAL => Err(UndefinedReason::EqualCones),
         past => Ok(if past < 0.0 { 1.0 } else { 0.0 }),
     }
 }
 
 /// Returns the ramp from one angle to the axis.
-pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, Undef> {
+pub(super) fn ramp_to_axis(m: f64, outer: f64) -> Result<f64, UndefinedReason> {
     match outer {
-        0.0 => Err(Undef::ZeroCone),
+        0.0 => Err(UndefinedReason::ZeroCone),
         _ if m < outer => Ok(((outer - m) / outer).clamp(0.0, 1.0)),
         _ => Ok(0.0),
     }

@@ -12,7 +12,7 @@ use super::model::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, ConeNumbers, Family, Highlight, Model,
     Normal, Power, Reflectance, SpecularGate,
 };
-use super::undef::Undef;
+use super::undef::UndefinedReason;
 use crate::sample::Texels;
 use crate::scene::{Cone, Emission, PointLight};
 use crate::{Fragment, Upload};
@@ -99,7 +99,7 @@ pub fn shade(
     upload: &Upload,
     fragment: &Fragment,
     texels: &Texels,
-) -> Result<Shaded, Undef> {
+) -> Result<Shaded, UndefinedReason> {
     see(model, upload, fragment, texels)?.shade()
 }
 
@@ -115,12 +115,13 @@ pub fn see<'a>(
     upload: &'a Upload,
     fragment: &Fragment,
     texels: &Texels,
-) -> Result<FragmentContext<'a>, Undef> {
+) -> Result<FragmentContext<'a>, UndefinedReason> {
     let material = upload.materials.get(fragment.material as usize);
     let material = material.expect("a fragment's material is one of the upload's");
     let position = wide(fragment.position);
     let towards = upload.camera - position;
-    let view = towards / distance(towards, Undef::CameraAtFragment, Undef::CameraAtFragment)?;
+    let view = towards
+        / distance(towards, UndefinedReason::CameraAtFragment, UndefinedReason::CameraAtFragment)?;
     let given = wide(fragment.normal);
     let normal = unit(given)?;
     let excess = match model.normal {
@@ -149,7 +150,7 @@ impl FragmentContext<'_> {
     ///
     /// # Errors
     /// The hazard that leaves it undefined.
-    pub fn shade(&self) -> Result<Shaded, Undef> {
+    pub fn shade(&self) -> Result<Shaded, UndefinedReason> {
         let ambient = self.ambient();
         let mut shaded = Shaded { ambient, total: ambient, ..Shaded::default() };
         for light in self.lights() {
@@ -162,7 +163,7 @@ impl FragmentContext<'_> {
                 shaded.edge = Some(shaded.edge.map_or(edge, |nearest| nearest.min(edge)));
             }
         }
-        if shaded.total.is_finite() { Ok(shaded) } else { Err(Undef::NotFinite) }
+        if shaded.total.is_finite() { Ok(shaded) } else { Err(UndefinedReason::NotFinite) }
     }
 
     /// Returns all lights, in the order of the sum.
@@ -192,7 +193,7 @@ impl FragmentContext<'_> {
     ///
     /// # Panics
     /// If there is no such light.
-    pub fn light(&self, light: LightId) -> Result<Contribution, Undef> {
+    pub fn light(&self, light: LightId) -> Result<Contribution, UndefinedReason> {
         let lights = &self.upload.lights;
         match light {
             LightId::Directional(i) => {
@@ -249,18 +250,18 @@ impl FragmentContext<'_> {
         }
     }
 
-    fn path(&self, light: &PointLight) -> Result<(DVec3, f64), Undef> {
+    fn path(&self, light: &PointLight) -> Result<(DVec3, f64), UndefinedReason> {
         let path = light.position - self.position;
         let zero = match light.attenuation.constant {
-            0.0 => Undef::LightAtFragmentUnattenuated,
-            _ => Undef::LightAtFragment,
+            0.0 => UndefinedReason::LightAtFragmentUnattenuated,
+            _ => UndefinedReason::LightAtFragment,
         };
-        Ok((path, distance(path, zero, Undef::TooNear)?))
+        Ok((path, distance(path, zero, UndefinedReason::TooNear)?))
     }
 
     /// Returns the cone factor at one minus the cosine from its axis, and the distance to a hard
     /// edge.
-    fn cone(&self, cone: &Cone, m: f64) -> Result<(f64, Option<f64>), Undef> {
+    fn cone(&self, cone: &Cone, m: f64) -> Result<(f64, Option<f64>), UndefinedReason> {
         let from_angle = |degrees: f64| 2.0 * (degrees.to_radians() * 0.5).sin().powi(2);
         let (inner, outer) = match (self.model.cone_numbers, cone.degrees) {
             (ConeNumbers::Angles, Some([inner, outer])) => (from_angle(inner), from_angle(outer)),
@@ -290,7 +291,7 @@ impl FragmentContext<'_> {
         to_light: DVec3,
         factors: Factors,
         weakened: [f64; 2],
-    ) -> Result<Contribution, Undef> {
+    ) -> Result<Contribution, UndefinedReason> {
         let texels = &self.texels;
         let one = emission.color * emission.intensity;
         let (diffuse, specular) = match self.model.family {
@@ -329,7 +330,7 @@ impl FragmentContext<'_> {
         }
     }
 
-    fn highlight(&self, to_light: DVec3, facing: f64) -> Result<f64, Undef> {
+    fn highlight(&self, to_light: DVec3, facing: f64) -> Result<f64, UndefinedReason> {
         let gated = match self.model.specular_gate {
             SpecularGate::Facing => facing <= 0.0,
             SpecularGate::None => false,
@@ -350,7 +351,7 @@ impl FragmentContext<'_> {
                 power(chord(to_light, self.mirrored) - 2.0 * self.excess * both, self.power)?
             }
             Highlight::Blinn => {
-                let half = unit(to_light + self.view).map_err(|_| Undef::NoHalfVector)?;
+                let half = unit(to_light + self.view).map_err(|_| UndefinedReason::NoHalfVector)?;
                 let unit = power(chord(self.normal, half), self.power)?;
                 // The normal's length to the same power.
                 unit * (self.power * 0.5 * self.excess.ln_1p()).exp()

@@ -7,17 +7,17 @@ use glam::{DMat3, DMat4, DVec3};
 
 use super::form::unit;
 use super::model::NormalTransform;
-use super::undef::Undef;
+use super::undef::UndefinedReason;
 
 /// Returns a vertex's normal in view space, before interpolation.
 ///
 /// # Errors
-/// [`Undef::ZeroVector`] for a zero normal, [`Undef::NotFinite`] if the matrix has no inverse.
+/// [`UndefinedReason::ZeroVector`] for a zero normal, [`UndefinedReason::NotFinite`] if the matrix has no inverse.
 pub fn view_normal(
     model_view: &DMat4,
     normal: DVec3,
     transform: NormalTransform,
-) -> Result<DVec3, Undef> {
+) -> Result<DVec3, UndefinedReason> {
     match transform {
         NormalTransform::Mat3 => unit(DMat3::from_mat4(*model_view).inverse().transpose() * normal),
         NormalTransform::Vec4 => {
@@ -25,9 +25,9 @@ pub fn view_normal(
             // Normalised with four components: the last one comes from the translation.
             let length = whole.length();
             match length {
-                0.0 => Err(Undef::ZeroVector),
+                0.0 => Err(UndefinedReason::ZeroVector),
                 _ if length.is_finite() => Ok(whole.truncate() / length),
-                _ => Err(Undef::NotFinite),
+                _ => Err(UndefinedReason::NotFinite),
             }
         }
     }

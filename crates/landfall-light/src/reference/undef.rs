@@ -8,7 +8,7 @@ use landfall_ir::analysis::hazard::Hazard;
 
 /// The reason a result is undefined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Undef {
+pub enum UndefinedReason {
     /// The light is at the fragment.
     LightAtFragment,
     /// The light is at the fragment, and its attenuation has no constant coefficient.
@@ -37,61 +37,65 @@ pub enum Undef {
     NotFinite,
 }
 
-impl Undef {
+impl UndefinedReason {
     /// All reasons.
-    pub const ALL: [Undef; 13] = [
-        Undef::LightAtFragment,
-        Undef::LightAtFragmentUnattenuated,
-        Undef::CameraAtFragment,
-        Undef::Attenuation,
-        Undef::TooFar,
-        Undef::TooNear,
-        Undef::EqualCones,
-        Undef::ZeroCone,
-        Undef::ZeroToZero,
-        Undef::ZeroToNegative,
-        Undef::NoHalfVector,
-        Undef::ZeroVector,
-        Undef::NotFinite,
+    pub const ALL: [UndefinedReason; 13] = [
+        UndefinedReason::LightAtFragment,
+        UndefinedReason::LightAtFragmentUnattenuated,
+        UndefinedReason::CameraAtFragment,
+        UndefinedReason::Attenuation,
+        UndefinedReason::TooFar,
+        UndefinedReason::TooNear,
+        UndefinedReason::EqualCones,
+        UndefinedReason::ZeroCone,
+        UndefinedReason::ZeroToZero,
+        UndefinedReason::ZeroToNegative,
+        UndefinedReason::NoHalfVector,
+        UndefinedReason::ZeroVector,
+        UndefinedReason::NotFinite,
     ];
 
     /// Returns the hazard that leaves the fragment without a value.
     pub fn hazard(self) -> Hazard {
         match self {
-            Undef::LightAtFragment => Hazard::LightAtFragment,
-            Undef::NoHalfVector => Hazard::OppositeVectors,
-            Undef::LightAtFragmentUnattenuated => Hazard::AttenuationAtLight,
-            Undef::CameraAtFragment => Hazard::CameraAtFragment,
-            Undef::Attenuation => Hazard::AttenuationUnset,
-            Undef::TooFar => Hazard::Overflow,
-            Undef::TooNear => Hazard::Underflow,
-            Undef::EqualCones => Hazard::EqualCutOffs,
-            Undef::ZeroCone => Hazard::ZeroWidthCone,
-            Undef::ZeroToZero | Undef::ZeroToNegative => Hazard::PowOfZero,
-            Undef::ZeroVector => Hazard::ZeroDirection,
-            Undef::NotFinite => Hazard::NotFinite,
+            UndefinedReason::LightAtFragment => Hazard::LightAtFragment,
+            UndefinedReason::NoHalfVector => Hazard::OppositeVectors,
+            UndefinedReason::LightAtFragmentUnattenuated => Hazard::AttenuationAtLight,
+            UndefinedReason::CameraAtFragment => Hazard::CameraAtFragment,
+            UndefinedReason::Attenuation => Hazard::AttenuationUnset,
+            UndefinedReason::TooFar => Hazard::Overflow,
+            UndefinedReason::TooNear => Hazard::Underflow,
+            UndefinedReason::EqualCones => Hazard::EqualCutOffs,
+            UndefinedReason::ZeroCone => Hazard::ZeroWidthCone,
+            UndefinedReason::ZeroToZero | UndefinedReason::ZeroToNegative => Hazard::PowOfZero,
+            UndefinedReason::ZeroVector => Hazard::ZeroDirection,
+            UndefinedReason::NotFinite => Hazard::NotFinite,
         }
     }
 }
 
-impl fmt::Display for Undef {
+impl fmt::Display for UndefinedReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self {
-            Undef::LightAtFragment => "the light is at the fragment",
-            Undef::LightAtFragmentUnattenuated => {
+            UndefinedReason::LightAtFragment => "the light is at the fragment",
+            UndefinedReason::LightAtFragmentUnattenuated => {
                 "the light is at the fragment and its attenuation divides by zero there"
             }
-            Undef::CameraAtFragment => "the camera is at the fragment",
-            Undef::Attenuation => "the attenuation divides by zero, a negative number or NaN",
-            Undef::TooFar => "the distance is above 1e18",
-            Undef::TooNear => "the distance is below 1e-15",
-            Undef::EqualCones => "the fragment is at the edge of a cone whose angles are equal",
-            Undef::ZeroCone => "the cone's only angle is zero",
-            Undef::ZeroToZero => "the highlight is zero to the power of zero",
-            Undef::ZeroToNegative => "the highlight is zero to a negative power",
-            Undef::NoHalfVector => "the view is opposite to the light",
-            Undef::ZeroVector => "a normal or direction is zero",
-            Undef::NotFinite => "an uploaded number, or the sum, is not finite",
+            UndefinedReason::CameraAtFragment => "the camera is at the fragment",
+            UndefinedReason::Attenuation => {
+                "the attenuation divides by zero, a negative number or NaN"
+            }
+            UndefinedReason::TooFar => "the distance is above 1e18",
+            UndefinedReason::TooNear => "the distance is below 1e-15",
+            UndefinedReason::EqualCones => {
+                "the fragment is at the edge of a cone whose angles are equal"
+            }
+            UndefinedReason::ZeroCone => "the cone's only angle is zero",
+            UndefinedReason::ZeroToZero => "the highlight is zero to the power of zero",
+            UndefinedReason::ZeroToNegative => "the highlight is zero to a negative power",
+            UndefinedReason::NoHalfVector => "the view is opposite to the light",
+            UndefinedReason::ZeroVector => "a normal or direction is zero",
+            UndefinedReason::NotFinite => "an uploaded number, or the sum, is not finite",
         };
         write!(f, "{}: {what}", self.hazard().code())
     }

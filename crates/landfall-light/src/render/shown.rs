@@ -22,7 +22,7 @@ use landfall_layout::{BlockLayout, Options, Stage};
 const FAR: f64 = 1e19;
 
 /// A light that a plan leaves out.
-struct LeftOut<'w> {
+struct SkippedFunction<'w> {
     kind: Kind,
     emission: &'w Emission,
     lamp: Option<&'w PointLight>,
@@ -83,7 +83,12 @@ impl Renderer {
         Some(name.rsplit('.').next().unwrap_or(name))
     }
 
-    fn vanishes(&self, terms: &Terms, lights: &[LightBinding<'_>], light: &LeftOut<'_>) -> bool {
+    fn vanishes(
+        &self,
+        terms: &Terms,
+        lights: &[LightBinding<'_>],
+        light: &SkippedFunction<'_>,
+    ) -> bool {
         // The arrays whose members hold such a light.
         let holds = |held: &LightBinding<'_>| {
             held.roles.parts.iter().any(|part| {
@@ -159,7 +164,7 @@ fn blocks(shader: &FragmentShader) -> Vec<BlockLayout> {
     shader.blocks().iter().map(|block| block.layout.clone()).collect()
 }
 
-impl LeftOut<'_> {
+impl SkippedFunction<'_> {
     /// Returns the least and greatest component of a property; `None` if it is not followed.
     fn number(&self, part: LightPart) -> Option<[f64; 2]> {
         let ends = |color: DVec3| Some([color.min_element(), color.max_element()]);
@@ -199,7 +204,7 @@ impl LeftOut<'_> {
 }
 
 /// Returns the lights that some draw leaves out.
-fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<LeftOut<'w>> {
+fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedFunction<'w>> {
     let position =
         |at: &u32| DVec3::from(work.frame.fragments[*at as usize].position.map(f64::from));
     let draws = plan.draws.iter().filter(|draw| !draw.fragments.is_empty());
@@ -212,7 +217,7 @@ fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<LeftOut<'w>> {
         })
         .collect();
     let lights = &work.upload.lights;
-    let mut all: Vec<LeftOut<'w>> = Vec::new();
+    let mut all: Vec<SkippedFunction<'w>> = Vec::new();
     for kind in Kind::ALL {
         let count = match kind {
             Kind::Directional => lights.directional.len(),
@@ -255,7 +260,7 @@ fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<LeftOut<'w>> {
                 near = Some(near.map_or(apart, |known| known.min(apart)));
             }
             if let Some(near) = near {
-                all.push(LeftOut { kind, emission, lamp, near });
+                all.push(SkippedFunction { kind, emission, lamp, near });
             }
         }
     }

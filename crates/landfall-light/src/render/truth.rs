@@ -10,7 +10,7 @@ use crate::bind::{BindingMap, Kind, LightPart, MaterialPart, Quantity};
 use crate::picture::Picture;
 use crate::reference::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
-    SpecularGate, Undef, Window, shade,
+    SpecularGate, UndefinedReason, Window, shade,
 };
 use crate::{Fragment, Frame, Upload, sample};
 use landfall_ir::analysis::hazard::threshold::EDGE;
@@ -23,7 +23,7 @@ pub struct Truth {
     /// A mark for each pixel that comparisons leave out.
     pub leave_out: Vec<bool>,
     /// The number of undefined fragments by reason.
-    pub undefined: BTreeMap<Undef, u64>,
+    pub undefined: BTreeMap<UndefinedReason, u64>,
     /// The fragments so close to a hard edge that rounding decides on which side they are.
     pub at_edges: u64,
 }
@@ -63,7 +63,7 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
 }
 
 /// A fragment's light, and whether it is at a hard edge.
-type Pixel = (Result<DVec3, Undef>, bool);
+type Pixel = (Result<DVec3, UndefinedReason>, bool);
 
 fn pixel(model: &Model, upload: &Upload, fragment: &Fragment) -> Pixel {
     let texels = sample::texels(&upload.materials[fragment.material as usize], fragment.uv);

@@ -32,7 +32,7 @@ pub const MOST_PIXELS: u64 = 1 << 24;
 const MOST_BYTES: u64 = 1 << 28;
 
 /// Opens a file that a scene names, by the name as written; returns its bytes.
-pub type Open<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
+pub type FileOpener<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
 
 /// The result of reading a scene.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +68,7 @@ pub fn read_file(path: impl AsRef<Path>) -> Result<Reading, Error> {
 }
 
 /// Reads a scene from its text; `open` opens the files it names.
-pub fn read(path: &str, text: &str, open: &Open<'_>) -> Reading {
+pub fn read(path: &str, text: &str, open: &FileOpener<'_>) -> Reading {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut walk = Walk::default();
     if u32::try_from(text.len()).is_err() {
@@ -104,7 +104,13 @@ const MEMBERS: &[&str] = &[
     "bind",
 ];
 
-fn scene(walk: &mut Walk, at: At<'_>, text: &str, path: &str, open: &Open<'_>) -> Option<Scene> {
+fn scene(
+    walk: &mut Walk,
+    at: At<'_>,
+    text: &str,
+    path: &str,
+    open: &FileOpener<'_>,
+) -> Option<Scene> {
     let root = walk.object(&at, MEMBERS)?;
     for key in ["$schema", "description"] {
         root.get(key).and_then(|at| walk.text(&at).map(drop));

@@ -61,7 +61,7 @@ fn annotation(finding: &Finding) -> String {
     format!("::{command} {}::{}\n", properties.join(","), data(&message))
 }
 
-/// What became of the findings GitHub does not show.
+/// The notice about findings that GitHub does not show.
 fn notice(more: &[&Finding]) -> String {
     let mut lines = vec![format!("{} that GitHub does not show:", counted(more.len(), "finding"))];
     lines.extend(more.iter().take(MOST_LISTED).map(|finding| short::line(finding)));

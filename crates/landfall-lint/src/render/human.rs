@@ -4,12 +4,12 @@ use super::texts::Texts;
 use super::{ReportOptions, totals};
 use landfall_layout::diagnostic::{Diagnostic, Label};
 use landfall_layout::finding::{Finding, Place};
-use landfall_layout::format::diagnostics::render::Pen;
+use landfall_layout::format::diagnostics::render::DiagnosticRenderer;
 use landfall_layout::source::Location;
 
 pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> String {
     let texts = Texts::of(findings, options);
-    let mut pen = Pen::new(&texts.files, options.paint);
+    let mut pen = DiagnosticRenderer::new(&texts.files, options.paint);
     let mut text = String::new();
     for finding in findings {
         text.push_str(&one(finding, &texts, &mut pen));
@@ -19,7 +19,7 @@ pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> Stri
     text
 }
 
-fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut Pen<'_>) -> String {
+fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'_>) -> String {
     let mut labels = Vec::new();
     let mut notes = Vec::new();
     let main = texts.span(finding.place());

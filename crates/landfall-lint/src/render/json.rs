@@ -17,7 +17,7 @@ pub struct ReadReport {
     pub shaders: usize,
     /// Its findings, in their order.
     pub findings: Vec<Finding>,
-    /// What else it holds, its findings taken out: what a shard leaves for `merge`.
+    /// The rest of the report, without its findings: the data that a shard leaves for `merge`.
     pub document: Value,
 }
 
@@ -69,8 +69,9 @@ pub(super) fn read(path: &str, text: &str) -> Result<ReadReport, Error> {
             "has schema version {version}; this landfall ({}) reads up to {REPORT_VERSION}",
             env!("CARGO_PKG_VERSION")
         );
-        return Err(Error::new(path, message)
-            .with_help("use the landfall that wrote it, or let this one write it again"));
+        return Err(Error::new(path, message).with_help(
+            "use the version of landfall that wrote it, or write it again with this one",
+        ));
     }
     let shaders = match object.get("shaders") {
         Some(Value::Number(number)) => number.as_u64().and_then(|n| usize::try_from(n).ok()),
@@ -104,7 +105,7 @@ fn ordinal(n: usize) -> String {
     format!("finding number {n}")
 }
 
-/// What a value is, in words.
+/// The name of a JSON value's type, for messages.
 fn kind(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",

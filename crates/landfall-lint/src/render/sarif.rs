@@ -12,7 +12,7 @@ use crate::registry::LINTS;
 use landfall_layout::finding::{Edit, Finding, Level, Place};
 pub use landfall_layout::format::json::to_lines;
 
-/// Where the schema this keeps to is published.
+/// The address of the SARIF schema.
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 

@@ -20,7 +20,7 @@ pub(super) fn numbers(findings: &[&Finding]) -> Vec<u32> {
         .collect()
 }
 
-/// What is the same for a finding as long as its code, path and subject are, and its number.
+/// The fingerprint of a finding: from its code, path and subject, and its number among equal ones.
 pub(super) fn fingerprint(finding: &Finding, number: u32) -> String {
     let parts = [&finding.code, &finding.place().path, &finding.about];
     // No part holds a zero byte that could pass for the end of one.

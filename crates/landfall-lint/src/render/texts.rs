@@ -37,7 +37,7 @@ impl<'a> Texts<'a> {
         texts
     }
 
-    /// Where a place is in its text, if it still is.
+    /// The byte range of a place in its text, if the text still has it.
     pub fn span(&self, place: &Place) -> Option<Span> {
         if place.line == 0 {
             return None;

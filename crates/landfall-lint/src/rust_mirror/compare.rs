@@ -176,7 +176,7 @@ fn missing(laid: &StructureLayout, member: &MemberLayout, there: Option<usize>) 
                 "`{}` has no field `{}`; at its byte {offset} is `{}`",
                 laid.name, member.name, field.name,
             ),
-            format!("name it `{}`, or say with an alias that it is the same", member.name),
+            format!("rename it to `{}`, or declare an alias for it", member.name),
         ),
         None => (
             format!(

@@ -114,7 +114,7 @@ fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
             ty.size,
             view.member.ty.spelled(view.language)
         ),
-        help: "make it an array, each element as far from the next as the shader's".to_string(),
+        help: "make it an array whose elements are as far apart as the shader's".to_string(),
     }
 }
 

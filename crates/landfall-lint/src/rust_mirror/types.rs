@@ -54,7 +54,7 @@ impl<'d> Types<'d> {
         let mut fields = Vec::with_capacity(structure.fields.len());
         for field in &structure.fields {
             if field.conditional {
-                return Err(Unknown(format!("a `cfg` decides if field `{}` is there", field.name)));
+                return Err(Unknown(format!("field `{}` exists only under a `cfg`", field.name)));
             }
             let ty = self.of(&field.ty, depth + 1).map_err(|Unknown(cause)| {
                 match cause.starts_with("field") {

@@ -14,7 +14,7 @@ const LONGEST_GROUP: usize = 16;
 
 /// The right number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Right {
+pub(super) struct CorrectNumber {
     pub value: u64,
     /// The end of a range.
     pub to: Option<u64>,
@@ -22,7 +22,12 @@ pub(super) struct Right {
 
 /// Returns the right number for a claim about a member; `None` if the claim is right in some
 /// reading, or if the number depends on where the structure is used.
-pub(super) fn member(owner: &Owner<'_>, index: usize, claim: &Claim, from: Base) -> Option<Right> {
+pub(super) fn member(
+    owner: &Owner<'_>,
+    index: usize,
+    claim: &Claim,
+    from: Base,
+) -> Option<CorrectNumber> {
     if owner.places.iter().any(|placed| fits(placed, index, claim)) {
         return None;
     }
@@ -30,7 +35,7 @@ pub(super) fn member(owner: &Owner<'_>, index: usize, claim: &Claim, from: Base)
 }
 
 /// Returns the right number for a claim about a whole structure or block.
-pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<Right> {
+pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<CorrectNumber> {
     let readings = |placed: &Placed<'_>| {
         let mut readings = vec![placed.size, placed.data_size, end_of_last(placed)];
         readings.extend(placed.stride);
@@ -49,7 +54,7 @@ pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<Right> {
     if owner.places.iter().any(|placed| readings(placed).contains(&said)) {
         return None;
     }
-    only(owner.places.iter().map(|placed| Some(Right { value: placed.size, to: None })))
+    only(owner.places.iter().map(|placed| Some(CorrectNumber { value: placed.size, to: None })))
 }
 
 fn end_of_last(placed: &Placed<'_>) -> u64 {
@@ -57,7 +62,7 @@ fn end_of_last(placed: &Placed<'_>) -> u64 {
 }
 
 /// Returns the value on which all agree.
-fn only(mut values: impl Iterator<Item = Option<Right>>) -> Option<Right> {
+fn only(mut values: impl Iterator<Item = Option<CorrectNumber>>) -> Option<CorrectNumber> {
     let first = values.next()??;
     values.all(|value| value.as_ref() == Some(&first)).then_some(first)
 }
@@ -85,7 +90,7 @@ pub(super) fn counted_from(owner: &Owner<'_>, said: &[(usize, u64)]) -> Base {
     }
 }
 
-fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option<Right> {
+fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option<CorrectNumber> {
     let member = &placed.members[index];
     let value = match claim.kind {
         Kind::Offset => match from {
@@ -103,10 +108,10 @@ fn right(placed: &Placed<'_>, index: usize, claim: &Claim, from: Base) -> Option
         Some(to) => Some(value + range_length(member, &claim.number, to)?),
         None => None,
     };
-    Some(Right { value, to })
+    Some(CorrectNumber { value, to })
 }
 
-/// How far a member's range reaches, counted the way the claim's own end was.
+/// The length of a member's range, its end counted as in the claim.
 fn range_length(member: &MemberLayout, from: &Number, to: &Number) -> Option<u64> {
     let size = member.size?;
     let said = to.value.checked_sub(from.value);
@@ -151,7 +156,7 @@ pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
     found
 }
 
-/// What may be called a member's size: it, with its padding, an element, a column, together with
+/// The numbers that may be called a member's size: its own, with its padding, an element, a column, together with
 /// members before it, or everything up to its end.
 fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
     let member = &placed.members[index];
@@ -218,7 +223,12 @@ pub(super) fn other_unit(owner: &Owner<'_>, said: &[(usize, u64)]) -> bool {
 
 /// Returns the right number for a line below a member, where lines continue with its columns or
 /// elements. `step` counts those lines from 1.
-pub(super) fn column(owner: &Owner<'_>, index: usize, claim: &Claim, step: u64) -> Option<Right> {
+pub(super) fn column(
+    owner: &Owner<'_>,
+    index: usize,
+    claim: &Claim,
+    step: u64,
+) -> Option<CorrectNumber> {
     let stride = |member: &MemberLayout| member.matrix_stride.or(member.strides.last().copied());
     let start = |placed: &Placed<'_>| {
         let member = &placed.members[index];
@@ -239,7 +249,7 @@ pub(super) fn column(owner: &Owner<'_>, index: usize, claim: &Claim, step: u64) 
             }
             only(owner.places.iter().map(|placed| {
                 let (offset, _, stride) = start(placed)?;
-                Some(Right { value: offset + step * stride, to: None })
+                Some(CorrectNumber { value: offset + step * stride, to: None })
             }))
         }
         Kind::Offset

@@ -100,7 +100,7 @@ fn parts(comment: &str) -> Vec<(usize, &str)> {
     found
 }
 
-/// What the columns of a structure's rows are, as far as it can be told.
+/// Returns the quantities in the columns of a structure's comments, where they can be inferred.
 pub(super) fn kinds(
     owner: &Owner<'_>,
     named: Option<Vec<Kind>>,
@@ -146,7 +146,7 @@ fn is_offsets(owner: &Owner<'_>, column: usize, rows: &[Row]) -> bool {
     right >= 2 + first && right * 2 >= all
 }
 
-/// How many cells of a column are right if they are of that kind, and how many there are.
+/// Counts the cells of a column that are right under that quantity, and all cells.
 fn tally(owner: &Owner<'_>, column: usize, rows: &[Row], kind: Kind) -> (usize, usize) {
     let cells = rows.iter().filter_map(|row| Some((row, row.cells.get(column)?)));
     cells.fold((0, 0), |(right, all), (row, cell)| {

@@ -20,9 +20,9 @@ const MOST_PLACES: usize = 64;
 pub(super) struct Owner<'a> {
     pub name: Arc<str>,
     pub span: Span,
-    /// Where it is laid out: once for a block, a structure as often as it is used.
+    /// The places where it is laid out: one for a block, one per use for a structure.
     pub places: Vec<Placed<'a>>,
-    pub comments: Around,
+    pub comments: SurroundingComments,
 }
 
 /// A structure or block where it is laid out.
@@ -30,7 +30,7 @@ pub(super) struct Placed<'a> {
     pub members: &'a [MemberLayout],
     pub block: &'a BlockLayout,
     pub rules: Rules,
-    /// Of its first byte, from the start of the block.
+    /// The offset of its first byte, from the start of the block.
     pub base: u64,
     /// Bytes, padded; and up to where its last member ends.
     pub size: u64,
@@ -40,7 +40,7 @@ pub(super) struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// Where the member after that one starts, or the whole ends.
+    /// The offset of the next member, or the end of the structure or block.
     pub fn next(&self, index: usize) -> u64 {
         self.members.get(index + 1).and_then(|next| next.offset).unwrap_or(self.size)
     }
@@ -48,7 +48,7 @@ impl Placed<'_> {
 
 /// Comments that are about a structure or block as a whole.
 #[derive(Default)]
-pub(super) struct Around {
+pub(super) struct SurroundingComments {
     /// On the lines before it, on the line of its `{`, behind its `}`.
     pub spans: Vec<Span>,
     /// On lines of their own after the last member.
@@ -111,7 +111,7 @@ pub(super) fn owners<'a>(
     found
 }
 
-/// Where a block's members are declared: in WGSL that is the structure, not the variable.
+/// The range in which a block's members are declared: in WGSL the structure, not the variable.
 fn block_span(shader: &ShaderLayout, block: &BlockLayout) -> Span {
     let first = block.members.first().map_or(block.span, |member| member.span);
     // A WGSL variable that is no structure declares its only member itself.
@@ -150,8 +150,13 @@ fn brace_after(text: &str, name_end: usize) -> Option<usize> {
 }
 
 /// Finds the comments around a declaration of that name, as far as it is a plain one.
-fn around(shader: &ShaderLayout, name: &str, span: Span, members: &[MemberLayout]) -> Around {
-    let mut found = Around::default();
+fn around(
+    shader: &ShaderLayout,
+    name: &str,
+    span: Span,
+    members: &[MemberLayout],
+) -> SurroundingComments {
+    let mut found = SurroundingComments::default();
     let text = shader.files.get(span.file).map_or("", |file| &*file.text);
     if shader.files.text(span) != name || name.is_empty() {
         return found;

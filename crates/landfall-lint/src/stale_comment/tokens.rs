@@ -10,11 +10,11 @@ pub(super) enum Kind {
     Offset,
     Align,
     Size,
-    /// Of elements, of columns, or either.
+    /// The stride of elements, of columns, or of either.
     ArrayStride,
     MatrixStride,
     Stride,
-    /// Of the structure or block as a whole.
+    /// The size of the structure or block as a whole.
     Total,
 }
 

@@ -16,9 +16,9 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Lay out", &["layout", "explain"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
     ("Guard", &["lock", "check", "diff", "merge", "rule"]),
-    ("Prove", &["verify", "run", "devices"]),
+    ("Prove", &["verify", "prove", "run", "devices"]),
     ("Light", &["lights", "render"]),
-    ("Measure", &["stress", "prove", "bench"]),
+    ("Measure", &["stress", "bench"]),
 ];
 
 /// Parses the arguments of this process; wrong usage and `--help` end it.

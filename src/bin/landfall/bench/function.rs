@@ -9,16 +9,15 @@ use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::{Cpu, Floats};
 use landfall_layout::source::Source;
 use landfall_layout::{Error, Options};
-use landfall_light::accuracy::bench::called::{Called, Variant};
+use landfall_light::accuracy::bench::called::{InterpreterVariant, Variant};
 use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::driver_calls::OnDriver;
+use landfall_light::accuracy::bench::driver_calls::DriverVariant;
 use landfall_light::accuracy::bench::function::{Calls, Sampling};
 use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 
 use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::run::textures;
 use crate::{backends, data, read, write};
 
 /// The variant name of the function itself.
@@ -76,7 +75,7 @@ pub fn bench(
     };
     let request = PureRequest {
         data: data::blocks(args.data.as_deref())?,
-        textures: textures(&args.textures)?,
+        textures: data::textures(&args.textures)?,
         ..PureRequest::default()
     };
     let options = read::options(&args.read);
@@ -206,7 +205,7 @@ fn on_driver<'a>(
             entries.fail(&made.name, name.name(), NO_HALF);
             continue;
         }
-        let ran = OnDriver::new(variant, Rc::clone(&shared))
+        let ran = DriverVariant::new(variant, Rc::clone(&shared))
             .map_err(|failure| failure.brief())
             .and_then(|driven| Ok((driven.judged()?, driven)));
         match ran {
@@ -232,7 +231,7 @@ fn on_interpreter<'a>(variants: &'a [PreparedVariant<'a>], entries: &mut Entries
             Ok((errors, work)) => entries.measured.push(Entry {
                 variant: made.name.clone(),
                 runner: runner.clone(),
-                workload: Box::new(Called::new(variant)),
+                workload: Box::new(InterpreterVariant::new(variant)),
                 errors: *errors,
                 permitted: *permitted,
                 work: *work,

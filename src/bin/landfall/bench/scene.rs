@@ -25,7 +25,7 @@ use super::{
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::render::request::{RenderRequest, Wanted, load, model, model_json};
+use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
 use crate::{backends, read, write};
 
 /// The kind of a variant.
@@ -59,7 +59,7 @@ pub fn bench(
         return Err(Error::new(shown, "is a shader, not a scene")
             .with_help("measure a function of a shader with `--fn NAME`"));
     }
-    let wanted = Wanted {
+    let wanted = RenderArguments {
         scene: &args.subject,
         shader: None,
         entry: None,

@@ -20,7 +20,7 @@ pub struct Basis {
     pub root: String,
     /// The directory of locks, if locks are checked.
     pub locks: Option<String>,
-    /// What is searched, relative to the root; `None` when only some files were named.
+    /// The searched paths, relative to the root; `None` when only some files were named.
     pub searched: Vec<String>,
     /// Whether no path was named, so that all shaders are checked.
     pub whole: bool,

@@ -42,7 +42,7 @@ pub struct Run<'a> {
     pub excluded: AtomicUsize,
     /// When the check began, before it read any file.
     pub began: SystemTime,
-    /// What is known of an unfinished pass.
+    /// The findings so far of an unfinished pass.
     pub so_far: Arc<Mutex<PartialFindings>>,
 }
 

@@ -16,7 +16,7 @@ use crate::output::Streams;
 use crate::read;
 
 /// A comparison, and pictures of the difference with their file names.
-pub struct Done {
+pub struct ComparisonOutput {
     pub compared: Compared,
     pub pictures: Vec<(String, Picture)>,
     /// The model of the reference and whether it was given, for a comparison with the reference.
@@ -55,7 +55,7 @@ pub fn compare(
     picture: &Picture,
     args: &RenderArgs,
     streams: &Streams,
-) -> Result<Done, Stop> {
+) -> Result<ComparisonOutput, Stop> {
     let (mut leave_out, mut left_out, mut model) = (None, Vec::new(), None);
     let backend = BackendName::from_str(what, true).ok();
     let other = match (what, backend) {
@@ -92,10 +92,10 @@ pub fn compare(
     }
     let notes = notes(made, model.as_ref(), [Some(args.backend), backend])?;
     let compared = Compared { with: what.to_string(), comparison, left_out, notes };
-    Ok(Done { compared, pictures, model })
+    Ok(ComparisonOutput { compared, pictures, model })
 }
 
-/// What explains a difference besides the arithmetic.
+/// The causes of a difference other than arithmetic.
 fn notes(
     made: &PreparedScene<'_>,
     model: Option<&(Model, bool)>,

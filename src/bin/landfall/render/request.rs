@@ -35,7 +35,7 @@ pub struct RenderRequest {
 }
 
 /// The arguments about a scene and its shader; the fields are those of [`RenderArgs`].
-pub struct Wanted<'a> {
+pub struct RenderArguments<'a> {
     pub scene: &'a Path,
     pub shader: Option<PathBuf>,
     pub entry: Option<String>,
@@ -45,9 +45,9 @@ pub struct Wanted<'a> {
     pub read: &'a ReadArgs,
 }
 
-impl<'a> From<&'a RenderArgs> for Wanted<'a> {
-    fn from(args: &'a RenderArgs) -> Wanted<'a> {
-        Wanted {
+impl<'a> From<&'a RenderArgs> for RenderArguments<'a> {
+    fn from(args: &'a RenderArgs) -> RenderArguments<'a> {
+        RenderArguments {
             scene: &args.scene,
             shader: args.shader.clone(),
             entry: args.entry.clone(),
@@ -64,7 +64,7 @@ const SHADER_MEMBERS: [&str; 4] = ["path", "entry", "define", "normals"];
 
 /// Reads the scene and the shader; reports errors in the scene.
 pub fn load(
-    args: &Wanted<'_>,
+    args: &RenderArguments<'_>,
     streams: &Streams,
     style: &FindingStyle,
 ) -> Result<Option<RenderRequest>, Error> {

@@ -14,7 +14,7 @@ use crate::backend::limits::{exceeds, twice, unbound};
 use crate::backend::{Failure, Resource, ResourceKind};
 
 /// The GL objects of a job; deleted and unbound on drop.
-pub(super) struct Bound<'c> {
+pub(super) struct BoundResources<'c> {
     context: &'c Context,
     buffers: Vec<(u32, u32, glow::Buffer)>,
     textures: Vec<glow::Texture>,
@@ -75,16 +75,16 @@ pub(super) fn check(context: &Context, resources: &[Resource]) -> Result<(), Fai
     Ok(())
 }
 
-impl<'c> Bound<'c> {
+impl<'c> BoundResources<'c> {
     /// Binds every resource that the program names. The program must be in use.
     pub(super) fn new(
         context: &'c Context,
         program: &Program,
         resources: &[Resource],
-    ) -> Result<Bound<'c>, Failure> {
+    ) -> Result<BoundResources<'c>, Failure> {
         let (buffers, textures) = (Vec::new(), Vec::new());
         let writable = vec![None; resources.len()];
-        let mut bound = Bound { context, buffers, textures, writable };
+        let mut bound = BoundResources { context, buffers, textures, writable };
         for (index, block) in (0..).zip(&program.uniform_blocks) {
             let found = find(resources, &program.uniform_blocks, block, |kind| {
                 matches!(kind, ResourceKind::Uniform(_))
@@ -235,7 +235,7 @@ impl<'c> Bound<'c> {
     }
 }
 
-impl Drop for Bound<'_> {
+impl Drop for BoundResources<'_> {
     fn drop(&mut self) {
         let gl = &self.context.gl;
         // SAFETY: the context is current and the objects its own.

@@ -6,7 +6,7 @@ use crate::processor::Stopwatch;
 
 use glow::HasContext as _;
 
-use super::bindings::{Bound, check, no_objects};
+use super::bindings::{BoundResources, check, no_objects};
 use super::context::Context;
 use super::program::{Partner, Program, Programs};
 use crate::backend::limits::exceeds;
@@ -66,7 +66,7 @@ pub(super) fn run(
 }
 
 fn bound_run(context: &Context, program: &Program, job: &Job) -> Result<JobOutput, Failure> {
-    let bound = Bound::new(context, program, &job.resources)?;
+    let bound = BoundResources::new(context, program, &job.resources)?;
     let gl = &context.gl;
     let pixels = match job.grid {
         Grid::Groups([x, y, z]) => {

@@ -8,7 +8,7 @@ use super::adapter::WANTED;
 use crate::backend::Failure;
 
 /// An open device.
-pub(super) struct Open {
+pub(super) struct OpenDevice {
     pub(super) device: Device,
     pub(super) queue: Queue,
     reported: Arc<Mutex<Reported>>,
@@ -22,9 +22,9 @@ struct Reported {
     errors: Vec<String>,
 }
 
-impl Open {
+impl OpenDevice {
     /// Opens an adapter with all its wanted features.
-    pub(super) fn new(adapter: &Adapter) -> Result<Open, Failure> {
+    pub(super) fn new(adapter: &Adapter) -> Result<OpenDevice, Failure> {
         let descriptor = DeviceDescriptor {
             label: Some("landfall"),
             required_features: adapter.features() & WANTED,
@@ -47,7 +47,7 @@ impl Open {
         device.set_device_lost_callback(move |reason, message| {
             lock(&recorder).lost = Some(format!("{reason:?}: {message}"));
         });
-        Ok(Open { device, queue, reported })
+        Ok(OpenDevice { device, queue, reported })
     }
 
     /// Runs `call`, and returns a failure if the device reports an error during it.

@@ -18,7 +18,7 @@ use wgpu::{
     TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-use super::device::Open;
+use super::device::OpenDevice;
 use super::{needs, spirv};
 use crate::backend::{Failure, Grid, Job, Resource, ResourceKind, StageCode, Texel};
 use landfall_ir::Module;
@@ -97,7 +97,7 @@ enum Binding {
 
 impl Pipelines {
     /// Returns the pipeline of a job, created on first use.
-    pub(super) fn get(&mut self, open: &Open, job: &Job) -> Result<Arc<Pipeline>, Failure> {
+    pub(super) fn get(&mut self, open: &OpenDevice, job: &Job) -> Result<Arc<Pipeline>, Failure> {
         let key = key(job)?;
         if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(Arc::clone(pipeline));
@@ -124,7 +124,7 @@ impl Pipelines {
 
     fn module(
         &mut self,
-        open: &Open,
+        open: &OpenDevice,
         stage: Stage,
         entry: &str,
         code: &Code,
@@ -164,7 +164,7 @@ impl Pipelines {
     }
 }
 
-fn of_module(open: &Open, ir: naga::Module) -> ShaderModule {
+fn of_module(open: &OpenDevice, ir: naga::Module) -> ShaderModule {
     open.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
         source: wgpu::ShaderSource::Naga(Cow::Owned(ir)),
@@ -278,7 +278,7 @@ fn unbound(key: &Key) -> Option<String> {
 type Groups = Vec<Option<BindGroupLayout>>;
 
 fn layout(
-    open: &Open,
+    open: &OpenDevice,
     key: &Key,
     visible: ShaderStages,
 ) -> Result<(Groups, PipelineLayout), Failure> {
@@ -326,7 +326,7 @@ fn layout(
 }
 
 fn pipeline(
-    open: &Open,
+    open: &OpenDevice,
     key: &Key,
     stages: &[(Stage, &str, ShaderModule)],
     layout: &PipelineLayout,

@@ -10,7 +10,7 @@ use wgpu::{
     TextureView,
 };
 
-use super::device::Open;
+use super::device::OpenDevice;
 use super::pipeline::{Pipeline, PipelineKind, Pipelines, format};
 use super::timing::Timestamps;
 use crate::backend::devices::Limits;
@@ -19,7 +19,7 @@ use crate::backend::{Failure, Grid, Job, JobOutput, Resource, ResourceKind};
 
 /// Runs a job.
 pub(super) fn run(
-    open: &Open,
+    open: &OpenDevice,
     pipelines: &mut Pipelines,
     limits: &Limits,
     job: &Job,
@@ -59,7 +59,7 @@ pub(super) fn run(
 }
 
 /// Checks the job before anything is created.
-fn check(open: &Open, limits: &Limits, job: &Job) -> Result<(), Failure> {
+fn check(open: &OpenDevice, limits: &Limits, job: &Job) -> Result<(), Failure> {
     for (at, resource) in job.resources.iter().enumerate() {
         let before = &job.resources[..at];
         let Resource { name, group, binding, kind } = resource;
@@ -153,7 +153,7 @@ enum GpuResource {
 }
 
 impl GpuResource {
-    fn new(open: &Open, resource: &Resource) -> GpuResource {
+    fn new(open: &OpenDevice, resource: &Resource) -> GpuResource {
         match &resource.kind {
             // A uniform buffer is bound at its exact size: a larger one would hide that the shader
             // needs more than the layout has.
@@ -200,7 +200,7 @@ impl GpuResource {
 /// Bytes of a texel of four 32-bit components.
 const TEXEL: u32 = 16;
 
-fn filled(open: &Open, bytes: &[u8], usage: BufferUsages) -> Buffer {
+fn filled(open: &OpenDevice, bytes: &[u8], usage: BufferUsages) -> Buffer {
     let mut padded = bytes.to_vec();
     padded.resize(bytes.len().next_multiple_of(4), 0);
     let size = padded.len() as u64;
@@ -212,7 +212,7 @@ fn filled(open: &Open, bytes: &[u8], usage: BufferUsages) -> Buffer {
 }
 
 fn image(
-    open: &Open,
+    open: &OpenDevice,
     (width, height): (u32, u32),
     format: TextureFormat,
     usage: TextureUsages,
@@ -230,7 +230,7 @@ fn image(
 }
 
 fn bind(
-    open: &Open,
+    open: &OpenDevice,
     pipeline: &Pipeline,
     resources: &[Resource],
     resources_on_gpu: &[GpuResource],
@@ -267,7 +267,7 @@ fn bind(
 
 /// Records the pass, and copies its image for read-back.
 fn record(
-    open: &Open,
+    open: &OpenDevice,
     encoder: &mut CommandEncoder,
     pipeline: &Pipeline,
     groups: &[Option<BindGroup>],
@@ -347,7 +347,7 @@ struct Back {
 
 impl Back {
     fn record(
-        open: &Open,
+        open: &OpenDevice,
         encoder: &mut CommandEncoder,
         resources_on_gpu: &[GpuResource],
         image: Option<&Texture>,

@@ -9,7 +9,7 @@ use wgpu::{
     MapMode, QuerySet, QuerySetDescriptor, QueryType, RenderPassTimestampWrites,
 };
 
-use super::device::Open;
+use super::device::OpenDevice;
 
 /// Size of two timestamps of eight bytes each.
 const SIZE: u64 = 16;
@@ -25,7 +25,7 @@ pub(super) struct Timestamps {
 
 impl Timestamps {
     /// Creates the query set; `None` if the device has no timestamps.
-    pub(super) fn new(open: &Open) -> Option<Timestamps> {
+    pub(super) fn new(open: &OpenDevice) -> Option<Timestamps> {
         if !open.device.features().contains(Features::TIMESTAMP_QUERY) {
             return None;
         }

@@ -15,7 +15,7 @@ use landfall_layout::{Diagnostic, Options};
 
 /// The words that a driver returned.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Answered {
+pub(super) struct DriverWords {
     pub result: Vec<u64>,
     /// By parameter; empty for those that are not returned.
     pub parameters: Vec<Vec<u64>>,
@@ -30,7 +30,7 @@ pub(super) fn run(
     request: &Request,
     found: &Target<'_>,
     backend: &mut dyn Backend,
-) -> Result<Answered, Failure> {
+) -> Result<DriverWords, Failure> {
     let wanted = PureRequest {
         function: shown(found.info),
         data: request.data.clone(),
@@ -53,7 +53,7 @@ pub(super) fn run(
     }
     let driven = pure.on(backend.device())?;
     let KernelResult { results, .. } = driven.call(backend, &columns, 1, request.limit)?;
-    let mut answered = Answered {
+    let mut answered = DriverWords {
         result: Vec::new(),
         parameters: vec![Vec::new(); found.signature.parameters.len()],
         written: Vec::new(),

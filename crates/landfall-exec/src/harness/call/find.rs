@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::arguments::{ArgumentError, words};
 use crate::interp::{FunctionSignature, Program, Words};
 use landfall_ir::Module;
-use landfall_ir::module::{Direction, FunctionInfo, LeftOut, Parameter};
+use landfall_ir::module::{Direction, FunctionInfo, Parameter, SkippedFunction};
 use landfall_layout::source::{Language, Span};
 
 /// The function to call and its arguments as words.
@@ -201,7 +201,9 @@ fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
 
 /// Returns the error of a function that cannot be called: it does not exist or does not run.
 pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
-    if let Some(LeftOut { why, .. }) = module.left_out().iter().find(|left| left.function == name) {
+    if let Some(SkippedFunction { why, .. }) =
+        module.left_out().iter().find(|left| left.function == name)
+    {
         let place = why.labels.first().map(|label| module.files().locate(label.at));
         let place = place.map_or(String::new(), |at| format!(", at {}:{}", at.path, at.line));
         let message = format!("`{name}` cannot run: {}{place}", why.message);

@@ -1,5 +1,5 @@
 //! A function of a shader with everything it reads as a parameter: arguments, inputs of the stage,
-//! members of blocks. What it writes is returned beside its result.
+//! members of blocks. Variables that it writes are returned beside its result.
 //!
 //! Built by `make` from a shader's text; `landfall_light::accuracy::stress` calls it over many
 //! samples at a time.
@@ -130,7 +130,7 @@ pub(super) enum Slot {
 
 /// The results of a call over many lanes.
 #[derive(Clone, Debug)]
-pub struct PureCalled {
+pub struct PureCallResult {
     /// By result: its numbers.
     pub results: Vec<Numbers>,
     /// The remaining results.
@@ -147,7 +147,7 @@ impl PureFunction {
         columns: &[Vec<u64>],
         lanes: usize,
         settings: &Settings,
-    ) -> Result<PureCalled, Failure> {
+    ) -> Result<PureCallResult, Failure> {
         let mut firsts = Vec::with_capacity(self.parameters.len());
         let mut next = 0;
         for parameter in &self.parameters {
@@ -173,7 +173,7 @@ impl PureFunction {
             Some(at) => called.returned[at].clone().unwrap_or_default(),
         });
         let results = results.collect();
-        Ok(PureCalled { results, called })
+        Ok(PureCallResult { results, called })
     }
 
     /// Follows the function's values over a box: one range for each scalar of all parameters in

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
-use crate::harness::rewrite::{Builtin, MAIN, Wanted, rewritten, root};
+use crate::harness::rewrite::{Builtin, MAIN, RewriteTargets, rewritten, root};
 use crate::harness::verify::code;
 use landfall_layout::source::{Language, ReadOptions, Source, Target};
 use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
@@ -76,7 +76,7 @@ pub(super) fn text(
         own: COORDINATE.to_string(),
         ty: "vec4",
     });
-    let wanted = Wanted {
+    let wanted = RewriteTargets {
         late: inputs.iter().map(|input| root(&input.name).to_string()).collect(),
         builtins: pixel.into_iter().collect(),
         blocks: Vec::new(),

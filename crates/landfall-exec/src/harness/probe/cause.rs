@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::results::{Got, ProbeResult};
+use super::results::{ProbeResult, ProbedLocation};
 use landfall_layout::layout::{BlockLayout, Leaf, lay_out};
 use landfall_layout::shape::{Block, MatrixLayout, Member, OffsetOrder, Rules};
 
@@ -116,8 +116,8 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
     let seen: Vec<(&ProbeResult, i64)> = probe_results
         .iter()
         .filter_map(|probe_result| match probe_result.got {
-            Got::Byte(byte) => Some((*probe_result, byte as i64)),
-            Got::Other(_) => None,
+            ProbedLocation::Byte(byte) => Some((*probe_result, byte as i64)),
+            ProbedLocation::Other(_) => None,
         })
         .collect();
     let steps = |probe_result: &ProbeResult| -> Vec<i64> {

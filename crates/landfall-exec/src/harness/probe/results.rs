@@ -12,19 +12,19 @@ pub struct ProbeResult {
     /// The read or write.
     pub read: Read,
     /// The location it reached.
-    pub got: Got,
+    pub got: ProbedLocation,
 }
 
 impl ProbeResult {
     /// Returns whether it reached the expected byte.
     pub fn lands(&self) -> bool {
-        self.got == Got::Byte(self.read.byte)
+        self.got == ProbedLocation::Byte(self.read.byte)
     }
 }
 
 /// The location a read or write reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Got {
+pub enum ProbedLocation {
     /// This byte of the uploaded buffer.
     Byte(u64),
     /// No byte of the buffer: bits that were never uploaded.
@@ -43,8 +43,8 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
                     sum | u64::from(at(results, read.slot) != 0) << bit
                 });
                 match told.checked_sub(1) {
-                    Some(place) if place < u64::from(words) => Got::Byte(place * 4),
-                    Some(_) | None => Got::Other(told),
+                    Some(place) if place < u64::from(words) => ProbedLocation::Byte(place * 4),
+                    Some(_) | None => ProbedLocation::Other(told),
                 }
             }
             (_, 8) => {
@@ -52,16 +52,16 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
                 let (first, second) = (sentinel::place(low, words), sentinel::place(high, words));
                 match (first, second) {
                     (Some(first), Some(second)) if second == first + 1 => {
-                        Got::Byte(u64::from(first) * 4)
+                        ProbedLocation::Byte(u64::from(first) * 4)
                     }
-                    _ => Got::Other(u64::from(high) << 32 | u64::from(low)),
+                    _ => ProbedLocation::Other(u64::from(high) << 32 | u64::from(low)),
                 }
             }
             _ => {
                 let bits = at(sentinels, read.slot);
                 match sentinel::place(bits, words) {
-                    Some(place) => Got::Byte(u64::from(place) * 4),
-                    None => Got::Other(u64::from(bits)),
+                    Some(place) => ProbedLocation::Byte(u64::from(place) * 4),
+                    None => ProbedLocation::Other(u64::from(bits)),
                 }
             }
         };
@@ -100,14 +100,14 @@ pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
         let got = if read.scalar.kind == ScalarKind::Bool {
             // `false` is written as zero everywhere.
             if word((read.byte / 4) as usize) == 0 {
-                Got::Byte(read.byte)
+                ProbedLocation::Byte(read.byte)
             } else {
-                stray.next().map_or(Got::Other(0), Got::Byte)
+                stray.next().map_or(ProbedLocation::Other(0), ProbedLocation::Byte)
             }
         } else {
             match found.get(&sentinel::written(read.slot)) {
-                Some(byte) => Got::Byte(*byte),
-                None => Got::Other(u64::from(word((read.byte / 4) as usize))),
+                Some(byte) => ProbedLocation::Byte(*byte),
+                None => ProbedLocation::Other(u64::from(word((read.byte / 4) as usize))),
             }
         };
         ProbeResult { read: read.clone(), got }

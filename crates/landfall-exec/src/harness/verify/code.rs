@@ -39,15 +39,15 @@ pub(super) struct ProbeRequest<'a> {
 pub(super) struct Code {
     /// The stages in pipeline order.
     pub stages: Vec<StageCode>,
-    pub block: Bound,
-    pub results: Bound,
+    pub block: BoundBuffer,
+    pub results: BoundBuffer,
     /// Whether the shader may write the block.
     pub writable: bool,
 }
 
 /// A buffer's name and its binding in the module.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bound {
+pub(super) struct BoundBuffer {
     pub name: String,
     pub group: u32,
     pub binding: u32,
@@ -165,8 +165,8 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, 
     };
     Ok(Code {
         stages,
-        block: Bound { name, ..Bound::default() },
-        results: Bound { name: glsl::RESULTS.to_string(), ..Bound::default() },
+        block: BoundBuffer { name, ..BoundBuffer::default() },
+        results: BoundBuffer { name: glsl::RESULTS.to_string(), ..BoundBuffer::default() },
         writable: need.writable,
     })
 }
@@ -211,8 +211,7 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     };
     let Some(block) = block.filter(|block| places(block) == places(need.block)) else {
         return Err(failure(
-            "the shader that `landfall port` makes of it has its uniforms at other offsets"
-                .to_string(),
+            "its uniforms have other offsets in the shader that `landfall port` writes".to_string(),
         ));
     };
     let source = raised(Cow::Borrowed(&ported.source));
@@ -254,7 +253,7 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
         .find(|block| [glsl::RESULTS, "landfall_words"].contains(&&*block.layout.name));
     let results =
         results.ok_or_else(|| failure("the module lacks the buffer of results".to_string()))?;
-    let results = Bound {
+    let results = BoundBuffer {
         name: results.layout.name.to_string(),
         group: results.group,
         binding: results.binding,
@@ -267,7 +266,7 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
 }
 
 /// Returns the binding of the probed block in the module.
-fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound, Failure> {
+fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<BoundBuffer, Failure> {
     let nth = nth_buffer(block, element);
     let found = module.blocks().iter().find(|other| {
         other.layout.name == block.name
@@ -276,7 +275,7 @@ fn bound(module: &Module, block: &BlockLayout, element: &[u32]) -> Result<Bound,
     });
     let found =
         found.ok_or_else(|| failure(format!("the module has no block `{}`", block.name)))?;
-    Ok(Bound { name: block.name.to_string(), group: found.group, binding: found.binding })
+    Ok(BoundBuffer { name: block.name.to_string(), group: found.group, binding: found.binding })
 }
 
 /// Returns the index of a buffer in an array of blocks, flattened over all dimensions.

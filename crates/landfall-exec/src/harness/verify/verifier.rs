@@ -16,7 +16,7 @@ use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind}
 use crate::harness::bindings::kind as buffer_of;
 use crate::harness::probe::cause::OtherRules;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
-use crate::harness::probe::{Got, ProbeResult, cause, results, sentinel};
+use crate::harness::probe::{ProbeResult, ProbedLocation, cause, results, sentinel};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
@@ -270,7 +270,7 @@ impl Verifier<'_> {
             results.extend_from_slice(&index.to_le_bytes());
         }
         results.resize(plan.words as usize * 4, 0);
-        let bound = |bound: &code::Bound, kind| Resource {
+        let bound = |bound: &code::BoundBuffer, kind| Resource {
             name: bound.name.clone(),
             group: bound.group,
             binding: bound.binding,
@@ -436,8 +436,8 @@ fn element_report(block: &BlockLayout, probe_result: &ProbeResult) -> ElementRep
         way: read.way.name(),
         expected_byte: read.byte,
         byte_read: match probe_result.got {
-            Got::Byte(byte) => Some(byte),
-            Got::Other(_) => None,
+            ProbedLocation::Byte(byte) => Some(byte),
+            ProbedLocation::Other(_) => None,
         },
     }
 }

@@ -9,7 +9,7 @@ use super::node::{GuardId, NodeId, NodeOp};
 use super::value::Arithmetic;
 use super::{Graph, word};
 
-/// How far conditions are followed to the operands of what they compare.
+/// Maximum depth of the operands that a condition narrows.
 const DEPTH: u32 = 4;
 
 /// Room for the roundings of an operation that is inverted: a root within 4.5 ULP, twice.

@@ -3,12 +3,12 @@
 use super::super::code::{Class, Cmp, I1, I2, Op};
 use super::MOST_TURNS;
 use super::exact;
-use super::function::{Follow, Followed, TooLarge};
+use super::function::{Followed, GraphBuilder, TooLarge};
 use super::guard::Guard;
 use super::node::{GuardId, NodeId, NodeOp};
 use super::paths::{Exits, Path, State};
 
-impl Follow<'_> {
+impl GraphBuilder<'_> {
     /// Follows a function's body to its end.
     pub fn body(&mut self, start: usize) -> Followed<()> {
         let mut exits = Exits::default();

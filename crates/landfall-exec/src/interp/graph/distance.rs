@@ -1,4 +1,4 @@
-//! How far an operation is from breaking, at a point.
+//! The distance of an operation's operands from a fault, at a point.
 
 use super::super::code::{Cast, F1, F2, F3, I2};
 use super::super::undefined::UndefinedKind as K;
@@ -8,12 +8,12 @@ use super::fault::Fault;
 use super::node::NodeOp;
 use super::{Graph, Site, word};
 
-/// How far an operation is from breaking.
+/// The distance of an operation's operands from a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Distance {
-    /// It breaks at zero; the number has a sign.
+    /// The fault is at zero; the number is signed.
     Zero(f64),
-    /// It breaks below zero, or at zero.
+    /// The fault is below zero, or at zero.
     Below(f64),
 }
 

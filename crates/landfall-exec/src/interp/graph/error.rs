@@ -17,7 +17,7 @@ use super::value::{Arithmetic, Range};
 /// The roundings whose errors are bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
-    /// Those that conformant devices may have in `f32`.
+    /// The roundings of `f32` that conformant devices may have.
     Permitted,
     /// To the nearest `f64`; functions within a unit of the last place.
     Double,

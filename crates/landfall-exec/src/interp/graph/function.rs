@@ -23,7 +23,7 @@ pub(crate) enum Given {
     Zero,
 }
 
-/// What a function is called with, and the box of the inputs.
+/// The arguments of a function, and the box of its inputs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Called<'a> {
     /// The name of the function.
@@ -38,11 +38,11 @@ pub(crate) struct Called<'a> {
     pub results: &'a [Option<usize>],
 }
 
-/// What equal values have in common: the operation and its operands.
+/// The key of values that are equal: the operation and its operands.
 type Key = ((u64, u64, u64), Vec<NodeId>);
 
 /// The state of following the code.
-pub(super) struct Follow<'p> {
+pub(super) struct GraphBuilder<'p> {
     pub program: &'p Program,
     pub buffers: Vec<&'p [u8]>,
     pub images: Vec<Image<'p>>,
@@ -57,7 +57,7 @@ pub(super) struct Follow<'p> {
     pub guard: GuardId,
     /// The current instruction.
     pub pc: usize,
-    /// How many more instructions are followed.
+    /// The number of instructions that may still be followed.
     pub left: u32,
 }
 
@@ -93,7 +93,7 @@ impl Program {
         };
         let mut bounds = Bounds::default();
         bounds.begin(called.ranges, Arithmetic::Permitted);
-        let mut follow = Follow {
+        let mut follow = GraphBuilder {
             program: self,
             buffers,
             images,
@@ -114,7 +114,7 @@ impl Program {
     }
 }
 
-impl Follow<'_> {
+impl GraphBuilder<'_> {
     fn call_from_outside(&mut self, number: usize, called: &Called<'_>) -> Followed<()> {
         let program = self.program;
         let classes = [Class::Real, Class::Word, Class::Wide];

@@ -1,11 +1,11 @@
 //! Turns an instruction into values.
 
 use super::super::code::{Axis, Cast, Class, F1, F2, I2, Inst, Op};
-use super::function::{Follow, TooLarge};
+use super::function::{GraphBuilder, TooLarge};
 use super::node::{NodeId, NodeOp};
 use super::word;
 
-impl Follow<'_> {
+impl GraphBuilder<'_> {
     /// Follows an instruction that computes, copies, loads or stores.
     pub(super) fn instruction(&mut self, inst: Inst) -> Result<(), TooLarge> {
         let program = self.program;

@@ -2,7 +2,7 @@
 
 use super::super::code::{Access, Bound, Class, Cmp, Stored};
 use super::exact;
-use super::function::{Follow, Followed, TooLarge};
+use super::function::{Followed, GraphBuilder, TooLarge};
 use super::node::{NodeId, NodeOp};
 use super::word;
 
@@ -12,7 +12,7 @@ type Element = (usize, Vec<(NodeId, u32)>);
 /// The most elements that an index is followed to.
 const ELEMENTS: usize = 256;
 
-impl Follow<'_> {
+impl GraphBuilder<'_> {
     /// Returns the elements that indices may name; `None` if they are too many.
     fn elements(
         &mut self,

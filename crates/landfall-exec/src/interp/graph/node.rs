@@ -24,7 +24,7 @@ pub(super) struct Node {
     pub exact: bool,
 }
 
-/// What a node computes.
+/// The operation of a node.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum NodeOp {
     /// A scalar of the inputs.

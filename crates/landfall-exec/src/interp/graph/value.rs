@@ -1,4 +1,4 @@
-//! What a value may be over a box.
+//! The possible values of a node over a box.
 
 use super::super::interval::Interval;
 use super::fault::Faults;
@@ -18,7 +18,7 @@ impl From<Interval> for Range {
     }
 }
 
-/// What a graph's values enclose.
+/// The arithmetic whose results the values of a graph enclose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Arithmetic {
     /// The values of every conformant device, for the expressions as written.

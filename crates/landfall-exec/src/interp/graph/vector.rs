@@ -16,10 +16,10 @@ use super::value::{Applied, Arithmetic};
 /// The room for the roundings of a sum of four products of numbers up to one.
 const PRODUCTS: f64 = 1.0 / 1_048_576.0;
 
-/// How far the length of a unit vector among the inputs may be off.
+/// Maximum error of the length of a unit vector among the inputs.
 const UNIT_INPUT: f64 = 3e-7;
 
-/// How far the length of a normalised vector may be off on a device: its formula has an error of at
+/// Maximum error of the length of a normalised vector on a device: its formula has an error of at
 /// most 8 ULP.
 const UNIT_COMPUTED: f64 = 1.0 / 524_288.0;
 

@@ -41,7 +41,7 @@ pub(in crate::interp) struct Diverged {
 
 /// The notes of a run.
 #[derive(Clone, Debug, Default)]
-pub(in crate::interp) struct Watch {
+pub(in crate::interp) struct Sanitizer {
     pub undefined: FxHashMap<(usize, UndefinedKind), Occurrences>,
     /// The relative tolerance between `f32` and `f64`, if both are computed.
     pub tolerance: Option<f64>,
@@ -56,7 +56,7 @@ pub(in crate::interp) struct Watch {
     pub(in crate::interp) unset: Unset,
 }
 
-impl Watch {
+impl Sanitizer {
     /// Starts a batch, whose lanes are other invocations.
     pub fn next_batch(&mut self, base: usize) {
         self.lanes_diverged = 0;
@@ -65,7 +65,7 @@ impl Watch {
     }
 
     /// Adds the notes of another thread, whose batches come later.
-    pub fn merge(&mut self, more: Watch) {
+    pub fn merge(&mut self, more: Sanitizer) {
         for (key, seen) in more.undefined {
             self.undefined
                 .entry(key)
@@ -141,7 +141,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     fn inspect_access(
         &self,
-        watch: &mut Watch,
+        watch: &mut Sanitizer,
         pc: usize,
         access: &Access,
         head: &[u32],
@@ -158,7 +158,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    fn inspect_group(&self, watch: &mut Watch, pc: usize, op: Op, reads: &[u32], lane: usize) {
+    fn inspect_group(&self, watch: &mut Sanitizer, pc: usize, op: Op, reads: &[u32], lane: usize) {
         use UndefinedKind as U;
         let real = |i: usize| column(&self.reals, reads[i])[lane].followed();
         let word = |i: usize| column(&self.words, reads[i])[lane];

@@ -45,7 +45,7 @@ pub static COORDINATE: Threshold = Threshold {
 /// The smallest divisor of an attenuation.
 pub static ATTENUATION: Threshold = Threshold {
     value: 1e-4,
-    of: "number the attenuation divides by",
+    of: "denominator of the attenuation",
     why: "the squared distance of 1 cm in metres: nearer than that a lamp has a size. It is the \
           smallest power of ten that is a normal number in 16-bit floats (6.1e-5), and its \
           reciprocal, 1e4, is finite there (65504) and in f32 sums; 1e-6 is subnormal in 16 bits \
@@ -56,7 +56,7 @@ pub static ATTENUATION: Threshold = Threshold {
 /// The smallest difference of cosines that a cone divides by.
 pub static CONE_WIDTH: Threshold = Threshold {
     value: 1e-4,
-    of: "difference of cosines the cone divides by",
+    of: "difference of cosines in the denominator",
     why: "a dot product of two normalised f32 vectors is up to 2.4e-7 above 1, and the division \
           multiplies that by the reciprocal of this number: 0.6 steps of 1/255 at 1e-4, 61 at 1e-6 \
           and all 255 at 1e-7, where a cone of zero width still sparkles. A cone of 0.5 and 1 degrees divides by 1.14e-4 and keeps its width; cosines \

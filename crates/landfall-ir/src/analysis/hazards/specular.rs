@@ -15,7 +15,7 @@ const MOST_ABOVE: usize = 400;
 
 /// A highlight.
 #[derive(Clone, Copy, Debug)]
-pub struct Power {
+pub struct SpecularPower {
     node: Id,
     base: Id,
     normal: Id,
@@ -30,7 +30,7 @@ impl Walk<'_> {
         let gated = self.assumed.iter().any(|(id, facts)| {
             (facts.low >= 0.0 || facts.nonzero) && self.speaks_of_side(*id, normal, base)
         });
-        self.powers.push(Power { node, base, normal, span, gated });
+        self.powers.push(SpecularPower { node, base, normal, span, gated });
     }
 
     /// Returns the normal of `dot(v, reflect(-l, n))` or `dot(n, normalize(l + v))`.
@@ -92,7 +92,7 @@ impl Walk<'_> {
     }
 
     /// Returns whether the highlight is multiplied by a factor that depends on the light's side.
-    fn is_multiplied(&self, above: &[Vec<Id>], power: &Power) -> bool {
+    fn is_multiplied(&self, above: &[Vec<Id>], power: &SpecularPower) -> bool {
         let mut todo = vec![power.node];
         let mut seen = 0;
         while let Some(id) = todo.pop() {

@@ -8,7 +8,7 @@ use super::abstract_domain::Facts;
 use super::checks::Candidate;
 use super::graph::{Graph, Id, Op, Origin};
 use super::memory::Value;
-use super::specular::Power;
+use super::specular::SpecularPower;
 use super::{Access, HazardReport, Setting};
 use crate::analysis::roles::LightBinding;
 use crate::{Module, call_graph};
@@ -41,20 +41,20 @@ pub struct Walk<'m> {
     pub candidates: Vec<Candidate>,
     /// Accesses to arrays of lights, and the index of each.
     pub accesses: Vec<(Id, Access)>,
-    pub powers: Vec<Power>,
+    pub powers: Vec<SpecularPower>,
     globals: FxHashMap<Handle<naga::GlobalVariable>, Value>,
     /// The index of the block that each variable holds.
     blocks: FxHashMap<Handle<naga::GlobalVariable>, usize>,
     constants: FxHashMap<Handle<Expression>, Id>,
     /// The values of variables at each `break` and `continue` of a loop.
     pub left: Vec<Vec<Id>>,
-    /// What decides where control goes, for [`falloff`](super::falloff).
+    /// The conditions of branches, for [`falloff`](super::falloff).
     pub control: ControlRecord,
     steps: u32,
     depth: u32,
 }
 
-/// What decides where control goes and what opaque values are made of.
+/// The conditions of branches, and the operands of opaque values.
 #[derive(Debug, Default)]
 pub struct ControlRecord {
     /// The conditions of the branches around a statement.
@@ -69,7 +69,7 @@ pub struct ControlRecord {
     pub guards: FxHashMap<Id, Vec<Id>>,
     /// The values that a variable of a loop has after a turn.
     pub turns: FxHashMap<Id, Vec<Id>>,
-    /// What an opaque value is made of.
+    /// The operands of each opaque value.
     pub hidden: FxHashMap<Id, Vec<Id>>,
     /// The conditions at each `break` and `continue` of a loop.
     pub left: Vec<Id>,

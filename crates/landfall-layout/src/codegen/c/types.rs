@@ -13,7 +13,7 @@ use crate::shape::{ArrayLen, Rules, Type};
 use crate::source::Span;
 use crate::{Diagnostic, ShaderLayout};
 
-/// Why a block has no C structure.
+/// The reason why a block has no C structure.
 #[derive(Clone, Debug)]
 pub(super) struct Refusal {
     pub span: Span,

@@ -25,7 +25,7 @@ pub(super) struct Origin<'a> {
 pub(super) struct MirrorDoc {
     /// The shader's comment, without `/// `.
     comment: Vec<String>,
-    /// What it mirrors, and the file and line of that declaration.
+    /// The declaration that it mirrors, with its file and line.
     fact: String,
     /// Its size in bytes, unless it mirrors only a part.
     size: Option<u64>,

@@ -18,20 +18,24 @@ use crate::text::escape::{name, visible};
 const WIDTH: usize = 240;
 
 /// Renders diagnostics about a set of files.
-pub struct Pen<'a> {
+pub struct DiagnosticRenderer<'a> {
     files: &'a Files,
     places: Places<'a>,
     renderer: Renderer,
 }
 
-impl<'a> Pen<'a> {
+impl<'a> DiagnosticRenderer<'a> {
     /// Creates a renderer for findings about `files`.
-    pub fn new(files: &'a Files, paint: Paint) -> Pen<'a> {
+    pub fn new(files: &'a Files, paint: Paint) -> DiagnosticRenderer<'a> {
         let renderer = match paint {
             Paint::Plain => Renderer::plain(),
             Paint::Ansi => Renderer::styled(),
         };
-        Pen { files, places: Places::new(files), renderer: renderer.term_width(WIDTH) }
+        DiagnosticRenderer {
+            files,
+            places: Places::new(files),
+            renderer: renderer.term_width(WIDTH),
+        }
     }
 
     /// The diagnostic as text, followed by an empty line.

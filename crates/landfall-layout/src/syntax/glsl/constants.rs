@@ -25,7 +25,7 @@ pub(super) struct Constant<'a> {
     index: usize,
 }
 
-/// What the value of a constant depends on.
+/// The names that the value of a constant depends on.
 #[derive(Clone, Debug, Default)]
 struct Uses {
     /// Indices of constants.
@@ -83,7 +83,7 @@ impl Names for Lookup<'_, '_> {
                 if self.depth == DEEPEST_CHAIN {
                     return Err(Problem::new(
                         span,
-                        format!("goes through more than {DEEPEST_CHAIN} constants"),
+                        format!("is defined by a chain of more than {DEEPEST_CHAIN} constants"),
                     ));
                 }
                 self.depth += 1;

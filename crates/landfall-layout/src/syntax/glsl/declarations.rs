@@ -70,7 +70,7 @@ pub(super) struct Unsized<'a> {
     pub brackets: Span,
 }
 
-/// Why a length cannot be told.
+/// The reason why a length is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// No constant index is used.

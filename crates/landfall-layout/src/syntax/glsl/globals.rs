@@ -10,7 +10,7 @@ use super::report::diagnostic_at;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// What a name at global scope was declared as.
+/// The kind of declaration of a name at global scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Declared {
     /// The name of a block with that storage.

@@ -203,7 +203,7 @@ impl<'a> DeclarationReader<'a> {
         };
         drivers.then(|| {
             let message = format!(
-                "`{}` needs a block declared with std140 or std430, and the driver lays out `{}`",
+                "`{}` needs a block declared std140 or std430, but the driver chooses the layout of `{}`",
                 id.name.text, block.name.text
             );
             let rules = if space == AddressSpace::Uniform { "std140" } else { "std430" };

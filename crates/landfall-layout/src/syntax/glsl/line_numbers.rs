@@ -8,7 +8,7 @@ use super::preprocess::Preprocessor;
 use crate::source::Span;
 use crate::syntax::constant::Value;
 
-/// What a `#line` sets for the lines after it.
+/// The line number and file name that `#line` sets for the lines after it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineNumbers {
     file: u32,

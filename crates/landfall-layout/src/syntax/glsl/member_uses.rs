@@ -17,7 +17,7 @@ use crate::syntax::constant::Value;
 /// The local names of a scope; constants of a scalar type have a value.
 type Scope<'a> = FxHashMap<&'a str, Option<Value>>;
 
-/// What the uses of each member say of its length.
+/// The array lengths that the uses of members imply.
 pub(super) struct Uses<'m, 'a> {
     members: &'m [Unsized<'a>],
     constants: &'m Constants<'a>,

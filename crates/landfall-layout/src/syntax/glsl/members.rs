@@ -43,7 +43,7 @@ pub(super) enum MemberOwner {
 
 const ONLY_TAILS: &str = "only the last member of a `buffer` block may be runtime-sized";
 
-/// How an array without a written length gets one.
+/// The source of the length of an array declared without one.
 #[derive(Clone, Copy)]
 enum OpenLength {
     Refused,

@@ -139,18 +139,18 @@ impl<'a> Variant<'a> {
 
 /// A variant on the interpreter.
 #[derive(Debug)]
-pub struct Called<'a> {
+pub struct InterpreterVariant<'a> {
     variant: &'a Variant<'a>,
 }
 
-impl<'a> Called<'a> {
+impl<'a> InterpreterVariant<'a> {
     /// A variant as a workload.
-    pub fn new(variant: &'a Variant<'a>) -> Called<'a> {
-        Called { variant }
+    pub fn new(variant: &'a Variant<'a>) -> InterpreterVariant<'a> {
+        InterpreterVariant { variant }
     }
 }
 
-impl Workload for Called<'_> {
+impl Workload for InterpreterVariant<'_> {
     fn has(&self, part: Part) -> bool {
         match part {
             Part::Whole => true,

@@ -12,23 +12,23 @@ use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 
 /// A variant on a driver.
-pub struct OnDriver<'a> {
+pub struct DriverVariant<'a> {
     variant: &'a Variant<'a>,
     backend: Shared,
     whole: Kernel<'a>,
     trivial: Option<Kernel<'a>>,
 }
 
-impl<'a> OnDriver<'a> {
+impl<'a> DriverVariant<'a> {
     /// A variant on a backend.
     ///
     /// # Errors
     /// Code the backend cannot run, such as WGSL on OpenGL.
-    pub fn new(variant: &'a Variant<'a>, backend: Shared) -> Result<OnDriver<'a>, Failure> {
+    pub fn new(variant: &'a Variant<'a>, backend: Shared) -> Result<DriverVariant<'a>, Failure> {
         let device = backend.borrow().device().clone();
         let whole = variant.pure().on(&device)?;
         let trivial = variant.trivial().and_then(|kernel| kernel.on(&device).ok());
-        Ok(OnDriver { variant, backend, whole, trivial })
+        Ok(DriverVariant { variant, backend, whole, trivial })
     }
 
     /// Returns the errors of its results against the truth.
@@ -60,7 +60,7 @@ impl<'a> OnDriver<'a> {
     }
 }
 
-impl Workload for OnDriver<'_> {
+impl Workload for DriverVariant<'_> {
     fn has(&self, part: Part) -> bool {
         match part {
             Part::Whole => true,

@@ -13,12 +13,12 @@ use super::errors::Results;
 use crate::accuracy::inputs::{Inputs, columns, domain, matched, published};
 use crate::accuracy::measure::floats;
 use landfall_exec::harness::call::Refusal;
-use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_exec::interp::{Precision, Settings};
 use landfall_layout::Diagnostic;
 use landfall_layout::source::Source;
 
-/// How the arguments of a function are sampled.
+/// The options of sampling the arguments of a function.
 #[derive(Clone, Debug)]
 pub struct Sampling {
     /// The domain of the inputs as JSON; comments of the shader add to it.
@@ -164,7 +164,7 @@ impl Kinds {
     /// Returns the results of one lane.
     pub(super) fn results(
         &self,
-        called: &PureCalled,
+        called: &PureCallResult,
         lane: usize,
         precision: Precision,
     ) -> Results {

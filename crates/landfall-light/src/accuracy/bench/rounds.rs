@@ -13,7 +13,7 @@ use super::clock::{Clock, Elapsed, Start};
 /// One warm-up run precedes this many repetitions.
 const WARMED: u32 = 8;
 
-/// Why a workload has no samples.
+/// The reason why a workload has no samples.
 const INTERRUPTED: &str = "interrupted before its first round was complete";
 
 /// A part of a workload, measured separately for subtraction.
@@ -39,7 +39,7 @@ pub trait Workload {
     fn run(&mut self, part: Part) -> Result<Option<Elapsed>, String>;
 }
 
-/// How to measure.
+/// The options of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rounds {
     /// The rounds that count; one more precedes them and is dropped.

@@ -5,7 +5,7 @@ use super::super::inputs::input::{Input, Inputs, float};
 use landfall_exec::interp::graph::Range;
 use landfall_layout::shape::ScalarKind;
 
-/// How far the length of a unit vector of a [`Domain`] may be off, squared.
+/// Maximum error of the squared length of a unit vector of a [`Domain`].
 const UNIT: f64 = 5.1e-7;
 
 /// The inputs of a function as a box of ranges, one for each scalar; empty where none is read.

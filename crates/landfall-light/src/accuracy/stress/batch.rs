@@ -2,7 +2,7 @@
 
 use super::input::Sample;
 use super::measure::Outcome;
-use landfall_exec::harness::call::pure::PureCalled;
+use landfall_exec::harness::call::pure::PureCallResult;
 
 /// Samples and their results on the interpreter.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ impl Batch {
     /// Makes a batch of the interpreter's results.
     pub fn of(
         columns: Vec<Vec<u64>>,
-        called: PureCalled,
+        called: PureCallResult,
         floats: &[(usize, usize)],
         outcomes: Vec<Outcome>,
     ) -> Batch {

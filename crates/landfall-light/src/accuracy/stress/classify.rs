@@ -13,7 +13,7 @@ use super::input::{Input, Sample};
 use super::measure::{Outcome, floats, outcome};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
-use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_exec::interp::{
     Number, Operation, Settings, Source, SourceLocation, Trace, TracedOperation, UndefinedKind,
 };
@@ -57,7 +57,7 @@ impl Candidate {
 /// A sample run with a trace.
 pub(super) struct Examined {
     pub outcome: Outcome,
-    pub called: PureCalled,
+    pub called: PureCallResult,
     pub candidates: Vec<Candidate>,
     pub trace: Box<Trace>,
 }

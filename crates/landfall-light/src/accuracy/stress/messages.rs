@@ -73,7 +73,7 @@ impl StressFinding {
                     false => "the problem is ill-conditioned here",
                 };
                 notes.push(format!(
-                    "one ULP of `{}` moves the result by {} steps: {verdict}",
+                    "changing `{}` by one ULP changes the result by {} steps: {verdict}",
                     condition.path,
                     figure(condition.steps)
                 ));

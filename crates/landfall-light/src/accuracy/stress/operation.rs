@@ -1,4 +1,4 @@
-//! What is known of the operations that can break, with inputs by path.
+//! The verdicts on operations that can break, with inputs by path.
 //!
 //! Made from the goals of [`prove`](mod@crate::accuracy::prove); listed by the reports of
 //! `landfall stress` and `landfall prove`.
@@ -15,18 +15,18 @@ use crate::accuracy::prove::{Class, Goal, Verdict, class};
 use landfall_exec::interp::graph::Fault;
 use landfall_exec::interp::{SourceLocation, UndefinedKind};
 
-/// What is known of one operation.
+/// An operation and the verdict on it.
 #[derive(Clone, Debug)]
 pub struct Operation {
-    /// What may happen.
+    /// The way in which it can break.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
-    /// What is known.
+    /// The verdict.
     pub known: Known,
 }
 
-/// What is known of an operation, with inputs by path.
+/// The verdict on an operation, with inputs by path.
 #[derive(Clone, Debug)]
 pub enum Known {
     /// It breaks at this input.

@@ -1,4 +1,4 @@
-//! What [`prove`](mod@crate::accuracy::prove) finds and shows, as a part of the search.
+//! The verdicts of [`prove`](mod@crate::accuracy::prove), as a part of the search.
 //!
 //! Its inputs are examined with the samples; the report ends with what is known of each operation.
 

@@ -60,7 +60,7 @@ pub struct Report {
     pub backends: Vec<BackendReport>,
     /// The findings, the worst first.
     pub findings: Vec<StressFinding>,
-    /// What is known of each operation that can break, in the order of the text; empty if the code
+    /// The verdict on each operation that can break, in the order of the text; empty if the code
     /// is too large to follow.
     pub operations: Vec<Operation>,
     /// The assumptions made for values not given.

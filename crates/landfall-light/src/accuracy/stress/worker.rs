@@ -11,7 +11,7 @@ use super::kept::{KeepReason, Kept, Sampled, Tally, keep, top};
 use super::measure::{Outcome, floats, outcome};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
-use landfall_exec::harness::call::pure::{PureCalled, PureFunction};
+use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 
 /// The most exemplars a thread keeps.
 const KEPT: usize = 6000;
@@ -106,7 +106,7 @@ impl<'a> Worker<'a> {
         number: usize,
         chunk: &Chunk,
         lanes: std::ops::Range<usize>,
-        called: &PureCalled,
+        called: &PureCallResult,
     ) -> Vec<Outcome> {
         let mut outcomes = Vec::with_capacity(lanes.len());
         let special = chunk.family == Family::Special;

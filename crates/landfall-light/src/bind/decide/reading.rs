@@ -16,7 +16,7 @@ pub enum Topic {
     Cone,
     /// The range, its square or their inverses.
     Range,
-    /// Which attenuation coefficient is which.
+    /// The order of the attenuation coefficients.
     Attenuation,
     /// Whether the colour is already multiplied by the intensity.
     Strength,
@@ -53,12 +53,12 @@ impl fmt::Display for Topic {
     }
 }
 
-/// Where equal light of the reference must be equal in the shader too.
+/// The fragments at which equal light of the reference must be equal in the shader too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ties {
     /// Nowhere.
     Ignored,
-    /// Where the reference is dark.
+    /// The fragments that the reference leaves dark.
     Dark,
     /// Everywhere.
     All,

@@ -307,7 +307,11 @@ fn wide_enough(walk: &mut Walk, at: &At<'_>, outer: f64) -> Option<()> {
     if outer > 0.0 {
         return Some(());
     }
-    walk.error(Code::EmptyCone, at, "is 0: a cone of zero width lights only rounding errors");
+    walk.error(
+        Code::EmptyCone,
+        at,
+        "is 0: in a cone of zero width rounding alone decides what is lit",
+    );
     None
 }
 
@@ -337,7 +341,7 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
         walk.error(
             Code::EmptyCone,
             outer_at,
-            "is 1: a cone of zero width lights only rounding errors",
+            "is 1: in a cone of zero width rounding alone decides what is lit",
         );
         return None;
     }

@@ -6,14 +6,18 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::walk::{At, Object, Walk, short};
-use super::{MOST_PIXELS, Open};
+use super::{FileOpener, MOST_PIXELS};
 use crate::scene::{Material, Surface, Texture};
 pub use landfall_layout::text::json::Value;
 
 /// The default exponent of the highlight.
 const SHININESS: f64 = 32.0;
 
-pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Option<Vec<Material>> {
+pub(super) fn read(
+    walk: &mut Walk,
+    root: &Object<'_>,
+    open: &FileOpener<'_>,
+) -> Option<Vec<Material>> {
     let Some(at) = root.get("materials") else { return Some(Vec::new()) };
     let mut names: HashMap<String, String> = HashMap::new();
     let mut materials = Vec::new();
@@ -34,7 +38,7 @@ pub(super) fn read(walk: &mut Walk, root: &Object<'_>, open: &Open<'_>) -> Optio
     whole.then_some(materials)
 }
 
-fn material(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Material> {
+fn material(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Material> {
     let known = &["name", "ambient", "diffuse", "specular", "shininess", "reflectance"];
     let object = walk.object(at, known)?;
     let name = walk.needed(&object, "name").and_then(|at| walk.text(&at));
@@ -69,13 +73,13 @@ fn shininess(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
     let why = "a negative power makes the highlight grow where there should be none";
     let shininess = walk.not_negative(at, Code::ValueOutOfRange, why)?;
     if shininess == 0.0 {
-        let what = "is 0: away from the highlight that is 0 to the power of 0, which shaders leave undefined";
+        let what = "is 0: where the base of the highlight is 0, `pow(0, 0)` is undefined";
         walk.warning(Code::ZeroShininess, at, what);
     }
     Some(shininess)
 }
 
-fn surface(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Surface> {
+fn surface(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Surface> {
     match at.node.value {
         Value::Object(_) => texture(walk, at, open).map(Surface::Texture),
         Value::Number(_) | Value::List(_) => walk.color(at).map(Surface::Constant),
@@ -86,7 +90,7 @@ fn surface(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Surface> {
     }
 }
 
-fn texture(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Texture> {
+fn texture(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Texture> {
     let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
     let srgb = match object.get("srgb") {
         Some(at) => walk.truth(&at),
@@ -204,7 +208,7 @@ fn fits(walk: &mut Walk, at: &At<'_>, texels: u64) -> Option<()> {
     None
 }
 
-fn png(walk: &mut Walk, at: &At<'_>, open: &Open<'_>) -> Option<Image> {
+fn png(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Image> {
     let name = walk.text(at)?;
     let bytes = match open(name) {
         Ok(bytes) => bytes,

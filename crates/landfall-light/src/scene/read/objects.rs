@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec3};
 
-use super::Open;
+use super::FileOpener;
 use super::walk::{At, Object as Members, Walk, short};
 use crate::scene::{LARGEST, MOST_TRIANGLES};
 use crate::scene::{Material, Mesh, Object, mesh, read_obj};
@@ -21,7 +21,7 @@ pub(super) fn read(
     root: &Members<'_>,
     materials: Option<&[Material]>,
     path: &str,
-    open: &Open<'_>,
+    open: &FileOpener<'_>,
 ) -> Option<Vec<Object>> {
     let Some(at) = root.get("objects") else { return Some(Vec::new()) };
     let mut reader = ObjectReader { materials, path, open, obj: HashMap::new() };
@@ -49,7 +49,7 @@ struct ObjectReader<'r> {
     materials: Option<&'r [Material]>,
     /// The path of the scene, to whose directory file names are relative.
     path: &'r str,
-    open: &'r Open<'r>,
+    open: &'r FileOpener<'r>,
     /// The files read so far; `None` for an invalid one.
     obj: HashMap<String, Option<Mesh>>,
 }

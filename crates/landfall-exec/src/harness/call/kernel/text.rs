@@ -16,7 +16,7 @@ use crate::harness::access;
 use crate::harness::bindings as bound;
 use crate::harness::call::pure::{Origin, PureFunction, Purpose, Slot};
 use crate::harness::probe::glsl::is_sized;
-use crate::harness::rewrite::{Builtin, Rewritten, Wanted, rewritten, root};
+use crate::harness::rewrite::{Builtin, RewriteTargets, Rewritten, rewritten, root};
 use crate::harness::verify::{code as texts, every, partner};
 use crate::interp::ValueType;
 use landfall_layout::layout;
@@ -143,8 +143,8 @@ impl<'p> User<'p> {
     }
 
     /// Returns the inputs and blocks that become variables.
-    fn wanted(&self, pure: &PureFunction) -> Wanted {
-        let mut wanted = Wanted::default();
+    fn wanted(&self, pure: &PureFunction) -> RewriteTargets {
+        let mut wanted = RewriteTargets::default();
         for (name, ty) in &pure.inputs {
             wanted.late.push(root(&self.new_path(name)).to_string());
             if let (Some(rest), Some(ty)) = (name.strip_prefix("gl_"), builtin_type(name, ty)) {

@@ -6,7 +6,7 @@ use super::{Candidate, Performed, undefined};
 use crate::accuracy::stress::blame::Graph;
 use crate::accuracy::stress::input::{Sample, float};
 use crate::accuracy::stress::role::Role;
-use landfall_exec::harness::call::pure::PureCalled;
+use landfall_exec::harness::call::pure::PureCallResult;
 use landfall_exec::interp::{Number, Operation, Source, TracedOperation, UndefinedKind};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::hazard::threshold::{
@@ -261,7 +261,11 @@ impl Look<'_> {
     }
 
     /// Returns the operation that introduced the error of the worst component.
-    pub fn inaccurate(&self, floats: &[(usize, usize)], called: &PureCalled) -> Option<Candidate> {
+    pub fn inaccurate(
+        &self,
+        floats: &[(usize, usize)],
+        called: &PureCallResult,
+    ) -> Option<Candidate> {
         let sources = self.graph.pure.sources(self.graph.trace);
         let mut flat = 0;
         let mut worst: Option<(f64, Source)> = None;
