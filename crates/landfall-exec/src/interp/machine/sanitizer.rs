@@ -186,6 +186,9 @@ impl<R: Real> Machine<'_, '_, R> {
                     watch.see((pc, lane), kind, || vec![a, b]);
                 }
             }
+            Op::F3(F3::Clamp) if (0..3).any(|i| real(i).is_nan()) => {
+                watch.see((pc, lane), U::NanCompared, || vec![real(0), real(1), real(2)]);
+            }
             Op::F3(F3::SmoothStep) if real(0) >= real(1) => {
                 watch.see((pc, lane), U::SmoothStepEdges, || vec![real(0), real(1), real(2)]);
             }
@@ -399,6 +402,7 @@ fn undefined1(f: F1, x: f64) -> Option<UndefinedKind> {
         F1::Asin | F1::Acos if x.abs() > 1.0 => Some(U::ArcOutOfRange),
         F1::Acosh if x < 1.0 => Some(U::ArcOutOfRange),
         F1::Atanh if x.abs() >= 1.0 => Some(U::ArcOutOfRange),
+        F1::Saturate if x.is_nan() => Some(U::NanCompared),
         _ => None,
     }
 }
@@ -413,6 +417,7 @@ fn undefined2(f: F2, a: f64, b: f64) -> Option<UndefinedKind> {
         F2::Pow if a < 0.0 => Some(U::PowOfNegative),
         F2::Pow if a == 0.0 && b <= 0.0 => Some(U::PowOfZero),
         F2::Atan2 if a == 0.0 && b == 0.0 => Some(U::AtanOfZeros),
+        F2::Min | F2::Max | F2::Step if a.is_nan() || b.is_nan() => Some(U::NanCompared),
         _ => None,
     }
 }

@@ -6,6 +6,7 @@ use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
 use landfall_exec::interp::{Number, Operation};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 
 impl StressFinding {
@@ -39,6 +40,13 @@ impl StressFinding {
         let single = |n: &Number| number(f64::from(n.single));
         let operands: Vec<String> = operation.operands.iter().map(single).collect();
         let name = name(operation.operation);
+        if self.hazard == Hazard::BranchDivergence {
+            let double = |n: &Number| number(n.double);
+            let exact: Vec<String> = operation.operands.iter().map(double).collect();
+            let is = operation.result.single != 0.0;
+            let (operands, exact) = (operands.join(", "), exact.join(", "));
+            return format!("{name}({operands}) is {is}, in f64 {name}({exact}) is {}", !is);
+        }
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
         let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
