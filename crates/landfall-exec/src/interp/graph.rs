@@ -20,6 +20,7 @@ mod bounds;
 mod cast;
 mod context;
 mod control;
+mod correlated;
 mod distance;
 mod error;
 mod exact;

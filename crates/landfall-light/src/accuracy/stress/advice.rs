@@ -196,27 +196,3 @@ impl Advised<'_> {
         Some(bound.ulp).filter(|ulp| ulp.is_finite())
     }
 }
-
-impl Advice {
-    /// Returns the help of a finding.
-    pub fn text(&self) -> String {
-        let figure = super::messages::figure;
-        let code = format!("write `{}` for `{}`", self.code, self.before);
-        let gain = match self.ulp_before {
-            Some(before) => format!(
-                "{}: {} ULP instead of {} in {} samples around here",
-                self.name,
-                figure(self.ulp_after),
-                figure(before),
-                self.samples
-            ),
-            None => {
-                format!("{}: no other of {} samples around here changes", self.name, self.samples)
-            }
-        };
-        match self.proved {
-            Some(ulp) => format!("{code} ({gain}, proved at most {} on the domain)", figure(ulp)),
-            None => format!("{code} ({gain})"),
-        }
-    }
-}

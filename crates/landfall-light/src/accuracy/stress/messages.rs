@@ -2,6 +2,7 @@
 //!
 //! Used by the findings as lints and by the report of `landfall stress`.
 
+use super::advice::Advice;
 use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
@@ -142,6 +143,29 @@ impl StressFinding {
             notes.push("only with values that do not occur in scenes".to_string());
         }
         notes
+    }
+}
+
+impl Advice {
+    /// Returns the help of a finding.
+    pub fn text(&self) -> String {
+        let code = format!("write `{}` for `{}`", self.code, self.before);
+        let gain = match self.ulp_before {
+            Some(before) => format!(
+                "{}: {} ULP instead of {} in {} samples around here",
+                self.name,
+                figure(self.ulp_after),
+                figure(before),
+                self.samples
+            ),
+            None => {
+                format!("{}: no other of {} samples around here changes", self.name, self.samples)
+            }
+        };
+        match self.proved {
+            Some(ulp) => format!("{code} ({gain}, proved at most {} on the domain)", figure(ulp)),
+            None => format!("{code} ({gain})"),
+        }
     }
 }
 
