@@ -51,22 +51,9 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         stressed.seed,
         if stressed.stopped { ", stopped before the end" } else { "" }
     );
-    table(stressed, paint, &mut text);
-    let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
-    for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
-        let [ulp, steps] = [worst.off.ulp, worst.off.steps].map(figure);
-        let inputs = cut(&worst.sample.shown());
-        indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), &mut text);
-        if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
-            let line = format!(
-                "changing `{}` by one ULP changes the result by {} steps; condition number {}",
-                condition.path,
-                figure(condition.steps),
-                figure(condition.number)
-            );
-            let line = wrapped(&line, WIDTH - 6).join("\n      ");
-            let _ = writeln!(text, "    {}", paint.text(FAINT, &line));
-        }
+    table(stressed, listed, paint, &mut text);
+    if listed == Listed::All {
+        largest(stressed, paint, &mut text);
     }
     stressed.backends.iter().for_each(|backend| driver(backend, paint, &mut text));
     for note in &stressed.notes {
@@ -79,9 +66,21 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     };
     let folded = stressed.findings.iter().filter(is_folded).count();
     let shown = stressed.findings.iter().filter(|found| !is_folded(found));
-    let shown: Vec<Finding> = shown.map(|found| stressed.lint(found)).collect();
-    if folded == 0 || !shown.is_empty() {
-        text.push_str(&printed(stressed, &shown, ReportFormat::Human, paint));
+    let shown: Vec<&StressFinding> = shown.collect();
+    let left = match listed {
+        Listed::Few if shown.len() > EXCERPTS => briefly(stressed, &shown, paint, &mut text),
+        Listed::Few | Listed::All => {
+            if folded == 0 || !shown.is_empty() {
+                let lints: Vec<Finding> = shown.iter().map(|found| stressed.lint(found)).collect();
+                text.push_str(&printed(stressed, &lints, ReportFormat::Human, paint));
+            }
+            0
+        }
+    };
+    if left > 0 {
+        let findings = phrases::counted(left, "further finding");
+        let line = format!("{findings}: printed with --all, and the inputs of each");
+        let _ = writeln!(text, "{}", paint.text(FAINT, &line));
     }
     if folded > 0 {
         let noun = if shown.is_empty() { "finding" } else { "further finding" };
@@ -96,6 +95,58 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         let _ = writeln!(text, "{line}");
     }
     text
+}
+
+/// The most findings printed with excerpts and inputs unless all are.
+const EXCERPTS: usize = 2;
+
+/// The lines of findings without excerpts: a screen has 24 to 30, of which others take ten.
+const LINES: usize = 19;
+
+/// Appends findings by place, effect and help, as many as fit a screen; returns how many are left.
+fn briefly(stressed: &Report, shown: &[&StressFinding], paint: Paint, text: &mut String) -> usize {
+    let mut lines = 0;
+    for (nth, found) in shown.iter().enumerate() {
+        let lint = stressed.lint(found);
+        let at = stressed.files.locate(found.place.span);
+        let style = if found.level == Level::Deny { STRONG } else { CAUTION };
+        let level = if lint.level() == Level::Deny { "error" } else { "warning" };
+        let head = format!("{}:{}: {level}[{}]: ", at.line, at.column, lint.code);
+        let mut all = wrapped(&format!("{head}{}", found.message()), WIDTH - 2);
+        let first = all.remove(0);
+        let help = lint.help.map(|help| format!("help: {help}"));
+        let rest = all.into_iter().chain(help.iter().flat_map(|help| wrapped(help, WIDTH - 4)));
+        let rest: Vec<String> = rest.collect();
+        lines += 1 + rest.len();
+        if lines > LINES && nth > 0 {
+            return shown.len() - nth;
+        }
+        let _ = writeln!(text, "{}", paint.text(style, &first));
+        for line in rest {
+            let _ = writeln!(text, "  {line}");
+        }
+    }
+    0
+}
+
+/// Appends the samples with the largest errors.
+fn largest(stressed: &Report, paint: Paint, text: &mut String) {
+    let worst = ["largest in ULP", "largest in steps"].into_iter().zip(&stressed.worst);
+    for (what, worst) in worst.filter(|(_, worst)| worst.off.ulp > 0.0) {
+        let [ulp, steps] = [worst.off.ulp, worst.off.steps].map(figure);
+        let inputs = cut(&worst.sample.shown());
+        indented(&format!("{what}: {ulp} ULP, {steps} steps with {inputs}"), text);
+        if let Some(condition) = worst.condition.as_ref().filter(|c| c.steps > 0.0) {
+            let line = format!(
+                "changing `{}` by one ULP changes the result by {} steps; condition number {}",
+                condition.path,
+                figure(condition.steps),
+                figure(condition.number)
+            );
+            let line = wrapped(&line, WIDTH - 6).join("\n      ");
+            let _ = writeln!(text, "    {}", paint.text(FAINT, &line));
+        }
+    }
 }
 
 /// The longest command shown as text, in characters.
@@ -214,7 +265,7 @@ pub fn sarif(stressed: &Report) -> String {
     rendered(stressed, ReportFormat::Sarif, Paint::Plain)
 }
 
-fn table(stressed: &Report, paint: Paint, text: &mut String) {
+fn table(stressed: &Report, listed: Listed, paint: Paint, text: &mut String) {
     let head = ["", "samples", "NaN", "inf", "max", "p99.9", "max", "p99.9", "max", "p99.9"];
     let mut rows: Vec<Vec<String>> = vec![head.map(str::to_string).to_vec()];
     let mut row = |name: &str, tally: &Tally| {
@@ -226,7 +277,7 @@ fn table(stressed: &Report, paint: Paint, text: &mut String) {
         rows.push(row);
     };
     for (family, tally) in &stressed.families {
-        if tally.samples > 0 {
+        if tally.samples > 0 && listed == Listed::All {
             row(family.name(), tally);
         }
     }

@@ -3,7 +3,11 @@
 
 mod bounds;
 mod command;
+mod device;
+mod devices;
+mod expression;
 mod functions;
+mod programs;
 mod soundness;
 
 use std::time::Duration;
@@ -46,6 +50,7 @@ fn found(report: &ProveReport) -> Vec<(u32, &'static str)> {
 
 #[test]
 fn known_singular_sets_are_found_at_their_lines() {
+    assert!(functions::all().count() >= 60);
     for known in functions::all() {
         let report = run(known.code, known.domain);
         let found = found(&report);
@@ -96,6 +101,14 @@ fn a_branch_excludes_what_it_tests() {
     let report = run(guarded, r#"{"a": [-10, 10], "b": [-10, 10]}"#);
     let root = report.operations.iter().find(|o| o.fault.text() == "root of a negative number");
     assert!(matches!(root.map(|root| &root.known), Some(Verdict::Absent)), "{root:?}");
+}
+
+/// The absolute value of a divisor is known to be above zero only once it is computed.
+#[test]
+fn an_absolute_value_after_a_division_is_read() {
+    let after = "float f(float x, float y) {\n    return x / y + abs(y);\n}";
+    let report = run(after, r#"{"x": [1, 2], "y": [-1, 1]}"#);
+    assert_eq!(found(&report), [(3, "division by zero")]);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Stressing functions: the hazards of seed forms are found at their lines and those of robust
 //! forms are not there, errors are what analysis says, and every finding can be repeated.
 
+mod advice;
+mod branches;
 mod figures;
 mod hazards;
 mod inputs;

@@ -25,6 +25,7 @@ mod interval;
 mod machine;
 mod numbers;
 mod optimize;
+mod outward;
 mod permitted;
 mod pixels;
 mod program;

@@ -163,12 +163,24 @@ struct FoundObject<'a> {
     condition: Option<ConditionObject<'a>>,
     rewrite: &'static str,
     gain: Option<GainObject>,
+    advice: Option<AdviceObject<'a>>,
     against: Option<AgainstObject<'a>>,
     #[serde(rename = "readers")]
     backends: Vec<AskedObject<'a>>,
     seen: usize,
     plausible: bool,
     case: CaseObject<'a>,
+}
+
+#[derive(Serialize)]
+struct AdviceObject<'a> {
+    rewrite: &'a str,
+    before: &'a str,
+    code: &'a str,
+    ulp_before: Option<Value>,
+    ulp_after: Value,
+    samples: usize,
+    proved_ulp: Option<Value>,
 }
 
 #[derive(Serialize)]
@@ -405,6 +417,15 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
             form: gain.form,
             before: plain(gain.before),
             after: plain(gain.after),
+        }),
+        advice: found.advice.as_ref().map(|advice| AdviceObject {
+            rewrite: advice.name,
+            before: &advice.before,
+            code: &advice.code,
+            ulp_before: advice.ulp_before.map(plain),
+            ulp_after: plain(advice.ulp_after),
+            samples: advice.samples,
+            proved_ulp: advice.proved.map(plain),
         }),
         against: found.against.as_ref().map(|against| AgainstObject {
             function: &against.function,

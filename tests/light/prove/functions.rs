@@ -2,11 +2,12 @@
 //!
 //! A line that breaks ends in a comment with the fault; the twin has no such line.
 
+mod colours;
 mod more;
 
 /// The functions.
 pub fn all() -> impl Iterator<Item = &'static Known> {
-    SURFACES.iter().chain(more::MAPS)
+    SURFACES.iter().chain(more::MAPS).chain(colours::COLOURS)
 }
 
 /// A function with a known singular set.
@@ -30,7 +31,7 @@ const fn known(
     Known { name, domain, code, twin }
 }
 
-/// The first half: rays, depths, lobes.
+/// The first part: rays, depths, lobes.
 const SURFACES: &[Known] = &[
     known(
         "ray-box slabs divide by a direction along an axis",

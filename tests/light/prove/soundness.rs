@@ -1,14 +1,18 @@
-//! No value that a device may give lies outside of its bounds.
+//! No value that a device may give lies outside of its bounds. The whole set takes minutes:
+//!
+//!     cargo test --features full --test light prove::soundness -- --ignored --nocapture
 
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::graph::{Arithmetic, Bounds, Graph, Range};
 use landfall_exec::interp::{Precision, Settings};
 use landfall_layout::Options;
 
+use super::device::Device;
+use super::expression::{Tree, grow};
 use super::fragment;
 
 /// A stream of random numbers (splitmix64).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn word(&mut self) -> u64 {
@@ -19,59 +23,62 @@ impl Random {
         x ^ x >> 31
     }
 
-    fn below(&mut self, end: u64) -> u64 {
+    pub fn below(&mut self, end: u64) -> u64 {
         self.word() % end
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.word() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 
-/// A random expression of `a`, `b` and `c`.
-fn expression(random: &mut Random, depth: u32) -> String {
-    if depth == 0 {
-        return ["a", "b", "c", "0.5", "2.0", "-1.5", "3.25"][random.below(7) as usize].to_string();
+/// Functions with branches, loops, arrays and vectors.
+pub const BRANCHES: [&str; 5] = [
+    "float f(float a, float b, float c) {
+    float k = a * a - b;
+    if (k < 0.0) return c;
+    return a - sqrt(k);
+}",
+    "float f(float a, float b, float c) {
+    float sum = 0.0;
+    for (int i = 0; i < 5; i++) {
+        if (sum > 3.0) break;
+        if (a < b) { sum += abs(c); continue; }
+        sum += a - b;
     }
-    let mut of = || expression(random, depth - 1);
-    let (x, y, z) = (of(), of(), of());
-    match random.below(25) {
-        0..=3 => format!("({x} + {y})"),
-        4..=6 => format!("({x} - {y})"),
-        7..=10 => format!("({x} * {y})"),
-        11 => format!("({x} / {y})"),
-        12 => format!("sqrt({x})"),
-        13 => format!("min({x}, {y})"),
-        14 => format!("max({x}, {y})"),
-        15 => format!("abs({x})"),
-        16 => format!("sin({x})"),
-        17 => format!("exp({x})"),
-        18 => format!("clamp({x}, -1.0, 1.0)"),
-        19 => format!("mix({x}, {y}, {z})"),
-        20 => format!("({x} < {y} ? {z} : {x})"),
-        21 => format!("dot(vec2({x}, {y}), vec2({y}, {z}))"),
-        22 => format!("length(vec2({x}, {y}))"),
-        23 => format!("smoothstep(-1.0, 2.0, {x})"),
-        _ => format!("floor({x})"),
+    return sum;
+}",
+    "float f(float a, float b, float c) {
+    vec3 v = normalize(vec3(a, b, c) + vec3(0.0, 0.0, 8.5));
+    return dot(v, v) + v.z;
+}",
+    "float f(float a, float b, float c) {
+    float w[3] = float[3](a, b, c);
+    int i = int(clamp(a + 1.0, 0.0, 2.0));
+    w[i] = 2.0;
+    return w[0] + w[1] * w[2];
+}",
+    "float f(float a, float b, float c) {
+    switch (int(floor(a))) {
+        case 0: return b;
+        case 1: b += c;
+        case 2: return b - 1.0;
+        default: return c * c;
     }
-}
+}",
+];
 
 /// Returns the number of samples whose values were compared with their bounds, and the first that
-/// lies outside. `spoil` changes the bounds.
-///
-/// The permitted values of a sample take the operands of `smoothstep` as independent, and may then
-/// be wider than the bounds: of those, the interpreter's own values are compared.
+/// lies outside.
 fn compare(
     pure: &PureFunction,
     graph: &Graph,
     part: &[Range],
     samples: &[Vec<f64>],
-    own: bool,
-    spoil: impl Fn(Range) -> Range,
 ) -> (usize, Option<String>) {
     let mut bounds = Bounds::default();
     graph.bounds(part, Arithmetic::Permitted, &mut bounds);
-    let Range { low, high } = spoil(bounds.results(graph).next().expect("it has one result"));
+    let Range { low, high } = bounds.results(graph).next().expect("it has one result");
     let columns: Vec<Vec<u64>> = (0..part.len())
         .map(|at| samples.iter().map(|s| u64::from((s[at] as f32).to_bits())).collect())
         .collect();
@@ -91,7 +98,7 @@ fn compare(
         }
         compared += 1;
         // Without a bound, the interpreter's own value counts.
-        let any = !(least.is_finite() && most.is_finite()) || own;
+        let any = !(least.is_finite() && most.is_finite());
         let [least, most] = if any { [value; 2] } else { [least, most] };
         if !(low <= least && most <= high) {
             let text = format!("{sample:?}: [{least:?}, {most:?}] is not in [{low:?}, {high:?}]");
@@ -126,83 +133,84 @@ fn samples(random: &mut Random, part: &[Range]) -> Vec<Vec<f64>> {
     (0..24).map(|_| part.iter().map(|range| inside(range, random)).collect()).collect()
 }
 
+/// A value of a device outside of the bounds of an expression over a part, among those compared.
+fn outside_on_devices(
+    tree: &Tree,
+    bounds: Range,
+    samples: &[Vec<f64>],
+    random: &mut Random,
+) -> (usize, Option<String>) {
+    let mut compared = 0;
+    for sample in samples {
+        let inputs = [sample[0], sample[1], sample[2]].map(|x| x as f32);
+        for _ in 0..3 {
+            let Some(value) = Device::new(inputs, random).value(tree) else { continue };
+            compared += 1;
+            let value = f64::from(value);
+            if !(bounds.low <= value && value <= bounds.high) {
+                let text = format!("{inputs:?}: {value:?} is not in {bounds:?}");
+                return (compared, Some(text));
+            }
+        }
+    }
+    (compared, None)
+}
+
 #[test]
-fn no_permitted_value_of_a_random_expression_lies_outside_of_its_bounds() {
+fn no_value_of_a_random_device_lies_outside_of_the_bounds_of_an_expression() {
+    compare_expressions(0..250);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn no_value_of_a_random_device_lies_outside_of_the_bounds_of_two_thousand_expressions() {
+    compare_expressions(0..2000);
+}
+
+/// Compares the values of devices with the bounds of random expressions over parts of their box.
+fn compare_expressions(numbers: std::ops::Range<u32>) {
     let mut random = Random(1);
     let (mut compared, mut caught) = (0, 0);
-    for nth in 0..300 {
-        let depth = 2 + nth % 3;
-        let text = expression(&mut random, depth);
+    let expressions = numbers.len();
+    for nth in numbers {
+        let tree = grow(&mut random, 2 + nth % 3);
+        let text = tree.text();
         let code = format!("float f(float a, float b, float c) {{\n    return {text};\n}}");
         let pure = function(&code);
         let all = vec![Range { low: -16.0, high: 16.0 }; 3];
         let graph = pure.graph(&all, &[]).expect("it is small");
         for part in boxes(&mut random, 3) {
             let samples = samples(&mut random, &part);
-            let own = text.contains("smoothstep");
-            let (count, outside) = compare(&pure, &graph, &part, &samples, own, |range| range);
+            let mut bounds = Bounds::default();
+            graph.bounds(&part, Arithmetic::Permitted, &mut bounds);
+            let range = bounds.results(&graph).next().expect("it has one result");
+            let (count, outside) = outside_on_devices(&tree, range, &samples, &mut random);
             assert_eq!(outside, None, "{text} over {part:?}");
             compared += count;
-            // An engine that rounds the lower bound up is caught.
-            let reversed = |range: Range| Range {
-                low: f64::from((range.low as f32).next_up()),
-                high: range.high,
-            };
-            caught +=
-                usize::from(compare(&pure, &graph, &part, &samples, own, reversed).1.is_some());
+            // Bounds that are one unit narrower are caught.
+            let low = f64::from((range.low as f32).next_up());
+            let narrower = Range { low, ..range };
+            let narrower = outside_on_devices(&tree, narrower, &samples, &mut random);
+            caught += usize::from(narrower.1.is_some());
         }
     }
-    assert!(compared > 10_000, "{compared} samples were compared");
-    assert!(caught > 100, "a reversed rounding was caught {caught} times");
+    println!("{compared} values compared, {caught} narrower bounds caught");
+    assert!(compared > 50 * expressions, "{compared} values were compared");
+    assert!(caught > expressions / 10, "narrower bounds were caught {caught} times");
 }
 
 #[test]
 fn no_permitted_value_of_a_function_with_branches_lies_outside_of_its_bounds() {
-    let codes = [
-        "float f(float a, float b, float c) {
-    float k = a * a - b;
-    if (k < 0.0) return c;
-    return a - sqrt(k);
-}",
-        "float f(float a, float b, float c) {
-    float sum = 0.0;
-    for (int i = 0; i < 5; i++) {
-        if (sum > 3.0) break;
-        if (a < b) { sum += abs(c); continue; }
-        sum += a - b;
-    }
-    return sum;
-}",
-        "float f(float a, float b, float c) {
-    vec3 v = normalize(vec3(a, b, c) + vec3(0.0, 0.0, 8.5));
-    return dot(v, v) + v.z;
-}",
-        "float f(float a, float b, float c) {
-    float w[3] = float[3](a, b, c);
-    int i = int(clamp(a + 1.0, 0.0, 2.0));
-    w[i] = 2.0;
-    return w[0] + w[1] * w[2];
-}",
-        "float f(float a, float b, float c) {
-    switch (int(floor(a))) {
-        case 0: return b;
-        case 1: b += c;
-        case 2: return b - 1.0;
-        default: return c * c;
-    }
-}",
-    ];
     let mut random = Random(2);
     let mut compared = 0;
-    for code in codes {
+    for code in BRANCHES {
         let pure = function(code);
         let all = vec![Range { low: -16.0, high: 16.0 }; 3];
         let graph = pure.graph(&all, &[]).expect("it is small");
         for _ in 0..60 {
             for part in boxes(&mut random, 3) {
                 let samples = samples(&mut random, &part);
-                let (count, outside) =
-                    compare(&pure, &graph, &part, &samples, false, |range| range);
+                let (count, outside) = compare(&pure, &graph, &part, &samples);
                 assert_eq!(outside, None, "{code} over {part:?}");
                 compared += count;
             }

@@ -119,7 +119,7 @@ impl Program {
             let returned = returned.collect();
             let result = Numbers::read(m, &code.result, lanes);
             let discarded = bits(m.killed, lanes);
-            let unsure = if R::PERMITTED { bits(m.unsure, lanes) } else { Vec::new() };
+            let unsure = if R::MANY { bits(m.unsure, lanes) } else { Vec::new() };
             Ok(Called { result, returned, discarded, unsure, ..Called::default() })
         })?;
         let mut called =

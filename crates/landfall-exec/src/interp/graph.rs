@@ -4,7 +4,8 @@
 //! both sides of an undecided branch, loops unrolled up to a limit. [`Graph::bounds`] then encloses
 //! every value over any smaller box: the values that any conformant device may give to the
 //! expressions as written (`interval`), the exact reals (`exact`), or one rounded value at a point.
-//! [`Graph::errors`] bounds what roundings add up to (`error`). Each operation that can break is a [`Site`]; its fault is possible over a box unless the
+//! [`Graph::errors`] bounds what roundings add up to (`error`). Values that depend on the same inputs
+//! are enclosed by linear functions of these besides (`affine`). Each operation that can break is a [`Site`]; its fault is possible over a box unless the
 //! enclosures of its operands exclude it. An operation after a fault is followed as if the fault
 //! had not occurred, so that a box without any possible fault has none.
 //!
@@ -13,11 +14,13 @@
 //! up to their permitted error. Textures may hold any numbers from their least to their greatest
 //! texel. Values of double precision and 64-bit integers are not followed.
 
+mod affine;
 mod arithmetic;
 mod bounds;
 mod cast;
 mod context;
 mod control;
+mod correlated;
 mod distance;
 mod error;
 mod exact;
@@ -64,6 +67,8 @@ pub struct Graph {
     results: Vec<NodeId>,
     /// By input scalar: its node.
     inputs: Vec<NodeId>,
+    /// By value: whether it needs an affine form.
+    needs: Vec<affine::Need>,
 }
 
 /// An operation that can break in one way.

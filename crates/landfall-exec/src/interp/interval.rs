@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use super::outward::Outward;
+
 /// The numbers from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(super) struct Interval {
@@ -93,11 +95,14 @@ impl Interval {
         if !(self.low >= -most && self.high <= most) {
             return ANY;
         }
-        Interval { low: down(self.low), high: up(self.high) }.flushed()
+        let low = if Outward::SingleLow.is_reversed() { up(self.low) } else { down(self.low) };
+        let high = if Outward::SingleHigh.is_reversed() { down(self.high) } else { up(self.high) };
+        Interval { low, high }.flushed()
     }
 
     fn within(self, low: f64, high: f64) -> Interval {
         let most = f64::from(f32::MAX);
+        let low = if Outward::PermittedLow.is_reversed() { -low } else { low };
         let wide = Interval { low: self.low - low, high: self.high + high };
         if wide.low >= -most && wide.high <= most { wide.flushed() } else { ANY }
     }

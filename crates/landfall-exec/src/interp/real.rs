@@ -11,6 +11,8 @@ use landfall_layout::source::Language;
 pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
     /// Whether it holds the values that other devices may have.
     const PERMITTED: bool = false;
+    /// Whether it holds more than one value, so that comparisons of them may differ.
+    const MANY: bool = Self::PERMITTED;
     /// Converts a shader's value exactly.
     fn narrow(x: f32) -> Self;
     /// Converts a number with more digits than an `f32`.
@@ -86,7 +88,7 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     fn span(self) -> Option<[f64; 2]> {
         None
     }
-    /// Returns whether devices may differ in a comparison.
+    /// Returns whether a comparison of the other values it holds may differ.
     fn unsure(self, _: Cmp, _: Self) -> bool {
         false
     }
@@ -266,6 +268,7 @@ macro_rules! both {
 }
 
 impl Real for Shadow {
+    const MANY: bool = true;
     fn narrow(x: f32) -> Shadow {
         Shadow { single: x, double: f64::from(x) }
     }
@@ -306,6 +309,11 @@ impl Real for Shadow {
     }
     fn is_infinite(self) -> bool {
         self.single.is_infinite()
+    }
+    fn unsure(self, cmp: Cmp, b: Shadow) -> bool {
+        let [x, y] = [self.single, b.single].map(f64::from);
+        let finite = x.is_finite() && y.is_finite();
+        finite && cmp.holds(x, y) != cmp.holds(self.double, b.double)
     }
     fn same(self, b: Shadow) -> bool {
         self.single.same(b.single) && self.double.same(b.double)

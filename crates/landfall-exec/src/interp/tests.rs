@@ -11,5 +11,6 @@ mod lighting;
 mod mediump;
 mod memory;
 mod notes;
+mod outward;
 mod permitted;
 mod random;

@@ -93,6 +93,8 @@ pub enum Hazard {
     Cancellation,
     /// Accumulated rounding error.
     AccumulatedError,
+    /// A comparison that rounding decides.
+    BranchDivergence,
     /// A loop without an end.
     EndlessLoop,
     /// A driver that returns no finite number.
@@ -130,7 +132,7 @@ pub struct HazardInfo {
 
 impl Hazard {
     /// Every hazard; those of lighting before those of plain arithmetic.
-    pub const ALL: [Hazard; 40] = [
+    pub const ALL: [Hazard; 41] = [
         Hazard::LightAtFragment,
         Hazard::AttenuationAtLight,
         Hazard::CameraAtFragment,
@@ -168,6 +170,7 @@ impl Hazard {
         Hazard::LargeValues,
         Hazard::Cancellation,
         Hazard::AccumulatedError,
+        Hazard::BranchDivergence,
         Hazard::EndlessLoop,
         Hazard::DriverNotFinite,
         Hazard::DriverApart,
@@ -213,6 +216,7 @@ impl Hazard {
             Hazard::LargeValues => &arithmetic::LARGE_VALUES,
             Hazard::Cancellation => &arithmetic::CANCELLATION,
             Hazard::AccumulatedError => &arithmetic::ACCUMULATED_ERROR,
+            Hazard::BranchDivergence => &arithmetic::BRANCH_DIVERGENCE,
             Hazard::EndlessLoop => &arithmetic::ENDLESS_LOOP,
             Hazard::DriverNotFinite => &arithmetic::DRIVER_NOT_FINITE,
             Hazard::DriverApart => &arithmetic::DRIVER_APART,

@@ -57,6 +57,20 @@ pub(super) fn outcome(called: &PureCallResult, floats: &[(usize, usize)], lane: 
     outcome_of(floats.len(), pair)
 }
 
+/// Returns the outcome of a lane's `f32`, compared with the `f64` of a lane of another call.
+pub(super) fn outcome_beside(
+    (called, lane): (&PureCallResult, usize),
+    (other, beside): (&PureCallResult, usize),
+    floats: &[(usize, usize)],
+) -> Outcome {
+    let pair = |nth: usize| {
+        let (result, at) = floats[nth];
+        let single = f32::from_bits(called.results[result].words[at][lane] as u32);
+        (single, other.results[result].doubles[at][beside])
+    };
+    outcome_of(floats.len(), pair)
+}
+
 /// Returns the outcome of `count` numbers, each an `f32` and its expected value.
 pub(super) fn outcome_of(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> Outcome {
     let mut infinite = false;

@@ -4,6 +4,7 @@
 //! `f32` and `f64`, `classify` assigns hazards, `find` makes findings. The report of `landfall
 //! stress` prints the [`Report`].
 
+mod advice;
 mod backends;
 mod batch;
 mod blame;
@@ -45,6 +46,7 @@ use super::inputs::{input, matched, random, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
 
+pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};
 pub(in crate::accuracy) use case::Writer;
 pub use case::{Case, ResultScalar, command};

@@ -1,4 +1,4 @@
-//! The second half: maps, colours, rotations, integers.
+//! The second part: maps, colours, rotations, integers.
 
 use super::{Known, known};
 

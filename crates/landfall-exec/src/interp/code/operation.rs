@@ -71,6 +71,20 @@ pub(in crate::interp) enum Cmp {
     Ge,
 }
 
+impl Cmp {
+    /// Whether it holds for two numbers.
+    pub fn holds(self, a: f64, b: f64) -> bool {
+        match self {
+            Cmp::Eq => a == b,
+            Cmp::Ne => a != b,
+            Cmp::Lt => a < b,
+            Cmp::Le => a <= b,
+            Cmp::Gt => a > b,
+            Cmp::Ge => a >= b,
+        }
+    }
+}
+
 /// Tests of one float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::interp) enum Test {

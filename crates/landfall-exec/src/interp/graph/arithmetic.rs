@@ -243,9 +243,14 @@ fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied
     let found = settle(how, exact, || a.add(b));
     let apart = a.low >= 0.0 && b.low >= 0.0 || a.high <= 0.0 && b.high <= 0.0;
     let [a, b] = [(a, rounded[0]), (b, rounded[1])].map(|(x, r)| if r { size(x) } else { 0.0 });
-    let least = if contains(exact, 0.0) { 0.0 } else { exact.low.abs().min(exact.high.abs()) };
-    let lost = how == Arithmetic::Permitted && !apart && least * LOST < a.max(b);
+    let lost = how == Arithmetic::Permitted && !apart && !keeps_digits(exact, a.max(b));
     found.with(if lost { Faults::of(Fault::Cancellation) } else { Faults::NONE })
+}
+
+/// Whether a sum keeps half of the digits of its larger term.
+pub(super) fn keeps_digits(sum: Interval, largest: f64) -> bool {
+    let least = if contains(sum, 0.0) { 0.0 } else { sum.low.abs().min(sum.high.abs()) };
+    least * LOST >= largest
 }
 
 /// Returns the quotient of a value by itself.

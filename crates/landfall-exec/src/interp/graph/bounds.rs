@@ -3,12 +3,13 @@
 use super::super::code::{Class, Cmp, F2, Test};
 use super::super::interval::Interval;
 use super::super::undefined::UndefinedKind as K;
+use super::affine::Affine;
 use super::arithmetic;
 use super::cast::converted;
 use super::exact::{self, between, hull, is_empty, meet, point, size};
 use super::fault::{Fault, Faults};
 use super::guard::{Context, Reached};
-use super::node::{GuardId, NodeId, NodeOp};
+use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::value::{Applied, Arithmetic, Range};
 use super::{Graph, Site, word};
 
@@ -19,6 +20,10 @@ pub struct Bounds {
     pub(super) values: Vec<Interval>,
     faults: Vec<Faults>,
     pub(super) contexts: Vec<Context>,
+    /// By value: its affine form, where it has one.
+    pub(super) forms: Vec<Option<Affine>>,
+    /// Whether any input has more than one value.
+    pub(super) is_wide: bool,
     inputs: Vec<Interval>,
 }
 
@@ -39,12 +44,27 @@ impl Graph {
     }
 }
 
+impl Graph {
+    /// Whether a value is known not to be above another: both are one, or the smaller and the larger
+    /// of two of which one is the same.
+    fn is_in_order(&self, low: NodeId, high: NodeId) -> bool {
+        let parts = |id: NodeId, of: F2| match self.nodes[id as usize] {
+            node @ Node { act: NodeOp::F2(f), .. } if f == of => self.operands(&node).to_vec(),
+            _ => vec![id],
+        };
+        let (low, high) = (parts(low, F2::Min), parts(high, F2::Max));
+        low.iter().any(|id| high.contains(id))
+    }
+}
+
 impl Bounds {
     /// Forgets all values.
     pub(super) fn begin(&mut self, inputs: &[Range], arithmetic: Arithmetic) {
         self.arithmetic = arithmetic;
         self.values.clear();
         self.faults.clear();
+        self.forms.clear();
+        self.is_wide = inputs.iter().any(|range| range.low < range.high);
         self.inputs.clear();
         self.inputs.extend(inputs.iter().map(|range| between(range.low, range.high)));
     }
@@ -58,6 +78,21 @@ impl Bounds {
         };
         self.values.push(found.value);
         self.faults.push(found.faults);
+        self.follow(graph, id);
+        let narrowed = self.values[id as usize];
+        if narrowed != found.value && found.faults.has(Fault::Cancellation) {
+            let largest = self.largest_operand(graph, id);
+            if arithmetic::keeps_digits(narrowed, largest) {
+                self.faults[id as usize] = found.faults.without(Fault::Cancellation);
+            }
+        }
+    }
+
+    /// Returns the largest absolute value of an operand.
+    fn largest_operand(&self, graph: &Graph, id: NodeId) -> f64 {
+        let node = &graph.nodes[id as usize];
+        let sizes = graph.operands(node).iter().map(|&id| size(self.seen(graph, node.guard, id)));
+        sizes.fold(0.0, f64::max)
     }
 
     /// Whether a fault is possible in the box.
@@ -102,7 +137,7 @@ impl Bounds {
                 arithmetic::f2(how, f, of(0), of(1), same, rounded)
             }
             NodeOp::F3(f) => {
-                let steady = ids[1] == ids[2];
+                let steady = graph.is_in_order(ids[1], ids[2]);
                 arithmetic::f3(how, f, [of(0), of(1), of(2)], steady)
             }
             NodeOp::Compare(cmp) => plain(word::compare(cmp, of(0), of(1))),
@@ -140,7 +175,9 @@ impl Bounds {
 
     /// Returns the least absolute value that is known of a value under a guard.
     fn size_of(&self, graph: &Graph, guard: GuardId, id: NodeId) -> f64 {
-        let known = graph.absolute.get(&id).map(|&size| self.seen(graph, guard, size).low);
+        // The absolute value may be computed later.
+        let earlier = graph.absolute.get(&id).filter(|&&size| (size as usize) < self.values.len());
+        let known = earlier.map(|&size| self.seen(graph, guard, size).low);
         known.filter(|size| size.is_finite()).unwrap_or(0.0).max(0.0)
     }
 

@@ -186,7 +186,7 @@ impl Graph {
     }
 
     /// Returns the largest error of a node's own operation.
-    fn local(&self, bounds: &Bounds, rounding: Rounding, id: NodeId) -> f64 {
+    pub(super) fn local(&self, bounds: &Bounds, rounding: Rounding, id: NodeId) -> f64 {
         let node = &self.nodes[id as usize];
         let value = bounds.values[id as usize];
         if node.class != Class::Real || is_empty(value) || node.act.keeps_exact() {
@@ -251,7 +251,7 @@ impl Graph {
             NodeOp::F1(_) | NodeOp::F2(_) if rounding == Rounding::Double => {
                 rounding.unit(size(value))
             }
-            NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node, value) + whole,
+            NodeOp::F1(_) | NodeOp::F2(_) => self.excess(bounds, node) + whole,
             NodeOp::Cast(Cast::RoundHalf) => size(value) / 1024.0 + 6e-8,
             NodeOp::Cast(_) => whole,
             _ => f64::INFINITY,
@@ -259,22 +259,22 @@ impl Graph {
     }
 
     /// Returns how far the permitted values lie outside of the exact ones.
-    fn excess(&self, bounds: &Bounds, node: &Node, value: Interval) -> f64 {
+    fn excess(&self, bounds: &Bounds, node: &Node) -> f64 {
         let ids = self.operands(node);
         let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
-        let exact = match node.act {
-            NodeOp::F1(f) => super::arithmetic::f1(Arithmetic::Exact, f, of(0)),
-            NodeOp::F2(f) => super::arithmetic::f2(
-                Arithmetic::Exact,
-                f,
-                of(0),
-                of(1),
-                ids[0] == ids[1],
-                [false; 2],
-            ),
-            _ => return f64::INFINITY,
+        let over = |how: Arithmetic| match node.act {
+            NodeOp::F1(f) => super::arithmetic::f1(how, f, of(0)).value,
+            NodeOp::F2(f) => {
+                let same = ids[0] == ids[1];
+                super::arithmetic::f2(how, f, of(0), of(1), same, [false; 2]).value
+            }
+            _ => ANY,
         };
-        let off = (exact.value.low - value.low).max(value.high - exact.value.high);
+        let (exact, permitted) = (over(Arithmetic::Exact), over(Arithmetic::Permitted));
+        if permitted == ANY {
+            return f64::INFINITY;
+        }
+        let off = (exact.low - permitted.low).max(permitted.high - exact.high);
         if off.is_nan() { f64::INFINITY } else { off.max(0.0) }
     }
 }
@@ -299,7 +299,7 @@ fn steps(value: Interval) -> Interval {
     if value.low == value.high { point(0.0) } else { ANY }
 }
 
-fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
+pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
     let one = point(1.0);
     let over = |x: Interval| if contains(x, 0.0) { ANY } else { exact::div(one, x) };
     match f {

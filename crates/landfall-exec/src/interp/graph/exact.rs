@@ -6,6 +6,7 @@
 //! units of an `f64`'s last place.
 
 use super::super::interval::Interval;
+use super::super::outward::Outward;
 
 /// Units of an `f64`'s last place by which a function of the platform may be off.
 const SLACK: u32 = 2;
@@ -69,7 +70,7 @@ fn sum_down(a: f64, b: f64) -> f64 {
     }
     let part = sum - a;
     let lost = (a - (sum - part)) + (b - part);
-    if lost < 0.0 { sum.next_down() } else { sum }
+    Outward::Sum.below(sum, lost)
 }
 
 /// Returns `a * b` rounded down; zero times infinity is zero.
@@ -85,7 +86,7 @@ fn product_down(a: f64, b: f64) -> f64 {
     if product.abs() < TINY {
         return product.next_down();
     }
-    if a.mul_add(b, -product) < 0.0 { product.next_down() } else { product }
+    Outward::Product.below(product, a.mul_add(b, -product))
 }
 
 /// Returns `a / b` rounded down; the divisor is not zero.
@@ -98,7 +99,7 @@ fn quotient_down(a: f64, b: f64) -> f64 {
         return if quotient == f64::INFINITY { f64::MAX } else { quotient.next_down() };
     }
     let rest = (-quotient).mul_add(b, a);
-    if rest != 0.0 && (rest < 0.0) != (b < 0.0) { quotient.next_down() } else { quotient }
+    Outward::Quotient.below(quotient, if b < 0.0 { -rest } else { rest })
 }
 
 fn up(down: impl Fn(f64, f64) -> f64, a: f64, b: f64) -> f64 {

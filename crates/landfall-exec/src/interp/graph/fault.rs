@@ -64,6 +64,10 @@ impl Faults {
         Faults(self.0 | more.0)
     }
 
+    pub fn without(self, fault: Fault) -> Faults {
+        Faults(self.0 & !Faults::of(fault).0)
+    }
+
     pub fn has(self, fault: Fault) -> bool {
         self.0 & Faults::of(fault).0 != 0
     }

@@ -90,6 +90,7 @@ impl Program {
             sites: Vec::new(),
             results: Vec::new(),
             inputs: Vec::new(),
+            needs: Vec::new(),
         };
         let mut bounds = Bounds::default();
         bounds.begin(called.ranges, Arithmetic::Permitted);

@@ -42,6 +42,7 @@ impl Graph {
             }
         }
         self.sites = sites;
+        self.find_correlated(&reaches);
     }
 
     /// Returns the inputs that each value is computed from.

@@ -264,7 +264,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Cmp::Gt => each!(>),
             Cmp::Ge => each!(>=),
         }
-        if R::PERMITTED {
+        if R::MANY {
             for group in operands.chunks_exact(3) {
                 let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
                 for lane in 0..LANES {

@@ -186,11 +186,11 @@ impl<R: Real> Machine<'_, '_, R> {
                     watch.see((pc, lane), kind, || vec![a, b]);
                 }
             }
-            Op::F3(F3::SmoothStep) if real(0) >= real(1) => {
-                watch.see((pc, lane), U::SmoothStepEdges, || vec![real(0), real(1), real(2)]);
-            }
-            Op::F3(F3::Clamp) if real(1) > real(2) => {
-                watch.see((pc, lane), U::ClampBounds, || vec![real(0), real(1), real(2)]);
+            Op::F3(f) => {
+                let operands = [real(0), real(1), real(2)];
+                if let Some(kind) = undefined3(f, operands) {
+                    watch.see((pc, lane), kind, || operands.to_vec());
+                }
             }
             Op::Normalize(n) => {
                 let all = || (0..usize::from(n)).map(real).collect::<Vec<f64>>();
@@ -399,6 +399,7 @@ fn undefined1(f: F1, x: f64) -> Option<UndefinedKind> {
         F1::Asin | F1::Acos if x.abs() > 1.0 => Some(U::ArcOutOfRange),
         F1::Acosh if x < 1.0 => Some(U::ArcOutOfRange),
         F1::Atanh if x.abs() >= 1.0 => Some(U::ArcOutOfRange),
+        F1::Saturate if x.is_nan() => Some(U::NanCompared),
         _ => None,
     }
 }
@@ -413,6 +414,17 @@ fn undefined2(f: F2, a: f64, b: f64) -> Option<UndefinedKind> {
         F2::Pow if a < 0.0 => Some(U::PowOfNegative),
         F2::Pow if a == 0.0 && b <= 0.0 => Some(U::PowOfZero),
         F2::Atan2 if a == 0.0 && b == 0.0 => Some(U::AtanOfZeros),
+        F2::Min | F2::Max | F2::Step if a.is_nan() || b.is_nan() => Some(U::NanCompared),
         _ => None,
+    }
+}
+
+fn undefined3(f: F3, [a, b, c]: [f64; 3]) -> Option<UndefinedKind> {
+    use UndefinedKind as U;
+    match f {
+        F3::SmoothStep if a >= b => Some(U::SmoothStepEdges),
+        F3::Clamp if a.is_nan() || b.is_nan() || c.is_nan() => Some(U::NanCompared),
+        F3::Clamp if b > c => Some(U::ClampBounds),
+        F3::SmoothStep | F3::Clamp | F3::Fma | F3::Mix => None,
     }
 }

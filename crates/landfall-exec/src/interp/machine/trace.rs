@@ -139,7 +139,11 @@ impl<R: Real> Machine<'_, '_, R> {
             let number = self.number(class, reg);
             operands.push(Operand { number, source: t.source(class, reg) });
         }
-        let results = writes.iter().map(|&reg| self.number(to, reg)).collect();
+        let mut results: Vec<Number> = writes.iter().map(|&reg| self.number(to, reg)).collect();
+        if let (Op::FCmp(cmp), [a, b]) = (op, &operands[..]) {
+            // What the doubles would decide.
+            results[0].double = f64::from(u8::from(cmp.holds(a.number.double, b.number.double)));
+        }
         let step = t.trace.steps.len() as u32;
         for (part, &reg) in writes.iter().enumerate() {
             let part = part as u32;

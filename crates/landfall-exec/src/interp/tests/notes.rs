@@ -14,7 +14,7 @@ fn watched() -> Settings {
 
 #[test]
 fn undefined_operations_are_noted_with_their_place() {
-    let cases: [(&str, f32, f32, U); 16] = [
+    let cases: [(&str, f32, f32, U); 20] = [
         ("a / b", 1.0, 0.0, U::DivisionByZero),
         ("a * b", 0.0, f32::INFINITY, U::ZeroTimesInfinity),
         ("sqrt(a)", -1.0, 0.0, U::RootOfNegative),
@@ -31,6 +31,10 @@ fn undefined_operations_are_noted_with_their_place() {
         ("f32(1 / i32(a))", 0.0, 0.0, U::IntegerDivisionByZero),
         ("array<f32, 3>(a, b, a)[u32(b)]", 1.0, 3.0, U::IndexOutOfBounds),
         ("a * b", 1e30, 1e30, U::BornInfinite),
+        ("max(b, sqrt(a))", -1.0, 0.0, U::NanCompared),
+        ("min(sqrt(a), b)", -1.0, 0.0, U::NanCompared),
+        ("clamp(sqrt(a), 0.0, b)", -1.0, 1.0, U::NanCompared),
+        ("step(sqrt(a), b)", -1.0, 0.0, U::NanCompared),
     ];
     for (expression, a, b, kind) in cases {
         let p = program(&format!(

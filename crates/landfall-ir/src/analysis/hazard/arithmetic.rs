@@ -109,6 +109,21 @@ pub(super) static ACCUMULATED_ERROR: HazardInfo = HazardInfo {
     citation: "Higham, Accuracy and Stability of Numerical Algorithms, 3.1",
 };
 
+pub(super) static BRANCH_DIVERGENCE: HazardInfo = HazardInfo {
+    code: "branch-divergence",
+    name: "branch that rounding decides",
+    label: None,
+    aliases: &[],
+    level: Level::Warn,
+    what: "rounding decides a comparison, and the branches give different results",
+    why: "Devices round differently, so that neighbouring pixels or devices take different sides \
+          of the branch.",
+    threshold: None,
+    robust: "make the result continuous across the comparison, for example with `smoothstep` or \
+             `mix`",
+    citation: "Vulkan 1.3, appendix A; WGSL 15.7.4 (accuracy): operands may differ between devices",
+};
+
 pub(super) static ENDLESS_LOOP: HazardInfo = HazardInfo {
     code: "endless-loop",
     name: "endless loop",

@@ -107,7 +107,8 @@ pub(super) static EQUAL_CUT_OFFS: HazardInfo = HazardInfo {
     why: "The factor is infinite inside the cone and 0 / 0 exactly on its edge: NaN by the \
           formula, 0 where `clamp` hides it.",
     threshold: Some(&CONE_WIDTH),
-    robust: "guard the divisor: `clamp((theta - outer) / max(inner - outer, 1.0e-4), 0.0, 1.0)`",
+    robust: "guard the divisor: `clamp((theta - outer) / max(inner - outer, 1.0e-4), 0.0, 1.0)`, \
+             which changes cones below 1 degree: those need the form of `narrow-cone`",
     citation: "GLSL 4.60 4.7.1 (division by zero is undefined); glTF's KHR_lights_punctual \
                guards the same difference with 0.001",
 };
@@ -149,7 +150,8 @@ pub(super) static ZERO_WIDTH_CONE: HazardInfo = HazardInfo {
     why: "On the axis the rounded cosine is above 1 in 14 of 100 fragments: fully lit sparkles of \
           a cone that lights nothing.",
     threshold: Some(&CONE_WIDTH),
-    robust: "divide by `max(1.0 - cutoff, 1.0e-4)`",
+    robust: "divide by `max(1.0 - cutoff, 1.0e-4)`, which changes cones below 1 degree: those need \
+             the form of `narrow-cone`",
     citation: "measured on random axes and distances, with cosines up to 1.0000002",
 };
 

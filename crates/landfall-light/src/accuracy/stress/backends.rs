@@ -226,6 +226,7 @@ pub(super) fn on_a_driver(
         case: found.case.clone(),
         condition: found.condition.clone(),
         gain: None,
+        advice: None,
         // Whether it is permitted depends on the driver's result, not the interpreter's.
         permitted: permitted(pure, sample, plan).map(|p| PermittedAt { any: !wrong, ..p }),
         against: None,

@@ -10,12 +10,13 @@ use std::time::Duration;
 
 use super::blame::Graph;
 use super::input::{Input, Sample};
-use super::measure::{Outcome, floats, outcome};
+use super::measure::{Outcome, SampleError, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
 use landfall_exec::interp::{
-    Number, Operation, Settings, Source, SourceLocation, Trace, TracedOperation, UndefinedKind,
+    Number, Operation, Precision, Settings, Source, SourceLocation, Trace, TracedOperation,
+    UndefinedKind,
 };
 use landfall_ir::analysis::hazard::Hazard;
 
@@ -57,6 +58,8 @@ impl Candidate {
 /// A sample run with a trace.
 pub(super) struct Examined {
     pub outcome: Outcome,
+    /// How far the `f64` along its own branches is, if those are others.
+    pub diverged: Option<SampleError>,
     pub called: PureCallResult,
     pub candidates: Vec<Candidate>,
     pub trace: Box<Trace>,
@@ -115,6 +118,7 @@ pub(super) fn examine(
             | UndefinedKind::ClampBounds
             | UndefinedKind::SquaresTooLarge
             | UndefinedKind::SquaresTooSmall
+            | UndefinedKind::NanCompared
             | UndefinedKind::BornNan
             | UndefinedKind::BornInfinite => continue,
         };
@@ -125,12 +129,25 @@ pub(super) fn examine(
             candidates.push(Candidate { hazard, place, operation: None, about, kind: Some(kind) });
         }
     }
+    let is_large = |off: &SampleError| off.steps > plan.steps || off.ulp > plan.ulp;
+    let mut diverged = None;
     if let Outcome::Finite(off, _) = outcome {
-        if off.steps > plan.steps || off.ulp > plan.ulp {
+        if is_large(&off) {
             candidates.extend(look.inaccurate(&floats, &called));
         }
+        if called.called.unsure.first() == Some(&true) {
+            let own =
+                Settings { precision: Precision::Double, trace: false, watch: false, ..settings };
+            let own = pure.call(&columns(std::slice::from_ref(sample)), 1, &own)?;
+            match outcome_beside((&called, 0), (&own, 0), &floats) {
+                Outcome::Finite(off, _) if !own.called.discarded[0] => diverged = Some(off),
+                _ => {}
+            }
+        }
     }
-    Ok(Examined { outcome, called, candidates, trace })
+    diverged = diverged.filter(is_large);
+    candidates.extend(diverged.and_then(|_| look.diverged()));
+    Ok(Examined { outcome, diverged, called, candidates, trace })
 }
 
 /// Returns why an operation with finite operands has no defined value.
@@ -138,6 +155,15 @@ fn undefined(step: &TracedOperation) -> Option<UndefinedKind> {
     use UndefinedKind as U;
     // The reference follows the branches of the `f32`, which alone decide what is defined.
     let finite = |n: &Number| n.single.is_finite();
+    let compares = matches!(
+        step.operation,
+        Operation::Min | Operation::Max | Operation::Clamp | Operation::Edge
+    );
+    // A NaN that goes on is a finding where it arises; one that is hidden is on other devices not.
+    let hides = || step.operands.iter().any(|o| o.number.single.is_nan());
+    if compares && step.results.iter().all(finite) && hides() {
+        return Some(U::NanCompared);
+    }
     if !step.operands.iter().all(|o| finite(&o.number)) {
         return None;
     }

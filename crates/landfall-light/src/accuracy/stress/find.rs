@@ -120,6 +120,7 @@ pub(super) fn findings(
         let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
         let share = plan.until.sooner(each.saturating_mul(2));
         let loss = raw.candidate.kind.is_none();
+        let apart = raw.candidate.hazard == Hazard::BranchDivergence;
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
             let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
@@ -127,11 +128,14 @@ pub(super) fn findings(
             let stays = plausible(inputs, sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
-                && (!loss || bad(&examined, plan))
+                && (!loss || apart || bad(&examined, plan))
         };
         raw.sample = shrink(&raw.sample, inputs, generator.domain, &share, breaks);
         if let Ok(examined) = examine(pure, inputs, &raw.sample, plan) {
             raw.outcome = examined.outcome;
+            if let (true, Some(off)) = (apart, examined.diverged) {
+                raw.severity = off.steps;
+            }
             if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == *key) {
                 raw.candidate = found;
             }
@@ -202,6 +206,10 @@ fn sort(
             continue;
         }
         met.push(key);
+        let severity = match (candidate.hazard, examined.diverged) {
+            (Hazard::BranchDivergence, Some(off)) => off.steps,
+            _ => severity,
+        };
         let raw = || Raw {
             candidate: candidate.clone(),
             outcome: examined.outcome,

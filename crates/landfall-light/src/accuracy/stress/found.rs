@@ -2,6 +2,7 @@
 //!
 //! [`messages`](super::messages) gives them their text.
 
+use super::advice::Advice;
 use super::case::Case;
 use super::classify::Performed;
 use super::condition::Condition;
@@ -51,6 +52,8 @@ pub struct StressFinding {
     pub condition: Option<Condition>,
     /// The gain of the robust form.
     pub gain: Option<Gain>,
+    /// A better form of the expression, as code; `None` if none of the catalogue is.
+    pub advice: Option<Advice>,
     /// The error permitted on conformant devices; `None` where unknown.
     pub permitted: Option<PermittedAt>,
     /// The result of the compared function for the same input.

@@ -71,6 +71,8 @@ pub(super) enum KeepReason {
     Infinite,
     Above,
     Below,
+    /// The `f32` takes another branch than the `f64`, and the results differ.
+    Diverged,
     Endless,
 }
 

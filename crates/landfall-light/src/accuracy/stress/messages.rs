@@ -2,10 +2,12 @@
 //!
 //! Used by the findings as lints and by the report of `landfall stress`.
 
+use super::advice::Advice;
 use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
 use landfall_exec::interp::{Number, Operation};
+use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 
 impl StressFinding {
@@ -39,6 +41,13 @@ impl StressFinding {
         let single = |n: &Number| number(f64::from(n.single));
         let operands: Vec<String> = operation.operands.iter().map(single).collect();
         let name = name(operation.operation);
+        if self.hazard == Hazard::BranchDivergence {
+            let double = |n: &Number| number(n.double);
+            let exact: Vec<String> = operation.operands.iter().map(double).collect();
+            let is = operation.result.single != 0.0;
+            let (operands, exact) = (operands.join(", "), exact.join(", "));
+            return format!("{name}({operands}) is {is}, in f64 {name}({exact}) is {}", !is);
+        }
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
         let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
@@ -134,6 +143,29 @@ impl StressFinding {
             notes.push("only with values that do not occur in scenes".to_string());
         }
         notes
+    }
+}
+
+impl Advice {
+    /// Returns the help of a finding.
+    pub fn text(&self) -> String {
+        let code = format!("write `{}` for `{}`", self.code, self.before);
+        let gain = match self.ulp_before {
+            Some(before) => format!(
+                "{}: {} ULP instead of {} in {} samples around here",
+                self.name,
+                figure(self.ulp_after),
+                figure(before),
+                self.samples
+            ),
+            None => {
+                format!("{}: no other of {} samples around here changes", self.name, self.samples)
+            }
+        };
+        match self.proved {
+            Some(ulp) => format!("{code} ({gain}, proved at most {} on the domain)", figure(ulp)),
+            None => format!("{code} ({gain})"),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //! Built by [`stress`](super::stress()), printed by the report of `landfall stress`.
 
 use super::Request;
+use super::advice::Advised;
 use super::backends::{BackendReport, ask, on_a_driver, reports};
 use super::case::{Writer, Writing, case, command, fixed};
 use super::classify::examine;
@@ -12,7 +13,7 @@ use super::drivers::Drivers;
 use super::find::Raw;
 use super::found::{Against, StressFinding, Worst};
 use super::generate::Family;
-use super::input::{Input, Sample};
+use super::input::{Input, Inputs, Sample};
 use super::kept::Tally;
 use super::measure::{Outcome, SampleError, floats, outcome};
 use super::operation::{Operation, operations};
@@ -74,7 +75,7 @@ pub(super) struct ReportParts<'a> {
     pub options: &'a Options,
     pub request: &'a Request,
     pub pure: &'a PureFunction,
-    pub inputs: &'a [Input],
+    pub inputs: &'a Inputs,
     pub domain: &'a Domain,
     pub plan: &'a Plan,
     /// The function to compare findings with, and the stressed function's scalar for each of its
@@ -102,6 +103,15 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     let PureRequest { textures, floats, .. } = &made.request.pure;
     let fixed = fixed(source, made.options, textures);
     let writing = Writing { pure, inputs, plan, source, fixed: &fixed, floats: *floats };
+    let advised = Advised {
+        source,
+        options: made.options,
+        request: &made.request.pure,
+        pure,
+        inputs,
+        domain: made.domain,
+        plan,
+    };
     let backends = reports(&made.drivers, &writing);
     let mut total = Tally::default();
     for (family, tally) in &made.families {
@@ -124,7 +134,8 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         }
         let other = made.against.as_ref();
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
-        findings.push(StressFinding { against: other, ..found(&writing, raw) });
+        let advice = advised.advice(&raw.candidate, &raw.sample);
+        findings.push(StressFinding { against: other, advice, ..found(&writing, raw) });
     }
     for (code, count) in more {
         notes.push(format!("{code} also occurs in {count} further lines"));
@@ -175,8 +186,12 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
 fn found(writing: &Writing<'_>, raw: Raw) -> StressFinding {
     let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
-    let semantic =
-        [Hazard::HighlightFromBehind, Hazard::UnnormalisedNormal, Hazard::ConeOutOfRange];
+    let semantic = [
+        Hazard::HighlightFromBehind,
+        Hazard::UnnormalisedNormal,
+        Hazard::ConeOutOfRange,
+        Hazard::BranchDivergence,
+    ];
     let is_rule = semantic.contains(&hazard);
     let level = if raw.plausible { hazard.info().level } else { Level::Warn };
     let examined = examine(pure, inputs, &raw.sample, plan).ok();
@@ -195,6 +210,7 @@ fn found(writing: &Writing<'_>, raw: Raw) -> StressFinding {
             .filter(|_| raw.candidate.kind.is_none()),
         case: case(writing, &raw.sample),
         gain,
+        advice: None,
         permitted: permitted(pure, &raw.sample, plan),
         against: None,
         backends: Vec::new(),
@@ -217,6 +233,7 @@ fn endless(writing: &Writing<'_>, sample: &Sample) -> StressFinding {
         case: case(writing, sample),
         condition: None,
         gain: None,
+        advice: None,
         permitted: None,
         against: None,
         backends: Vec::new(),
@@ -274,8 +291,14 @@ impl StressFinding {
         let place = LintPlace::of(&report.files, self.place.span);
         let mut finding =
             Finding::of(self.hazard.code(), report.function.clone(), place, self.message())
-                .with_text(self.label())
-                .with_help(self.hazard.info().robust);
+                .with_text(self.label());
+        // Where only the arithmetic is known, nothing but a measured form helps.
+        let is_bare = matches!(self.hazard, Hazard::Cancellation | Hazard::AccumulatedError);
+        finding = match &self.advice {
+            Some(advice) => finding.with_help(advice.text()),
+            None if is_bare => finding,
+            None => finding.with_help(self.hazard.info().robust),
+        };
         finding.severity = self.level.severity().unwrap_or(finding.severity);
         finding.notes = notes;
         finding

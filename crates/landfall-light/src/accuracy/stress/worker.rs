@@ -8,10 +8,11 @@ use std::sync::mpsc::SyncSender;
 use super::batch::Batch;
 use super::generate::{Chunk, Family, TAG_BITS};
 use super::kept::{KeepReason, Kept, Sampled, Tally, keep, top};
-use super::measure::{Outcome, floats, outcome};
+use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
 use landfall_exec::harness::call::pure::{PureCallResult, PureFunction};
+use landfall_exec::interp::{Precision, Settings};
 
 /// The most exemplars a thread keeps.
 const KEPT: usize = 6000;
@@ -62,7 +63,8 @@ impl<'a> Worker<'a> {
         match self.pure.call(&columns, samples.len(), &settings) {
             Ok(called) => {
                 let at = (number, lanes.start);
-                let outcomes = self.judge(number, chunk, lanes, &called);
+                let outcomes = self.judge(number, chunk, lanes.clone(), &called);
+                self.diverged(number, chunk, lanes, (&called, &outcomes));
                 if let Some(to) = &self.to {
                     let special = chunk.family == Family::Special;
                     let batch = Batch::of(columns, called, &self.floats, outcomes);
@@ -159,6 +161,43 @@ impl<'a> Worker<'a> {
         }
         self.tally(chunk.family).undefined += undefined;
         outcomes
+    }
+
+    /// Keeps samples whose `f32` takes another branch than their `f64`, if the results differ.
+    fn diverged(
+        &mut self,
+        number: usize,
+        chunk: &Chunk,
+        lanes: std::ops::Range<usize>,
+        (called, outcomes): (&PureCallResult, &[Outcome]),
+    ) {
+        if chunk.family == Family::Special {
+            return;
+        }
+        let is_apart = |lane: &usize| {
+            called.called.unsure.get(*lane) == Some(&true)
+                && matches!(outcomes[*lane], Outcome::Finite(..))
+        };
+        let apart: Vec<usize> = (0..lanes.len()).filter(is_apart).collect();
+        if apart.is_empty() {
+            return;
+        }
+        let samples: Vec<_> =
+            apart.iter().map(|lane| chunk.samples[lanes.start + lane].clone()).collect();
+        let settings = Settings { precision: Precision::Double, ..settings(self.plan, false) };
+        let Ok(own) = self.pure.call(&columns(&samples), samples.len(), &settings) else { return };
+        for (nth, &lane) in apart.iter().enumerate() {
+            if own.called.discarded.get(nth) == Some(&true) {
+                continue;
+            }
+            let off = outcome_beside((called, lane), (&own, nth), &self.floats);
+            let Outcome::Finite(off, _) = off else { continue };
+            if off.steps > self.plan.steps || off.ulp > self.plan.ulp {
+                let at = lanes.start + lane;
+                let key = (chunk.tags[at] & !(1 << 28), KeepReason::Diverged);
+                self.keep(chunk, number, at, key, off.steps);
+            }
+        }
     }
 
     fn keep(

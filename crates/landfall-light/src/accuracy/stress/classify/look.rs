@@ -91,6 +91,7 @@ impl Look<'_> {
             | U::ClampBounds
             | U::Uninitialised
             | U::NanFromBuffer
+            | U::NanCompared
             | U::IntegerDivisionByZero
             | U::IntegerOverflow
             | U::RemainderOfNegative
@@ -258,6 +259,17 @@ impl Look<'_> {
 
     fn is_square(&self, step: &TracedOperation) -> bool {
         step.operands[0].source == step.operands[1].source
+    }
+
+    /// Returns the first comparison that `f32` and `f64` decide differently.
+    pub fn diverged(&self) -> Option<Candidate> {
+        let decides = |step: &&TracedOperation| {
+            step.operation == Operation::Compare
+                && step.results.iter().any(|n| f64::from(n.single) != n.double)
+        };
+        let step = self.graph.trace.steps.iter().find(decides)?;
+        let about = self.graph.inputs_of(Self::sources(step));
+        Some(self.candidate(step, Hazard::BranchDivergence, about, None))
     }
 
     /// Returns the operation that introduced the error of the worst component.

@@ -1,0 +1,180 @@
+//! The values of a graph that need affine forms, and their forms over a box.
+
+use super::super::code::{Class, F1, F2, F3};
+use super::super::interval::Interval;
+use super::affine::{Affine, Need, VALUE, halves};
+use super::bounds::Bounds;
+use super::error::{Rounding, slope_of};
+use super::exact::{between, is_empty, meet, point};
+use super::node::{Node, NodeId, NodeOp};
+use super::value::Arithmetic;
+use super::{Graph, arithmetic};
+
+/// The most values of a graph with affine forms.
+const MOST_NODES: usize = 1 << 12;
+
+/// A form this many times wider than the interval of its value is given up.
+const WIDE: f64 = 8.0;
+
+impl Graph {
+    /// Finds the values that need affine forms; `reaches` has the inputs of each value.
+    pub(super) fn find_correlated(&mut self, reaches: &[Vec<usize>]) {
+        let mut uses = vec![0u32; self.nodes.len()];
+        let mut needs = vec![Need::None; self.nodes.len()];
+        if self.nodes.len() > MOST_NODES {
+            return;
+        }
+        for (at, node) in self.nodes.iter().enumerate().rev() {
+            let ids = self.operands(node);
+            let mut different: Vec<NodeId> = ids.to_vec();
+            different.sort_unstable();
+            different.dedup();
+            different.iter().for_each(|&id| uses[id as usize] += 1);
+            let mut inputs: Vec<usize> =
+                different.iter().flat_map(|&id| &reaches[id as usize]).copied().collect();
+            let all = inputs.len();
+            inputs.sort_unstable();
+            inputs.dedup();
+            let linear = node.class == Class::Real && is_followed(node.act);
+            let correlated = linear && inputs.len() < all;
+            if correlated || needs[at] != Need::None && linear {
+                needs[at] = need(uses[at]);
+                for &id in ids {
+                    let operand = &mut needs[id as usize];
+                    *operand = if *operand == Need::None { Need::Once } else { *operand };
+                }
+            }
+        }
+        for (need_of, uses) in needs.iter_mut().zip(&uses) {
+            *need_of = if *need_of == Need::None { Need::None } else { need(*uses) };
+        }
+        self.needs = needs;
+    }
+}
+
+fn need(uses: u32) -> Need {
+    if uses > 1 { Need::Often } else { Need::Once }
+}
+
+/// Whether the operands' forms give the result's.
+fn is_followed(act: NodeOp) -> bool {
+    match act {
+        NodeOp::F1(f) => !matches!(
+            f,
+            F1::Sign | F1::Floor | F1::Ceil | F1::Round | F1::Trunc | F1::FrexpFract | F1::Quantize
+        ),
+        NodeOp::F2(f) => matches!(f, F2::Add | F2::Sub | F2::Mul | F2::Div | F2::Min | F2::Max),
+        NodeOp::F3(f) => matches!(f, F3::Fma | F3::Mix | F3::Clamp),
+        NodeOp::Dot | NodeOp::Cross(_) => true,
+        _ => false,
+    }
+}
+
+impl Bounds {
+    /// Gives the last value its affine form, where it needs one, and narrows it to that.
+    pub(super) fn follow(&mut self, graph: &Graph, id: NodeId) {
+        let need = graph.needs.get(id as usize).copied().unwrap_or(Need::None);
+        if need == Need::None || !self.is_wide || self.arithmetic == Arithmetic::Nearest {
+            self.forms.push(None);
+            return;
+        }
+        let node = &graph.nodes[id as usize];
+        let value = self.values[id as usize];
+        if node.class != Class::Real || is_empty(value) {
+            self.forms.push(None);
+            return;
+        }
+        let (_, half) = halves(value);
+        let useful = |form: &Affine| form.is_finite() && form.radius() <= WIDE * half;
+        let found = self.form(graph, node, id, value).filter(useful);
+        let form =
+            found.map(|form| if need == Need::Often { form.named(VALUE | id) } else { form });
+        let form = form.or_else(|| Affine::symbol(VALUE | id, value));
+        if let Some(form) = &form {
+            let narrower = meet(value, form.interval());
+            if !is_empty(narrower) {
+                self.values[id as usize] = narrower;
+            }
+        }
+        self.forms.push(form);
+    }
+
+    /// Returns the form of a value from those of its operands.
+    fn form(&self, graph: &Graph, node: &Node, id: NodeId, value: Interval) -> Option<Affine> {
+        let ids = graph.operands(node);
+        let of = |nth: usize| self.forms[ids[nth] as usize].as_ref();
+        let seen = |nth: usize| self.seen(graph, node.guard, ids[nth]);
+        let product = |i: usize, j: usize| match ids[i] == ids[j] {
+            true => Some(of(i)?.squared()),
+            false => Some(of(i)?.product(of(j)?)),
+        };
+        let sum = |a: &Affine, b: &Affine| a.combined(1.0, b, 1.0);
+        let exact = match node.act {
+            NodeOp::Input(n) => return Affine::symbol(n, value),
+            NodeOp::Constant(x) => return Some(Affine::constant(x)),
+            NodeOp::F1(F1::Neg) => return Some(of(0)?.scaled(-1.0)),
+            NodeOp::F1(F1::Abs | F1::Saturate) | NodeOp::F3(F3::Clamp) => {
+                return self.piece(graph, node);
+            }
+            NodeOp::F2(F2::Min | F2::Max) => return self.piece(graph, node),
+            NodeOp::F1(f) if is_followed(node.act) => {
+                let at = |x: f64| arithmetic::f1(Arithmetic::Exact, f, point(x)).value;
+                of(0)?.applied(seen(0), slope_of(f, seen(0), value), at)?
+            }
+            NodeOp::F2(F2::Add) => sum(of(0)?, of(1)?),
+            NodeOp::F2(F2::Sub) => of(0)?.combined(1.0, of(1)?, -1.0),
+            NodeOp::F2(F2::Mul) => product(0, 1)?,
+            NodeOp::F2(F2::Div) => {
+                let divisor = seen(1);
+                let normal = between(-f64::from(f32::MIN_POSITIVE), f64::from(f32::MIN_POSITIVE));
+                if !is_empty(meet(divisor, normal)) {
+                    return None;
+                }
+                of(0)?.quotient(of(1)?, divisor)?
+            }
+            NodeOp::F3(F3::Fma) => sum(&product(0, 1)?, of(2)?),
+            // a + (b - a) * t
+            NodeOp::F3(F3::Mix) => {
+                let apart = of(1)?.combined(1.0, of(0)?, -1.0);
+                sum(of(0)?, &apart.product(of(2)?))
+            }
+            NodeOp::Dot => {
+                let half = ids.len() / 2;
+                let mut all = product(0, half)?;
+                for i in 1..half {
+                    all = sum(&all, &product(i, i + half)?);
+                }
+                all
+            }
+            NodeOp::Cross(i) => {
+                let (j, k) = ((usize::from(i) + 1) % 3, (usize::from(i) + 2) % 3);
+                product(j, k + 3)?.combined(1.0, &product(k, j + 3)?, -1.0)
+            }
+            _ => return None,
+        };
+        let error = match self.arithmetic {
+            Arithmetic::Permitted => graph.local(self, Rounding::Permitted, id),
+            Arithmetic::Exact | Arithmetic::Nearest => 0.0,
+        };
+        error.is_finite().then(|| exact.widened(error))
+    }
+
+    /// Returns the form of a function that is one of its operands, where it is known which.
+    fn piece(&self, graph: &Graph, node: &Node) -> Option<Affine> {
+        let ids = graph.operands(node);
+        let of = |nth: usize| self.forms[ids[nth] as usize].clone();
+        let seen = |nth: usize| self.seen(graph, node.guard, ids[nth]);
+        let below = |a: usize, b: usize| seen(a).high <= seen(b).low;
+        match node.act {
+            NodeOp::F1(F1::Abs) if seen(0).low >= 0.0 => of(0),
+            NodeOp::F1(F1::Abs) if seen(0).high <= 0.0 => Some(of(0)?.scaled(-1.0)),
+            NodeOp::F1(F1::Saturate) if seen(0).low >= 0.0 && seen(0).high <= 1.0 => of(0),
+            NodeOp::F2(F2::Min) if below(0, 1) => of(0),
+            NodeOp::F2(F2::Min) if below(1, 0) => of(1),
+            NodeOp::F2(F2::Max) if below(0, 1) => of(1),
+            NodeOp::F2(F2::Max) if below(1, 0) => of(0),
+            NodeOp::F3(F3::Clamp) if below(1, 0) && below(0, 2) => of(0),
+            _ => None,
+        }
+    }
+}

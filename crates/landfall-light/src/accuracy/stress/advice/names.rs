@@ -1,0 +1,69 @@
+//! The local names of a function that are written once, with their expressions.
+
+use std::collections::HashMap;
+
+use super::formula::Formula;
+
+/// Names and their expressions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Names(HashMap<String, Formula>);
+
+impl Names {
+    /// Returns the names that are declared before a byte of a text, in the same function.
+    pub fn before(text: &str, at: usize) -> Names {
+        let start = text[..at].rfind("\n}").map_or(0, |found| found + 2);
+        let end = text[at..].find("\n}").map_or(text.len(), |found| at + found);
+        let function = &text[start..end];
+        let mut all = HashMap::new();
+        for statement in text[start..at].split([';', '{', '}']) {
+            let Some((left, right)) = statement.split_once('=') else { continue };
+            let left = left.split("//").last().unwrap_or(left);
+            // `let x: f32 = …`, `float x = …`
+            let words: Vec<&str> =
+                left.split(':').next().unwrap_or(left).split_whitespace().collect();
+            let [.., _, name] = words[..] else { continue };
+            if writes(function, name) != 1 {
+                continue;
+            }
+            if let Some(formula) = Formula::read(right) {
+                all.insert(name.to_string(), formula);
+            }
+        }
+        Names(all)
+    }
+
+    /// Returns the expression of a name, or the formula itself.
+    pub fn read(&self, formula: &Formula) -> Formula {
+        let mut formula = formula;
+        // A name's expression has only earlier names.
+        for _ in 0..self.0.len() {
+            match formula {
+                Formula::Leaf(name) => match self.0.get(name) {
+                    Some(of) => formula = of,
+                    None => break,
+                },
+                _ => break,
+            }
+        }
+        formula.clone()
+    }
+}
+
+/// Returns how often a name is written in a text.
+fn writes(text: &str, name: &str) -> usize {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let written = |(at, _): &(usize, &str)| {
+        let before = text[..*at].chars().next_back().is_some_and(is_part);
+        let rest = &text[at + name.len()..];
+        if before || rest.starts_with(is_part) {
+            return false;
+        }
+        let rest = rest.trim_start().trim_start_matches(|c| c == '.' || is_part(c)).trim_start();
+        let typed = rest.strip_prefix(':').and_then(|rest| rest.split_once('=')).is_some();
+        let plain = rest.starts_with('=') && !rest.starts_with("==");
+        let compound = ["+=", "-=", "*=", "/=", "++", "--"].iter().any(|op| rest.starts_with(op));
+        let step = text[..*at].trim_end().ends_with("++") || text[..*at].trim_end().ends_with("--");
+        plain || compound || typed || step
+    };
+    text.match_indices(name).filter(written).count()
+}
