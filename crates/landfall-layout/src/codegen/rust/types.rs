@@ -3,6 +3,7 @@
 //! [`super::plan`] makes them, the printers read them. A generated type is a [`GeneratedType`], referred
 //! to by its [`GeneratedTypeId`].
 
+use crate::codegen::runtime_tail::TailSize;
 use crate::shape::{Scalar, ScalarKind};
 
 /// The Rust type of a field.
@@ -19,6 +20,17 @@ pub(super) enum RustType {
 /// Index of a [`GeneratedType`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct GeneratedTypeId(pub(super) usize);
+
+/// A module of the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Module {
+    /// Types and functions that depend on no shader's structure: `Bool`, `Mat3Stride16`, `Leaf`.
+    Support,
+    /// What several shaders have in common.
+    Common,
+    /// What only this shader has; all there is of a file without modules.
+    Shader(usize),
+}
 
 /// A type and its size in bytes.
 #[derive(Clone, Debug)]
@@ -114,8 +126,8 @@ pub(super) struct RuntimeTail {
     /// One element, padding included.
     pub(super) element: RustType,
     pub(super) stride: u64,
-    /// The least size of a buffer in bytes.
-    pub(super) least: u64,
+    /// The sizes that a buffer may have.
+    pub(super) sizes: TailSize,
 }
 
 /// A field of a mirror.
@@ -134,6 +146,19 @@ pub(super) struct Field {
 pub(super) struct Gap {
     pub(super) offset: u64,
     pub(super) size: u64,
+}
+
+impl GeneratedType {
+    /// Whether it is the part of a block before a runtime-sized tail.
+    pub(super) fn has_tail(&self) -> bool {
+        match self {
+            GeneratedType::Mirror(mirror) => mirror.tail.is_some(),
+            GeneratedType::Bits(_)
+            | GeneratedType::Leaf(_)
+            | GeneratedType::Padded(_)
+            | GeneratedType::Tight(_) => false,
+        }
+    }
 }
 
 impl Mirror {
