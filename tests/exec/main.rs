@@ -15,3 +15,4 @@ mod run_gpu;
 mod run_module;
 mod run_remote;
 mod verify;
+mod verify_widths;
