@@ -135,7 +135,7 @@ mod tests {
         for (at, byte) in rendered.bytes().enumerate() {
             let origin = edits.origin(text, at);
             let inserted = at < 4 || (6..12).contains(&at);
-            assert_eq!(inserted || text.as_bytes()[origin] == byte, true, "{at}");
+            assert!(inserted || text.as_bytes()[origin] == byte, "{at}");
             assert!(!(6..12).contains(&at) || origin == 2);
         }
         assert_eq!(edits.origin(text, rendered.len()), text.len());
