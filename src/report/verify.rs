@@ -220,7 +220,7 @@ fn lands(read: &ElementReport) -> bool {
 
 /// Returns the summary of a run in one line.
 pub fn summary(reports: &Counts) -> String {
-    let Counts { shaders, blocks, unread, reads, elsewhere, failed } = *reports;
+    let Counts { shaders, blocks, unread, unprobed, reads, elsewhere, failed } = *reports;
     let counted = |count: usize, one: &str, many: &str| {
         format!("{} {}", phrases::number(count as u64), if count == 1 { one } else { many })
     };
@@ -248,6 +248,9 @@ pub fn summary(reports: &Counts) -> String {
             );
         }
     }
+    if unprobed > 0 && reads > 0 {
+        let _ = write!(text, "; no probe reads {}", counted(unprobed, "leaf", "leaves"));
+    }
     if unread > 0 && reads > 0 {
         let _ = write!(text, "; no backend read {}", counted(unread, "block", "blocks"));
     }
@@ -264,6 +267,8 @@ pub struct Counts {
     pub blocks: usize,
     /// Blocks that no backend read a member of.
     pub unread: usize,
+    /// Leaves that no probe reads.
+    pub unprobed: usize,
     /// Elements read, over all backends.
     pub reads: usize,
     /// Reads from other bytes than expected.
@@ -279,6 +284,10 @@ impl Counts {
         self.blocks += report.blocks.len();
         let unread = |block: &&BlockReport| block.backends.iter().all(|b| b.reads.is_empty());
         self.unread += report.blocks.iter().filter(unread).count();
+        for block in report.blocks.iter().filter(|block| !unread(block)) {
+            let paths = block.unprobed.iter().map(|leaf| &leaf.path);
+            self.unprobed += paths.collect::<std::collections::BTreeSet<_>>().len();
+        }
         for backend in report.blocks.iter().flat_map(|block| &block.backends) {
             self.reads += backend.reads.len();
             self.elsewhere += backend.reads.iter().filter(|read| !lands(read)).count();

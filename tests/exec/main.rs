@@ -16,3 +16,4 @@ mod run_module;
 mod run_remote;
 mod runtime_tail;
 mod verify;
+mod verify_widths;

@@ -16,6 +16,7 @@ mod mirrors;
 mod oracles;
 mod port;
 mod port_naga;
+mod port_tint;
 mod properties;
 mod reading;
 mod rules;

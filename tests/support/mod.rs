@@ -34,4 +34,5 @@ pub mod picture;
 pub mod run;
 pub mod rustc;
 pub mod spirv;
+pub mod tint;
 pub mod wgsl;

@@ -14,12 +14,16 @@ mod edits;
 mod environment;
 mod hoist;
 mod interface;
+#[cfg(feature = "naga")]
+mod origin;
 mod outline;
 mod reserved;
 #[cfg(feature = "naga")]
 mod separate;
 mod shader;
 mod site;
+#[cfg(feature = "naga")]
+mod uniformity;
 mod uniforms;
 #[cfg(feature = "naga")]
 mod wgsl;
@@ -33,6 +37,8 @@ use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 use edits::Edits;
 use hoist::Handles;
 pub use interface::Direction;
+#[cfg(feature = "naga")]
+use origin::Origin;
 use rustc_hash::FxHashSet;
 use shader::Shader;
 use uniforms::{Bindings, Gathered};
@@ -99,6 +105,8 @@ pub struct Ported {
     pub values: Vec<InitialValue>,
     /// Renames as old and new names: keywords, and handles moved out of structures.
     pub renamed: Vec<(String, String)>,
+    /// What the user should know of the result, at the lines of the original.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl Ported {
@@ -162,17 +170,22 @@ pub struct InitialValue {
 pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let mut options = options.clone();
     options.read.target = options.read.target.or_else(|| target_of(source));
-    let ported = edit(source, &options)?;
+    let (ported, edits) = edit(source, &options)?;
     verify(source, &options, &ported)?;
     match options.dialect {
         Dialect::Vulkan => Ok(ported),
-        Dialect::Naga | Dialect::Wgsl => through_naga(ported, &options),
+        Dialect::Naga | Dialect::Wgsl => through_naga(source, ported, &edits, &options),
     }
 }
 
 /// Rejects dialects that need naga in builds without it.
 #[cfg(not(feature = "naga"))]
-fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+fn through_naga(
+    _: &Source,
+    ported: Ported,
+    _: &Edits,
+    _: &PortOptions,
+) -> Result<Ported, Vec<Diagnostic>> {
     let path = &ported.source.path;
     let message = format!("porting `{path}` to this dialect needs naga, which this build lacks");
     let diagnostic = Diagnostic::error(Code::NotPortable, Span::default(), message);
@@ -180,20 +193,42 @@ fn through_naga(ported: Ported, _: &PortOptions) -> Result<Ported, Vec<Diagnosti
 }
 
 #[cfg(feature = "naga")]
-fn through_naga(mut ported: Ported, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+fn through_naga(
+    source: &Source,
+    mut ported: Ported,
+    edits: &Edits,
+    options: &PortOptions,
+) -> Result<Ported, Vec<Diagnostic>> {
+    let user = Shader::new(source, &options.read);
+    if options.dialect == Dialect::Wgsl {
+        wgsl::refuse(&user)?;
+    }
     let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
     let layouts = Options { read: read.clone(), ..Options::default() };
-    let shader = Shader::new(&ported.source, &read);
+    let before = ported.source.clone();
     let mut problems = Vec::new();
-    let text = separate::separate(&shader, &mut ported.bindings, &mut problems);
+    let mut bindings = std::mem::take(&mut ported.bindings);
+    let further = separate::separate(&Shader::new(&before, &read), &mut bindings, &mut problems);
+    ported.bindings = bindings;
+    let origin = Origin { user: &user, edits, before: &before, renamed: &ported.renamed };
     if !problems.is_empty() {
+        origin.move_back(&mut problems, None);
         return Err(problems);
     }
-    ported.source = Source { text: text.into(), ..ported.source };
-    wgsl::check(&ported.source, &layouts)?;
-    if options.dialect == Dialect::Wgsl {
-        ported.source = wgsl::write(&ported.source, &layouts)?;
-    }
+    let text = further.render(&before.text, 0..before.text.len());
+    let separated = Source { text: text.into(), ..before.clone() };
+    let back = |mut found: Vec<Diagnostic>| {
+        origin.move_back(&mut found, Some(&further));
+        found
+    };
+    wgsl::check(&separated, &layouts).map_err(back)?;
+    let mut warnings = Vec::new();
+    let made = match options.dialect {
+        Dialect::Wgsl => wgsl::write(&separated, &layouts, &mut warnings).map_err(back)?,
+        Dialect::Vulkan | Dialect::Naga => separated,
+    };
+    ported.warnings = back(warnings);
+    ported.source = made;
     Ok(ported)
 }
 
@@ -203,7 +238,7 @@ fn target_of(source: &Source) -> Option<Target> {
     (raw.version < 400).then_some(Target::OpenGl)
 }
 
-fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<Diagnostic>> {
     if source.language != Language::Glsl {
         let message =
             format!("`{}` is {}, but only GLSL can be ported", source.path, source.language.name());
@@ -276,14 +311,16 @@ fn edit(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic
         return Err(problems);
     }
     let text = edits.render(&source.text, 0..source.text.len());
-    Ok(Ported {
+    let ported = Ported {
         source: Source { text: text.into(), stage: Some(stage), ..source.clone() },
         block,
         bindings: bindings.given,
         locations,
         values: gathered.values,
         renamed,
-    })
+        warnings: Vec::new(),
+    };
+    Ok((ported, edits))
 }
 
 /// Errors that prevent porting, found before any edit.
@@ -393,7 +430,7 @@ fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32
     if partner.path == source.path {
         return 0;
     }
-    let bindings = edit(partner, &alone).map_or(Vec::new(), |ported| ported.bindings);
+    let bindings = edit(partner, &alone).map_or(Vec::new(), |(ported, _)| ported.bindings);
     let last = bindings.iter().map(|binding| binding.binding + 1).max().unwrap_or(0);
     last.saturating_sub(options.first_binding)
 }

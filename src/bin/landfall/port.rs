@@ -53,6 +53,9 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         None => streams.source(&ported.source.text)?,
     }
+    if !ported.warnings.is_empty() {
+        report(&ported.warnings, &files_of(&source));
+    }
     streams.notes(&notes(&ported));
     for (name, _) in &args.locations {
         if !ported.locations.iter().any(|location| location.name == *name) {

@@ -266,7 +266,8 @@ impl<'l, 'a> Body<'l, 'a> {
     pub fn number(&mut self, kind: Kind, value: f64) -> Val {
         let literal = match kind {
             Kind::Bool => Literal::Bool(value != 0.0),
-            // Between int and uint the bits stay (GLSL 4.60 §5.4.1).
+            // Between integers the bits stay, without the high ones that do not fit (GLSL 4.60
+            // §5.4.1, GL_EXT_shader_explicit_arithmetic_types).
             Kind::Int if value > f64::from(i32::MAX) => Literal::I32(value as u32 as i32),
             Kind::Int => Literal::I32(value as i32),
             Kind::Uint if value < 0.0 => Literal::U32(value as i32 as u32),
@@ -276,9 +277,10 @@ impl<'l, 'a> Body<'l, 'a> {
             Kind::Half => Literal::F16(half::f16::from_f32(
                 landfall_layout::buffer::float::round_to_odd(value),
             )),
-            Kind::Short => Literal::I16(value as i16),
-            Kind::Ushort => Literal::U16(value as u16),
+            Kind::Short => Literal::I16(value as i64 as i16),
+            Kind::Ushort => Literal::U16(value as i64 as u16),
             Kind::Long => Literal::I64(value as i64),
+            Kind::Ulong if value < 0.0 => Literal::U64(value as i64 as u64),
             Kind::Ulong => Literal::U64(value as u64),
         };
         Val { expr: self.literal(literal), ty: Ty::Scalar(kind) }

@@ -38,6 +38,51 @@ impl Edits {
 
     /// A part of the text with its edits applied.
     pub fn render(&self, text: &str, part: Range<usize>) -> String {
+        let mut result = String::with_capacity(part.len());
+        let mut at = part.start;
+        for edit in self.applied(text, &part) {
+            result.push_str(&text[at..edit.range.start]);
+            result.push_str(&edit.text);
+            at = edit.range.end;
+        }
+        result.push_str(&text[at..part.end]);
+        result
+    }
+
+    /// The byte of the text that byte `at` of its rendering comes from, or the place of the
+    /// insertion that contains it.
+    #[cfg(feature = "naga")]
+    pub fn origin(&self, text: &str, at: usize) -> usize {
+        let (mut from, mut rendered) = (0, 0);
+        for edit in self.applied(text, &(0..text.len())) {
+            let start = rendered + (edit.range.start - from);
+            if at < start {
+                break;
+            }
+            if at < start + edit.text.len() {
+                return edit.range.start;
+            }
+            (from, rendered) = (edit.range.end, start + edit.text.len());
+        }
+        (from + (at - rendered)).min(text.len())
+    }
+
+    /// Whether byte `at` of the rendering of the text was inserted where nothing was.
+    #[cfg(feature = "naga")]
+    pub fn is_inserted(&self, text: &str, at: usize) -> bool {
+        let (mut from, mut rendered) = (0, 0);
+        for edit in self.applied(text, &(0..text.len())) {
+            let start = rendered + (edit.range.start - from);
+            if at < start + edit.text.len() {
+                return at >= start && edit.range.is_empty();
+            }
+            (from, rendered) = (edit.range.end, start + edit.text.len());
+        }
+        false
+    }
+
+    /// The edits of a part of the text that are not inside others, in their order.
+    fn applied(&self, text: &str, part: &Range<usize>) -> Vec<&Edit> {
         let mut inside: Vec<&Edit> = self
             .edits
             .iter()
@@ -49,18 +94,15 @@ impl Edits {
         inside.sort_by_key(|edit| {
             (edit.range.start, !edit.range.is_empty(), !edit.lines, usize::MAX - edit.range.end)
         });
-        let mut result = String::with_capacity(part.len());
         let mut at = part.start;
-        for edit in inside {
-            if edit.range.start < at {
-                continue;
+        inside.retain(|edit| {
+            let kept = edit.range.start >= at;
+            if kept {
+                at = edit.range.end;
             }
-            result.push_str(&text[at..edit.range.start]);
-            result.push_str(&edit.text);
-            at = edit.range.end;
-        }
-        result.push_str(&text[at..part.end]);
-        result
+            kept
+        });
+        inside
     }
 }
 
@@ -78,5 +120,24 @@ mod tests {
         edits.insert(3, "lost");
         assert_eq!(edits.render("abcdefgh", 0..8), "ab<>gh");
         assert_eq!(edits.render("abcdefgh", 3..6), "lostdXf");
+    }
+
+    #[cfg(feature = "naga")]
+    #[test]
+    fn each_byte_of_the_result_has_its_origin() {
+        let mut edits = Edits::default();
+        edits.insert_lines(0, "new\n");
+        edits.replace(2..4, "longer");
+        edits.delete(5..6);
+        let text = "abcdefgh";
+        let rendered = edits.render(text, 0..text.len());
+        assert_eq!(rendered, "new\nablongeregh");
+        for (at, byte) in rendered.bytes().enumerate() {
+            let origin = edits.origin(text, at);
+            let inserted = at < 4 || (6..12).contains(&at);
+            assert!(inserted || text.as_bytes()[origin] == byte, "{at}");
+            assert!(!(6..12).contains(&at) || origin == 2);
+        }
+        assert_eq!(edits.origin(text, rendered.len()), text.len());
     }
 }

@@ -24,12 +24,12 @@ struct Pair {
 
 type Scope<'a> = FxHashMap<&'a str, Pair>;
 
-/// Rewrites a ported text; adds new bindings to `bindings`.
+/// Returns the edits that rewrite a ported text; adds new bindings to `bindings`.
 pub(super) fn separate(
     shader: &Shader<'_>,
     bindings: &mut Vec<Binding>,
     problems: &mut Vec<Diagnostic>,
-) -> String {
+) -> Edits {
     let mut edits = Edits::default();
     drop_words(shader, &mut edits);
     let bools = bools(shader, &mut edits);
@@ -50,7 +50,7 @@ pub(super) fn separate(
         }
     }
     refuse(shader, &globals, problems);
-    edits.render(shader.text, 0..shader.text.len())
+    edits
 }
 
 /// Whether a type is a combined texture and sampler.

@@ -3,10 +3,15 @@
 
 use crate::diagnostic::Code;
 
+use naga::Statement;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
+use super::shader::Shader;
+use super::uniformity::{Operation, non_uniform};
 use crate::naga_front::{caught, is_bounded};
+use crate::shape::Type;
 use crate::source::{Language, Source, Span, Stage};
+use crate::syntax::glsl::types::{Builtin, builtin};
 use crate::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
 /// Checks that naga accepts a GLSL text and reads the same offsets.
@@ -27,16 +32,113 @@ pub(super) fn check(source: &Source, options: &Options) -> Result<(), Vec<Diagno
     module(source).map(|_| ())
 }
 
+/// Refuses types that WGSL lacks; naga writes those of its own extensions.
+pub(super) fn refuse(shader: &Shader<'_>) -> Result<(), Vec<Diagnostic>> {
+    let wide = |word: &str| match builtin(word) {
+        Some(Builtin::Data(
+            Type::Scalar(scalar) | Type::Vector { scalar, .. } | Type::Matrix { scalar, .. },
+        )) => scalar.width == 8,
+        _ => false,
+    };
+    let Some(at) = shader.code.iter().position(|token| wide(token.text)) else { return Ok(()) };
+    let message = format!("WGSL has no `{}`", shader.code[at].text);
+    let problem = Diagnostic::error(Code::NotPortable, shader.span(at), message);
+    Err(vec![problem.with_help("use `float`, `int` or `uint`")])
+}
+
 /// Translates a text to WGSL.
-pub(super) fn write(source: &Source, options: &Options) -> Result<Source, Vec<Diagnostic>> {
-    let (module, info) = module(source)?;
+pub(super) fn write(
+    source: &Source,
+    options: &Options,
+    warnings: &mut Vec<Diagnostic>,
+) -> Result<Source, Vec<Diagnostic>> {
+    let (mut module, info) = module(source)?;
+    let apart = non_uniform(&module);
+    let barriers: Vec<Diagnostic> = apart
+        .iter()
+        .filter(|(operation, _)| *operation == Operation::Barrier)
+        .map(|(_, span)| {
+            let message = "only some invocations of a workgroup may arrive at this barrier";
+            Diagnostic::error(Code::NotPortable, place(*span), message)
+                .with_note("WGSL refuses a barrier in non-uniform control flow")
+                .with_help("move it out of the branch, or branch on uniforms and constants only")
+        })
+        .collect();
+    if !barriers.is_empty() {
+        return Err(barriers);
+    }
+    let sampled = apart.iter().map(|(_, span)| {
+        let message = "the derivatives of this operation are undefined where only some fragments \
+                       of a quad arrive";
+        Diagnostic::warning(Code::NotPortable, place(*span), message)
+            .with_note("WGSL refuses that unless `diagnostic(off, derivative_uniformity)` is set")
+            .with_help("move it out of the branch, or give the level by `textureLod`")
+    });
+    warnings.extend(sampled);
+    for (_, function) in module.functions.iter_mut() {
+        plain_barriers(&mut function.body);
+    }
     let flags = naga::back::wgsl::WriterFlags::empty();
-    let text = naga::back::wgsl::write_string(&module, &info, flags)
-        .map_err(|error| vec![refused(&error.to_string())])?;
+    let mut text = naga::back::wgsl::write_string(&module, &info, flags)
+        .map_err(|error| vec![refused(&error.to_string(), falls_through(&module))])?;
+    if !warnings.is_empty() {
+        text.insert_str(0, "diagnostic(off, derivative_uniformity);\n\n");
+    }
     let path = std::path::Path::new(&source.path).with_extension("wgsl").display().to_string();
     let wgsl = Source { language: Language::Wgsl, stage: None, ..Source::new(path, text) };
     let problems = differences(&layout(source, options).blocks, &layout(&wgsl, options).blocks);
     if problems.is_empty() { Ok(wgsl) } else { Err(problems) }
+}
+
+/// Restricts barriers to buffers and shared variables: naga 30.0.1 reads `barrier()` as one of
+/// subgroups and textures, too, and WGSL has neither without extensions.
+fn plain_barriers(block: &mut naga::Block) {
+    for (statement, _) in block.span_iter_mut() {
+        match statement {
+            Statement::ControlBarrier(kinds) | Statement::MemoryBarrier(kinds) => {
+                *kinds &= naga::Barrier::STORAGE | naga::Barrier::WORK_GROUP;
+            }
+            Statement::Block(block) => plain_barriers(block),
+            Statement::If { accept, reject, .. } => {
+                plain_barriers(accept);
+                plain_barriers(reject);
+            }
+            Statement::Switch { cases, .. } => {
+                cases.iter_mut().for_each(|case| plain_barriers(&mut case.body));
+            }
+            Statement::Loop { body, continuing, .. } => {
+                plain_barriers(body);
+                plain_barriers(continuing);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Returns the place of the first `switch` with a case that goes on to the next, which naga does
+/// not write.
+fn falls_through(module: &naga::Module) -> Span {
+    fn inside(block: &naga::Block) -> Option<naga::Span> {
+        block.span_iter().find_map(|(statement, span)| match statement {
+            Statement::Switch { cases, .. } => {
+                let falls = |case: &naga::SwitchCase| case.fall_through && !case.body.is_empty();
+                let within = || cases.iter().find_map(|case| inside(&case.body));
+                if cases.iter().any(falls) { Some(*span) } else { within() }
+            }
+            Statement::Block(block) => inside(block),
+            Statement::If { accept, reject, .. } => inside(accept).or_else(|| inside(reject)),
+            Statement::Loop { body, continuing, .. } => inside(body).or_else(|| inside(continuing)),
+            _ => None,
+        })
+    }
+    let found = module.functions.iter().find_map(|(_, function)| inside(&function.body));
+    found.map_or(Span::default(), place)
+}
+
+/// Returns the place of naga's span.
+fn place(span: naga::Span) -> Span {
+    let range = span.to_range().unwrap_or(0..0);
+    Span { file: 0, start: range.start as u32, end: range.end as u32 }
 }
 
 /// Errors for members that WGSL's rules put elsewhere. naga may rename members, but keeps their
@@ -46,10 +148,8 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
     for block in before {
         let same = after.iter().find(|b| b.group == block.group && b.binding == block.binding);
         let Some(same) = same.filter(|same| same.leaves.len() == block.leaves.len()) else {
-            problems.push(refused(&format!(
-                "naga's WGSL declares block `{}` with other members",
-                block.name
-            )));
+            let message = format!("naga's WGSL declares block `{}` with other members", block.name);
+            problems.push(refused(&message, Span::default()));
             continue;
         };
         for (leaf, new) in block.leaves.iter().zip(&same.leaves) {
@@ -62,7 +162,7 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
                     strides(leaf),
                     strides(new)
                 );
-                problems.push(Diagnostic::error(Code::NotPortable, Span::default(), message));
+                problems.push(about(&leaf.path, message));
             }
         }
     }
@@ -78,11 +178,17 @@ fn strides(leaf: &Leaf) -> String {
 fn moved(path: &str, ours: Option<u64>, theirs: u64, who: &str) -> Diagnostic {
     let ours = ours.unwrap_or(0);
     let message = format!("`{path}` is at offset {ours}, but {who} it at {theirs}");
-    Diagnostic::error(Code::NotPortable, Span::default(), message)
+    about(path, message)
         .with_help("reorder the uniforms, or pad the structure to a multiple of 16 bytes")
 }
 
-fn refused(reason: &str) -> Diagnostic {
+/// An error about a member, whose declaration is looked up later.
+fn about(path: &str, message: String) -> Diagnostic {
+    let found = Diagnostic::error(Code::NotPortable, Span::default(), message);
+    Diagnostic { about: path.to_string(), ..found }
+}
+
+fn refused(reason: &str, at: Span) -> Diagnostic {
     let reason = match reason.lines().next().unwrap_or("").trim() {
         // naga 30.0.1 checks functions in the order of their first mention.
         text if text.contains("has not been processed yet") => {
@@ -91,7 +197,7 @@ fn refused(reason: &str) -> Diagnostic {
         text => text,
     };
     let message = format!("naga rejects the ported shader: {reason}");
-    Diagnostic::error(Code::NotPortable, Span::default(), message)
+    Diagnostic::error(Code::NotPortable, at, message)
         .with_note("this is a limit of naga's GLSL front end")
 }
 
@@ -100,26 +206,35 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
         Some(Stage::Vertex) => naga::ShaderStage::Vertex,
         Some(Stage::Fragment) => naga::ShaderStage::Fragment,
         Some(Stage::Compute) => naga::ShaderStage::Compute,
-        _ => return Err(vec![refused("it supports vertex, fragment and compute shaders only")]),
+        _ => {
+            let reason = "it supports vertex, fragment and compute shaders only";
+            return Err(vec![refused(reason, Span::default())]);
+        }
     };
     if !is_bounded(&source.text) {
-        return Err(vec![refused("it is too long, or nested too deeply, for naga")]);
+        let reason = "it is too long, or nested too deeply, for naga";
+        return Err(vec![refused(reason, Span::default())]);
     }
     let read = || {
         let options = naga::front::glsl::Options::from(stage);
         let parsed = naga::front::glsl::Frontend::default().parse(&options, &source.text);
         let module = parsed.map_err(|errors| {
-            errors.errors.iter().map(|e| e.kind.to_string()).collect::<Vec<_>>().join("; ")
+            let each = errors.errors.iter().map(|e| refused(&e.kind.to_string(), place(e.meta)));
+            let mut all: Vec<Diagnostic> = each.collect();
+            all.dedup();
+            all
         })?;
         let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
         match validator.validate(&module) {
             Ok(info) => Ok((module, info)),
-            Err(error) => Err(causes(error.as_inner())),
+            Err(error) => {
+                let at = error.spans().next().map_or(Span::default(), |(span, _)| place(*span));
+                Err(vec![refused(&causes(error.as_inner()), at)])
+            }
         }
     };
     // naga 30.0.1 panics on some texts.
-    let result = caught(read).unwrap_or_else(|| Err("it panics".to_string()));
-    result.map_err(|reason| vec![refused(&reason)])
+    caught(read).unwrap_or_else(|| Err(vec![refused("it panics", Span::default())]))
 }
 
 fn causes(error: &dyn std::error::Error) -> String {

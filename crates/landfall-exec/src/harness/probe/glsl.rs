@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use rustc_hash::FxHashMap;
 
 use super::plan::{AccessMode, Plan, Read, members, top_name};
-use super::sentinel;
+use super::sentinel::{self, Grain};
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
@@ -141,7 +141,7 @@ fn append(
                     let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
-                    let _ = writeln!(body, "    {to} = {};", value(read));
+                    let _ = writeln!(body, "    {to} = {};", value(read, plan.grain));
                 }
             }
             AccessMode::Copied | AccessMode::Passed => {
@@ -300,13 +300,26 @@ pub(super) fn component(from: String, read: &Read, way: AccessMode, plan: &Plan)
     }
 }
 
-/// Appends statements that store a component's bits into its words.
+/// Appends statements that store a component's bits into its words; a 16-bit float's value.
 fn result(text: &mut String, read: &Read, from: &str) {
     let slot = read.slot;
     let _ = match kind(read.scalar) {
         Kind::Float => writeln!(text, "    landfall_words[{slot}] = floatBitsToUint({from});"),
+        Kind::Half => {
+            writeln!(text, "    landfall_words[{slot}] = floatBitsToUint(float({from}));")
+        }
+        Kind::Narrow => {
+            let mask = (1u32 << (u32::from(read.scalar.width) * 8)) - 1;
+            writeln!(text, "    landfall_words[{slot}] = uint({from}) & {mask}u;")
+        }
         Kind::Whole => writeln!(text, "    landfall_words[{slot}] = uint({from});"),
         Kind::Bool => writeln!(text, "    landfall_words[{slot}] = {from} ? 1u : 0u;"),
+        Kind::Long => writeln!(
+            text,
+            "    landfall_words[{slot}] = uint({from}); \
+             landfall_words[{}] = uint({from} >> 32);",
+            slot + 1
+        ),
         Kind::Double => writeln!(
             text,
             "    {{ uvec2 landfall_halves = unpackDouble2x32({from}); \
@@ -318,35 +331,57 @@ fn result(text: &mut String, read: &Read, from: &str) {
 }
 
 /// Returns the value that a write assigns.
-fn value(read: &Read) -> String {
+fn value(read: &Read, grain: Grain) -> String {
     let low = sentinel::written(read.slot);
+    let high = sentinel::written(read.slot + 1);
+    let signed = read.scalar.kind == ScalarKind::Sint;
+    let ty = Type::Scalar(read.scalar).spelled(Language::Glsl).to_string();
     match kind(read.scalar) {
         Kind::Float => format!("uintBitsToFloat({low}u)"),
-        Kind::Whole if read.scalar.kind == ScalarKind::Sint => format!("int({low}u)"),
+        Kind::Half => format!("{ty}(uintBitsToFloat({}u))", half(read.slot)),
+        Kind::Narrow => format!("{ty}({}u)", sentinel::grain_written(read.slot, grain)),
+        Kind::Whole if signed => format!("int({low}u)"),
         Kind::Whole => format!("{low}u"),
         Kind::Bool => "false".to_string(),
-        Kind::Double => {
-            format!("packDouble2x32(uvec2({low}u, {}u))", sentinel::written(read.slot + 1))
-        }
+        Kind::Long => format!("{ty}((uint64_t({high}u) << 32) | uint64_t({low}u))"),
+        Kind::Double => format!("packDouble2x32(uvec2({low}u, {high}u))"),
     }
+}
+
+/// Returns the bits of the 32-bit float with the value that a write assigns to a 16-bit one.
+pub(super) fn half(slot: u32) -> u32 {
+    let bits = sentinel::grain_written(slot, Grain::Half) as u32;
+    // Both are normal; the exponents are biased by 15 and 127.
+    (bits & 0x8000) << 16 | (((bits & 0x7FFF) << 13) + ((127 - 15) << 23))
 }
 
 /// The category of a component, which determines how its bits are compared.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Float,
+    /// A 16-bit float.
+    Half,
+    /// A 32-bit integer.
     Whole,
+    /// An integer of 8 or 16 bits.
+    Narrow,
+    /// A 64-bit integer.
+    Long,
     Bool,
     Double,
 }
 
 pub(super) fn kind(scalar: Scalar) -> Kind {
-    match scalar.kind {
-        ScalarKind::Bool => Kind::Bool,
-        ScalarKind::Sint | ScalarKind::Uint => Kind::Whole,
-        ScalarKind::Float if scalar.width == 8 => Kind::Double,
-        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
-            Kind::Float
-        }
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => Kind::Bool,
+        (ScalarKind::Sint | ScalarKind::Uint, 8) => Kind::Long,
+        (ScalarKind::Sint | ScalarKind::Uint, 1 | 2) => Kind::Narrow,
+        (ScalarKind::Sint | ScalarKind::Uint, _) => Kind::Whole,
+        (ScalarKind::Float, 8) => Kind::Double,
+        (ScalarKind::Float, 2) => Kind::Half,
+        (
+            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
+            _,
+        ) => Kind::Float,
     }
 }

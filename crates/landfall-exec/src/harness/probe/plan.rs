@@ -8,9 +8,11 @@ use std::collections::BTreeMap;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::sentinel::Grain;
 use crate::backend::BackendKind;
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Scalar, ScalarKind, Struct, Type};
+use landfall_layout::source::Language;
 
 /// Number of elements of a runtime-sized tail.
 pub const TAIL: u32 = 3;
@@ -72,7 +74,7 @@ pub struct Read {
     pub row: Option<u8>,
     /// The way of access.
     pub way: AccessMode,
-    /// The word in the results; a `double` takes two.
+    /// The word in the results; 64 bits take two, except where [`Grain::Double`] identifies them.
     pub slot: u32,
     /// The expected byte.
     pub byte: u64,
@@ -89,6 +91,8 @@ pub struct Plan {
     pub indices: Vec<u32>,
     /// The number of words of the results, indices included.
     pub words: u32,
+    /// The units of the buffer that its values identify.
+    pub grain: Grain,
 }
 
 /// A leaf that is not probed.
@@ -120,12 +124,14 @@ pub struct Access {
     pub write: bool,
 }
 
-/// Plans the reads and writes of a block with the given access to its members on a backend. The
-/// expected bytes are those of `expected`, whose leaves have the same paths.
+/// Plans the reads and writes of a block of a shader in `language` with the given access to its
+/// members on a backend. The expected bytes are those of `expected`, whose leaves have the same
+/// paths.
 pub fn plans(
     block: &BlockLayout,
     expected: &BlockLayout,
     access: &[Access],
+    language: Language,
     backend: BackendKind,
 ) -> Plans {
     let mut plans = Plans::default();
@@ -140,7 +146,7 @@ pub fn plans(
         block.members.iter().enumerate().map(|(at, m)| (&*m.name, at)).collect();
     let by_path: BTreeMap<&str, &Leaf> =
         expected.leaves.iter().map(|leaf| (leaf.path.as_str(), leaf)).collect();
-    let mut batches: BTreeMap<bool, Batch> = BTreeMap::new();
+    let mut batches: BTreeMap<(bool, Grain), Batch> = BTreeMap::new();
     for (index, leaf) in block.leaves.iter().enumerate() {
         let expected = match by_path.get(leaf.path.as_str()) {
             None => {
@@ -192,19 +198,21 @@ pub fn plans(
                         scalar,
                     };
                     let writes = way == AccessMode::Written;
-                    let batch = batches.entry(writes).or_default();
-                    let full = batch.add(read, most);
+                    let grain = grain(scalar, language);
+                    let batch = batches.entry((writes, grain)).or_default();
+                    let most = if writes { most.min(grain.written()) } else { most };
+                    let full = batch.add(read, grain, most);
                     if full {
-                        let plan = std::mem::take(batch).finish();
+                        let plan = std::mem::take(batch).finish(grain);
                         if writes { &mut plans.writes } else { &mut plans.reads }.push(plan);
                     }
                 }
             }
         }
     }
-    for (writes, batch) in batches {
+    for ((writes, grain), batch) in batches {
         if !batch.reads.is_empty() {
-            let plan = batch.finish();
+            let plan = batch.finish(grain);
             if writes { &mut plans.writes } else { &mut plans.reads }.push(plan);
         }
     }
@@ -227,13 +235,13 @@ struct Batch {
 
 impl Batch {
     /// Adds a read and returns whether the batch has `most` words.
-    fn add(&mut self, read: Read, most: u32) -> bool {
-        self.words += words_of(read.scalar);
+    fn add(&mut self, read: Read, grain: Grain, most: u32) -> bool {
+        self.words += words_of(read.scalar, grain);
         self.reads.push(read);
         self.words >= most
     }
 
-    fn finish(mut self) -> Plan {
+    fn finish(mut self, grain: Grain) -> Plan {
         let mut indices: Vec<u32> = Vec::new();
         let mut known = FxHashSet::default();
         let used = self.reads.iter().flat_map(|read| {
@@ -249,18 +257,29 @@ impl Batch {
         let mut slot = indices.len() as u32;
         for read in &mut self.reads {
             read.slot = slot;
-            slot += words_of(read.scalar);
+            slot += words_of(read.scalar, grain);
         }
-        Plan { reads: self.reads, indices, words: slot }
+        Plan { reads: self.reads, indices, words: slot, grain }
     }
 }
 
-/// Returns the number of words of a component.
-pub fn words_of(scalar: Scalar) -> u32 {
-    if scalar.width == 8 { 2 } else { 1 }
+/// Returns the number of words of a component in the results.
+fn words_of(scalar: Scalar, grain: Grain) -> u32 {
+    if scalar.width == 8 && grain == Grain::Word { 2 } else { 1 }
 }
 
-/// Returns the component type of a leaf, if a 32-bit word can identify it.
+/// Returns the units of a buffer that values of a component can identify.
+fn grain(scalar: Scalar, language: Language) -> Grain {
+    match (scalar.kind, scalar.width) {
+        (_, 1) => Grain::Byte,
+        (_, 2) => Grain::Half,
+        // naga's WGSL has no function that returns the bits of an f64.
+        (ScalarKind::Float, 8) if language == Language::Wgsl => Grain::Double,
+        _ => Grain::Word,
+    }
+}
+
+/// Returns the component type of a leaf, if a value can identify it.
 fn component(leaf: &Leaf) -> Result<Scalar, String> {
     let scalar = match &leaf.ty {
         Type::Scalar(scalar) | Type::Atomic(scalar) => *scalar,
@@ -271,11 +290,12 @@ fn component(leaf: &Leaf) -> Result<Scalar, String> {
         }
     };
     match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint | ScalarKind::Float, 4)
-        | (ScalarKind::Float, 8) => Ok(scalar),
-        (_, width) => Err(format!(
-            "probes read 32-bit components and doubles, but it has {} bits",
-            u32::from(width) * 8
+        (ScalarKind::Bool, 4)
+        | (ScalarKind::Sint | ScalarKind::Uint, 1 | 2 | 4 | 8)
+        | (ScalarKind::Float, 2 | 4 | 8) => Ok(scalar),
+        _ => Err(format!(
+            "no backend has the type `{}`",
+            Type::Scalar(scalar).spelled(Language::Glsl)
         )),
     }
 }

@@ -70,6 +70,45 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
     plan.reads.iter().map(sight).collect()
 }
 
+/// Returns the results of the reads of a plan whose grain is no word, given the words of each pass.
+pub fn read_grains(plan: &Plan, buffer: u64, passes: &[Vec<u32>]) -> Vec<ProbeResult> {
+    let grain = plan.grain;
+    let sight = |read: &Read| {
+        let words: Vec<u32> = passes
+            .iter()
+            .map(|words| words.get(read.slot as usize).copied().unwrap_or(0))
+            .collect();
+        let float = read.scalar.kind == ScalarKind::Float;
+        let got = match sentinel::grain_place(&words, grain, float, buffer) {
+            Some(place) => ProbedLocation::Byte(place * grain.size()),
+            None => ProbedLocation::Other(words.first().copied().unwrap_or(0).into()),
+        };
+        ProbeResult { read: read.clone(), got }
+    };
+    plan.reads.iter().map(sight).collect()
+}
+
+/// Returns the results of the writes of such a plan into a buffer of zeros.
+pub fn written_grains(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
+    let size = plan.grain.size() as usize;
+    let bits = |unit: &[u8]| unit.iter().rev().fold(0, |bits, byte| bits << 8 | u64::from(*byte));
+    let mut found = std::collections::BTreeMap::new();
+    for (place, unit) in after.chunks_exact(size).enumerate() {
+        found.entry(bits(unit)).or_insert(place as u64 * plan.grain.size());
+    }
+    let sight = |read: &Read| {
+        let got = match found.get(&sentinel::grain_written(read.slot, plan.grain)) {
+            Some(byte) => ProbedLocation::Byte(*byte),
+            None => {
+                let at = read.byte as usize;
+                ProbedLocation::Other(after.get(at..at + size).map_or(0, bits))
+            }
+        };
+        ProbeResult { read: read.clone(), got }
+    };
+    plan.reads.iter().map(sight).collect()
+}
+
 /// Returns the results of the writes: the position of each written value in the returned buffer. A
 /// byte that changed unexpectedly is attributed to the first write that missed.
 pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
@@ -105,9 +144,12 @@ pub fn written(plan: &Plan, after: &[u8]) -> Vec<ProbeResult> {
                 stray.next().map_or(ProbedLocation::Other(0), ProbedLocation::Byte)
             }
         } else {
-            match found.get(&sentinel::written(read.slot)) {
-                Some(byte) => ProbedLocation::Byte(*byte),
-                None => ProbedLocation::Other(u64::from(word((read.byte / 4) as usize))),
+            let halves = read.scalar.width == 8;
+            let high = halves.then(|| found.get(&sentinel::written(read.slot + 1)));
+            match (found.get(&sentinel::written(read.slot)), high) {
+                (Some(byte), None) => ProbedLocation::Byte(*byte),
+                (Some(byte), Some(Some(high))) if *high == byte + 4 => ProbedLocation::Byte(*byte),
+                _ => ProbedLocation::Other(u64::from(word((read.byte / 4) as usize))),
             }
         };
         ProbeResult { read: read.clone(), got }

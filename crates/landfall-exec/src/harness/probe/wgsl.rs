@@ -5,9 +5,9 @@
 
 use std::fmt::Write as _;
 
-use super::glsl::{Group, Kind, component, groups, is_structure, kind, path};
+use super::glsl::{Group, Kind, component, groups, half, is_structure, kind, path};
 use super::plan::{AccessMode, Plan, Read};
-use super::sentinel;
+use super::sentinel::{self, Grain};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
@@ -46,7 +46,7 @@ pub(crate) fn text(
                     let way = if nth % 2 == 0 { AccessMode::Constant } else { AccessMode::Dynamic };
                     let to = format!("{root}{}", path(block, read, 0, way, plan));
                     let to = component(to, read, way, plan);
-                    let _ = writeln!(body, "    {to} = {};", value(read));
+                    let _ = writeln!(body, "    {to} = {};", value(read, plan.grain));
                 }
             }
             AccessMode::Copied | AccessMode::Passed => {
@@ -128,18 +128,37 @@ fn result(text: &mut String, read: &Read, from: &str) {
         Kind::Float | Kind::Whole => {
             writeln!(text, "    landfall_words[{slot}] = bitcast<u32>({from});")
         }
-        // A WGSL buffer holds neither; naga's f64 has no bitcast in WGSL.
+        // The values are exact in 32 bits.
+        Kind::Half | Kind::Double => {
+            writeln!(text, "    landfall_words[{slot}] = bitcast<u32>(f32({from}));")
+        }
+        Kind::Narrow => {
+            let mask = (1u32 << (u32::from(read.scalar.width) * 8)) - 1;
+            writeln!(text, "    landfall_words[{slot}] = u32({from}) & {mask}u;")
+        }
+        Kind::Long => writeln!(
+            text,
+            "    landfall_words[{slot}] = u32(u64({from}) & 0xFFFFFFFFlu); \
+             landfall_words[{}] = u32(u64({from}) >> 32u);",
+            slot + 1
+        ),
+        // No buffer of WGSL holds one.
         Kind::Bool => writeln!(text, "    landfall_words[{slot}] = select(0u, 1u, {from});"),
-        Kind::Double => Ok(()),
     };
 }
 
-fn value(read: &Read) -> String {
-    let bits = sentinel::written(read.slot);
+fn value(read: &Read, grain: Grain) -> String {
+    let (low, high) = (sentinel::written(read.slot), sentinel::written(read.slot + 1));
+    let signed = read.scalar.kind == ScalarKind::Sint;
+    let ty = Type::Scalar(read.scalar).spelled(Language::Wgsl).to_string();
     match kind(read.scalar) {
-        Kind::Whole if read.scalar.kind == ScalarKind::Uint => format!("{bits}u"),
-        Kind::Whole => format!("bitcast<i32>({bits}u)"),
-        Kind::Float | Kind::Double => format!("bitcast<f32>({bits}u)"),
+        Kind::Whole if !signed => format!("{low}u"),
+        Kind::Whole => format!("bitcast<i32>({low}u)"),
+        Kind::Float => format!("bitcast<f32>({low}u)"),
+        Kind::Half => format!("f16(bitcast<f32>({}u))", half(read.slot)),
+        Kind::Narrow => format!("{ty}({}u)", sentinel::grain_written(read.slot, grain)),
+        Kind::Long => format!("{ty}({}lu)", u64::from(high) << 32 | u64::from(low)),
+        Kind::Double => format!("{:?}lf", f32::from_bits(low)),
         Kind::Bool => "false".to_string(),
     }
 }

@@ -16,7 +16,8 @@ use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind}
 use crate::harness::bindings::kind as buffer_of;
 use crate::harness::probe::cause::OtherRules;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
-use crate::harness::probe::{ProbeResult, ProbedLocation, cause, results, sentinel};
+use crate::harness::probe::sentinel::{self, Grain};
+use crate::harness::probe::{ProbedLocation, ProbeResult, cause, results};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
@@ -47,7 +48,7 @@ impl Verifier<'_> {
         let mut unprobed = Vec::new();
         for backend in backends {
             let kind = backend.device().backend;
-            let plans = plans(self.block, self.expected, &self.access, kind);
+            let plans = plans(self.block, self.expected, &self.access, self.source.language, kind);
             for &stage in stages {
                 reports.push(match (&refusal, &buffer) {
                     (None, Ok(buffer)) => self.backend(backend.as_mut(), stage, &plans, *buffer),
@@ -221,7 +222,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Runs a plan on one buffer of the block: once over sentinels, and once per bit for bools.
+    /// Runs a plan on one buffer of the block: once over sentinels, and once per bit for bools. Where
+    /// values are no words, each pass tells some bits of their positions.
     fn run(
         &self,
         backend: &mut dyn Backend,
@@ -244,6 +246,15 @@ impl Verifier<'_> {
         let writes =
             plan.reads.iter().any(|read| read.way == crate::harness::probe::AccessMode::Written);
         let mut ask = |bytes: Vec<u8>| self.ask(backend, &code, stage, plan, bytes);
+        if plan.grain != Grain::Word {
+            if writes {
+                return Ok(results::written_grains(plan, &ask(vec![0; buffer as usize])?.block));
+            }
+            let passes = (0..plan.grain.passes(buffer))
+                .map(|pass| Ok(ask(sentinel::grains(buffer, plan.grain, pass))?.words));
+            let passes = passes.collect::<Result<Vec<_>, Failure>>()?;
+            return Ok(results::read_grains(plan, buffer, &passes));
+        }
         let answer = ask(sentinel::buffer(buffer))?;
         if writes {
             return Ok(results::written(plan, &answer.block));
