@@ -195,6 +195,7 @@ fn text_of(command: &Command) -> Option<&TextArgs> {
         Command::Check(args) => &args.text,
         Command::Completions(_)
         | Command::Devices(_)
+        | Command::Init(_)
         | Command::Man(_)
         | Command::Merge(_)
         | Command::Rule(_)
