@@ -1,7 +1,13 @@
 //! JSON Schemas (draft 2020-12) of what the commands print and read, in every build.
 
+/// JSON Schema of the baselines that `check --write-baseline` writes.
+pub const BASELINE_SCHEMA: &str = include_str!("schema/baseline.json");
+
 /// JSON Schema of the JSON output of `bench`.
 pub const BENCH_SCHEMA: &str = include_str!("schema/bench.json");
+
+/// JSON Schema of `landfall.toml`.
+pub const CONFIG_SCHEMA: &str = include_str!("schema/config.json");
 
 /// JSON Schema of the JSON output of `devices`.
 pub const DEVICES_SCHEMA: &str = include_str!("schema/devices.json");

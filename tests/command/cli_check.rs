@@ -1,5 +1,8 @@
 //! `landfall check`, `merge` and `rule` as a user meets them.
 
+mod against;
+mod baseline;
+mod below;
 mod cache;
 mod config;
 mod levels;

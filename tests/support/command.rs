@@ -64,7 +64,8 @@ impl Place {
     /// The command with this folder as its current directory.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = landfall(arguments);
-        command.current_dir(&self.0);
+        // The folder is below the repository of these tests, but a checkout of its own.
+        command.current_dir(&self.0).env("CI_PROJECT_DIR", &self.0);
         command
     }
 
@@ -81,7 +82,16 @@ impl Place {
 pub fn landfall(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
     command.args(arguments).stdin(Stdio::null()).env("TERM", "xterm");
-    for name in ["NO_COLOR", "CLICOLOR_FORCE", "COLUMNS", "GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY"] {
+    for name in [
+        "NO_COLOR",
+        "CLICOLOR_FORCE",
+        "COLUMNS",
+        "GITHUB_ACTIONS",
+        "GITHUB_STEP_SUMMARY",
+        "GITHUB_WORKSPACE",
+        "CI_PROJECT_DIR",
+        "WORKSPACE",
+    ] {
         command.env_remove(name);
     }
     // Otherwise a key is made in the home folder of whoever runs the tests.

@@ -10,7 +10,7 @@ use std::ops::Range;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use super::levels::level as level_of;
+use super::levels::{at_levels, level, level_in};
 use super::registry::{LINTS, lint, renamed};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level, Place};
@@ -110,8 +110,7 @@ impl<'a> Covered<'a> {
 ///
 /// A comment in an include is used if it suppressed a finding for any shader.
 pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> bool) -> Vec<Finding> {
-    let level = level_of(UNUSED, settings);
-    if level == Level::Allow {
+    if level(UNUSED, settings) == Level::Allow {
         return Vec::new();
     }
     // An earlier spelling is reported whether its comment is used or not.
@@ -121,11 +120,8 @@ pub fn unused(allows: &[Allow], settings: &Settings, asked: impl Fn(&str) -> boo
     idle.dedup_by(|a, b| a.place == b.place);
     let used: BTreeSet<&Place> = allows.iter().filter(|a| a.used).map(|a| &a.place).collect();
     idle.retain(|idle| renamed(&idle.code).is_some() || !used.contains(&idle.place));
-    let mut findings: Vec<Finding> =
-        idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
-    for finding in &mut findings {
-        finding.severity = level.severity().unwrap_or(finding.severity);
-    }
+    let found = idle.into_iter().filter_map(|allow| allow.idle(settings, &asked)).collect();
+    let mut findings = at_levels(found, settings);
     let covered = Covered::by(allows.iter().filter(|allow| allow.code == UNUSED));
     findings.retain(|finding| !covered.has(finding));
     findings
@@ -160,7 +156,7 @@ impl Allow {
                 None => finding(message).with_help("`landfall rule` lists the lints"),
             });
         }
-        if level_of(&self.code, settings) == Level::Allow || !asked(&self.code) {
+        if level_in(&self.code, &self.place.path, settings) == Level::Allow || !asked(&self.code) {
             return None;
         }
         let reach = match self.lines {
@@ -304,7 +300,7 @@ impl Text<'_> {
 }
 
 /// Returns the comments of a text, including their delimiters.
-fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
+pub(super) fn comments(text: &str, language: Language) -> Vec<Range<usize>> {
     let bytes = text.as_bytes();
     let mut found = Vec::new();
     let mut at = 0;

@@ -30,10 +30,7 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
             vec![missing(shader, lock_path)]
         };
     };
-    let old = lock.layout();
-    let changed = diff(Side::of(&old), Side::of(shader));
-    let compared = Compared { name: &shader.path, old: &old, new: shader, blocks: &changed };
-    let mut found: Vec<Finding> = changed.iter().map(|block| of_block(&compared, block)).collect();
+    let mut found = compare(shader, &lock.layout(), None);
     if found.is_empty() && lock.bare() != write(shader) {
         let message = format!("`{lock_path}` records the same layout with other names");
         found.push(
@@ -42,6 +39,17 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
         );
     }
     found
+}
+
+/// Returns the findings of `layout-drift` about a shader and its layout at a revision.
+pub fn since(shader: &ShaderLayout, revision: &str, old: &ShaderLayout) -> Vec<Finding> {
+    compare(shader, old, Some(revision))
+}
+
+fn compare(shader: &ShaderLayout, old: &ShaderLayout, revision: Option<&str>) -> Vec<Finding> {
+    let changed = diff(Side::of(old), Side::of(shader));
+    let compared = Compared { name: &shader.path, old, new: shader, blocks: &changed };
+    changed.iter().map(|block| of_block(&compared, block, revision)).collect()
 }
 
 /// Returns the finding of a lock whose shader does not exist.
@@ -65,30 +73,40 @@ fn drifted(about: &str, place: Place, message: String) -> Finding {
     found
 }
 
-fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
+fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) -> Finding {
     let worst = &block.changes[0];
     let now = block.new.map(|at| &compared.new.blocks[at]);
     let was = block.old.map(|at| &compared.old.blocks[at]);
+    let differs = match revision {
+        None => "differs from its lock".to_string(),
+        Some(revision) => format!("differs from `{revision}`"),
+    };
     let (place, text) = match now {
-        Some(new) => (Place::of(&compared.new.files, new.span), "differs from its lock"),
+        Some(new) => (Place::of(&compared.new.files, new.span), differs.as_str()),
         None => (Place::file(&compared.new.path), ""),
     };
     let loose = now.or(was).is_some_and(|block| block.space == AddressSpace::Default);
-    let effect = match (worst.class, loose) {
-        (Class::Breaking, false) => "buffers filled for the lock's layout are misread",
-        (Class::Breaking, true) => "values set for the lock's uniforms have no effect",
-        (Class::Compatible, false) => {
-            "buffers filled for it are still read correctly, but the lock is out of date"
-        }
-        (Class::Compatible, true) => {
-            "values set for its uniforms still apply, but the lock is out of date"
-        }
-        (Class::Cosmetic, _) => "no byte changes, but the lock is out of date",
+    let (whose, outdated) = match revision {
+        None => ("the lock's", ", but the lock is out of date"),
+        Some(_) => ("the old", ""),
     };
-    let message = format!("`{}` differs from its lock: {}; {effect}", block.name, worst.message);
+    let effect = match (worst.class, loose) {
+        (Class::Breaking, false) => format!("buffers filled for {whose} layout are misread"),
+        (Class::Breaking, true) => format!("values set for {whose} uniforms have no effect"),
+        (Class::Compatible, false) => {
+            format!("buffers filled for it are still read correctly{outdated}")
+        }
+        (Class::Compatible, true) => format!("values set for its uniforms still apply{outdated}"),
+        (Class::Cosmetic, _) => format!("no byte changes{outdated}"),
+    };
+    let message = format!("`{}` {differs}: {}; {effect}", block.name, worst.message);
     let mut found = drifted(&block.name, place, message).with_text(text);
     if let Some(old) = was {
-        found = found.with_label(Place::of(&compared.old.files, old.span), "locked declaration");
+        let declaration = match revision {
+            None => "locked declaration".to_string(),
+            Some(revision) => format!("declaration in `{revision}`"),
+        };
+        found = found.with_label(Place::of(&compared.old.files, old.span), declaration);
     }
     for change in block.changes.iter().skip(1).take(MOST_NOTES) {
         found = found.with_note(format!("{}: {}", change.class.name(), change.message));
@@ -97,13 +115,17 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff) -> Finding {
     if more > 0 {
         found = found.with_note(format!("and {more} more; `landfall diff` lists them all"));
     }
-    let help = match worst.class {
-        Class::Breaking => {
+    let help = match (worst.class, revision) {
+        (Class::Breaking, None) => {
             "undo it, or change what uploads the block and renew the lock with \
              `landfall check --accept` or `landfall lock`"
         }
-        Class::Compatible | Class::Cosmetic => {
+        (Class::Compatible | Class::Cosmetic, None) => {
             "renew the lock with `landfall check --accept` or `landfall lock`"
+        }
+        (Class::Breaking, Some(_)) => "undo it, or change what uploads the block",
+        (Class::Compatible | Class::Cosmetic, Some(_)) => {
+            "allow it with `// landfall: allow(layout-drift)` until it is merged"
         }
     };
     let beside = compared.beside(block, COLUMNS, Paint::Plain);

@@ -3,6 +3,7 @@
 //! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`](landfall_layout::ShaderLayout)s and the
 //! texts behind them; the command asks them and renders their [`Finding`]s.
 
+pub mod add_allow;
 pub mod allow;
 pub mod digest;
 pub mod fix;

@@ -44,8 +44,7 @@ pub fn wanted(language: Language, settings: &Settings) -> bool {
         Language::Glsl => {
             settings.targets.contains(&super::settings::Target::WebGpu)
                 || settings
-                    .levels
-                    .iter()
+                    .all_levels()
                     .any(|(code, level)| code == LINT.code && *level != Level::Allow)
         }
     }

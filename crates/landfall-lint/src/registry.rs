@@ -73,7 +73,8 @@ pub fn renamed(code: &str) -> Option<&'static str> {
 /// with its current code.
 pub fn resolve_renamed(settings: &mut Settings) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
-    for (code, _) in &mut settings.levels {
+    let rows = settings.path_levels.iter_mut().flat_map(|row| &mut row.levels);
+    for (code, _) in settings.levels.iter_mut().chain(rows).chain(&mut settings.flag_levels) {
         let Some(now) = renamed(code) else { continue };
         let was = std::mem::replace(code, now.to_string());
         if !found.iter().any(|(known, _)| *known == was) {

@@ -13,6 +13,12 @@ pub struct Settings {
     /// Levels by code, a later one over an earlier one; `warnings` stands for every lint that is at
     /// warn by then, `all` for every lint.
     pub levels: Vec<(String, Level)>,
+    /// Levels in some files, which precede `levels`; a later row over an earlier one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path_levels: Vec<PathLevels>,
+    /// Levels of the command line, which precede all others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub flag_levels: Vec<(String, Level)>,
     /// The targets whose limits apply.
     pub targets: Vec<Target>,
     /// Sets of macros under which each shader is laid out too: name and text.
@@ -29,6 +35,23 @@ pub struct Settings {
     /// The Rust files those name, and others whose comments may name mirrors.
     #[serde(skip)]
     pub rust_files: Vec<RustFile>,
+}
+
+impl Settings {
+    /// Every level that is set, of the configuration, of some files, and of the command line.
+    pub fn all_levels(&self) -> impl Iterator<Item = &(String, Level)> {
+        let rows = self.path_levels.iter().flat_map(|row| &row.levels);
+        self.levels.iter().chain(rows).chain(&self.flag_levels)
+    }
+}
+
+/// Levels in some files.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathLevels {
+    /// A glob of the files.
+    pub file: String,
+    /// Levels by code, as in [`Settings::levels`].
+    pub levels: Vec<(String, Level)>,
 }
 
 /// An API whose guaranteed limits a shader must not exceed.

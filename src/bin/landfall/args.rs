@@ -13,6 +13,7 @@ mod floats;
 #[cfg(feature = "exec")]
 mod function;
 mod help;
+mod init;
 mod levels;
 #[cfg(feature = "analysis")]
 mod lights;
@@ -52,6 +53,7 @@ pub use function::FunctionArgs;
 #[cfg(feature = "completions")]
 pub use help::command;
 pub use help::parse;
+pub use init::InitArgs;
 #[cfg(feature = "analysis")]
 pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
@@ -125,11 +127,13 @@ pub enum Command {
     Diff(DiffArgs),
     /// Check shaders for lint findings and layout changes
     Check(CheckArgs),
+    /// Write a commented landfall.toml for the shaders of a directory
+    Init(InitArgs),
     /// Merge the reports of all shards of a check
     Merge(MergeArgs),
     /// List the lints and hazards, or explain one of them
     Rule(RuleArgs),
-    /// Print the JSON Schema of an output format or of scenes
+    /// Print the JSON Schema of an output format, landfall.toml or scenes
     Schema(SchemaArgs),
     /// Print a script that completes the arguments of landfall in a shell
     #[command(hide = true)]
@@ -379,7 +383,7 @@ pub enum ServedDriver {
 
 #[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
-    /// The output format, or `scene`
+    /// The output format, or `config`, `baseline` or `scene`
     pub of: Schema,
 }
 
@@ -415,6 +419,10 @@ pub enum Schema {
     Lock,
     /// diff --format json
     Diff,
+    /// Baselines of check
+    Baseline,
+    /// The configuration, landfall.toml
+    Config,
     /// Scenes for render and bench
     Scene,
 }

@@ -3,6 +3,9 @@
 //! configuration and flags → [`basis`] → a [`pass`] over all shaders, each by [`check_shader`]
 //! or from the [`cache`] → [`tree`] over all shaders → [`fix`] → [`reports`].
 
+mod add_allow;
+mod against;
+pub mod baseline;
 mod basis;
 mod cache;
 pub mod check_shader;
@@ -12,6 +15,7 @@ mod key;
 mod pass;
 #[cfg(feature = "exec")]
 mod proved;
+mod report_root;
 pub mod reports;
 mod rust;
 pub mod shard;
@@ -37,9 +41,12 @@ use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{given, read, watch, write};
+use against::Against;
+use baseline::Permitted;
 use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
+use fix::AppliedFixes;
 use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
 
@@ -77,6 +84,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let against =
+        args.against.as_ref().map(|rev| Against::open(rev, &config, &basis)).transpose()?;
+    let permitted = Permitted::open(args, &config)?;
     let (paths, stdin) = stdin(paths, args)?;
     let run = Run {
         basis: &basis,
@@ -86,6 +96,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         shard: args.shard,
         jobs: args.jobs,
         stdin,
+        against: against.as_ref(),
         locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
         excluded: AtomicUsize::new(0),
         began,
@@ -107,17 +118,11 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let outcome = diff(&run, pass, &mut cache, streams)?;
         return Ok(left_out.unwrap_or(outcome));
     }
-    let mut applied = fix::AppliedFixes::default();
-    if args.fix && !stopped {
-        (pass, applied) = fix::fix(&run, pass, &mut cache.tree, streams)?;
-        if args.accept {
-            pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
-        }
-    }
-    for error in &applied.refused {
-        let found = Diagnostic { code: Code::Output, ..error.clone().into() };
-        pass.no_input.push(found.located(&Files::default()));
-    }
+    let applied;
+    (pass, applied) = match stopped {
+        true => (pass, AppliedFixes::default()),
+        false => edit(args, &run, pass, &mut cache, &permitted, streams)?,
+    };
     let findings = match stopped {
         // Of an interrupted run, the findings of lints over all shaders are not all known.
         true => tree::sorted(tree::alone(&pass)),
@@ -125,6 +130,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let is_new = pass.fresh + pass.restamped > 0
         || args.fix
+        || args.add_allow
         || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
     if has_cache && is_new && !stopped {
         if let Err(error) = cache.write(&pass) {
@@ -132,15 +138,20 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     }
     let texts = reports::Texts::new(run.stdin.clone());
+    let writer = inputs(args, &config, &run, &pass);
+    let (findings, permitted) = match stopped {
+        true => (findings, None),
+        false => permitted.judge(findings, &pass, &run, &texts, (&writer, streams))?,
+    };
     let result = reports::Result {
         findings: &findings,
         shaders: pass.checked.len(),
         failures: pass.failures(),
         texts: &texts,
+        permitted,
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
     };
-    let inputs = inputs(args, &config, &run, &pass);
-    let outcome = reports::write(&result, &args.formats, args.statistics, inputs, streams)?;
+    let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
     if folder.is_some() {
         let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
@@ -148,8 +159,38 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.fix {
         streams.notes(&fix::summary(&applied));
     }
+    if args.add_allow {
+        streams.notes(&add_allow::summary(&applied));
+    }
     closing_notes(&pass, &basis, args, streams);
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// Applies `--fix` or `--add-allow`; returns the pass over the final state.
+fn edit(
+    args: &CheckArgs,
+    run: &Run<'_>,
+    mut pass: Pass,
+    cache: &mut Cache,
+    permitted: &Permitted,
+    streams: &Streams,
+) -> Result<(Pass, AppliedFixes), Failure> {
+    let mut applied = AppliedFixes::default();
+    if args.fix {
+        (pass, applied) = fix::fix(run, pass, &mut cache.tree, streams)?;
+        if args.accept {
+            pass = run.pass(pass.into_known(), &HashMap::new(), true, streams)?;
+        }
+    }
+    if args.add_allow {
+        let chosen = |found, pass: &Pass| permitted.new_of(found, pass, run);
+        (pass, applied) = add_allow::add(run, pass, &mut cache.tree, &chosen, streams)?;
+    }
+    for error in &applied.refused {
+        let found = Diagnostic { code: Code::Output, ..error.clone().into() };
+        pass.no_input.push(found.located(&Files::default()));
+    }
+    Ok((pass, applied))
 }
 
 /// All findings; of a shard without those of lints over all shaders, which run in `merge`.
@@ -225,6 +266,7 @@ fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
             shaders: so_far.shaders,
             failures: so_far.failures,
             texts: &texts,
+            permitted: None,
             shard: None,
         };
         let _ = reports::write(&result, &formats, statistics, FileWriter::default(), &streams);
@@ -266,7 +308,7 @@ fn cache_unused(error: &Error, streams: &Streams) {
 
 /// A writer that does not overwrite inputs of the check.
 fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
-    if args.formats.iter().all(|report| report.file.is_none()) {
+    if args.formats.iter().all(|report| report.file.is_none()) && !args.write_baseline {
         return FileWriter::default();
     }
     let shaders = pass.checked.iter().flat_map(Checked::files);
@@ -287,7 +329,7 @@ fn closing_notes(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams
     if pass.accepted > 0 {
         streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
-    if basis.locks.is_none() && args.shard.is_none() {
+    if basis.locks.is_none() && basis.against.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
     }
     let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
@@ -325,7 +367,8 @@ fn scope(args: &CheckArgs, config: &Config, paths: &[PathBuf]) -> Scope {
     let searched = paths.iter().filter(|path| path.is_dir());
     Scope {
         root: slashes(&config.root.shown),
-        locks: locks.as_deref().map(slashes),
+        locks: locks.as_deref().map(slashes).filter(|_| args.against.is_none()),
+        against: args.against.clone(),
         searched: searched.filter_map(|path| config.root.below(path)).collect(),
         whole: args.paths.is_empty(),
     }

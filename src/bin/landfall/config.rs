@@ -1,7 +1,7 @@
 //! The configuration file `landfall.toml`.
 //!
 //! It is searched for upwards from the checked paths. Paths in it are relative to its own
-//! directory. Flags override it, in [`Config::options`] and in the commands. `example.toml` beside
+//! directory, those of a project without one to the directory of `layouts`. Flags override it, in [`Config::options`] and in the commands. `example.toml` beside
 //! this file has every key.
 
 mod figure;
@@ -25,9 +25,10 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
 use crate::{given, read, write};
+use find::Found;
 use toml::{Document, Keys, Text};
 
-pub use root::{Root, slashes};
+pub use root::{Root, absolute, current, repository, slashes, way};
 
 /// The default directory of locks.
 const LOCKS: &str = "layouts";
@@ -49,6 +50,8 @@ pub struct Config {
     pub locks: Option<PathBuf>,
     /// The directory of the cache, if set.
     pub cache_dir: Option<PathBuf>,
+    /// The baseline of findings, if set.
+    pub baseline: Option<PathBuf>,
     /// The options for reading shaders.
     pub read: ReadOptions,
     /// The layout rules for all blocks, if set.
@@ -69,13 +72,16 @@ pub fn load(
     paths: &[PathBuf],
     streams: &Streams,
 ) -> Result<Option<Config>, Failure> {
-    let file = match &args.config {
-        _ if args.no_config => None,
-        Some(file) => Some(file.clone()),
+    let found = match &args.config {
+        _ if args.no_config => Found::Root(PathBuf::new()),
+        Some(file) => Found::File(file.clone()),
         None => find::find(paths)?,
     };
-    let Some(file) = file else {
-        return Ok(Some(Config { root: Root::new(Path::new(""))?, ..Config::default() }));
+    let file = match found {
+        Found::File(file) => file,
+        Found::Root(folder) => {
+            return Ok(Some(Config { root: Root::new(&folder)?, ..Config::default() }));
+        }
     };
     let text = read::text(&file)?;
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -114,6 +120,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         exclude: exclude(keys),
         locks: folder(keys.text("locks")),
         cache_dir: folder(keys.text("cache-dir")),
+        baseline: folder(keys.text("baseline")),
         read: {
             let mut read = ReadOptions::default();
             read.defines = pairs(keys, "define", args::define);
@@ -280,7 +287,7 @@ impl Config {
             if let Some(missing) = missing(code, *level) {
                 return Err(missing);
             }
-            settings.levels.push((code.clone(), *level));
+            settings.flag_levels.push((code.clone(), *level));
         }
         if !targets.is_empty() {
             settings.targets = targets.iter().filter_map(|api| api.limits()).collect();

@@ -1,6 +1,5 @@
 //! `landfall diff`: compares layouts, classifies each change, and prints both listings.
 
-mod git;
 mod side;
 
 use std::path::{Path, PathBuf};
@@ -13,7 +12,7 @@ use landfall_layout::{Error, ShaderLayout, lock};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::watch;
+use crate::{git, watch};
 use side::{Entry, Reading, Side, nothing};
 
 /// Width in columns without a terminal.

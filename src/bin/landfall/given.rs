@@ -265,6 +265,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         Command::Check(args) => return Some((&args.text, &args.levels.defines)),
         Command::Completions(_)
         | Command::Devices(_)
+        | Command::Init(_)
         | Command::Man(_)
         | Command::Merge(_)
         | Command::Rule(_)

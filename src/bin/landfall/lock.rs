@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::file::{FileWriter, Written};
-use landfall_layout::source::{Files, kind_of_path};
+use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Severity, lock};
 
 use crate::args::LockArgs;
 use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
+use crate::locks::{holds_lock, locks_below};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{given, read, watch, work};
 
@@ -272,27 +273,4 @@ impl Tally {
 
 fn locks(n: usize) -> String {
     if n == 1 { "1 lock".to_string() } else { format!("{n} locks") }
-}
-
-/// Whether a file with the name of a lock contains one, possibly truncated.
-pub fn holds_lock(path: &Path) -> bool {
-    read::file(path).is_some_and(|bytes| lock::is_lock(&String::from_utf8_lossy(&bytes)))
-}
-
-/// Files of a directory with the names of locks, sorted.
-pub fn locks_below(dir: &Path) -> Vec<PathBuf> {
-    if !dir.is_dir() {
-        return Vec::new();
-    }
-    let walk = ignore::WalkBuilder::new(dir)
-        .standard_filters(false)
-        .sort_by_file_name(|a, b| a.cmp(b))
-        .build();
-    let files = walk.filter_map(Result::ok);
-    let files = files.filter(|entry| entry.file_type().is_some_and(|kind| kind.is_file()));
-    let is_lock = |path: &PathBuf| {
-        path.extension().is_some_and(|e| e == "json")
-            && kind_of_path(&path.with_extension("")).is_some()
-    };
-    files.map(ignore::DirEntry::into_path).filter(is_lock).collect()
 }

@@ -23,12 +23,15 @@ mod diff;
 mod emit;
 mod encode;
 mod explain;
+mod git;
 mod given;
+mod init;
 mod inputs;
 mod layout;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
+mod locks;
 mod merge;
 #[cfg(not(all(feature = "exec", feature = "completions")))]
 mod missing;
@@ -102,6 +105,7 @@ fn main() -> ExitCode {
         Command::Lock(args) => lock::run(args, &streams),
         Command::Diff(args) => diff::run(args, &streams),
         Command::Check(args) => check::run(args, &streams),
+        Command::Init(args) => init::run(args, &streams),
         Command::Merge(args) => merge::run(args, &streams),
         Command::Rule(args) => rule::run(args, &streams),
         Command::Schema(args) => schema::run(args, &streams),

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use crate::args::MergeArgs;
+use crate::check::baseline::{Baseline, Scope};
 use crate::check::check_shader::Checked;
 use crate::check::{NO_LOCKS, reports, shard, tree};
 use crate::config::Root;
@@ -22,18 +23,28 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let over_all = tree::findings(&mut whole.pass, basis, &root, &mut None, &[]);
     let findings = tree::sorted(over_all.into_iter().chain(whole.findings).collect());
     let texts = reports::Texts::new(HashMap::new());
+    let scope = Scope { pass: &whole.pass, basis, root: &root, texts: &texts };
+    let baseline = args.baseline.as_deref().map(Baseline::read).transpose()?;
+    let (findings, permitted) = match baseline {
+        Some(baseline) => {
+            let divided = baseline.divide(findings, &scope);
+            (divided.findings, Some(divided.permitted))
+        }
+        None => (findings, None),
+    };
     let result = reports::Result {
         findings: &findings,
         shaders: whole.pass.checked.len(),
         failures: whole.pass.failures(),
         texts: &texts,
+        permitted,
         shard: None,
     };
     let mut writer = write::writer();
     writer.protect(&args.reports);
     writer.protect(whole.pass.checked.iter().flat_map(Checked::files));
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
-    if whole.basis.locks.is_none() {
+    if whole.basis.locks.is_none() && whole.basis.against.is_none() {
         streams.notes(NO_LOCKS);
     }
     Ok(outcome)

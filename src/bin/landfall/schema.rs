@@ -1,4 +1,4 @@
-//! `landfall schema`: prints the JSON Schema of an output format or of scenes.
+//! `landfall schema`: prints the JSON Schema of an output format, of `landfall.toml`, or of scenes.
 
 use landfall_layout::format as emit;
 
@@ -22,6 +22,8 @@ pub fn run(args: &SchemaArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Schema::Diagnostic => emit::DIAGNOSTIC_SCHEMA,
         Schema::Lock => emit::LOCK_SCHEMA,
         Schema::Diff => emit::diff::DIFF_SCHEMA,
+        Schema::Baseline => landfall::report::schema::BASELINE_SCHEMA,
+        Schema::Config => landfall::report::schema::CONFIG_SCHEMA,
         Schema::Scene => landfall::report::schema::SCENE_SCHEMA,
     })?;
     Ok(Outcome::Clean)

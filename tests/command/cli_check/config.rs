@@ -57,7 +57,7 @@ error[unknown-key]: the configuration has no key `colour`
 1 | colour = 1
   | ^^^^^^
   |
-  = help: the configuration has `targets`, `api`, `rules`, `levels`, `permutations`, `mirror-group`, `table`, `rust-mirror`, `prove`, `paths`, `exclude`, `locks`, `cache-dir`, `define`, `include`, `override`, `gather`
+  = help: the configuration has `targets`, `api`, `rules`, `levels`, `path-levels`, `permutations`, `mirror-group`, `table`, `rust-mirror`, `prove`, `paths`, `exclude`, `locks`, `cache-dir`, `baseline`, `define`, `include`, `override`, `gather`
 
 
 "#]],
@@ -705,6 +705,7 @@ fn the_example_has_every_key_and_is_taken() {
     let example = fs::read_to_string("src/bin/landfall/config/example.toml").unwrap();
     place.write("landfall.toml", &example).write("shaders/a.frag", CLEAN);
     place.write("src/lights.rs", "#[repr(C)] struct PointLight { pos: [f32; 4] }\n");
+    place.write("landfall-baseline.json", "{\"schema_version\": 1, \"findings\": []}");
     let ran = place.run(&["check", "-A", "all"]);
     assert_eq!(ran.code, 0, "{}\n{}", ran.out, ran.err);
     // An unknown key is answered with the known ones, as long as none is near.

@@ -30,6 +30,22 @@ pub struct CheckArgs {
     /// Update the locks of changed shaders and write missing ones
     #[arg(help_heading = "Fixes and locks", long)]
     pub accept: bool,
+    /// Permit the findings that FILE records, and fail on every other one [default: `baseline` of
+    /// the configuration, or none]
+    #[arg(help_heading = "Baseline", long, value_name = "FILE", conflicts_with = "shard")]
+    pub baseline: Option<PathBuf>,
+    /// Write all findings to the baseline [default file: landfall-baseline.json]
+    #[arg(help_heading = "Baseline", long, conflicts_with_all = ["diff", "shard"])]
+    pub write_baseline: bool,
+    /// Insert comments that allow all findings, then check again
+    #[arg(
+        help_heading = "Baseline", long,
+        conflicts_with_all = ["diff", "shard", "fix", "write_baseline"]
+    )]
+    pub add_allow: bool,
+    /// Compare layouts with those of a git revision instead of locks
+    #[arg(help_heading = "Fixes and locks", long, value_name = "REV", conflicts_with_all = ["accept", "locks"])]
+    pub against: Option<String>,
     /// Also report mismatches recorded in a JSON report of `landfall verify`
     #[arg(help_heading = "Scope", long, value_name = "REPORT", conflicts_with = "shard")]
     pub verified: Vec<PathBuf>,
@@ -79,6 +95,9 @@ pub struct MergeArgs {
     /// JSON reports of all shards of a check
     #[arg(value_name = "REPORT", required = true)]
     pub reports: Vec<PathBuf>,
+    /// Permit the findings that FILE records, and fail on every other one
+    #[arg(long, value_name = "FILE")]
+    pub baseline: Option<PathBuf>,
     /// Report format and file, as for `check`
     #[arg(short, long = "format", value_name = "FORMAT[=FILE]", value_parser = report)]
     pub formats: Vec<Report>,

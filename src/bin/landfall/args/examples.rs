@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 20] = [
+pub const EXAMPLES: [(&str, &[Example]); 21] = [
     (
         "layout",
         &[
@@ -112,8 +112,14 @@ pub const EXAMPLES: [(&str, &[Example]); 20] = [
                 "landfall check shaders/ideas --define SHADOWS=2",
             ),
             ("The edits that --fix would make", "landfall check shaders --diff"),
+            (
+                "Permit what is found today; from then on, fail on everything new",
+                "landfall check shaders -W all --baseline baseline.json --write-baseline",
+            ),
+            ("", "landfall check shaders -W all --baseline baseline.json"),
         ],
     ),
+    ("init", &[("The configuration that would be written", "landfall init shaders --print")]),
     (
         "diff",
         &[

@@ -15,7 +15,7 @@ use crate::stdout;
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Lay out", &["layout", "explain"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
-    ("Guard", &["lock", "check", "diff", "merge", "rule"]),
+    ("Guard", &["init", "lock", "check", "diff", "merge", "rule"]),
     ("Prove", &["verify", "prove", "run", "devices"]),
     ("Light", &["lights", "render"]),
     ("Measure", &["stress", "bench"]),

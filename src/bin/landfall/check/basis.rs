@@ -20,6 +20,9 @@ pub struct Basis {
     pub root: String,
     /// The directory of locks, if locks are checked.
     pub locks: Option<String>,
+    /// The revision that layouts are compared with instead of locks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub against: Option<String>,
     /// The searched paths, relative to the root; `None` when only some files were named.
     pub searched: Vec<String>,
     /// Whether no path was named, so that all shaders are checked.
@@ -44,6 +47,7 @@ pub struct Basis {
 pub struct Scope {
     pub root: String,
     pub locks: Option<String>,
+    pub against: Option<String>,
     pub searched: Vec<String>,
     pub whole: bool,
 }
@@ -67,6 +71,7 @@ impl Basis {
             },
             root: scope.root,
             locks: scope.locks,
+            against: scope.against,
             searched: scope.searched,
             whole: scope.whole,
             defines: options.read.defines.clone(),

@@ -18,6 +18,7 @@ use landfall_lint::digest::{BlockDigest, digest};
 use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
+use super::against::Against;
 use super::basis::Basis;
 use super::hash::Hash;
 use super::stamp::Stamp;
@@ -76,6 +77,8 @@ pub struct Job<'a> {
     /// The layout options of GLSL and of WGSL.
     pub options: [Options; 2],
     pub root: &'a Root,
+    /// The revision that layouts are compared with instead of locks.
+    pub against: Option<&'a Against>,
     /// Earlier results by path.
     pub known: &'a HashMap<String, Checked>,
     /// Texts that replace the files of these paths.
@@ -110,6 +113,8 @@ pub struct Fresh {
 struct LockFile {
     path: PathBuf,
     bytes: Result<Option<Vec<u8>>, Error>,
+    /// The layout at the revision that is compared with instead of a lock.
+    old: Option<ShaderLayout>,
 }
 
 impl LockFile {
@@ -118,7 +123,7 @@ impl LockFile {
         let is_other = |found: fs::Metadata| !found.is_file() && !found.is_dir();
         if fs::metadata(&path).is_ok_and(is_other) {
             let bytes = Err(Error::new(path.display().to_string(), "is not a file"));
-            return LockFile { path, bytes };
+            return LockFile { path, bytes, old: None };
         }
         let bytes = match fs::read(&path) {
             Ok(bytes) => Ok(Some(bytes)),
@@ -128,7 +133,7 @@ impl LockFile {
                 Err(Error::new(path.display().to_string(), message))
             }
         };
-        LockFile { path, bytes }
+        LockFile { path, bytes, old: None }
     }
 }
 
@@ -177,7 +182,7 @@ impl Job<'_> {
             }
         };
         let hash = Hash::of(&bytes);
-        let lock = lock_path.map(LockFile::read);
+        let lock = self.at_revision(&shown).or_else(|| lock_path.map(LockFile::read));
         if let Some(known) = known {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
                 given::record_names(&known.constants);
@@ -207,6 +212,13 @@ impl Job<'_> {
         let given = path.display().to_string();
         // Stdin is found by its substitute path.
         if self.texts.contains_key(&given) { given } else { self.root.show(path) }
+    }
+
+    /// The lock that a shader would have had at the revision to compare with.
+    fn at_revision(&self, shown: &str) -> Option<LockFile> {
+        let old = self.against?.layout(shown, self.root, self.basis);
+        let bytes = old.as_ref().map(|old| lock::renew(old, None).into_bytes());
+        Some(LockFile { path: PathBuf::new(), bytes: Ok(bytes), old })
     }
 
     /// The path of a shader's lock, if locks are checked.
@@ -241,7 +253,9 @@ impl Job<'_> {
         };
         let lock = lock.filter(|_| known.lock.is_some());
         let files = known.files().map(Path::new).chain(lock);
-        !known.stamps.is_empty()
+        // What a revision names may change without any file.
+        self.against.is_none()
+            && !known.stamps.is_empty()
             && lock_is_there
             && !self.texts.contains_key(&known.path)
             && self.is_reusable(known)
@@ -299,9 +313,10 @@ impl Job<'_> {
         let mut allowed = allows(&shader.files, shader.language);
         if errors.is_empty() {
             let subject = Subject { source: &source, options, shader: &shader };
-            if let Some(LockFile { path, bytes }) = lock {
-                match bytes.and_then(|bytes| drift(&shader, &path, bytes)) {
-                    Ok(Against { hash, lock: old, found }) => {
+            if let Some(lock) = lock {
+                let path = lock.path.clone();
+                match self.drift(&shader, lock) {
+                    Ok(Comparison { hash, lock: old, found }) => {
                         let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
@@ -362,6 +377,14 @@ impl Job<'_> {
         Fresh { checked, laid_out: (!is_failed).then_some((source, shader)), lock: new_lock }
     }
 
+    /// Compares a shader with its lock, or with its layout at a revision.
+    fn drift(&self, shader: &ShaderLayout, lock: LockFile) -> Result<Comparison, Error> {
+        let bytes = lock.bytes?;
+        let Some(against) = self.against else { return drift(shader, &lock.path, bytes) };
+        let found = lock.old.map(|old| against.findings(shader, &old)).unwrap_or_default();
+        Ok(Comparison { hash: bytes.as_deref().map(Hash::of), lock: None, found })
+    }
+
     /// Missing files that would take precedence if they existed: the names of the includes beside
     /// every file of the shader and in every include directory.
     fn absent(&self, shader: &str, includes: &[(String, Hash)]) -> Vec<String> {
@@ -397,7 +420,7 @@ fn is_drift(finding: &Finding) -> bool {
 }
 
 /// The comparison of a shader with its lock: the hash of the lock, the lock, and the changes.
-struct Against {
+struct Comparison {
     hash: Option<Hash>,
     lock: Option<Lock>,
     found: Vec<Finding>,
@@ -405,17 +428,17 @@ struct Against {
 
 /// Compares a shader with its lock. A lock that cannot be read, such as one of a newer landfall,
 /// is an error, so that it is not overwritten.
-fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Against, Error> {
+fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Comparison, Error> {
     let shown = crate::config::slashes(path);
     let Some(bytes) = bytes else {
         let found = landfall_lint::drift::drift(shader, &shown, None);
-        return Ok(Against { hash: None, lock: None, found });
+        return Ok(Comparison { hash: None, lock: None, found });
     };
     let hash = Hash::of(&bytes);
     let text = source::decode(&shown, bytes)?;
     let lock = lock::read(&shown, &text)?;
     let found = landfall_lint::drift::drift(shader, &shown, Some(&lock));
-    Ok(Against { hash: Some(hash), lock: Some(lock), found })
+    Ok(Comparison { hash: Some(hash), lock: Some(lock), found })
 }
 
 /// The result for a shader that cannot be read.

@@ -75,7 +75,7 @@ pub fn fix(
 }
 
 /// Reverts edits after which a shader no longer parses.
-fn revert(
+pub fn revert(
     written: &[&Fixed],
     run: &Run<'_>,
     applied: &mut AppliedFixes,
@@ -148,7 +148,7 @@ fn changed(mut fixed: Vec<Fixed>) -> Vec<Fixed> {
 }
 
 /// Writes a fixed file, if it has not changed since it was read.
-fn write(file: &Fixed, run: &Run<'_>) -> Result<(), Error> {
+pub fn write(file: &Fixed, run: &Run<'_>) -> Result<(), Error> {
     let path = Path::new(&file.path);
     let failed = |cause: std::io::Error| {
         let reason = landfall_layout::file::reason(&cause);

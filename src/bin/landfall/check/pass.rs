@@ -13,6 +13,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::{Error, Language, ShaderLayout, Source};
 use landfall_lint::digest;
 
+use super::against::Against;
 use super::basis::Basis;
 use super::check_shader::{Checked, Done, Job};
 use crate::args::Shard;
@@ -36,6 +37,8 @@ pub struct Run<'a> {
     pub jobs: Option<NonZeroUsize>,
     /// The text of stdin by its substitute path.
     pub stdin: HashMap<String, String>,
+    /// The revision that layouts are compared with instead of locks.
+    pub against: Option<&'a Against>,
     /// The writer of locks.
     pub locks: FileWriter,
     /// Number of excluded shaders.
@@ -114,6 +117,7 @@ impl Run<'_> {
             basis: self.basis,
             options: [Language::Glsl, Language::Wgsl].map(|l| self.basis.options_for(l)),
             root: self.root,
+            against: self.against,
             known: &known,
             texts: &all,
             accept,

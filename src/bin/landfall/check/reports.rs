@@ -14,8 +14,12 @@ use landfall_layout::format::Paint;
 use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
+use super::report_root::ReportRoot;
 use crate::args::Report;
 use crate::output::{Failure, Outcome, Streams};
+
+/// The code of findings about entries of a baseline that match nothing.
+pub const STALE_BASELINE: &str = "stale-baseline";
 
 /// Texts of files by the paths in findings.
 pub struct Texts {
@@ -53,6 +57,8 @@ pub struct Result<'a> {
     /// Number of shaders and inputs that could not be checked.
     pub failures: usize,
     pub texts: &'a Texts,
+    /// Number of findings that the baseline permits; `None` without a baseline.
+    pub permitted: Option<usize>,
     /// The value of the field `shard` in the JSON report of a shard.
     pub shard: Option<String>,
 }
@@ -80,9 +86,18 @@ pub fn write(
     let formats = if formats.is_empty() { &human[..] } else { formats };
     let text = |path: &str| result.texts.of(path);
     let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
+    let from_root =
+        ReportRoot::find().map(|root| root.findings(result.findings, &result.texts.given));
+    let from_root = from_root.as_deref().unwrap_or(result.findings);
+    // Other programs know the repository, not the directory that the command ran in.
+    let findings_of = |format| match format {
+        ReportFormat::Human | ReportFormat::Short | ReportFormat::Json => result.findings,
+        ReportFormat::Github | ReportFormat::Sarif | ReportFormat::Junit => from_root,
+    };
     for requested in formats {
         if let Some(file) = &requested.file {
-            let text = report(result.findings, requested.format, &options(Paint::Plain));
+            let findings = findings_of(requested.format);
+            let text = report(findings, requested.format, &options(Paint::Plain));
             writer.write(file, with_shard(text, requested.format, result))?;
             // No report overwrites another, even through links.
             writer.protect([file]);
@@ -92,7 +107,7 @@ pub fn write(
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
         {
             writer.allows(Path::new(&path))?;
-            let text = github_summary(result.findings, &options(Paint::Plain));
+            let text = github_summary(from_root, &options(Paint::Plain));
             // Earlier commands of the step may have written to the file.
             let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
             file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|cause| {
@@ -116,7 +131,7 @@ pub fn write(
             denied = loud.cloned().collect();
             &denied
         } else {
-            result.findings
+            findings_of(requested.format)
         };
         let text = report(findings, requested.format, &options(paint));
         let text = with_shard(text, requested.format, result);
@@ -138,7 +153,12 @@ pub fn write(
 }
 
 fn outcome(result: &Result<'_>) -> Outcome {
-    match result.findings.iter().any(|finding| finding.level() == Level::Deny) {
+    // With a baseline, every finding that it lacks fails.
+    let fails = |finding: &Finding| match result.permitted {
+        Some(_) => finding.code != STALE_BASELINE,
+        None => finding.level() == Level::Deny,
+    };
+    match result.findings.iter().any(fails) {
         _ if result.failures > 0 => Outcome::CouldNot,
         true => Outcome::Findings,
         false => Outcome::Clean,
@@ -174,6 +194,9 @@ fn summary(result: &Result<'_>) -> String {
     let mut text = format!("checked {}: {}", counted(result.shaders, "shader"), parts.join(", "));
     if fixable > 0 {
         let _ = write!(text, "; {fixable} fixable with --fix");
+    }
+    if let Some(permitted) = result.permitted.filter(|permitted| *permitted > 0) {
+        let _ = write!(text, "; {permitted} in the baseline");
     }
     text.push('\n');
     text

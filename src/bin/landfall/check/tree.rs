@@ -124,7 +124,7 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
 }
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
-fn is_asked(code: &str, basis: &Basis) -> bool {
+pub fn is_asked(code: &str, basis: &Basis) -> bool {
     match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
         Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
         // The other copy may be in a file that was not checked.
@@ -168,7 +168,7 @@ fn orphans(basis: &Basis, root: &Root) -> Vec<Finding> {
         });
         let is_lock = lock::path_of(locks, Path::new(shader)) == path;
         let is_gone = || !root.shown.join(shader).exists();
-        if searched && is_lock && is_gone() && crate::lock::holds_lock(&path) {
+        if searched && is_lock && is_gone() && crate::locks::holds_lock(&path) {
             orphans.push(landfall_lint::drift::orphan(&slashes(&path)));
         }
     }

@@ -1,20 +1,33 @@
-//! Finds the configuration file: in the directory of the checked paths or the nearest above.
+//! Finds the configuration file, or the locks of a project without one: in the directory of the
+//! checked paths or the nearest above.
 
 use std::path::{Path, PathBuf};
 
 use landfall_layout::Error;
 
-use super::root::{absolute, current, way};
+use super::LOCKS;
+use super::root::{absolute, current, repository, way};
+use crate::locks::{holds_lock, locks_below};
 use crate::read::is_stdin;
 
 const NAMES: [&str; 2] = ["landfall.toml", ".landfall.toml"];
 
-/// The configuration file for these paths, if any.
+/// What determines the root directory of a project.
+pub enum Found {
+    /// A configuration file, from the current directory.
+    File(PathBuf),
+    /// The directory that contains `layouts`, or the current directory.
+    Root(PathBuf),
+}
+
+/// Searches upwards from these paths, or from the current directory.
+///
+/// The search ends at the root of the repository; a configuration precedes locks.
 ///
 /// # Errors
 ///
-/// A directory contains both names, or the file cannot be read.
-pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
+/// A directory contains both names of a configuration, or the file cannot be read.
+pub fn find(paths: &[PathBuf]) -> Result<Found, Error> {
     let current = current()?;
     let mut folders =
         paths.iter().filter(|path| !is_stdin(path)).map(|path| folder(&current, path));
@@ -27,24 +40,44 @@ pub fn find(paths: &[PathBuf]) -> Result<Option<PathBuf>, Error> {
             .map(|(a, _)| a)
             .collect()
     });
-    for folder in start.ancestors() {
-        let held: Vec<&str> = NAMES.into_iter().filter(|name| holds(&folder.join(name))).collect();
-        let shown = |name: &str| way(&current, folder).join(name);
-        match held.as_slice() {
-            [] => {}
-            [name] => {
-                let shown = shown(name);
-                readable(&folder.join(name), &shown)?;
-                return Ok(Some(shown));
-            }
-            _ => {
-                let message = format!("conflicts with `{}`: only one may exist", NAMES[1]);
-                return Err(Error::new(shown(NAMES[0]).display().to_string(), message)
-                    .with_help("remove one, or select one with `--config`"));
-            }
+    // A repository inside the project, such as vendored code, does not end the search.
+    let inside = if start.starts_with(&current) { &current } else { &start };
+    let top = repository(inside);
+    let folders: Vec<&Path> =
+        start.ancestors().filter(|folder| top.is_none_or(|top| folder.starts_with(top))).collect();
+    for folder in &folders {
+        if let Some(file) = config(folder, &current)? {
+            return Ok(Found::File(file));
         }
     }
-    Ok(None)
+    // The locks of the current directory precede those of a directory below it.
+    let here = start.starts_with(&current).then_some(current.as_path());
+    let locked = here.into_iter().chain(folders).find(|folder| holds_locks(&folder.join(LOCKS)));
+    Ok(Found::Root(locked.map_or_else(PathBuf::new, |folder| way(&current, folder))))
+}
+
+/// The configuration file of a directory, from the current one.
+fn config(folder: &Path, current: &Path) -> Result<Option<PathBuf>, Error> {
+    let held: Vec<&str> = NAMES.into_iter().filter(|name| holds(&folder.join(name))).collect();
+    let shown = |name: &str| way(current, folder).join(name);
+    match held.as_slice() {
+        [] => Ok(None),
+        [name] => {
+            let shown = shown(name);
+            readable(&folder.join(name), &shown)?;
+            Ok(Some(shown))
+        }
+        _ => {
+            let message = format!("conflicts with `{}`: only one may exist", NAMES[1]);
+            Err(Error::new(shown(NAMES[0]).display().to_string(), message)
+                .with_help("remove one, or select one with `--config`"))
+        }
+    }
+}
+
+/// Whether a directory contains a lock.
+fn holds_locks(folder: &Path) -> bool {
+    locks_below(folder).iter().any(|path| holds_lock(path))
 }
 
 /// Whether anything of this name exists: a broken link or a directory is an error, not a missing file.

@@ -4,7 +4,9 @@ use globset::Glob;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
-use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Proof, Row, RustMirror, Table};
+use landfall_lint::settings::{
+    Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
+};
 use landfall_lint::{LINTS, Settings};
 
 use super::root::{Root, slashes};
@@ -18,6 +20,8 @@ pub fn read(keys: &Keys<'_>, root: &Root) -> Settings {
     Settings {
         rust_files: Vec::new(),
         levels: levels(keys),
+        path_levels: keys.tables("path-levels", "[[path-levels]]", |keys| path_levels(keys, root)),
+        flag_levels: Vec::new(),
         targets: Vec::new(),
         permutations: permutations(keys),
         mirror_groups: keys
@@ -67,6 +71,20 @@ fn levels(keys: &Keys<'_>) -> Vec<(String, Level)> {
     };
     levels.sort_by_key(|(code, _)| rank(code));
     levels
+}
+
+fn path_levels(keys: &Keys<'_>, root: &Root) -> Option<PathLevels> {
+    let file = keys.needed("file");
+    // Read again for its errors, and relative to the root.
+    let glob = glob(keys, "file", root);
+    let levels = levels(keys);
+    if keys.row("levels").is_none() {
+        let found =
+            Diagnostic::error(Code::MissingKey, span_of(keys), "`[[path-levels]]` has no `levels`");
+        keys.add(found.with_help("add `levels = { warnings = \"allow\" }`"));
+    }
+    file?;
+    Some(PathLevels { file: glob, levels })
 }
 
 fn permutations(keys: &Keys<'_>) -> Vec<Vec<(String, String)>> {

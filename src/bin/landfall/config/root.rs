@@ -70,6 +70,20 @@ pub fn current() -> Result<PathBuf, Error> {
     std::env::current_dir().map_err(failed)
 }
 
+/// The root of the git repository that contains a directory; of a submodule, that of the whole.
+pub fn repository(folder: &Path) -> Option<&Path> {
+    folder.ancestors().find(|folder| {
+        let git = folder.join(".git");
+        git.is_dir() || git.is_file() && !is_submodule(&git)
+    })
+}
+
+/// Whether the `.git` file of a work tree names the directory of a submodule.
+fn is_submodule(git: &Path) -> bool {
+    let text = crate::read::file(git).unwrap_or_default();
+    String::from_utf8_lossy(&text).contains("/modules/")
+}
+
 /// An absolute path without `.` and `..`.
 pub fn absolute(current: &Path, path: &Path) -> PathBuf {
     let mut real = PathBuf::new();

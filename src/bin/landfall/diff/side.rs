@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::{Error, Options, ShaderLayout, lock};
 
-use super::git;
 use crate::args::ReadArgs;
 use crate::config::{Config, slashes};
 use crate::inputs::Inputs;
-use crate::lock::locks_below;
+use crate::locks::locks_below;
 use crate::output::{FindingStyle, Streams};
-use crate::{given, read};
+use crate::{git, given, read};
 
 /// The layouts of one side.
 pub struct Side {

@@ -91,6 +91,18 @@ impl Tree {
 /// Extracts a file, or the shaders and locks of a directory, with every file of the revision that
 /// they may include.
 pub fn extract(revision: &Revision) -> Result<Tree, Error> {
+    extract_any(revision)?.map_err(|is_there| {
+        let message = match is_there {
+            true => "contains no shader or lock at that revision",
+            false => "does not exist at that revision",
+        };
+        let help = format!("`git ls-tree -r --name-only {}` lists its files", revision.rev);
+        Error::new(revision.shown(), message).with_help(help)
+    })
+}
+
+/// Extracts the same. Without any shader or lock, returns whether the path exists at the revision.
+pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
     let shown = revision.shown();
     let refuse = |message: &str| Error::new(&shown, message);
     if revision.rev.starts_with('-') {
@@ -110,13 +122,8 @@ pub fn extract(revision: &Revision) -> Result<Tree, Error> {
     };
     let mut chosen: Vec<&Entry> = files.iter().filter(is_chosen).collect();
     if chosen.is_empty() {
-        let there = files.iter().any(|file| path.is_empty() || file.path.starts_with(&below));
-        let message = match there {
-            true => "contains no shader or lock at that revision",
-            false => "does not exist at that revision",
-        };
-        let help = format!("`git ls-tree -r --name-only {}` lists its files", revision.rev);
-        return Err(refuse(message).with_help(help));
+        let is_there = files.iter().any(|file| path.is_empty() || file.path.starts_with(&below));
+        return Ok(Err(is_there));
     }
     let root =
         scratch().map_err(|cause| refuse(&format!("cannot be extracted: {}", reason(&cause))))?;
@@ -135,7 +142,7 @@ pub fn extract(revision: &Revision) -> Result<Tree, Error> {
             chosen.extend(named.filter(|file| taken.insert(file.path.as_str())));
         }
     }
-    Ok(tree)
+    Ok(Ok(tree))
 }
 
 /// Whether a path may be a shader or a lock.
