@@ -92,7 +92,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         text.push('\n');
     }
     for line in summary(&stressed.operations) {
-        let _ = writeln!(text, "{line}");
+        let _ = writeln!(text, "{}", wrapped(&line, WIDTH - 2).join("\n  "));
     }
     text
 }

@@ -43,7 +43,7 @@ fn a_form_of_the_catalogue_is_printed_with_its_measured_gain() {
     return (-b + d) / (2.0 * a);
 }",
             r#"{"a": [0.5, 2], "b": [1, 1000], "c": [0.0001, 0.1]}"#,
-            "-(4.0 * a * c) / (b + d)",
+            "4.0 * a * c / (-b - d)",
         ),
         (
             "float f(float n, float a) {
@@ -65,6 +65,8 @@ fn a_form_of_the_catalogue_is_printed_with_its_measured_gain() {
         assert!(advice.code.starts_with(form), "{code}: {}", advice.code);
         let before = advice.ulp_before.expect("its result is defined");
         assert!(advice.ulp_after < 16.0 && before > 1000.0, "{}", advice.text());
+        let notes = report(&fragment(code), json).findings[0].notes().join("\n");
+        assert!(!notes.contains("ill-conditioned"), "{notes}");
     }
 }
 

@@ -46,6 +46,8 @@ pub struct Advice {
     /// A proved bound of the error of the function with the form over the whole domain, on any
     /// conformant device, in units of the last place.
     pub proved: Option<f64>,
+    /// Whether it gains only where a device rounds a product and a sum once.
+    pub is_fused: bool,
 }
 
 /// The function, its text and its inputs.
@@ -152,6 +154,7 @@ impl Advised<'_> {
                 ulp_after: most_after,
                 samples: samples.len(),
                 proved: None,
+                is_fused: form.is_fused,
             };
             best = Some((advice, pure));
         }

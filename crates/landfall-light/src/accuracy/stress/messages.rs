@@ -77,8 +77,11 @@ impl StressFinding {
             (&self.condition, self.breach, self.outcome)
         {
             if condition.steps > 0.0 {
+                let gains = |advice: &Advice| advice.ulp_before.is_some() && !advice.is_fused;
+                let gains = self.advice.as_ref().is_some_and(gains);
                 let verdict = match off.steps > 8.0 * condition.steps {
                     true => "the formula is unstable",
+                    false if gains => "another form is accurate here",
                     false => "the problem is ill-conditioned here",
                 };
                 notes.push(format!(
