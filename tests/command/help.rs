@@ -110,9 +110,10 @@ Generate:
   port     Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
   encode   Convert JSON values to the bytes of a block
   decode   Convert the bytes of a block to a table or JSON, and flag bad values
-  schema   Print the JSON Schema of an output format or of scenes
+  schema   Print the JSON Schema of an output format, landfall.toml or scenes
 
 Guard:
+  init     Write a commented landfall.toml for the shaders of a directory
   lock     Record the layout of every shader in a lock file
   check    Check shaders for lint findings and layout changes
   diff     Compare two layouts and classify each change

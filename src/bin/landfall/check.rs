@@ -35,7 +35,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
-use landfall_lint::LINTS;
+use landfall_lint::{LINTS, Settings};
 
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
@@ -73,13 +73,8 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         given::configured(&config);
     }
     let paths = config.paths(&args.paths);
-    if Basis::wants_rust(&settings) {
-        match rust::files(&config, &settings, &args.paths) {
-            Ok(files) => settings.rust_files = files,
-            Err(error) => {
-                return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
-            }
-        }
+    if let Err(error) = read_rust(&config, &mut settings, args) {
+        return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
     }
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
@@ -156,14 +151,16 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }
-    if args.fix {
-        streams.notes(&fix::summary(&applied));
-    }
-    if args.add_allow {
-        streams.notes(&add_allow::summary(&applied));
-    }
-    closing_notes(&pass, &basis, args, streams);
+    closing_notes(&pass, &basis, args, &applied, streams);
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// Reads the Rust files with mirrors if a lint of mirrors is enabled.
+fn read_rust(config: &Config, settings: &mut Settings, args: &CheckArgs) -> Result<(), Error> {
+    if Basis::wants_rust(settings) {
+        settings.rust_files = rust::files(config, settings, &args.paths)?;
+    }
+    Ok(())
 }
 
 /// Applies `--fix` or `--add-allow`; returns the pass over the final state.
@@ -325,7 +322,19 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer
 }
 
-fn closing_notes(pass: &Pass, basis: &Basis, args: &CheckArgs, streams: &Streams) {
+fn closing_notes(
+    pass: &Pass,
+    basis: &Basis,
+    args: &CheckArgs,
+    applied: &AppliedFixes,
+    streams: &Streams,
+) {
+    if args.fix {
+        streams.notes(&fix::summary(applied));
+    }
+    if args.add_allow {
+        streams.notes(&add_allow::summary(applied));
+    }
     if pass.accepted > 0 {
         streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
     }
@@ -418,7 +427,7 @@ fn diff(
 }
 
 /// Replaces former lint codes by the current ones, with a note for each.
-fn renamed(mut settings: landfall_lint::Settings, streams: &Streams) -> landfall_lint::Settings {
+fn renamed(mut settings: Settings, streams: &Streams) -> Settings {
     for (was, now) in landfall_lint::resolve_renamed(&mut settings) {
         streams.notes(&format!("note: the lint `{was}` is called `{now}`\n"));
     }
