@@ -39,7 +39,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let there = dir.join(name);
             if there.symlink_metadata().is_ok() {
                 let error = Error::new(slashes(&there), "exists and is not overwritten");
-                return Err(error.with_help("print a new one with `landfall init --print`").into());
+                return Err(error.with_help("print a new one with `landfall init --print`"));
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::harness::bindings::kind as buffer_of;
 use crate::harness::probe::cause::OtherRules;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
 use crate::harness::probe::sentinel::{self, Grain};
-use crate::harness::probe::{ProbedLocation, ProbeResult, cause, results};
+use crate::harness::probe::{ProbeResult, ProbedLocation, cause, results};
 use landfall_layout::buffer::Buffer;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{AddressSpace, ArrayLen, ScalarKind, Type};
