@@ -253,6 +253,41 @@ fn a_program_can_do_with_the_output_what_it_is_for() {
     run(crates(Math::Simd), &root, "2021");
 }
 
+/// Helpers have the same names in all files: they are no items of the module that includes them.
+#[test]
+fn two_files_in_one_module_do_not_clash() {
+    let one = rust(
+        &[&laid_out("usage.frag", include_str!("../mirrors/usage.frag"))],
+        &RustOptions::default(),
+    );
+    let text = "#version 450\nlayout(std140) uniform Other { mat3 m; bool b; float w[3]; };\n\
+                layout(std430) buffer Tail { uint n; float tail[]; };\n";
+    let two = rust(&[&laid_out("shaders/other.frag", text)], &RustOptions::default());
+    let shaders = corpus();
+    let three = rust(&shaders.iter().collect::<Vec<_>>(), &RustOptions::default());
+    let directory = scratch("two-files");
+    for (name, out) in [("one", one), ("two", two), ("three", three)] {
+        fs::write(directory.join(format!("{name}.rs")), out.text)
+            .expect("scratch can be written to");
+    }
+    let root = directory.join("main.rs");
+    let text = "mod gpu {
+    include!(\"one.rs\");
+    include!(\"two.rs\");
+    include!(\"three.rs\");
+}
+fn main() {
+    let other = gpu::Other::new(gpu::OtherInit { m: glam::Mat3::IDENTITY, b: true, w: [1.0; 3] });
+    assert_eq!(bytemuck::bytes_of(&other).len(), gpu::other::SIZE);
+    assert_eq!(gpu::camera::lookup(\"on\").map(|leaf| leaf.offset), Ok(240));
+    assert_eq!(gpu::other::lookup(\"b\").map(|leaf| leaf.offset), Ok(48));
+    assert_eq!(gpu::rules_comp::LookupError::Unknown.to_string().len(), 34);
+}
+";
+    fs::write(&root, text).expect("scratch can be written to");
+    run(crates(Math::Simd), &root, "2021");
+}
+
 #[test]
 fn a_mirror_that_departs_from_the_shader_does_not_compile_and_both_numbers_are_said() {
     // As if someone had taken a pad out, which moves what follows and makes the whole smaller.

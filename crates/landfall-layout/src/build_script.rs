@@ -8,7 +8,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::codegen::c::{COptions, c};
-use crate::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use crate::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::error::Error;
 use crate::file::FileWriter;
@@ -149,6 +149,19 @@ impl Build {
     /// Omits the tables from names to offsets.
     pub fn without_tables(mut self) -> Build {
         self.rust.tables = Tables::Without;
+        self
+    }
+
+    /// Sets the modules of the mirrors: by default one for each shader if there are several.
+    pub fn modules(mut self, modules: Modules) -> Build {
+        self.rust.modules = modules;
+        self
+    }
+
+    /// Names the mirror of a structure or block, `Light` or `lights.frag:Light`, or the module of a
+    /// shader, `lights.frag`.
+    pub fn rename(mut self, old: &str, new: &str) -> Build {
+        self.rust.rename.push((old.to_string(), new.to_string()));
         self
     }
 

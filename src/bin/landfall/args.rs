@@ -34,7 +34,7 @@ mod verify;
 use std::path::PathBuf;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use landfall_layout::codegen::rust::Vectors;
+use landfall_layout::codegen::rust::{Modules, Vectors};
 use landfall_layout::format as emit;
 use landfall_layout::shape::DEFAULT_BLOCK;
 
@@ -252,6 +252,18 @@ pub struct EmitArgs {
         value_parser = [Vectors::Glam.name(), Vectors::Array.name()]
     )]
     pub vectors: Option<String>,
+    /// Rust: a module for each shader, none, or one each where there are several [default: auto]
+    #[arg(
+        help_heading = "Rust", long, value_name = "WHICH",
+        value_parser = [Modules::Auto.name(), Modules::Each.name(), Modules::Flat.name()]
+    )]
+    pub modules: Option<String>,
+    /// Rust: name a structure or block (`Light`, `a.frag:Light`) or a module (`a.frag`)
+    #[arg(
+        help_heading = "Rust", long, value_name = "OLD=NEW",
+        value_parser = setting
+    )]
+    pub rename: Vec<(String, String)>,
     /// Rust: make items `pub(crate)`
     #[arg(help_heading = "Rust", long)]
     pub crate_visible: bool,
@@ -261,6 +273,8 @@ pub struct EmitArgs {
     /// C: prefix of every type, macro and function
     #[arg(help_heading = "C", long, value_name = "TEXT", default_value = "")]
     pub prefix: String,
+    #[command(flatten)]
+    pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
 }

@@ -57,6 +57,8 @@ pub struct Config {
     pub gather: bool,
     /// Whether `api` is set, which takes precedence over targets for the GLSL dialect.
     said_api: bool,
+    /// New names for mirrors, of `[rename]`.
+    pub rename: Vec<(String, String)>,
     /// The settings of lints.
     pub settings: Settings,
 }
@@ -123,9 +125,25 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         rules: rules.and_then(Rules::from_name),
         gather: keys.bool("gather").unwrap_or(false),
         said_api: api.is_some(),
+        rename: renames(keys),
         settings,
         root,
     }
+}
+
+/// The new names of mirrors.
+fn renames(keys: &Keys<'_>) -> Vec<(String, String)> {
+    let rows = keys.rows("rename", "{ Light = \"GpuLight\" }").into_iter();
+    rows.filter_map(|(old, row)| match row.text() {
+        Some(new) => Some((old.value, new.value)),
+        None => {
+            let message =
+                format!("the new name of `{}` is {}, not a string", old.value, row.kind());
+            keys.add(Diagnostic::error(Code::WrongType, row.span(), message));
+            None
+        }
+    })
+    .collect()
 }
 
 fn target(keys: &Keys<'_>, text: &Text) -> Option<Api> {

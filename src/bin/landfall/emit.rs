@@ -5,18 +5,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::codegen::c::{COptions, c};
-use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_layout::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{given, read, watch, write};
+use crate::{config, given, read, watch, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
+    };
+    let Some(config) = config::load(&args.config, &args.files, streams)? else {
+        return Ok(Outcome::CouldNot);
     };
     let mut shaders = Vec::new();
     let mut failed = false;
@@ -47,7 +50,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let what = Diagnostic::bare(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
         report(&[what], &Files::default());
     }
-    let (text, refused) = text(args, &shaders);
+    let (text, refused) = text(args, config.rename, &shaders);
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
@@ -69,13 +72,21 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 /// Returns the generated file and notes on omitted blocks.
-fn text(args: &EmitArgs, shaders: &[ShaderLayout]) -> (String, Vec<Diagnostic>) {
+fn text(
+    args: &EmitArgs,
+    configured: Vec<(String, String)>,
+    shaders: &[ShaderLayout],
+) -> (String, Vec<Diagnostic>) {
     let shaders: Vec<&ShaderLayout> = shaders.iter().collect();
     match args.lang {
         EmitLang::Rust => {
             let mut options = RustOptions::default();
             options.vectors =
                 args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
+            options.modules =
+                args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
+            options.rename = args.rename.clone();
+            options.project_renames = configured;
             if args.crate_visible {
                 options.visibility = Visibility::Crate;
             }

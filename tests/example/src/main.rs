@@ -3,6 +3,9 @@
 
 mod gpu {
     include!(concat!(env!("OUT_DIR"), "/lights.rs"));
+    // A module for each shader; their names do not clash here.
+    pub use lights_frag::*;
+    pub use particles_comp::*;
 }
 
 use bytemuck::Zeroable;

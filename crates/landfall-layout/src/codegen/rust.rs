@@ -1,9 +1,9 @@
 //! Rust mirrors of blocks, and tables from member names to offsets.
 //!
 //! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
-//! each member (with `types`, `leaf` and `array`), `naming` and `names` name every type, and
-//! `mirror`, `tail`, `small`, `strided`, `check` and `table` print one kind of item each.
-//! `docs` copies the shader's comments.
+//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type,
+//! and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
+//! item each, which `modules` puts together. `docs` copies the shader's comments.
 
 mod array;
 mod check;
@@ -13,11 +13,13 @@ mod header;
 mod host;
 mod leaf;
 mod mirror;
+mod modules;
 mod names;
 mod naming;
 mod plan;
 mod print;
 mod refuse;
+mod rename;
 mod small;
 mod strided;
 mod table;
@@ -76,6 +78,37 @@ pub enum Tables {
     Without,
 }
 
+/// The modules that mirrors are written into.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Modules {
+    /// One for each shader if there are several, none for one.
+    #[default]
+    Auto,
+    /// One for each shader: a name does not depend on other shaders.
+    Each,
+    /// None: all mirrors have distinct names.
+    Flat,
+}
+
+impl Modules {
+    /// The name in `--modules`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Modules::Auto => "auto",
+            Modules::Each => "each",
+            Modules::Flat => "flat",
+        }
+    }
+
+    /// The variant with this name.
+    pub fn from_name(name: &str) -> Option<Modules> {
+        [Modules::Auto, Modules::Each, Modules::Flat]
+            .into_iter()
+            .find(|modules| modules.name() == name)
+    }
+}
+
 /// Options of the Rust output.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
@@ -86,6 +119,13 @@ pub struct RustOptions {
     pub visibility: Visibility,
     /// Whether to generate tables.
     pub tables: Tables,
+    /// The modules.
+    pub modules: Modules,
+    /// New names of structures and blocks (`Light`, or `lights.frag:Light` for those of one shader)
+    /// and of shaders' modules (`lights.frag`). They are used as they stand.
+    pub rename: Vec<(String, String)>,
+    /// As `rename`, for all shaders of a project: none has to be among these shaders.
+    pub project_renames: Vec<(String, String)>,
     /// The name of each shader in the text, in the order of the shaders. A shader without one is
     /// named by its path, or by its file name if the path is absolute.
     pub inputs: Vec<String>,
@@ -96,7 +136,7 @@ pub struct RustOptions {
 pub struct RustOutput {
     /// The file's text, for `include!` or to be checked in.
     pub text: String,
-    /// One error for every block without a mirror.
+    /// An error for every block without a mirror, a warning for every name that got a number.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -108,27 +148,25 @@ pub struct RustOutput {
 pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let inputs: Vec<String> =
         shaders.iter().enumerate().map(|(i, shader)| header::input(shader, options, i)).collect();
-    let mut plan = plan::Plan::new(options.vectors);
-    let mut diagnostics = Vec::new();
-    for (shader, input) in shaders.iter().zip(&inputs) {
+    let each = match options.modules {
+        Modules::Auto => shaders.len() > 1,
+        Modules::Each => true,
+        Modules::Flat => false,
+    };
+    let (renames, mut diagnostics) = rename::Renames::new(options);
+    let mut plan = plan::Plan::new(options.vectors, &renames, !each);
+    for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
             match refuse::reason(block, shader.language) {
                 Some(finding) => {
                     diagnostics.push(Diagnostic { path: Some(shader.path.clone()), ..finding })
                 }
-                None => plan.add(block, shader, input),
+                None => plan.add(block, shader, input, at),
             }
         }
     }
-    let names = naming::name_all(&plan, options.tables);
-    let out = print::Printer { plan: &plan, names: &names, options };
-
-    let mut text = header::header(&out, &inputs, shaders);
-    mirror::mirrors(&out, &mut text);
-    if options.tables == Tables::Beside {
-        table::tables(&out, &mut text);
-    }
-    small::small_types(&out, &mut text);
-    check::checks(&out, &mut text);
+    let mut text = header::header(&plan, options, &inputs, shaders);
+    diagnostics.extend(modules::modules(&plan, options, &renames, &inputs, each, &mut text));
+    diagnostics.extend(renames.unused(shaders, &inputs));
     RustOutput { text, diagnostics }
 }

@@ -36,6 +36,7 @@ codes! {
     ArraySize = "array-size";
     BadDomain = "bad-domain";
     BadGlob = "bad-glob";
+    BadName = "bad-name";
     BadPlanes = "bad-planes";
     BadRequest = "bad-request";
     BadRust = "bad-rust";
@@ -108,6 +109,7 @@ codes! {
     NotMirrored = "not-mirrored";
     NotPortable = "not-portable";
     NotUtf8 = "not-utf8";
+    NumberedName = "numbered-name";
     OddBool = "odd-bool";
     OddLength = "odd-length";
     OffsetGoesBack = "offset-goes-back";

@@ -40,6 +40,8 @@ fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
             (args.vectors.is_some(), "--vectors"),
             (args.crate_visible, "--crate-visible"),
             (args.no_tables, "--no-tables"),
+            (args.modules.is_some(), "--modules"),
+            (!args.rename.is_empty(), "--rename"),
         ],
     };
     given.into_iter().filter(|(is, _)| *is).map(|(_, option)| option).collect()

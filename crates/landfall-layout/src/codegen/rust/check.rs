@@ -5,22 +5,19 @@
 
 use std::fmt::Write as _;
 
-use super::print::{Printer, WIDTH, call};
+use super::print::{Printer, Text, call};
 use super::types::GeneratedType;
 
-pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
-    if out.plan.made.is_empty() {
-        return;
-    }
-    for (at, made) in out.plan.made.iter().enumerate() {
-        let name = &out.names.made[at];
+pub(super) fn checks(out: &Printer<'_>, text: &mut Text) {
+    for (id, made) in out.made() {
+        let name = out.name(id);
         match made {
             GeneratedType::Bits(_) => {}
             GeneratedType::Leaf(leaf) => size(out, text, name, leaf.size()),
             GeneratedType::Padded(padded) => size(out, text, name, padded.stride),
             GeneratedType::Tight(tight) => size(out, text, name, tight.size),
             GeneratedType::Mirror(mirror) => {
-                let docs = &out.plan.docs[&super::types::GeneratedTypeId(at)];
+                let docs = &out.plan.docs[&id];
                 let of = format!("`{}` in {}", docs.shader_name, docs.input);
                 assert(out, text, &size_of(name), mirror.size, &format!("size of {of}"));
                 for field in &mirror.fields {
@@ -31,10 +28,9 @@ pub(super) fn checks(out: &Printer<'_>, text: &mut String) {
             }
         }
     }
-    mismatch(out, text);
 }
 
-fn size(out: &Printer<'_>, text: &mut String, name: &str, bytes: u64) {
+fn size(out: &Printer<'_>, text: &mut Text, name: &str, bytes: u64) {
     assert(out, text, &size_of(name), bytes, &format!("size of `{name}`"));
 }
 
@@ -42,38 +38,38 @@ fn size_of(name: &str) -> String {
     format!("core::mem::size_of::<{name}>()")
 }
 
-fn assert(out: &Printer<'_>, text: &mut String, actual: &str, expected: u64, what: &str) {
+fn assert(out: &Printer<'_>, text: &mut Text, actual: &str, expected: u64, what: &str) {
     let mismatch = &out.names.mismatch;
     // `{:?}` escapes quotes in paths.
     let arguments = [format!("{what:?}"), expected.to_string(), actual.to_string()];
-    let mut message = String::new();
+    let mut message = text.same();
     call(&mut message, "    ", &format!("{mismatch}::new"), &arguments, ".text()");
     let line = format!("    {actual} == {expected},");
-    let condition = match line.len() <= WIDTH {
+    let condition = match line.len() <= text.width {
         true => line,
         false => format!("    {actual}\n        == {expected},"),
     };
-    if actual.len() + 8 >= WIDTH {
+    if actual.len() + 8 >= text.width {
         // Only a name is left to break; matching rustfmt here is not worth it.
         text.push_str("#[rustfmt::skip]\n");
     }
-    let _ = writeln!(text, "const _: () = assert!(\n{condition}\n    \"{{}}\",\n{message});");
+    let _ =
+        writeln!(text, "const _: () = assert!(\n{condition}\n    \"{{}}\",\n{});", message.text);
 }
 
 /// Prints the type of an assertion's message, which must be a literal or built in const code.
-fn mismatch(out: &Printer<'_>, text: &mut String) {
-    let name = &out.names.mismatch;
+pub(super) fn mismatch(text: &mut Text) {
+    let name = "Mismatch";
     let _ = write!(
         text,
-        "
-/// The message of a failed assertion: what differs, in the shader and in its mirror.
-struct {name} {{
+        "/// The message of a failed assertion: what differs, in the shader and in its mirror.
+pub(super) struct {name} {{
     text: [u8; 512],
     len: usize,
 }}
 
 impl {name} {{
-    const fn new(what: &str, shader: usize, mirror: usize) -> Self {{
+    pub(super) const fn new(what: &str, shader: usize, mirror: usize) -> Self {{
         let empty = Self {{
             text: [0; 512],
             len: 0,
@@ -110,13 +106,14 @@ impl {name} {{
         }}
     }}
 
-    const fn text(&self) -> &str {{
+    pub(super) const fn text(&self) -> &str {{
         match core::str::from_utf8(self.text.split_at(self.len).0) {{
             Ok(text) => text,
             Err(_) => \"a mirror is not laid out as its shader\",
         }}
     }}
 }}
+
 "
     );
 }

@@ -111,10 +111,16 @@ impl MirrorDoc {
         lines
     }
 
-    /// The suffixes that distinguish mirrors of the same name, in the order they are tried.
-    pub(super) fn marks(&self) -> [&'static str; 4] {
+    /// The rules that give this layout.
+    pub(super) fn rules(&self) -> &[Rules] {
+        &self.rules
+    }
+
+    /// The suffixes that distinguish mirrors of the same name, in the order they are tried, where
+    /// these rules lay it out.
+    pub(super) fn marks(&self, rules: &[Rules]) -> [&'static str; 4] {
         let [block, order, end] = self.marks;
-        let rules = match self.rules[..] {
+        let rules = match rules[..] {
             [one] => rules_mark(one),
             // The common case needs no mark.
             _ => "",

@@ -70,7 +70,8 @@ pub(super) fn stored(out: &Printer<'_>, ty: &RustType, value: &str, indent: &str
     // `map` is no `const fn`, so each dimension is a loop.
     let names = indices(lens.len());
     let inside = format!("{indent}    ");
-    let mut text = format!("{{\n{inside}let from = {value};\n");
+    let mut text = out.text();
+    let _ = write!(text, "{{\n{inside}let from = {value};\n");
     let first = format!("{helper}::new(from{})", "[0]".repeat(lens.len()));
     let all = lens.iter().rev().fold(first, |all, len| format!("[{all}; {len}]"));
     assignment(&mut text, &inside, "let mut to", " =", &format!("{all};"));
@@ -87,5 +88,5 @@ pub(super) fn stored(out: &Printer<'_>, ty: &RustType, value: &str, indent: &str
         let _ = write!(text, "{at}    {name} += 1;\n{at}}}\n");
     }
     let _ = write!(text, "{inside}to\n{indent}}}");
-    text
+    text.text
 }

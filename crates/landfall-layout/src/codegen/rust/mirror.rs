@@ -8,13 +8,13 @@ use std::fmt::Write as _;
 
 use super::host::{natural, stored};
 use super::print::{
-    DERIVES, FieldValue, Printer, assignment, conversion, default, doc, literal, signature,
+    DERIVES, FieldValue, Printer, Text, assignment, conversion, default, doc, literal, signature,
 };
 use super::tail;
 use super::types::{GeneratedTypeId, Mirror};
 
-pub(super) fn mirrors(out: &Printer<'_>, text: &mut String) {
-    for (id, mirror) in out.plan.mirrors() {
+pub(super) fn mirrors(out: &Printer<'_>, text: &mut Text) {
+    for (id, mirror) in out.mirrors() {
         structure(out, text, id, mirror);
         init(out, text, id, mirror);
         default(text, out.name(id));
@@ -24,7 +24,7 @@ pub(super) fn mirrors(out: &Printer<'_>, text: &mut String) {
     }
 }
 
-fn structure(out: &Printer<'_>, text: &mut String, id: GeneratedTypeId, mirror: &Mirror) {
+fn structure(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &Mirror) {
     let docs = &out.plan.docs[&id];
     let public = out.visibility();
     doc(text, "", &docs.lines());
@@ -51,7 +51,7 @@ fn structure(out: &Printer<'_>, text: &mut String, id: GeneratedTypeId, mirror: 
 }
 
 /// Prints the structure of a mirror's members, and the constructor that takes it.
-fn init(out: &Printer<'_>, text: &mut String, id: GeneratedTypeId, mirror: &Mirror) {
+fn init(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &Mirror) {
     if mirror.fields.is_empty() {
         return;
     }

@@ -93,6 +93,18 @@ fn escape(name: String) -> String {
     }
 }
 
+/// Whether Rust takes a text as a name, as it stands.
+pub(super) fn is_identifier(name: &str) -> bool {
+    let letters = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let first = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    first
+        && name.chars().all(letters)
+        && !KEYWORDS.contains(&name)
+        && !NEVER_NAMES.contains(&name)
+        && !PRELUDE.contains(&name)
+        && !CRATES.contains(&name)
+}
+
 /// A module name: [`snake`], with an underscore after the names of crates in use.
 pub(super) fn module(name: &str) -> String {
     let name = snake(name);

@@ -3,6 +3,8 @@
 //! Types are interned by content, so a structure that two blocks, rules or shaders lay out alike
 //! is one mirror. [`super::naming`] names them.
 
+use std::collections::hash_map::Entry;
+
 use rustc_hash::FxHashMap;
 
 use crate::ShaderLayout;
@@ -13,7 +15,10 @@ use super::Vectors;
 use super::array::{divisor, member_type, padded, reach};
 use super::docs::{MirrorDoc, Origin};
 use super::names::{Scope, camel, snake};
-use super::types::{Field, GeneratedType, GeneratedTypeId, Mirror, RuntimeTail, RustType, Sized};
+use super::rename::Renames;
+use super::types::{
+    Field, GeneratedType, GeneratedTypeId, Mirror, Module, RuntimeTail, RustType, Sized,
+};
 
 /// All types and tables of the output.
 pub(super) struct Plan<'a> {
@@ -27,6 +32,16 @@ pub(super) struct Plan<'a> {
     pub(super) blocks: Vec<PlannedBlock<'a>>,
     planned: FxHashMap<BlockKey, usize>,
     origin: Option<Origin<'a>>,
+    /// The shaders' modules that use each type, in ascending order.
+    users: Vec<Vec<usize>>,
+    /// The types of each shader's module, each after those it contains.
+    used: Vec<Vec<GeneratedTypeId>>,
+    /// The rules that each module lays a mirror out by.
+    rules: FxHashMap<(usize, GeneratedTypeId), Vec<Rules>>,
+    /// The module of the shader at hand.
+    module: usize,
+    renames: &'a Renames,
+    flat: bool,
 }
 
 /// Blocks with the same mirror, group and binding share a table.
@@ -37,6 +52,10 @@ pub(super) struct PlannedBlock<'a> {
     pub(super) layout: &'a BlockLayout,
     pub(super) shader: &'a ShaderLayout,
     pub(super) input: &'a str,
+    /// Its name, as renamed.
+    pub(super) name: String,
+    /// The shaders' modules that declare it, in ascending order.
+    modules: Vec<usize>,
 }
 
 /// The space available for a member.
@@ -50,7 +69,8 @@ pub(super) struct MemberRoom {
 }
 
 impl<'a> Plan<'a> {
-    pub(super) fn new(vectors: Vectors) -> Plan<'a> {
+    /// An empty plan; `flat` puts all shaders into one module.
+    pub(super) fn new(vectors: Vectors, renames: &'a Renames, flat: bool) -> Plan<'a> {
         Plan {
             vectors,
             made: Vec::new(),
@@ -59,16 +79,26 @@ impl<'a> Plan<'a> {
             blocks: Vec::new(),
             planned: FxHashMap::default(),
             origin: None,
+            users: Vec::new(),
+            used: Vec::new(),
+            rules: FxHashMap::default(),
+            module: 0,
+            renames,
+            flat,
         }
     }
 
-    /// Adds a block that [`super::refuse`] accepts.
+    /// Adds a block that [`super::refuse`] accepts, of the shader of that index.
     pub(super) fn add(
         &mut self,
         layout: &'a BlockLayout,
         shader: &'a ShaderLayout,
         input: &'a str,
+        shader_index: usize,
     ) {
+        let module = if self.flat { 0 } else { shader_index };
+        self.module = module;
+        self.used.resize(self.used.len().max(module + 1), Vec::new());
         let origin = Origin { files: &shader.files, language: shader.language, input };
         self.origin = Some(origin);
         let whole = layout.size.expect("blocks without offsets are refused");
@@ -77,17 +107,119 @@ impl<'a> Plan<'a> {
         let align = divisor(end).min(divisor(layout.align.unwrap_or(1)));
         let place = MemberRoom { room: end, align, rules: layout.rules };
         let fields = self.fields(fixed, end, &place);
-        let tail = last.map(|tail| self.tail(tail, whole, layout));
-        let name = camel(&layout.name);
+        let name = self.renamed(&layout.name, camel);
+        let tail = last.map(|tail| self.tail(tail, whole, layout, &name));
         let mirror = Mirror {
-            name: if tail.is_some() { camel(&format!("{}_header", layout.name)) } else { name },
+            name: if tail.is_some() {
+                format!("{}Header", name.trim_end_matches('_'))
+            } else {
+                name
+            },
             fields,
             size: end,
             tail,
         };
         let id = self.mirror(mirror, layout.rules, || MirrorDoc::of_block(layout, fixed, &origin));
-        if self.planned.insert((id, layout.group, layout.binding), self.blocks.len()).is_none() {
-            self.blocks.push(PlannedBlock { layout, shader, input });
+        match self.planned.entry((id, layout.group, layout.binding)) {
+            Entry::Occupied(at) => {
+                use_in(&mut self.blocks[*at.get()].modules, module);
+            }
+            Entry::Vacant(free) => {
+                free.insert(self.blocks.len());
+                let name = self.renames.of(input, &layout.name).unwrap_or(&layout.name).to_string();
+                let modules = vec![module];
+                self.blocks.push(PlannedBlock { layout, shader, input, name, modules });
+            }
+        }
+    }
+
+    /// The name that the configuration gives a structure or block of the shader at hand, or `usual`.
+    fn renamed(&self, name: &str, usual: impl Fn(&str) -> String) -> String {
+        let input = self.origin.map_or("", |origin| origin.input);
+        self.renames.of(input, name).map_or_else(|| usual(name), str::to_string)
+    }
+
+    /// Whether all shaders are in one module.
+    pub(super) fn is_flat(&self) -> bool {
+        self.flat
+    }
+
+    /// The module that a type is written in.
+    pub(super) fn module_of(&self, id: GeneratedTypeId) -> Module {
+        match &self.made[id.0] {
+            made if !self.holds_mirror(made) => Module::Support,
+            _ => common(&self.users[id.0]),
+        }
+    }
+
+    /// The module that the table of a block is written in.
+    pub(super) fn module_of_table(&self, at: usize) -> Module {
+        common(&self.blocks[at].modules)
+    }
+
+    /// The types that a module holds or imports, helpers included, each after those it contains.
+    pub(super) fn types_in(&self, module: Module) -> Vec<GeneratedTypeId> {
+        match module {
+            Module::Shader(at) => self.used.get(at).cloned().unwrap_or_default(),
+            Module::Support | Module::Common => {
+                let all = (0..self.made.len()).map(GeneratedTypeId);
+                all.filter(|id| self.module_of(*id) == module).collect()
+            }
+        }
+    }
+
+    /// The mirrors among [`Self::types_in`].
+    pub(super) fn mirrors_in(&self, module: Module) -> Vec<(GeneratedTypeId, &Mirror)> {
+        let types = self.types_in(module).into_iter();
+        types.filter_map(|id| self.mirror_of(id).map(|mirror| (id, mirror))).collect()
+    }
+
+    fn mirror_of(&self, id: GeneratedTypeId) -> Option<&Mirror> {
+        match self.get(id) {
+            GeneratedType::Mirror(mirror) => Some(mirror),
+            GeneratedType::Bits(_)
+            | GeneratedType::Leaf(_)
+            | GeneratedType::Padded(_)
+            | GeneratedType::Tight(_) => None,
+        }
+    }
+
+    fn note_use(&mut self, id: GeneratedTypeId) {
+        if use_in(&mut self.users[id.0], self.module) {
+            self.used[self.module].push(id);
+        }
+    }
+
+    /// Whether a block has a table in a module, or one that it imports.
+    pub(super) fn has_table(&self, at: usize, module: Module) -> bool {
+        match module {
+            Module::Support => false,
+            Module::Common => self.module_of_table(at) == Module::Common,
+            Module::Shader(shader) => self.blocks[at].modules.contains(&shader),
+        }
+    }
+
+    /// The rules that lay a mirror out in a module.
+    pub(super) fn rules_in(&self, id: GeneratedTypeId, module: Module) -> &[Rules] {
+        match module {
+            Module::Shader(at) => self.rules.get(&(at, id)).map_or(&[], Vec::as_slice),
+            Module::Support | Module::Common => self.docs[&id].rules(),
+        }
+    }
+
+    fn holds_mirror(&self, made: &GeneratedType) -> bool {
+        let inside = |ty: &RustType| {
+            let mut ty = ty;
+            while let RustType::Array(element, _) = ty {
+                ty = element;
+            }
+            matches!(ty, RustType::GeneratedType(id) if self.holds_mirror(self.get(*id)))
+        };
+        match made {
+            GeneratedType::Mirror(_) => true,
+            GeneratedType::Padded(padded) => inside(&padded.inner),
+            GeneratedType::Tight(tight) => inside(&tight.element),
+            GeneratedType::Bits(_) | GeneratedType::Leaf(_) => false,
         }
     }
 
@@ -106,7 +238,8 @@ impl<'a> Plan<'a> {
         let size = if padded <= at.room { padded } else { reach };
         let align = at.align.min(divisor(align)).min(divisor(size));
         let fields = self.fields(members, size, &MemberRoom { align, ..*at });
-        let name = camel(if s.name.is_empty() { &member.name } else { &s.name });
+        let name = if s.name.is_empty() { &member.name } else { &s.name };
+        let name = self.renamed(name, camel);
         let origin = self.origin.expect("structures are met in blocks");
         let id = self.mirror(Mirror { name, fields, size, tail: None }, at.rules, || {
             MirrorDoc::of_structure(s, members, size, at.rules, &origin)
@@ -132,14 +265,20 @@ impl<'a> Plan<'a> {
         fields
     }
 
-    fn tail(&mut self, member: &MemberLayout, whole: u64, block: &BlockLayout) -> RuntimeTail {
+    fn tail(
+        &mut self,
+        member: &MemberLayout,
+        whole: u64,
+        block: &BlockLayout,
+        name: &str,
+    ) -> RuntimeTail {
         let stride = member.strides[0];
         let align = divisor(stride).min(divisor(member.align.unwrap_or(1)));
         let place = MemberRoom { room: stride, align, rules: block.rules };
         let element = member_type(self, member, 1, &place);
         RuntimeTail {
             member: member.name.to_string(),
-            name: camel(&format!("{}_element", block.name)),
+            name: format!("{}Element", name.trim_end_matches('_')),
             element: padded(self, element, stride).ty,
             stride,
             least: whole,
@@ -153,28 +292,41 @@ impl<'a> Plan<'a> {
         doc: impl FnOnce() -> MirrorDoc,
     ) -> GeneratedTypeId {
         let made = GeneratedType::Mirror(mirror);
-        if let Some(id) = self.ids.get(&made) {
-            if let Some(doc) = self.docs.get_mut(id) {
-                doc.also_by(rules);
+        let id = match self.ids.get(&made) {
+            Some(id) => {
+                if let Some(doc) = self.docs.get_mut(id) {
+                    doc.also_by(rules);
+                }
+                *id
             }
-            return *id;
+            None => {
+                let id = self.push(made);
+                self.docs.insert(id, doc());
+                id
+            }
+        };
+        self.note_use(id);
+        let here = self.rules.entry((self.module, id)).or_default();
+        if !here.contains(&rules) {
+            here.push(rules);
         }
-        let id = self.push(made);
-        self.docs.insert(id, doc());
         id
     }
 
     /// Interns a type.
     pub(super) fn intern(&mut self, made: GeneratedType) -> RustType {
-        RustType::GeneratedType(match self.ids.get(&made) {
+        let id = match self.ids.get(&made) {
             Some(id) => *id,
             None => self.push(made),
-        })
+        };
+        self.note_use(id);
+        RustType::GeneratedType(id)
     }
 
     fn push(&mut self, made: GeneratedType) -> GeneratedTypeId {
         let id = GeneratedTypeId(self.made.len());
         self.made.push(made.clone());
+        self.users.push(Vec::new());
         self.ids.insert(made, id);
         id
     }
@@ -187,16 +339,23 @@ impl<'a> Plan<'a> {
     pub(super) fn get(&self, id: GeneratedTypeId) -> &GeneratedType {
         &self.made[id.0]
     }
+}
 
-    /// The mirrors, each after those it contains.
-    pub(super) fn mirrors(&self) -> impl Iterator<Item = (GeneratedTypeId, &Mirror)> {
-        self.made.iter().enumerate().filter_map(|(i, made)| match made {
-            GeneratedType::Mirror(mirror) => Some((GeneratedTypeId(i), mirror)),
-            GeneratedType::Bits(_)
-            | GeneratedType::Leaf(_)
-            | GeneratedType::Padded(_)
-            | GeneratedType::Tight(_) => None,
-        })
+/// Adds a module to the users of a type or table, and returns whether it is new; modules are added
+/// in order.
+fn use_in(users: &mut Vec<usize>, module: usize) -> bool {
+    let new = users.last() != Some(&module);
+    if new {
+        users.push(module);
+    }
+    new
+}
+
+/// The module of what these shaders' modules use.
+fn common(users: &[usize]) -> Module {
+    match users {
+        [one] => Module::Shader(*one),
+        [] | [_, ..] => Module::Common,
     }
 }
 

@@ -4,11 +4,15 @@ use std::fmt::Write as _;
 
 use super::naming::Names;
 use super::plan::Plan;
-use super::types::{Component, GeneratedType, GeneratedTypeId, RustType, component};
+use super::types::{
+    Component, GeneratedType, GeneratedTypeId, Mirror, Module, RustType, component,
+};
 use super::{RustOptions, Visibility};
 
 /// rustfmt's `max_width`.
-pub(super) const WIDTH: usize = 100;
+const WIDTH: usize = 100;
+/// The indentation of what stands in a module.
+const INDENT: usize = 4;
 /// rustfmt's width for the body of a structure literal on one line.
 const LITERAL: usize = 18;
 
@@ -19,15 +23,77 @@ const CALL: usize = 60;
 pub(super) const DERIVES: &str =
     "#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]";
 
-/// The input of the printers.
+/// The input of the printers of one module.
 #[derive(Clone, Copy)]
 pub(super) struct Printer<'a> {
     pub(super) plan: &'a Plan<'a>,
+    /// The names as they are spelled in this module.
     pub(super) names: &'a Names,
     pub(super) options: &'a RustOptions,
+    pub(super) module: Module,
+    /// Whether this module is the file itself.
+    pub(super) root: bool,
+}
+
+/// Rust text that is broken at `width`.
+pub(super) struct Text {
+    pub(super) text: String,
+    pub(super) width: usize,
+}
+
+impl Text {
+    pub(super) fn push_str(&mut self, text: &str) {
+        self.text.push_str(text);
+    }
+
+    pub(super) fn push(&mut self, letter: char) {
+        self.text.push(letter);
+    }
+
+    /// An empty text of the same width.
+    pub(super) fn same(&self) -> Text {
+        Text { text: String::new(), width: self.width }
+    }
+
+    /// The text as the inside of a module.
+    pub(super) fn indented(&self) -> String {
+        let mut inside = String::with_capacity(self.text.len() * 5 / 4);
+        for line in self.text.trim_end().lines() {
+            if !line.is_empty() {
+                inside.push_str("    ");
+            }
+            inside.push_str(line);
+            inside.push('\n');
+        }
+        inside
+    }
+}
+
+impl std::fmt::Write for Text {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        self.text.push_str(text);
+        Ok(())
+    }
 }
 
 impl Printer<'_> {
+    /// An empty text for this module.
+    pub(super) fn text(&self) -> Text {
+        Text { text: String::new(), width: if self.root { WIDTH } else { WIDTH - INDENT } }
+    }
+
+    /// The generated types of this module, each after those it contains.
+    pub(super) fn made(&self) -> impl Iterator<Item = (GeneratedTypeId, &GeneratedType)> {
+        let all = self.plan.types_in(self.module).into_iter();
+        all.filter(|id| self.plan.module_of(*id) == self.module).map(|id| (id, self.plan.get(id)))
+    }
+
+    /// The mirrors of this module.
+    pub(super) fn mirrors(&self) -> impl Iterator<Item = (GeneratedTypeId, &Mirror)> {
+        let all = self.plan.mirrors_in(self.module).into_iter();
+        all.filter(|(id, _)| self.plan.module_of(*id) == self.module)
+    }
+
     /// `pub` or `pub(crate)`.
     pub(super) fn visibility(&self) -> &'static str {
         match self.options.visibility {
@@ -62,7 +128,7 @@ impl Printer<'_> {
 }
 
 /// Prints doc comment lines.
-pub(super) fn doc(text: &mut String, indent: &str, lines: &[impl AsRef<str>]) {
+pub(super) fn doc(text: &mut Text, indent: &str, lines: &[impl AsRef<str>]) {
     for line in lines {
         let line = line.as_ref();
         let space = if line.is_empty() { "" } else { " " };
@@ -72,14 +138,14 @@ pub(super) fn doc(text: &mut String, indent: &str, lines: &[impl AsRef<str>]) {
 
 /// Prints `head(parameters) tail`, one parameter per line if it is too long.
 pub(super) fn signature(
-    text: &mut String,
+    text: &mut Text,
     indent: &str,
     head: &str,
     parameters: &[String],
     tail: &str,
 ) {
     let line = format!("{indent}{head}({}){tail}", parameters.join(", "));
-    if line.chars().count() <= WIDTH {
+    if line.chars().count() <= text.width {
         let _ = writeln!(text, "{line}");
         return;
     }
@@ -92,7 +158,7 @@ pub(super) fn signature(
 
 /// Prints `function(arguments).method()` as a macro argument, without a trailing comma.
 pub(super) fn call(
-    text: &mut String,
+    text: &mut Text,
     indent: &str,
     function: &str,
     arguments: &[String],
@@ -100,7 +166,7 @@ pub(super) fn call(
 ) {
     let inside = arguments.join(", ");
     let line = format!("{indent}{function}({inside}){method}");
-    if inside.chars().count() <= CALL && line.chars().count() <= WIDTH {
+    if inside.chars().count() <= CALL && line.chars().count() <= text.width {
         let _ = writeln!(text, "{line}");
         return;
     }
@@ -123,9 +189,9 @@ pub(super) fn list(indent: &str, items: &[String]) -> String {
 }
 
 /// Prints `impl TRAIT for TYPE {`, on two lines if it is too long.
-pub(super) fn implement(text: &mut String, of: &str, ty: &str) {
+pub(super) fn implement(text: &mut Text, of: &str, ty: &str) {
     let line = format!("impl {of} for {ty} {{");
-    if line.chars().count() <= WIDTH {
+    if line.chars().count() <= text.width {
         let _ = writeln!(text, "{line}");
     } else {
         let _ = writeln!(text, "impl {of}\n    for {ty}\n{{");
@@ -140,7 +206,7 @@ pub(super) struct FieldValue {
 }
 
 /// Prints `Self { fields }`.
-pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
+pub(super) fn literal(text: &mut Text, indent: &str, fields: &[FieldValue]) {
     let lines: Vec<String> = fields
         .iter()
         .map(|FieldValue { name, value }| match name == value {
@@ -157,7 +223,7 @@ pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
     for (line, FieldValue { name, value }) in lines.iter().zip(fields) {
         let head = line.split('\n').next().unwrap_or(line);
         // rustfmt breaks after the name of a field that is too long.
-        let line = match indent.len() + 4 + head.chars().count() < WIDTH {
+        let line = match indent.len() + 4 + head.chars().count() < text.width {
             true => format!("{indent}    {line}"),
             false => format!("{indent}    {name}:\n{indent}        {value}"),
         };
@@ -167,9 +233,9 @@ pub(super) fn literal(text: &mut String, indent: &str, fields: &[FieldValue]) {
 }
 
 /// Prints `head separator tail`, the tail on its own line if it is too long.
-pub(super) fn assignment(text: &mut String, indent: &str, head: &str, separator: &str, tail: &str) {
+pub(super) fn assignment(text: &mut Text, indent: &str, head: &str, separator: &str, tail: &str) {
     let line = format!("{indent}{head}{separator} {tail}");
-    if line.chars().count() <= WIDTH {
+    if line.chars().count() <= text.width {
         let _ = writeln!(text, "{line}");
     } else {
         let _ = writeln!(text, "{indent}{head}{separator}\n{indent}    {tail}");
@@ -185,15 +251,15 @@ pub(super) enum Items {
 }
 
 /// The text of `&[items]`.
-pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
+pub(super) fn slice(items: &[String], indent: &str, how: Items, width: usize) -> String {
     let line = items.join(", ");
     if line.len() <= CALL {
         return format!("&[{line}]");
     }
     let mut text = "&[".to_string();
-    let mut column = WIDTH;
+    let mut column = width;
     for item in items {
-        let fits = column + 1 + item.len() < WIDTH;
+        let fits = column + 1 + item.len() < width;
         if how == Items::Filled && fits {
             let _ = write!(text, " {item},");
             column += item.len() + 2;
@@ -207,7 +273,7 @@ pub(super) fn slice(items: &[String], indent: &str, how: Items) -> String {
 }
 
 /// Prints a [`Default`] of zeroes.
-pub(super) fn default(text: &mut String, name: &str) {
+pub(super) fn default(text: &mut Text, name: &str) {
     implement(text, "Default", name);
     text.push_str(
         "    /// All bytes zero.\n    fn default() -> Self {\n        \
@@ -224,7 +290,7 @@ pub(super) fn indices(count: usize) -> Vec<String> {
 }
 
 /// Prints `impl From<FROM> for TO` with a body of one expression.
-pub(super) fn conversion(text: &mut String, from: &str, to: &str, value: &str, body: &str) {
+pub(super) fn conversion(text: &mut Text, from: &str, to: &str, value: &str, body: &str) {
     implement(text, &format!("From<{from}>"), to);
     signature(text, "    ", "fn from", &[format!("{value}: {from}")], " -> Self {");
     let _ = write!(text, "        {body}\n    }}\n}}\n\n");

@@ -4,13 +4,13 @@
 use std::fmt::Write as _;
 
 use super::host::natural_leaf;
-use super::print::{DERIVES, Printer, conversion, default, doc, implement, list, signature};
+use super::print::{DERIVES, Printer, Text, conversion, default, doc, implement, list, signature};
 use super::types::{Bits, Component, GeneratedType, LeafType, Shape, component};
-use super::{Vectors, leaf, strided, tail};
+use super::{Vectors, leaf, strided};
 
-pub(super) fn small_types(out: &Printer<'_>, text: &mut String) {
-    for (at, made) in out.plan.made.iter().enumerate() {
-        let name = &out.names.made[at];
+pub(super) fn small_types(out: &Printer<'_>, text: &mut Text) {
+    for (id, made) in out.made() {
+        let name = out.name(id);
         match made {
             GeneratedType::Mirror(_) => {}
             GeneratedType::Bits(Bits::Bool) => bool_type(out, text, name),
@@ -20,12 +20,9 @@ pub(super) fn small_types(out: &Printer<'_>, text: &mut String) {
             GeneratedType::Tight(tight) => strided::tight(out, text, name, tight),
         }
     }
-    if out.plan.mirrors().any(|(_, mirror)| mirror.tail.is_some()) {
-        tail::too_short(out, text);
-    }
 }
 
-fn bool_type(out: &Printer<'_>, text: &mut String, name: &str) {
+fn bool_type(out: &Printer<'_>, text: &mut Text, name: &str) {
     let public = out.visibility();
     let _ = write!(
         text,
@@ -59,7 +56,7 @@ impl From<{name}> for bool {{
     );
 }
 
-fn bits_type(out: &Printer<'_>, text: &mut String, name: &str, bits: Bits) {
+fn bits_type(out: &Printer<'_>, text: &mut Text, name: &str, bits: Bits) {
     let public = out.visibility();
     let (what, ty) = match bits {
         Bits::Bool => unreachable!("printed by `bool_type`"),
@@ -100,7 +97,7 @@ struct Plain {
     ty: String,
 }
 
-fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
+fn leaf_type(out: &Printer<'_>, text: &mut Text, name: &str, leaf: LeafType) {
     let component = out.component(leaf.scalar).to_string();
     let ty = match leaf.shape {
         Shape::Scalar => component.clone(),
@@ -132,7 +129,7 @@ fn leaf_type(out: &Printer<'_>, text: &mut String, name: &str, leaf: LeafType) {
 }
 
 /// Prints `new`, a `const fn` from the host's type.
-fn new(out: &Printer<'_>, text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+fn new(out: &Printer<'_>, text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
     let (public, host) = (out.visibility(), natural_leaf(out, leaf));
     let glam = host.starts_with("glam::") || host.starts_with("[glam::");
     let bits = self::component(leaf.scalar);
@@ -234,7 +231,7 @@ fn about(leaf: LeafType) -> String {
     }
 }
 
-fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+fn vector(text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
     let ty = &plain.ty;
     let (to, from) = match leaf.unaligned {
         true => ("Self(bytemuck::cast(value))", "bytemuck::cast(value.0)"),
@@ -244,7 +241,7 @@ fn vector(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
     conversion(text, name, ty, "value", from);
 }
 
-fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+fn matrix(text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
     let ty = &plain.ty;
     let row_major = matches!(leaf.shape, Shape::Matrix { row_major: true, .. });
     let place = if row_major { "[r][c]" } else { "[c][r]" };
@@ -283,7 +280,7 @@ fn matrix(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
 }
 
 /// Prints conversions from and to glam's type, or columns of glam's vectors.
-fn glam(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
+fn glam(text: &mut Text, name: &str, plain: &Plain, leaf: LeafType) {
     let ty = &plain.ty;
     match leaf.shape {
         Shape::Scalar => {}
@@ -317,7 +314,7 @@ fn glam(text: &mut String, name: &str, plain: &Plain, leaf: LeafType) {
 }
 
 /// Prints conversions from and to `bool`s.
-fn bools(text: &mut String, name: &str, plain: &Plain, shape: Shape) {
+fn bools(text: &mut Text, name: &str, plain: &Plain, shape: Shape) {
     let own = &plain.component;
     match shape {
         Shape::Scalar => {

@@ -5,11 +5,12 @@ use std::fmt::Write as _;
 
 use super::host::{natural, stored};
 use super::print::{
-    DERIVES, FieldValue, Printer, assignment, conversion, default, implement, literal, signature,
+    DERIVES, FieldValue, Printer, Text, assignment, conversion, default, implement, literal,
+    signature,
 };
 use super::types::{GeneratedType, Padded, RustType, Tight};
 
-pub(super) fn padded(out: &Printer<'_>, text: &mut String, name: &str, padded: &Padded) {
+pub(super) fn padded(out: &Printer<'_>, text: &mut Text, name: &str, padded: &Padded) {
     let (public, inner) = (out.visibility(), out.ty(&padded.inner));
     let Padded { size, stride, .. } = padded;
     let pad = stride - size;
@@ -92,7 +93,7 @@ impl {name} {{
     );
 }
 
-pub(super) fn tight(out: &Printer<'_>, text: &mut String, name: &str, tight: &Tight) {
+pub(super) fn tight(out: &Printer<'_>, text: &mut Text, name: &str, tight: &Tight) {
     let public = out.visibility();
     let (element, head, len) = (out.ty(&tight.element), out.ty(&tight.head), tight.len);
     let last = len - 1;

@@ -6,23 +6,22 @@ use crate::layout::Leaf;
 use crate::shape::ArrayLen;
 
 use super::names::{Scope, screaming, snake};
+use super::naming::{LEAF, LOOKUP_ERROR};
 use super::plan::PlannedBlock;
-use super::print::{Items, Printer, indices, signature, slice};
+use super::print::{Items, Printer, Text, indices, signature, slice};
 
 /// The items of every table beside its leaves.
 const OWN_ITEMS: &[&str] = &["SIZE", "DATA_SIZE", "GROUP", "BINDING", "COUNT", "LEAVES", "lookup"];
 
-pub(super) fn tables(out: &Printer<'_>, text: &mut String) {
-    if out.plan.blocks.is_empty() {
-        return;
+pub(super) fn tables(out: &Printer<'_>, text: &mut Text) {
+    for (at, block) in out.plan.blocks.iter().enumerate() {
+        if out.plan.module_of_table(at) == out.module {
+            table(out, text, block, &out.names.tables[at]);
+        }
     }
-    for (block, name) in out.plan.blocks.iter().zip(&out.names.tables) {
-        table(out, text, block, name);
-    }
-    shared(out, text);
 }
 
-fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &str) {
+fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &str) {
     let (public, layout) = (out.visibility(), block.layout);
     let _ = write!(
         text,
@@ -32,6 +31,11 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
 ",
         layout.name, block.input
     );
+    let support = &out.names.support;
+    for item in [LEAF, LOOKUP_ERROR] {
+        let _ = writeln!(text, "    use super::{support}::{item};");
+    }
+    text.push('\n');
     let mut constant = |name: &str, ty: &str, value: u64, about: &str| {
         let _ = writeln!(text, "    /// {about}");
         let _ = writeln!(text, "    {public} const {name}: {ty} = {value};");
@@ -73,15 +77,14 @@ fn table(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>, name: &
             after_function = true;
         }
     }
-    let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
     let head = format!("    {public} fn lookup");
     let _ = writeln!(
         text,
         "\n    /// The leaf of that path, its offset that of the element asked for."
     );
-    let returns = format!(" -> Result<super::{leaf}, super::{error}> {{");
+    let returns = format!(" -> Result<{LEAF}, {LOOKUP_ERROR}> {{");
     signature(text, "", &head, &["path: &str".to_string()], &returns);
-    let _ = writeln!(text, "        super::{}(&LEAVES, path)\n    }}", out.names.look_up);
+    let _ = writeln!(text, "        super::{support}::look_up(&LEAVES, path)\n    }}");
     rows(out, text, block);
     text.push_str("}\n\n");
 }
@@ -117,7 +120,7 @@ fn with_indices(path: &str, names: &[String]) -> String {
     shown
 }
 
-fn function(text: &mut String, public: &str, name: &str, leaf: &Leaf, indices: &[String]) {
+fn function(text: &mut Text, public: &str, name: &str, leaf: &Leaf, indices: &[String]) {
     let parameters: Vec<String> = indices.iter().map(|i| format!("{i}: usize")).collect();
     signature(text, "    ", &format!("{public} const fn {name}"), &parameters, " -> usize {");
     for (index, len) in indices.iter().zip(&leaf.dims) {
@@ -136,21 +139,21 @@ fn function(text: &mut String, public: &str, name: &str, leaf: &Leaf, indices: &
         .chain(offset.map(|offset| offset.to_string()))
         .collect();
     let sum = terms.join(" + ");
-    let sum = match 8 + sum.len() <= super::print::WIDTH {
+    let sum = match 8 + sum.len() <= text.width {
         true => sum,
         false => terms.join("\n            + "),
     };
     let _ = writeln!(text, "        {sum}\n    }}");
 }
 
-fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
-    let (public, ty) = (out.visibility(), &out.names.leaf);
+fn rows(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>) {
+    let public = out.visibility();
     let mut leaves: Vec<&Leaf> = block.layout.leaves.iter().collect();
     // The order of `look_up`'s binary search.
     leaves.sort_by(|a, b| a.path.cmp(&b.path));
     let count = leaves.len();
     text.push_str("\n    /// Every leaf, sorted by path.\n");
-    let head = format!("    {public} static LEAVES: [super::{ty}; {count}] = [");
+    let head = format!("    {public} static LEAVES: [{LEAF}; {count}] = [");
     match leaves[..] {
         [] => {
             let _ = writeln!(text, "{head}];");
@@ -158,14 +161,14 @@ fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
         // rustfmt keeps the brackets on the lines of a single element.
         [one] => {
             text.push_str(&head);
-            row(text, "    ", ty, one, block);
+            row(text, "    ", one, block);
             text.push_str("];\n");
         }
         [..] => {
             let _ = writeln!(text, "{head}");
             for leaf in leaves {
                 text.push_str("        ");
-                row(text, "        ", ty, leaf, block);
+                row(text, "        ", leaf, block);
                 text.push_str(",\n");
             }
             text.push_str("    ];\n");
@@ -173,7 +176,7 @@ fn rows(out: &Printer<'_>, text: &mut String, block: &PlannedBlock<'_>) {
     }
 }
 
-fn row(text: &mut String, indent: &str, ty: &str, leaf: &Leaf, block: &PlannedBlock<'_>) {
+fn row(text: &mut Text, indent: &str, leaf: &Leaf, block: &PlannedBlock<'_>) {
     let dims: Vec<String> = leaf
         .dims
         .iter()
@@ -183,9 +186,10 @@ fn row(text: &mut String, indent: &str, ty: &str, leaf: &Leaf, block: &PlannedBl
         })
         .collect();
     let strides: Vec<String> = leaf.strides.iter().map(u64::to_string).collect();
+    let width = text.width;
     let _ = write!(
         text,
-        "super::{ty} {{
+        "{LEAF} {{
 {indent}    path: {:?},
 {indent}    ty: {:?},
 {indent}    offset: {},
@@ -199,22 +203,23 @@ fn row(text: &mut String, indent: &str, ty: &str, leaf: &Leaf, block: &PlannedBl
         leaf.ty.spelled(block.shader.language).to_string(),
         leaf.offset.unwrap_or(0),
         leaf.size.unwrap_or(0),
-        slice(&dims, &format!("{indent}    "), Items::OneALine),
-        slice(&strides, &format!("{indent}    "), Items::Filled),
+        slice(&dims, &format!("{indent}    "), Items::OneALine, width),
+        slice(&strides, &format!("{indent}    "), Items::Filled, width),
         leaf.matrix_stride,
         leaf.row_major,
     );
 }
 
-fn shared(out: &Printer<'_>, text: &mut String) {
+/// Prints what the tables of all blocks share.
+pub(super) fn shared(out: &Printer<'_>, text: &mut Text) {
     leaf_types(out, text);
-    look_up(out, text);
+    look_up(text);
 }
 
 /// Prints the type of a leaf and the error type of lookups.
-fn leaf_types(out: &Printer<'_>, text: &mut String) {
+fn leaf_types(out: &Printer<'_>, text: &mut Text) {
     let public = out.visibility();
-    let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
+    let (leaf, error) = (LEAF, LOOKUP_ERROR);
     let _ = write!(
         text,
         "/// A scalar, vector or matrix of a block.
@@ -281,8 +286,8 @@ impl core::error::Error for {error} {{}}
 }
 
 /// Prints the function that finds the leaf of a path.
-fn look_up(out: &Printer<'_>, text: &mut String) {
-    let (leaf, error) = (&out.names.leaf, &out.names.lookup_error);
+fn look_up(text: &mut Text) {
+    let (leaf, error) = (LEAF, LOOKUP_ERROR);
     text.push_str(
         "/// The leaf of a path among leaves sorted by theirs. An empty index means the first element.
 #[allow(dead_code)]
@@ -290,7 +295,7 @@ fn look_up(out: &Printer<'_>, text: &mut String) {
     );
     let parameters = [format!("leaves: &[{leaf}]"), "path: &str".to_string()];
     let returns = format!(" -> Result<{leaf}, {error}> {{");
-    signature(text, "", &format!("fn {}", out.names.look_up), &parameters, &returns);
+    signature(text, "", "pub(super) fn look_up", &parameters, &returns);
     let _ = write!(
         text,
         "    // A path without what stands in its brackets.

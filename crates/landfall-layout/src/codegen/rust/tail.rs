@@ -3,12 +3,12 @@
 
 use std::fmt::Write as _;
 
-use super::print::{Printer, assignment, doc, signature};
+use super::print::{Printer, Text, assignment, doc, signature};
 use super::types::{GeneratedTypeId, Mirror, RuntimeTail};
 
 pub(super) fn tail(
     out: &Printer<'_>,
-    text: &mut String,
+    text: &mut Text,
     id: GeneratedTypeId,
     mirror: &Mirror,
     tail: &RuntimeTail,
@@ -68,8 +68,8 @@ impl {header} {{
 }
 
 /// Prints the error type of the writers.
-pub(super) fn too_short(out: &Printer<'_>, text: &mut String) {
-    let (public, name) = (out.visibility(), &out.names.too_short);
+pub(super) fn too_short(out: &Printer<'_>, text: &mut Text) {
+    let (public, name) = (out.visibility(), "TooShort");
     let _ = write!(
         text,
         "/// A block does not fit into the bytes it was to be written to.

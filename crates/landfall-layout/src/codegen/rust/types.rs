@@ -20,6 +20,17 @@ pub(super) enum RustType {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct GeneratedTypeId(pub(super) usize);
 
+/// A module of the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Module {
+    /// Types and functions that depend on no shader's structure: `Bool`, `Mat3Stride16`, `Leaf`.
+    Support,
+    /// What several shaders have in common.
+    Common,
+    /// What only this shader has; all there is of a file without modules.
+    Shader(usize),
+}
+
 /// A type and its size in bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Sized {
@@ -134,6 +145,19 @@ pub(super) struct Field {
 pub(super) struct Gap {
     pub(super) offset: u64,
     pub(super) size: u64,
+}
+
+impl GeneratedType {
+    /// Whether it is the part of a block before a runtime-sized tail.
+    pub(super) fn has_tail(&self) -> bool {
+        match self {
+            GeneratedType::Mirror(mirror) => mirror.tail.is_some(),
+            GeneratedType::Bits(_)
+            | GeneratedType::Leaf(_)
+            | GeneratedType::Padded(_)
+            | GeneratedType::Tight(_) => false,
+        }
+    }
 }
 
 impl Mirror {
