@@ -14,4 +14,5 @@ mod run_gl;
 mod run_gpu;
 mod run_module;
 mod run_remote;
+mod runtime_tail;
 mod verify;

@@ -7,8 +7,9 @@ use super::comments::safe;
 use super::names::{Names, snake};
 use super::types::Mirror;
 use crate::ShaderLayout;
+use crate::codegen::runtime_tail::tail_size;
 use crate::layout::{BlockLayout, Leaf};
-use crate::shape::{ArrayLen, Rules, Scalar, ScalarKind, Type};
+use crate::shape::{ArrayLen, Scalar, ScalarKind, Type};
 
 /// The most array dimensions that a row of the table holds.
 pub(super) const MOST_DIMS: usize = 8;
@@ -125,19 +126,14 @@ fn constants(
         define("BUFFERS", number((*count).into()));
     }
     if let Some((field, stride)) = &mirror.tail {
-        let align = match block.rules {
-            Rules::Std140 => 16,
-            Rules::Std430 | Rules::Wgsl => block.align.unwrap_or(1),
-            Rules::Scalar => 1,
-        };
+        let sizes = tail_size(block, field.offset, *stride);
         let end = format!("{} + {} * (size_t)(n)", number(field.offset), number(*stride));
-        define(
-            "SIZE_FOR(n)",
-            match align {
-                1 => format!("({end})"),
-                _ => format!("(({end} + {}) / {align} * {align})", align - 1),
-            },
-        );
+        let end = match sizes.must_round(field.offset, *stride) {
+            false => end,
+            true => format!("({end} + {}) / {1} * {1}", sizes.multiple - 1, sizes.multiple),
+        };
+        let least = number(sizes.least);
+        define("SIZE_FOR(n)", format!("({end} < {least} ? (size_t){least} : {end})"));
     }
     for member in block.members.iter().filter(|member| !member.dims.is_empty()) {
         let name = snake(&member.name).to_ascii_uppercase();

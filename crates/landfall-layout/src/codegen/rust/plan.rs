@@ -19,6 +19,7 @@ use super::rename::Renames;
 use super::types::{
     Field, GeneratedType, GeneratedTypeId, Mirror, Module, RuntimeTail, RustType, Sized,
 };
+use crate::codegen::runtime_tail::tail_size;
 
 /// All types and tables of the output.
 pub(super) struct Plan<'a> {
@@ -108,7 +109,7 @@ impl<'a> Plan<'a> {
         let place = MemberRoom { room: end, align, rules: layout.rules };
         let fields = self.fields(fixed, end, &place);
         let name = self.renamed(&layout.name, camel);
-        let tail = last.map(|tail| self.tail(tail, whole, layout, &name));
+        let tail = last.map(|tail| self.tail(tail, end, layout, &name));
         let mirror = Mirror {
             name: if tail.is_some() {
                 format!("{}Header", name.trim_end_matches('_'))
@@ -268,7 +269,7 @@ impl<'a> Plan<'a> {
     fn tail(
         &mut self,
         member: &MemberLayout,
-        whole: u64,
+        offset: u64,
         block: &BlockLayout,
         name: &str,
     ) -> RuntimeTail {
@@ -281,7 +282,7 @@ impl<'a> Plan<'a> {
             name: format!("{}Element", name.trim_end_matches('_')),
             element: padded(self, element, stride).ty,
             stride,
-            least: whole,
+            sizes: tail_size(block, offset, stride),
         }
     }
 

@@ -15,7 +15,8 @@ pub(super) fn tail(
 ) {
     let (header, element) = (out.name(id), &out.names.elements[&id]);
     let (public, too_short) = (out.visibility(), &out.names.too_short);
-    let RuntimeTail { member, stride, least, .. } = tail;
+    let RuntimeTail { member, stride, sizes, .. } = tail;
+    let least = sizes.least;
     let offset = mirror.size;
     doc(text, "", &[format!("One element of `{member}`: offset {offset}, stride {stride}.")]);
     let ty = out.ty(&tail.element);
@@ -24,13 +25,25 @@ pub(super) fn tail(
     text.push('\n');
     let times = if *stride == 1 { String::new() } else { format!(" * {stride}") };
     let before = if offset == 0 { String::new() } else { format!("{offset} + ") };
+    let size = match sizes.must_round(offset, *stride) {
+        false => format!("{before}n{times}"),
+        true => format!("({before}n{times}).next_multiple_of({})", sizes.multiple),
+    };
+    let mut lines =
+        vec![format!("Bytes of a buffer in which a shader counts `n` elements of `{member}`.")];
+    lines.push(match (least - offset) / stride {
+        0 | 1 => format!("The least size is {least} bytes."),
+        count => format!("WebGPU demands {least} bytes, in which a shader counts {count}."),
+    });
+    let mut about = text.same();
+    doc(&mut about, "    ", &lines);
+    let about = about.text;
     let _ = write!(
         text,
         "#[allow(dead_code)]
 impl {header} {{
-    /// Bytes of a buffer that holds `n` elements of `{member}`, at least {least}.
-    {public} const fn size_for(n: usize) -> usize {{
-        match {before}n{times} {{
+{about}    {public} const fn size_for(n: usize) -> usize {{
+        match {size} {{
             size if size < {least} => {least},
             size => size,
         }}

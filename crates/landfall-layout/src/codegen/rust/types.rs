@@ -3,6 +3,7 @@
 //! [`super::plan`] makes them, the printers read them. A generated type is a [`GeneratedType`], referred
 //! to by its [`GeneratedTypeId`].
 
+use crate::codegen::runtime_tail::TailSize;
 use crate::shape::{Scalar, ScalarKind};
 
 /// The Rust type of a field.
@@ -125,8 +126,8 @@ pub(super) struct RuntimeTail {
     /// One element, padding included.
     pub(super) element: RustType,
     pub(super) stride: u64,
-    /// The least size of a buffer in bytes.
-    pub(super) least: u64,
+    /// The sizes that a buffer may have.
+    pub(super) sizes: TailSize,
 }
 
 /// A field of a mirror.
