@@ -128,7 +128,10 @@ fn a_grown_structure_no_longer_compiles_with_the_old_call() {
     let build = cargo(&copy.0, "build");
     let told = text(&build.stderr);
     assert!(!build.status.success());
-    assert!(told.contains("missing field `spot` in initializer of `PointLightInit`"), "{told}");
+    assert!(
+        told.contains("missing field `spot` in initializer of `lights_frag::PointLightInit`"),
+        "{told}"
+    );
 }
 
 /// What landfall says in the output of a build that failed, the last of it.
