@@ -127,7 +127,7 @@ impl Default for PointLightBlock {
 const _: () = assert!(
     core::mem::size_of::<PointLight>() == 48,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "size of `PointLight` in tests/benches/lights.frag",
         48,
         core::mem::size_of::<PointLight>()
@@ -137,7 +137,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, pos) == 0,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `pos` of `PointLight` in tests/benches/lights.frag",
         0,
         core::mem::offset_of!(PointLight, pos)
@@ -147,7 +147,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, color) == 16,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `color` of `PointLight` in tests/benches/lights.frag",
         16,
         core::mem::offset_of!(PointLight, color)
@@ -157,7 +157,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, intensity) == 28,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `intensity` of `PointLight` in tests/benches/lights.frag",
         28,
         core::mem::offset_of!(PointLight, intensity)
@@ -167,7 +167,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, constant) == 32,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `constant` of `PointLight` in tests/benches/lights.frag",
         32,
         core::mem::offset_of!(PointLight, constant)
@@ -177,7 +177,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, linear) == 36,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `linear` of `PointLight` in tests/benches/lights.frag",
         36,
         core::mem::offset_of!(PointLight, linear)
@@ -187,7 +187,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLight, quadratic) == 40,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `quadratic` of `PointLight` in tests/benches/lights.frag",
         40,
         core::mem::offset_of!(PointLight, quadratic)
@@ -197,7 +197,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::size_of::<PointLightBlock>() == 6160,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "size of `PointLightBlock` in tests/benches/lights.frag",
         6160,
         core::mem::size_of::<PointLightBlock>()
@@ -207,7 +207,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLightBlock, data) == 0,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `data` of `PointLightBlock` in tests/benches/lights.frag",
         0,
         core::mem::offset_of!(PointLightBlock, data)
@@ -217,7 +217,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(PointLightBlock, actually_used_count) == 6144,
     "{}",
-    Mismatch::new(
+    lights_frag_support::Mismatch::new(
         "offset of `actually_used_count` of `PointLightBlock` in tests/benches/lights.frag",
         6144,
         core::mem::offset_of!(PointLightBlock, actually_used_count)
@@ -225,54 +225,60 @@ const _: () = assert!(
     .text()
 );
 
-/// The message of a failed assertion: what differs, in the shader and in its mirror.
-struct Mismatch {
-    text: [u8; 512],
-    len: usize,
-}
+#[allow(unused_imports, ambiguous_glob_reexports)]
+pub use lights_frag_support::*;
 
-impl Mismatch {
-    const fn new(what: &str, shader: usize, mirror: usize) -> Self {
-        let empty = Self {
-            text: [0; 512],
-            len: 0,
-        };
-        empty
-            .word(what)
-            .word(": ")
-            .number(shader)
-            .word(" bytes in the shader, ")
-            .number(mirror)
-            .word(" in its mirror")
+/// Types and functions that the mirrors have in common.
+pub mod lights_frag_support {
+    /// The message of a failed assertion: what differs, in the shader and in its mirror.
+    pub(super) struct Mismatch {
+        text: [u8; 512],
+        len: usize,
     }
 
-    const fn word(mut self, word: &str) -> Self {
-        let bytes = word.as_bytes();
-        let mut at = 0;
-        while at < bytes.len() && self.len < self.text.len() {
-            self.text[self.len] = bytes[at];
-            self.len += 1;
-            at += 1;
+    impl Mismatch {
+        pub(super) const fn new(what: &str, shader: usize, mirror: usize) -> Self {
+            let empty = Self {
+                text: [0; 512],
+                len: 0,
+            };
+            empty
+                .word(what)
+                .word(": ")
+                .number(shader)
+                .word(" bytes in the shader, ")
+                .number(mirror)
+                .word(" in its mirror")
         }
-        self
-    }
 
-    const fn number(self, number: usize) -> Self {
-        let before = if number < 10 {
+        const fn word(mut self, word: &str) -> Self {
+            let bytes = word.as_bytes();
+            let mut at = 0;
+            while at < bytes.len() && self.len < self.text.len() {
+                self.text[self.len] = bytes[at];
+                self.len += 1;
+                at += 1;
+            }
             self
-        } else {
-            self.number(number / 10)
-        };
-        match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
-            Ok(digit) => before.word(digit),
-            Err(_) => before,
         }
-    }
 
-    const fn text(&self) -> &str {
-        match core::str::from_utf8(self.text.split_at(self.len).0) {
-            Ok(text) => text,
-            Err(_) => "a mirror is not laid out as its shader",
+        const fn number(self, number: usize) -> Self {
+            let before = if number < 10 {
+                self
+            } else {
+                self.number(number / 10)
+            };
+            match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
+                Ok(digit) => before.word(digit),
+                Err(_) => before,
+            }
+        }
+
+        pub(super) const fn text(&self) -> &str {
+            match core::str::from_utf8(self.text.split_at(self.len).0) {
+                Ok(text) => text,
+                Err(_) => "a mirror is not laid out as its shader",
+            }
         }
     }
 }

@@ -82,7 +82,7 @@ impl Default for Light {
 const _: () = assert!(
     core::mem::size_of::<Light>() == 32,
     "{}",
-    Mismatch::new(
+    light_frag_support::Mismatch::new(
         "size of `Light` in light.frag",
         32,
         core::mem::size_of::<Light>()
@@ -92,7 +92,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(Light, pos) == 0,
     "{}",
-    Mismatch::new(
+    light_frag_support::Mismatch::new(
         "offset of `pos` of `Light` in light.frag",
         0,
         core::mem::offset_of!(Light, pos)
@@ -102,7 +102,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(Light, power) == 12,
     "{}",
-    Mismatch::new(
+    light_frag_support::Mismatch::new(
         "offset of `power` of `Light` in light.frag",
         12,
         core::mem::offset_of!(Light, power)
@@ -112,7 +112,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(Light, size) == 16,
     "{}",
-    Mismatch::new(
+    light_frag_support::Mismatch::new(
         "offset of `size` of `Light` in light.frag",
         16,
         core::mem::offset_of!(Light, size)
@@ -120,54 +120,60 @@ const _: () = assert!(
     .text()
 );
 
-/// The message of a failed assertion: what differs, in the shader and in its mirror.
-struct Mismatch {
-    text: [u8; 512],
-    len: usize,
-}
+#[allow(unused_imports, ambiguous_glob_reexports)]
+pub use light_frag_support::*;
 
-impl Mismatch {
-    const fn new(what: &str, shader: usize, mirror: usize) -> Self {
-        let empty = Self {
-            text: [0; 512],
-            len: 0,
-        };
-        empty
-            .word(what)
-            .word(": ")
-            .number(shader)
-            .word(" bytes in the shader, ")
-            .number(mirror)
-            .word(" in its mirror")
+/// Types and functions that the mirrors have in common.
+pub mod light_frag_support {
+    /// The message of a failed assertion: what differs, in the shader and in its mirror.
+    pub(super) struct Mismatch {
+        text: [u8; 512],
+        len: usize,
     }
 
-    const fn word(mut self, word: &str) -> Self {
-        let bytes = word.as_bytes();
-        let mut at = 0;
-        while at < bytes.len() && self.len < self.text.len() {
-            self.text[self.len] = bytes[at];
-            self.len += 1;
-            at += 1;
+    impl Mismatch {
+        pub(super) const fn new(what: &str, shader: usize, mirror: usize) -> Self {
+            let empty = Self {
+                text: [0; 512],
+                len: 0,
+            };
+            empty
+                .word(what)
+                .word(": ")
+                .number(shader)
+                .word(" bytes in the shader, ")
+                .number(mirror)
+                .word(" in its mirror")
         }
-        self
-    }
 
-    const fn number(self, number: usize) -> Self {
-        let before = if number < 10 {
+        const fn word(mut self, word: &str) -> Self {
+            let bytes = word.as_bytes();
+            let mut at = 0;
+            while at < bytes.len() && self.len < self.text.len() {
+                self.text[self.len] = bytes[at];
+                self.len += 1;
+                at += 1;
+            }
             self
-        } else {
-            self.number(number / 10)
-        };
-        match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
-            Ok(digit) => before.word(digit),
-            Err(_) => before,
         }
-    }
 
-    const fn text(&self) -> &str {
-        match core::str::from_utf8(self.text.split_at(self.len).0) {
-            Ok(text) => text,
-            Err(_) => "a mirror is not laid out as its shader",
+        const fn number(self, number: usize) -> Self {
+            let before = if number < 10 {
+                self
+            } else {
+                self.number(number / 10)
+            };
+            match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
+                Ok(digit) => before.word(digit),
+                Err(_) => before,
+            }
+        }
+
+        pub(super) const fn text(&self) -> &str {
+            match core::str::from_utf8(self.text.split_at(self.len).0) {
+                Ok(text) => text,
+                Err(_) => "a mirror is not laid out as its shader",
+            }
         }
     }
 }

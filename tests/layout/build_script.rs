@@ -82,6 +82,7 @@ fn the_example_follows_its_shaders() {
     assert_eq!(text(&run.stderr), "", "no warning of rustc's in the mirrors");
 
     members_that_change_places_keep_their_values();
+    an_include_that_another_shadows_is_read_again();
     a_grown_structure_no_longer_compiles_with_the_old_call();
     a_broken_shader_is_shown_with_its_line();
     a_vanished_include_is_named();
@@ -101,6 +102,25 @@ fn members_that_change_places_keep_their_values() {
     assert!(printed.contains("lights[2].position: bytes 112 to 123\n"), "{printed}");
 }
 
+/// A new file is found before the one that was included: the mirrors follow it.
+fn an_include_that_another_shadows_is_read_again() {
+    let copy = Copy::new("shadowed");
+    assert!(cargo(&copy.0, "build").status.success());
+    let light = copy.0.join("shaders/include/light.glsl");
+    let text =
+        fs::read_to_string(light).expect("the include").replace("float range", "float reach");
+    fs::write(copy.0.join("shaders/light.glsl"), text).expect("a file of the copy");
+    let told = text_of_failure(&copy);
+    assert!(told.contains("has no field named `range`"), "{told}");
+}
+
+/// What the compiler says to a copy that no longer compiles.
+fn text_of_failure(copy: &Copy) -> String {
+    let build = cargo(&copy.0, "build");
+    assert!(!build.status.success());
+    text(&build.stderr)
+}
+
 /// The shader's structure gains a member: the Rust code that builds it is told at compile time.
 fn a_grown_structure_no_longer_compiles_with_the_old_call() {
     let copy = Copy::new("grown");
@@ -108,7 +128,10 @@ fn a_grown_structure_no_longer_compiles_with_the_old_call() {
     let build = cargo(&copy.0, "build");
     let told = text(&build.stderr);
     assert!(!build.status.success());
-    assert!(told.contains("missing field `spot` in initializer of `PointLightInit`"), "{told}");
+    assert!(
+        told.contains("missing field `spot` in initializer of `lights_frag::PointLightInit`"),
+        "{told}"
+    );
 }
 
 /// What landfall says in the output of a build that failed, the last of it.
@@ -145,6 +168,9 @@ landfall failed
 "#]],
     );
     for part in [
+        // A new file in either folder may be found before the included one.
+        "cargo::rerun-if-changed=shaders\n",
+        "cargo::rerun-if-changed=shaders/include\n",
         "cargo::rerun-if-changed=shaders/include/light.glsl",
         "cargo::rerun-if-changed=shaders/lights.frag",
     ] {
@@ -171,7 +197,7 @@ landfall failed
     |
     = note: looked for `shaders/light.glsl`
     = note: looked for `shaders/include/light.glsl`
-    = help: pass its directory with `-I DIR`
+    = help: pass its directory with `Build::include("DIR")`
 
   error[unknown-type]: unknown type `PointLight`
     --> shaders/lights.frag:10:5

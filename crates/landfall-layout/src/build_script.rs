@@ -3,13 +3,15 @@
 //! Lays shaders out, writes the requested files, and tells Cargo which files to watch. Only this
 //! module and the binary read the environment and print.
 
+mod hints;
+
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::codegen::c::{COptions, c};
 use crate::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::error::Error;
 use crate::file::FileWriter;
 use crate::format::{Paint, diagnostics};
@@ -195,7 +197,7 @@ impl Build {
     /// warnings.
     ///
     /// # Errors
-    /// A shader cannot be read or laid out, or a file cannot be written.
+    /// A shader cannot be read or laid out, a new name is none, or a file cannot be written.
     pub fn run(&self) -> Result<(), BuildError> {
         let mut findings = Findings::default();
         let layouts = self.lay_out(&mut findings);
@@ -205,7 +207,7 @@ impl Build {
             }
             false => Vec::new(),
         };
-        for path in &findings.watched {
+        for path in findings.watched.iter().chain(&findings.folders) {
             println!("cargo::rerun-if-changed={}", path.display());
         }
         for warning in &findings.warnings {
@@ -243,8 +245,19 @@ impl Build {
                 }
             };
             let shader = layout(&source, &self.options);
-            let files = shader.files.iter().map(|file| PathBuf::from(&file.path));
-            findings.watched.extend(files.filter(|file| file.is_file()));
+            let files: Vec<PathBuf> =
+                shader.files.iter().map(|file| PathBuf::from(&file.path)).collect();
+            let misses = shader.diagnostics.iter().any(|d| d.code == Code::MissingInclude);
+            if files.len() > 1 || misses {
+                // A new file there may be found before the one that was included.
+                let folders = files.iter().filter_map(|file| file.parent());
+                let folders =
+                    folders.chain(self.options.read.include_dirs.iter().map(PathBuf::as_path));
+                findings
+                    .folders
+                    .extend(folders.filter(|folder| is_watchable(folder)).map(Path::to_path_buf));
+            }
+            findings.watched.extend(files.into_iter().filter(|file| file.is_file()));
             findings.add(&shader.diagnostics, &shader.files);
             layouts.push(shader);
         }
@@ -277,6 +290,8 @@ impl Build {
 #[derive(Default)]
 struct Findings {
     watched: BTreeSet<PathBuf>,
+    /// The folders that includes are searched in.
+    folders: BTreeSet<PathBuf>,
     warnings: BTreeSet<String>,
     errors: String,
 }
@@ -285,7 +300,7 @@ impl Findings {
     /// Adds diagnostics: errors with their excerpts, warnings as the one line that Cargo shows.
     fn add(&mut self, found: &[Diagnostic], files: &Files) {
         let (errors, warnings): (Vec<Diagnostic>, Vec<Diagnostic>) =
-            found.iter().cloned().partition(|d| d.severity == Severity::Error);
+            found.iter().map(advised).partition(|d| d.severity == Severity::Error);
         self.errors.push_str(&diagnostics::human(&errors, files, Paint::Plain));
         self.warnings.extend(warnings.iter().map(|warning| one_line(warning, files)));
     }
@@ -293,9 +308,14 @@ impl Findings {
     /// Adds warnings for blocks without a mirror.
     fn left_out(&mut self, found: &[Diagnostic], layouts: &[ShaderLayout]) {
         for found in found {
+            // A name that is none, of `rename`.
+            if found.code == Code::BadName {
+                self.add(std::slice::from_ref(found), &Files::default());
+                continue;
+            }
             let shader = layouts.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
             let files = shader.map_or_else(Files::default, |shader| shader.files.clone());
-            self.warnings.insert(one_line(found, &files));
+            self.warnings.insert(one_line(&advised(found), &files));
         }
     }
 
@@ -304,6 +324,25 @@ impl Findings {
             true => Ok(()),
             false => Err(BuildError { text: self.errors.trim_end().to_string() }),
         }
+    }
+}
+
+/// A diagnostic whose advice names methods of [`Build`].
+fn advised(found: &Diagnostic) -> Diagnostic {
+    Diagnostic {
+        message: hints::for_build(&found.message),
+        notes: found.notes.iter().map(|note| hints::for_build(note)).collect(),
+        help: found.help.as_deref().map(hints::for_build),
+        ..found.clone()
+    }
+}
+
+/// Whether Cargo can watch a folder: it exists, and is not the package, in which the build writes.
+fn is_watchable(folder: &Path) -> bool {
+    let package = std::env::current_dir().and_then(|dir| dir.canonicalize());
+    match (folder.canonicalize(), package) {
+        (Ok(folder), Ok(package)) => !package.starts_with(&folder),
+        _ => false,
     }
 }
 

@@ -90,6 +90,22 @@ impl ShaderLayout {
         }
     }
 
+    /// The block of this name or instance name, the first if there are several.
+    ///
+    /// ```
+    /// # extern crate landfall_layout as landfall;
+    /// use landfall::{Options, Source, layout};
+    ///
+    /// let text = "#version 450\nlayout(std140) uniform Camera { mat4 view; } camera;\n";
+    /// let shader = layout(&Source::new("a.vert", text), &Options::default());
+    /// assert_eq!(shader.block("Camera").and_then(|block| block.size), Some(64));
+    /// assert!(shader.block("camera").is_some() && shader.block("Light").is_none());
+    /// ```
+    pub fn block(&self, name: &str) -> Option<&BlockLayout> {
+        let named = self.blocks.iter().find(|block| &*block.name == name);
+        named.or_else(|| self.blocks.iter().find(|block| block.instance.as_deref() == Some(name)))
+    }
+
     /// Whether any diagnostic is an error; blocks may then be missing.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|d| d.severity == Severity::Error)

@@ -70,7 +70,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let options = config.options(&args.text, &args.levels.defines);
     if args.paths.is_empty() {
-        given::configured(&config);
+        config.record_names();
     }
     let paths = config.paths(&args.paths);
     if let Err(error) = read_rust(&config, &mut settings, args) {
@@ -107,7 +107,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let stopped = watch::is_stopped();
     let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
     if !stopped {
-        given::excluded(&config, args.paths.is_empty(), streams);
+        config.warn_of_unused_patterns(args.paths.is_empty(), streams);
     }
     if args.diff {
         let outcome = diff(&run, pass, &mut cache, streams)?;

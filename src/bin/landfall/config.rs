@@ -9,6 +9,7 @@ mod find;
 mod lints;
 mod root;
 mod toml;
+mod unused;
 
 use landfall_layout::diagnostic::Code;
 use std::path::{Path, PathBuf};

@@ -56,6 +56,9 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
         failed |= found.severity == Severity::Error;
     }
+    if refused.iter().any(|found| found.code == Code::BadName) {
+        return Ok(Outcome::CouldNot);
+    }
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),
         (Some(out), false) => {

@@ -5,7 +5,7 @@
 mod unused;
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use landfall_layout::diagnostic::Code;
@@ -13,7 +13,6 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::args::{Command, TextArgs};
-use crate::config::Config;
 use crate::output::{FindingForm, Streams};
 
 /// What a name is given for.
@@ -112,42 +111,32 @@ pub fn begin(command: &Command, streams: &Streams) {
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
 }
 
-/// Records the names that a configuration gives to all its shaders.
-pub fn configured(config: &Config) {
-    let Some(file) = &config.file else { return };
-    let file = file.display();
-    let given = |kind, name: &str, key: &str| Given {
-        kind,
-        name: name.to_string(),
-        option: format!("{name}` in `{key}` of `{file}"),
+/// Whether the names that `key` of a configuration holds are constants or macros.
+#[derive(Clone, Copy, Debug)]
+pub enum ConfiguredKey {
+    Override,
+    Define,
+    Permutations,
+}
+
+/// Records a name of a configuration file, unless an option gives it, too.
+pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
+    let (kind, key) = match key {
+        ConfiguredKey::Override => (Kind::Constant, "override"),
+        ConfiguredKey::Define => (Kind::Macro, "define"),
+        ConfiguredKey::Permutations => (Kind::Macro, "permutations"),
     };
-    let read = &config.read;
-    let constants = read.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "override"));
-    let macros = read.defines.iter().map(|(name, _)| given(Kind::Macro, name, "define"));
-    let permutations = config.settings.permutations.iter().flatten();
-    let permuted = permutations.map(|(name, _)| given(Kind::Macro, name, "permutations"));
+    let option = format!("{name}` in `{key}` of `{}", file.display());
+    let new = Given { kind, name: name.to_string(), option };
     let mut names = names();
-    for new in constants.chain(macros).chain(permuted) {
-        if !names.given.iter().any(|old| old.key() == new.key()) {
-            names.given.push(new);
-        }
+    if !names.given.iter().any(|old| old.key() == new.key()) {
+        names.given.push(new);
     }
 }
 
-/// Warns about patterns that exclude nothing.
-pub fn excluded(config: &Config, whole: bool, streams: &Streams) {
-    if names().is_part {
-        return;
-    }
-    for (pattern, is_configured) in config.exclude.unused() {
-        let at = pattern.trim_end_matches('/').trim_start_matches("./").trim_start_matches('/');
-        // A directory without a shader, or that is ignored, may have one elsewhere.
-        let is_there = || config.root.path(at).exists();
-        let option = match (&config.file, is_configured) {
-            (Some(_), true) if !whole || is_there() => continue,
-            (Some(file), true) => format!("{pattern}` in `exclude` of `{}", file.display()),
-            (None, _) | (_, false) => format!("--exclude {pattern}"),
-        };
+/// Warns about an option with a pattern that excludes nothing, unless only some shaders are read.
+pub fn excludes_nothing(option: String, streams: &Streams) {
+    if !names().is_part {
         let error = Error::new(option, "has no effect: no shader matches it");
         warn(Code::UnusedOption, error, streams);
     }

@@ -38,7 +38,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         excluded: AtomicUsize::new(0),
     };
     if args.paths.is_empty() {
-        given::configured(&config);
+        config.record_names();
     }
     let mut tally = Tally::default();
     work::ordered(
@@ -58,7 +58,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(outcome);
     }
     if !watch::is_stopped() {
-        given::excluded(&config, args.paths.is_empty(), streams);
+        config.warn_of_unused_patterns(args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
     tally.finish(args, streams)

@@ -110,11 +110,7 @@ pub fn bench(
     let most = if plans { u64::MAX } else { args.most };
     let frame = Frame::new(&own.scene, &own.frame);
     let all = frame.fragments.len();
-    if all == 0 {
-        let what = "shows no object in any pixel: there is nothing to measure";
-        return Err(Error::new(args.subject.display().to_string(), what)
-            .with_help("turn its camera, or enlarge it with `--size`"));
-    }
+    shows_an_object(args, all)?;
     let upload = Upload::new(&own.scene);
     let stage = Stage::new(model, upload.clone(), frame.clone(), most);
     let others: Vec<Option<Stage>> = models
@@ -127,15 +123,11 @@ pub fn bench(
     if taken < all {
         subject.push_str(&format!(", {taken} of {all} fragments"));
     }
-    let mut truth = "the f64 reference from the same upload".to_string();
-    for (name, model) in &args.model_of {
-        truth.push_str(&format!(", for {name} with the model {model}"));
-    }
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let options = read::options(&args.read);
     let mut files = own.files_read();
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
-    let about = About { subject, truth, unit: Unit::Fragment, size, files };
+    let about = About { subject, truth: truth_text(args), unit: Unit::Fragment, size, files };
     let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
         let renderer = r.as_ref()?;
         Some(match what {
@@ -150,6 +142,25 @@ pub fn bench(
     let uploaded: Vec<_> = uploaded.collect();
     let entries = entries(args, &variants, &uploaded, &stages);
     Ok(Some(measured(about, entries, args, streams)))
+}
+
+/// Refuses a scene without fragments, of which nothing can be measured.
+fn shows_an_object(args: &BenchArgs, fragments: usize) -> Result<(), Failure> {
+    if fragments > 0 {
+        return Ok(());
+    }
+    let what = "shows no object in any pixel: there is nothing to measure";
+    Err(Error::new(args.subject.display().to_string(), what)
+        .with_help("turn its camera, or enlarge it with `--size`"))
+}
+
+/// The text that names the reference of the errors.
+fn truth_text(args: &BenchArgs) -> String {
+    let mut truth = "the f64 reference from the same upload".to_string();
+    for (name, model) in &args.model_of {
+        truth.push_str(&format!(", for {name} with the model {model}"));
+    }
+    truth
 }
 
 /// The given variants, or by default the scene's shader and the compiled kernels.
