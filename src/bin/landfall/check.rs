@@ -40,7 +40,7 @@ use landfall_lint::{LINTS, Settings};
 use crate::args::{CheckArgs, ReadArgs};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{given, read, watch, write};
+use crate::{read, watch, write};
 use against::Against;
 use baseline::Permitted;
 use basis::{Basis, Scope};
