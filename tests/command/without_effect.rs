@@ -195,7 +195,7 @@ error[output]: `landfall.toml` is the configuration but not a file
 
 "#]]);
     place.write("e.frag", "#version 450\nvoid main() {}\n");
-    place.run(&["emit", "e.frag", "--lang", "c"]).stderr_eq(str![[r#"
+    place.run(&["emit", "e.frag", "--lang", "c", "--no-config"]).stderr_eq(str![[r#"
 warning[no-blocks]: no blocks to mirror
 
 
