@@ -289,11 +289,26 @@ pub struct Fixed {
     pub a: glam::Vec4,
 }
 
+/// The members of [`Fixed`] by name, for `Fixed::new`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(dead_code)]
+pub struct FixedInit {
+    /// `a: vec4<f32>`.
+    pub a: glam::Vec4,
+}
+
 #[allow(dead_code)]
 impl Fixed {
     /// From its members; padding is zero.
-    pub fn new(a: glam::Vec4) -> Self {
-        Self { a }
+    #[inline]
+    pub const fn new(init: FixedInit) -> Self {
+        Self { a: init.a }
+    }
+}
+
+impl From<FixedInit> for Fixed {
+    fn from(init: FixedInit) -> Self {
+        Self::new(init)
     }
 }
 
@@ -307,7 +322,7 @@ impl Default for Fixed {
 const _: () = assert!(
     core::mem::size_of::<Fixed>() == 16,
     "{}",
-    Mismatch::new(
+    sizes_wgsl_support::Mismatch::new(
         "size of `Fixed` in sizes.wgsl",
         16,
         core::mem::size_of::<Fixed>()
@@ -317,7 +332,7 @@ const _: () = assert!(
 const _: () = assert!(
     core::mem::offset_of!(Fixed, a) == 0,
     "{}",
-    Mismatch::new(
+    sizes_wgsl_support::Mismatch::new(
         "offset of `a` of `Fixed` in sizes.wgsl",
         0,
         core::mem::offset_of!(Fixed, a)
@@ -325,54 +340,60 @@ const _: () = assert!(
     .text()
 );
 
-/// The message of a failed assertion: what differs, in the shader and in its mirror.
-struct Mismatch {
-    text: [u8; 512],
-    len: usize,
-}
+#[allow(unused_imports, ambiguous_glob_reexports)]
+pub use sizes_wgsl_support::*;
 
-impl Mismatch {
-    const fn new(what: &str, shader: usize, mirror: usize) -> Self {
-        let empty = Self {
-            text: [0; 512],
-            len: 0,
-        };
-        empty
-            .word(what)
-            .word(": ")
-            .number(shader)
-            .word(" bytes in the shader, ")
-            .number(mirror)
-            .word(" in its mirror")
+/// Types and functions that the mirrors have in common.
+pub mod sizes_wgsl_support {
+    /// The message of a failed assertion: what differs, in the shader and in its mirror.
+    pub(super) struct Mismatch {
+        text: [u8; 512],
+        len: usize,
     }
 
-    const fn word(mut self, word: &str) -> Self {
-        let bytes = word.as_bytes();
-        let mut at = 0;
-        while at < bytes.len() && self.len < self.text.len() {
-            self.text[self.len] = bytes[at];
-            self.len += 1;
-            at += 1;
+    impl Mismatch {
+        pub(super) const fn new(what: &str, shader: usize, mirror: usize) -> Self {
+            let empty = Self {
+                text: [0; 512],
+                len: 0,
+            };
+            empty
+                .word(what)
+                .word(": ")
+                .number(shader)
+                .word(" bytes in the shader, ")
+                .number(mirror)
+                .word(" in its mirror")
         }
-        self
-    }
 
-    const fn number(self, number: usize) -> Self {
-        let before = if number < 10 {
+        const fn word(mut self, word: &str) -> Self {
+            let bytes = word.as_bytes();
+            let mut at = 0;
+            while at < bytes.len() && self.len < self.text.len() {
+                self.text[self.len] = bytes[at];
+                self.len += 1;
+                at += 1;
+            }
             self
-        } else {
-            self.number(number / 10)
-        };
-        match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
-            Ok(digit) => before.word(digit),
-            Err(_) => before,
         }
-    }
 
-    const fn text(&self) -> &str {
-        match core::str::from_utf8(self.text.split_at(self.len).0) {
-            Ok(text) => text,
-            Err(_) => "a mirror is not laid out as its shader",
+        const fn number(self, number: usize) -> Self {
+            let before = if number < 10 {
+                self
+            } else {
+                self.number(number / 10)
+            };
+            match core::str::from_utf8(&[b'0' + (number % 10) as u8]) {
+                Ok(digit) => before.word(digit),
+                Err(_) => before,
+            }
+        }
+
+        pub(super) const fn text(&self) -> &str {
+            match core::str::from_utf8(self.text.split_at(self.len).0) {
+                Ok(text) => text,
+                Err(_) => "a mirror is not laid out as its shader",
+            }
         }
     }
 }

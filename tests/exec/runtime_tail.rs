@@ -114,7 +114,7 @@ fn vulkan_counts_the_elements_that_a_wgsl_buffer_is_made_for() {
     ] {
         let text = format!(
             "struct P {{ {members} }}\n\
-             @group(0) @binding(0) var<storage> p: P;\n\
+             @group(0) @binding(0) var<storage, read_write> p: P;\n\
              @group(0) @binding(1) var<storage, read_write> count: u32;\n\
              @compute @workgroup_size(1) fn main() {{ count = arrayLength(&p.data); }}\n"
         );

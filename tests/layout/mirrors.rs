@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::fs;
 
 use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_layout::diagnostic::Code;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 use rustc::{Math, Target, assert_formatted, check, crates, run, scratch, shown};
 use support::blocks::{Block, Type, declared};
@@ -218,8 +219,10 @@ fn the_shaders_of_this_repository_have_mirrors_that_compile() {
         let path = root(&scratch(&format!("shaders-{way}")), "library", "//! All.", &[output.text]);
         let out = check("rustc", crates(Math::Simd), &path, "2024", Target::Library);
         assert!(out.status.success(), "{way}: {}", shown(&out.stderr));
-        // Only what is sized by a constant without a value has no mirror.
-        let missing: Vec<_> = output.diagnostics.iter().map(|d| &d.message).collect();
+        // Only what is sized by a constant without a value has no mirror; two directories have
+        // shaders of one file name, whose modules are told apart with a warning.
+        let refused = output.diagnostics.iter().filter(|d| d.code != Code::NumberedName);
+        let missing: Vec<_> = refused.map(|d| &d.message).collect();
         assert!(missing.iter().all(|m| m.contains("which has no value")), "{missing:?}");
     }
 }

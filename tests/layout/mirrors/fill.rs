@@ -154,7 +154,7 @@ fn bools(program: &mut String, text: &str) {
         );
     }
     for line in text.lines() {
-        let Some(name) = line.strip_prefix("pub struct ") else { continue };
+        let Some(name) = line.trim_start().strip_prefix("pub struct ") else { continue };
         let name = name.split(['(', ' ']).next().expect("split yields something");
         let of = name.strip_prefix("BVec").or_else(|| name.strip_prefix("BoolX"));
         if let Some(len) = of.and_then(|rest| rest.chars().next()) {
@@ -178,11 +178,11 @@ fn again(program: &mut String, text: &str) {
     let mut structures: HashMap<&str, Fields<'_>> = HashMap::new();
     let mut lines = text.lines();
     while let Some(line) = lines.next() {
-        let Some(name) = line.strip_prefix("pub struct ") else { continue };
+        let Some(name) = line.trim_start().strip_prefix("pub struct ") else { continue };
         let Some(name) = name.strip_suffix(" {") else { continue };
         let mut fields = Vec::new();
         let mut pending = "";
-        for line in lines.by_ref().take_while(|line| *line != "}") {
+        for line in lines.by_ref().take_while(|line| line.trim_start() != "}") {
             let line = line.trim();
             if let Some((field, ty)) = line.strip_suffix(',').and_then(|line| line.split_once(": "))
             {
@@ -215,8 +215,9 @@ fn host_value(structures: &HashMap<&str, Fields<'_>>, ty: &str, host: &str, valu
         let (element, len) = ty.strip_prefix('[')?.strip_suffix(']')?.rsplit_once("; ")?;
         Some((element.to_string(), len.to_string()))
     };
+    // Types that depend on no shader are in a module of their own.
     let field = |name: &str| {
-        let fields = structures.get(ty)?;
+        let fields = structures.get(ty.rsplit("::").next()?)?;
         fields.iter().find(|field| field.0 == name).map(|field| field.1)
     };
     if structures.contains_key(format!("{ty}Init").as_str()) {
@@ -225,7 +226,7 @@ fn host_value(structures: &HashMap<&str, Fields<'_>>, ty: &str, host: &str, valu
     if let Some(last) = field("last") {
         let (element, len) = array(host).expect("an array");
         let one = host_value(structures, last, &element, "x");
-        return format!("<[{last}; {len}]>::from({value}).map(|x| {one})");
+        return format!("<[_; {len}]>::from({value}).map(|x| {one})");
     }
     if let Some(inner) = field("value") {
         return host_value(structures, inner, host, &format!("{value}.value"));

@@ -480,7 +480,7 @@ const WRONG: &[Wrong] = &[
         [r#""shininess": 64"#, r#""shininess": 0"#],
         "zero-shininess",
         "0",
-        "0 to the power of 0",
+        "the base of the highlight is 0, `pow(0, 0)` is undefined",
     ).warned(),
     wrong(
         [r#"["ab", "ba", "aa"]"#, r#"["ab", "baa", "aa"]"#],

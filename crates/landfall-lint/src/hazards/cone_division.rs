@@ -12,7 +12,7 @@ pub(crate) const LINT: Lint = Lint {
     what: "a cone factor divided by a difference of two cosines that may be equal",
     why: "A spotlight whose inner and outer angle are equal divides by 0: infinity inside the \
           cone, and 0 / 0 exactly on its edge. A cutoff of 0 degrees divides by 0 too, where one \
-          cosine is subtracted from 1: rounding lifts a cosine above 1 in one of seven fragments \
+          cosine is subtracted from 1: rounding lifts a cosine above 1 in one of nine fragments \
           on the axis, which then sparkle. Allowed by default, because such cones are rare.",
     example: "\
 #version 330 core

@@ -146,7 +146,5 @@ fn colours_in_mediump_are_off_by_less_than_a_step() {
     let halves = steps(&[], Floats::Half);
     println!("all mediump: {medium:.3?}; all f16: {halves:.3?}");
     assert!(medium.2 > 2.0 && halves.2 > 2.0, "{medium:?} {halves:?}");
-    // The lint `mediump-position` states 12 steps at the 99th of 100.
-    assert!(halves.1 > 9.0 && halves.1 < 16.0, "{halves:?}");
     assert!(medium.0 / halves.0 > 0.8 && medium.0 / halves.0 < 1.25, "{medium:?} {halves:?}");
 }

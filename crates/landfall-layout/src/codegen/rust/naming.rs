@@ -85,8 +85,10 @@ pub(super) fn name_module(
     };
     name_mirrors(plan, here, &mut scope, &mut names);
     for (id, mirror) in plan.mirrors_in(here) {
-        let init = format!("{}Init", names.made[id.0].trim_end_matches('_'));
-        names.inits.insert(id, scope.take(&init));
+        if !mirror.fields.is_empty() {
+            let init = format!("{}Init", names.made[id.0].trim_end_matches('_'));
+            names.inits.insert(id, scope.take(&init));
+        }
         if let Some(tail) = &mirror.tail {
             names.elements.insert(id, scope.take(&tail.name));
         }

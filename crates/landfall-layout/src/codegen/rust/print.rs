@@ -170,6 +170,12 @@ pub(super) fn call(
         let _ = writeln!(text, "{line}");
         return;
     }
+    let line = format!("{indent}{function}({inside})");
+    // rustfmt keeps a column for what follows the method.
+    if inside.chars().count() <= CALL && line.chars().count() < text.width {
+        let _ = writeln!(text, "{line}\n{indent}    {method}");
+        return;
+    }
     let _ = writeln!(text, "{indent}{function}(");
     for (at, argument) in arguments.iter().enumerate() {
         let comma = if at + 1 < arguments.len() { "," } else { "" };
