@@ -80,6 +80,7 @@ class Runner:
             "GITHUB_PATH": str(self.path_file),
             "GITHUB_ACTION_PATH": str(ROOT),
             "GITHUB_ACTIONS": "true",
+            "GITHUB_WORKSPACE": str(self.project),
         }
 
     def run(self, script, env, folder):
