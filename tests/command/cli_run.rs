@@ -561,3 +561,35 @@ fn the_outputs_of_main_are_printed_on_every_backend() {
         assert_eq!(value("gl_Position"), serde_json::json!([3.0, 6.0, 3.0, 1.0]), "{backend}");
     }
 }
+
+/// An entry point of WGSL takes the inputs of its stage as arguments.
+#[test]
+fn an_entry_point_of_wgsl_is_called_on_the_interpreter_and_the_gpu() {
+    let place = Place::new("run-entry-point");
+    place.write(
+        "a.wgsl",
+        "struct In { @location(0) p: vec3f, @builtin(vertex_index) n: u32 }\n\
+         struct Out { @builtin(position) at: vec4f, @location(0) twice: vec3f }\n\
+         struct Eye { near: f32 }\n@group(0) @binding(0) var<uniform> e: Eye;\n\
+         @vertex fn lit(v: In) -> Out { return Out(vec4f(v.p, e.near + f32(v.n)), 2.0 * v.p); }\n",
+    );
+    for backend in ["cpu", "gpu"] {
+        let run = ["run", "a.wgsl", "--fn", "lit", "--args", r#"[{"p": [1, 2, 3], "n": 4}]"#];
+        let more = ["--data", r#"{"e": {"near": 0.5}}"#, "--backend", backend, "-f", "json"];
+        let report = place.run(&[&run[..], &more].concat()).json();
+        let expected = serde_json::json!({"at": [1.0, 2.0, 3.0, 4.5], "twice": [2.0, 4.0, 6.0]});
+        assert_eq!(report["result"]["value"], expected, "{backend}");
+    }
+    let refused = place.run(&["run", "a.wgsl", "--fn", "lid"]);
+    golden().eq(
+        &refused.err,
+        str![[r#"
+error[unknown-function]: the shader has no function `lid`
+ --> a.wgsl
+  |
+  = help: did you mean `lit`? its functions are `lit`
+
+
+"#]],
+    );
+}

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
-use landfall_exec::interp::graph::Rounding;
+use landfall_exec::interp::graph::{Arithmetic, Bounds, Range, Rounding};
 use landfall_exec::interp::{Precision, Settings};
 use landfall_layout::Options;
 use landfall_light::accuracy::demand::{Demand, ProveRequest, Shown, prove};
@@ -90,4 +90,36 @@ fn a_limit_of_the_error_is_shown_or_not() {
     assert!(matches!(run(Demand::MaxUlp(3.5))[..], [Shown::Shown]));
     assert!(matches!(run(Demand::MaxUlp(0.1))[..], [Shown::Broken(_)]));
     assert!(matches!(run(Demand::MaxStep(0.01))[..], [Shown::Shown]));
+}
+
+/// Differences of values that share inputs: the function, the box of its inputs, its range by hand,
+/// and the range by intervals, which take each operand as independent.
+const SHARED: [(&str, [[f64; 2]; 2], [f64; 2], [f64; 2]); 5] = [
+    ("(x + y) - x", [[0.0, 16.0], [1.0, 2.0]], [1.0, 2.0], [-15.0, 18.0]),
+    ("x - 0.5 * (x + y)", [[0.0, 1.0], [0.0, 1.0]], [-0.5, 0.5], [-1.0, 1.0]),
+    ("x * (10.0 - x) + y", [[4.0, 6.0], [0.0, 0.0]], [24.0, 25.0], [16.0, 36.0]),
+    ("x * x - 2.0 * x + y", [[0.9, 1.1], [0.0, 0.0]], [-1.0, -0.99], [-1.39, -0.59]),
+    ("(x + y) * (x - y) - x * x", [[3.0, 3.5], [0.0, 0.5]], [-0.25, 0.0], [-4.75, 5.0]),
+];
+
+#[test]
+fn affine_forms_are_tighter_than_intervals_where_operands_share_inputs() {
+    for (code, domain, [low, high], [loose_low, loose_high]) in SHARED {
+        let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
+        let text = format!("float f(float x, float y) {{ return {code}; }}");
+        let pure = PureFunction::new(&fragment(&text), &Options::default(), &request)
+            .unwrap_or_else(|refusal| panic!("{code}: {:?}", refusal.found));
+        let whole = domain.map(|ends| {
+            let [low, high] = ends.map(|end| f64::from(end as f32));
+            Range { low, high }
+        });
+        let graph = pure.graph(&whole, &[]).expect("it is a graph");
+        let mut bounds = Bounds::default();
+        graph.bounds(&whole, Arithmetic::Permitted, &mut bounds);
+        let range = bounds.results(&graph).next().expect("it returns a value");
+        println!("{code}: [{}, {}], by hand [{low}, {high}]", range.low, range.high);
+        assert!(range.low <= low + 1e-5 && high - 1e-5 <= range.high, "{code}: {range:?}");
+        let width = range.high - range.low;
+        assert!(width <= 0.55 * (loose_high - loose_low), "{code}: {range:?}");
+    }
 }

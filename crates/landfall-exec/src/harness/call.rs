@@ -32,9 +32,9 @@ use crate::harness::bindings::Data;
 use crate::interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
-use landfall_ir::module::{Direction, HandleKind, ModuleHandle};
+use landfall_ir::module::{Direction, FunctionInfo, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
-use landfall_layout::source::{Files, Source};
+use landfall_layout::source::{Files, Language, Source};
 use landfall_layout::{Diagnostic, Options};
 
 /// A function to call, with its arguments and resources.
@@ -91,13 +91,19 @@ pub fn call(
     backend: Option<&mut dyn Backend>,
 ) -> Result<CallReport, Refusal> {
     let options = &options.clone().with_gather(true).with_naga(false);
-    let module = Module::for_calls(source, options).map_err(|found| Refusal {
-        found,
-        files: landfall_layout::layout(source, options).files,
-    })?;
+    let unread = |found| Refusal { found, files: landfall_layout::layout(source, options).files };
+    let mut module = Module::for_calls(source, options).map_err(unread)?;
+    let entry_point = match source.language {
+        Language::Wgsl => find::entry_as_function(&mut module, request.function.trim()),
+        Language::Glsl => None,
+    };
+    if entry_point.is_some() {
+        module = module.validated().map_err(unread)?;
+    }
     let refused =
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
-    let job = Job { source, options, request, module: &module };
+    let entry_point = entry_point.as_ref();
+    let job = Job { source, options, request, module: &module, entry_point };
     job.run(backend).map_err(refused)
 }
 
@@ -107,6 +113,8 @@ struct Job<'a> {
     options: &'a Options,
     request: &'a Request,
     module: &'a Module,
+    /// The entry point of WGSL that has the function's name.
+    entry_point: Option<&'a FunctionInfo>,
 }
 
 /// The interpreter's results.
@@ -123,8 +131,9 @@ impl Job<'_> {
         let language = source.language;
         let program = Program::new(module, &[]);
         let given = &request.arguments;
-        let found = find::find(module, &program, &request.function, given, language)
-            .map_err(|misfit| self.misfit(misfit))?;
+        let found =
+            find::find(module, self.entry_point, &program, &request.function, given, language)
+                .map_err(|misfit| self.misfit(misfit))?;
         let first_of = |mut all: Vec<Diagnostic>| Box::new(all.swap_remove(0));
         let mut caller = caller::caller(module, found.info.handle).map_err(first_of)?;
         let ir = &module.ir;

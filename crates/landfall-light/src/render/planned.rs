@@ -7,9 +7,9 @@ use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
 use crate::Fragment;
 use crate::bind::{FragmentLights, Kind, Quantity, Tiles};
 use crate::culling;
-use crate::culling::{LightSet, Measured, Options, Plan, interpolate};
+use crate::culling::{Costs, LightSet, Measured, Options, Plan, interpolate};
 use crate::shading_f32::Model;
-use landfall_exec::backend::Backend;
+use landfall_exec::backend::{Backend, BackendKind};
 
 /// Fragments of one material lit by the same lights, prepared for repeated runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,6 +116,11 @@ impl Renderer {
     pub fn asks_for_tiles(&self) -> bool {
         let asks = |quantity| matches!(quantity, Some(Quantity::Tiles(_)));
         self.map.members.iter().any(|member| asks(member.source.quantity()))
+    }
+
+    /// Returns the costs on a backend by which a plan is applied or not.
+    pub fn costs(&self, backend: BackendKind) -> Costs {
+        Costs::on(backend, self.asks_for_tiles())
     }
 
     /// Renders the picture by a plan. `after` receives the fragments or nodes done after each job.

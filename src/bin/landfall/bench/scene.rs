@@ -128,20 +128,36 @@ pub fn bench(
     let mut files = own.files_read();
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
     let about = About { subject, truth: truth_text(args), unit: Unit::Fragment, size, files };
-    let uploaded = variants.iter().zip(&renderers).zip(&stages).map(|(((_, what), r), stage)| {
-        let renderer = r.as_ref()?;
-        Some(match what {
-            VariantKind::Shader(_, _, Some(plan)) => {
-                Uploaded::by_plan(stage, renderer, args.limit, plan)
-            }
-            VariantKind::Shader(_, _, None) | VariantKind::Rust(..) | VariantKind::Plan(_) => {
-                Uploaded::new(stage, renderer, args.limit)
-            }
-        })
-    });
-    let uploaded: Vec<_> = uploaded.collect();
-    let entries = entries(args, &variants, &uploaded, &stages);
+    let requested = backends::requested(&args.backend);
+    let mut uploads = Vec::new();
+    for (((variant, what), renderer), stage) in variants.iter().zip(&renderers).zip(&stages) {
+        let (VariantKind::Shader(_, floats, plan), Some(renderer)) = (what, renderer) else {
+            continue;
+        };
+        // A plan depends on the costs of a backend.
+        let shared = if plan.is_some() { 1 } else { requested.len() };
+        for backends in requested.chunks(shared) {
+            let uploaded = match plan {
+                Some(plan) => {
+                    let costs = renderer.costs(backends[0].kind());
+                    let plan = culling::Options { costs, ..plan.clone() };
+                    Uploaded::by_plan(stage, renderer, args.limit, &plan)
+                }
+                None => Uploaded::new(stage, renderer, args.limit),
+            };
+            uploads.push(ShaderUpload { variant, floats: *floats, backends, uploaded });
+        }
+    }
+    let entries = entries(args, &variants, &uploads, &stages);
     Ok(Some(measured(about, entries, args, streams)))
+}
+
+/// A shader variant with its bindings on some backends.
+struct ShaderUpload<'a> {
+    variant: &'a str,
+    floats: Floats,
+    backends: &'a [BackendName],
+    uploaded: Result<Uploaded<'a>, String>,
 }
 
 /// Refuses a scene without fragments, of which nothing can be measured.
@@ -218,7 +234,7 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
 fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, VariantKind)],
-    uploaded: &'a [Option<Result<Uploaded<'a>, String>>],
+    uploads: &'a [ShaderUpload<'a>],
     stages: &[&'a Stage],
 ) -> Entries<'a> {
     let mut entries = Entries::default();
@@ -240,22 +256,24 @@ fn entries<'a>(
             Err(reason) => entries.fail(name, "rust", reason),
         }
     }
-    if uploaded.iter().all(Option::is_none) {
+    if uploads.is_empty() {
         return entries;
     }
     let mut lit = Vec::new();
-    for ((name, what), uploaded) in variants.iter().zip(uploaded) {
-        let VariantKind::Shader(_, floats, _) = what else { continue };
+    for ShaderUpload { variant, floats, backends, uploaded } in uploads {
         match uploaded {
-            Some(Ok(uploaded)) => lit.push(Counted {
-                name,
+            Ok(uploaded) => lit.push(Counted {
+                name: variant,
                 uploaded,
                 floats: *floats,
+                backends,
                 work: counted::work(uploaded, *floats),
                 permitted: counted::permitted(uploaded, *floats),
             }),
-            Some(Err(reason)) => entries.fail(name, "every backend", reason.as_str()),
-            None => {}
+            Err(reason) => {
+                let names: Vec<&str> = backends.iter().map(|name| name.name()).collect();
+                entries.fail(variant, &names.join(", "), reason.as_str());
+            }
         }
     }
     for backend in backends::requested(&args.backend) {
@@ -269,6 +287,7 @@ struct Counted<'a> {
     name: &'a str,
     uploaded: &'a Uploaded<'a>,
     floats: Floats,
+    backends: &'a [BackendName],
     work: Work,
     permitted: Option<Permitted>,
 }
@@ -282,7 +301,8 @@ fn on_backend<'a>(
 ) {
     let Some(shared) = entries.open(args, name, "every shader") else { return };
     let runner = Runner::of(shared.borrow().device(), Clock::Processor);
-    for Counted { name: variant, uploaded, floats, work, permitted } in lit {
+    let here = lit.iter().filter(|counted| counted.backends.contains(&name));
+    for Counted { name: variant, uploaded, floats, work, permitted, .. } in here {
         let shared = match (name, floats) {
             (_, Floats::AsWritten) => Rc::clone(&shared),
             (BackendName::Cpu, Floats::Half | Floats::Mediump) => {

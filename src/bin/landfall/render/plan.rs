@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use landfall_layout::Error;
 use landfall_layout::format::columns::{WIDTH, wrapped};
 use landfall_light::culling;
-use landfall_light::culling::{ConstantKind, Costs, Measured, Plan};
+use landfall_light::culling::{ConstantKind, Measured, Plan};
 use landfall_light::reference;
 use landfall_light::render::{Renderer, Work};
 use landfall_light::shading_f32::Model;
 
 use super::request::RenderRequest;
 use super::{PreparedScene, Stop};
-use crate::args::{BackendName, RenderArgs};
+use crate::args::RenderArgs;
 
 /// A plan, and the shader compiled for it.
 pub struct Planned {
@@ -62,13 +62,7 @@ pub fn plan(
     let mut options = culling::parse(parts).map_err(|why| {
         Error::new("--skip", why).with_help("`landfall render SCENE.json --skip help` lists them")
     })?;
-    options.costs = match args.backend {
-        BackendName::Cpu => Costs::INTERPRETER,
-        BackendName::Gl | BackendName::Gpu => Costs::DRIVER,
-    };
-    if whole.asks_for_tiles() {
-        options.costs = options.costs.by_lists();
-    }
+    options.costs = whole.costs(args.backend.kind());
     let (model, _) = made.model.as_ref().ok_or_else(|| {
         Error::new("--skip", "needs a lighting model to bound the lights")
             .with_help("add `--model multi`, `array` or `view_space`")

@@ -18,17 +18,20 @@ pub struct Target<'m> {
     pub arguments: Vec<Words>,
 }
 
-/// Finds the function among those of a module.
+/// Finds the function among those of a module, or the entry point that was made one.
 pub(super) fn find<'m>(
     module: &'m Module,
+    entry_point: Option<&'m FunctionInfo>,
     program: &Program,
     meant: &str,
     arguments: &[Value],
     language: Language,
 ) -> Result<Target<'m>, ArgumentError> {
-    let Candidates { name, named, fitting } = Candidates::of(module, meant);
+    let Candidates { name, mut named, mut fitting } = Candidates::of(module, meant);
     if named.is_empty() {
-        return Err(unknown(module, name));
+        let Some(entry_point) = entry_point else { return Err(unknown(module, name)) };
+        named.push(entry_point);
+        fitting.push(entry_point);
     }
     let mut wrong = None;
     let mut found = Vec::new();
@@ -178,8 +181,8 @@ fn all_of(named: &[&FunctionInfo]) -> String {
     named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ")
 }
 
-/// Returns an entry point of WGSL as a function of its stage's inputs.
-fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
+/// Returns an entry point of WGSL as a function of its stage's inputs, added to the module.
+pub(super) fn entry_as_function(module: &mut Module, name: &str) -> Option<FunctionInfo> {
     let entry = module.ir.entry_points.iter().find(|entry| entry.name == name)?;
     let mut function = entry.function.clone();
     function.name = Some(format!("{name}_called"));
@@ -209,9 +212,12 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
         let message = format!("`{name}` cannot run: {}{place}", why.message);
         return ArgumentError { code: Code::CannotCall, message, help: why.help.clone() };
     }
-    let names = || module.functions().iter().map(|function| function.name.as_str());
-    let all: Vec<String> =
-        module.functions().iter().filter(|f| f.name != "main").map(shown).collect();
+    let entries = || module.ir.entry_points.iter().map(|entry| entry.name.as_str());
+    let names =
+        || module.functions().iter().map(|function| function.name.as_str()).chain(entries());
+    let functions = module.functions().iter().filter(|f| f.name != "main").map(shown);
+    let entries = entries().filter(|entry| *entry != "main").map(str::to_string);
+    let all: Vec<String> = functions.chain(entries).collect();
     let list = match all.is_empty() {
         true => "it has no functions but `main`".to_string(),
         false => format!("its functions are `{}`", all.join("`, `")),
