@@ -1,18 +1,18 @@
 //! `landfall rule` explains every code of a lint or hazard that any command can print.
+//! `SNAPSHOTS=overwrite` writes the page of the book below its introduction.
 
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
 
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_light::reference::UndefinedReason;
 use landfall_lint::LINTS;
 use landfall_lint::hazards::lint_of;
-use snapbox::str;
+use snapbox::{Data, str};
 
 use crate::support::command::{self, Ran};
-
-/// The page of the book: an introduction, then what `landfall rule` prints in Markdown.
-const PAGE: &str = include_str!("../../docs/src/lints.md");
 
 fn rule(arguments: &[&str]) -> Ran {
     command::run(&[&["rule"], arguments].concat())
@@ -122,17 +122,14 @@ error[unknown-lint]: there is no lint or hazard `narow-cone`
 
 #[test]
 fn the_book_lists_and_explains_every_lint_and_hazard() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/lints.md");
+    let page = fs::read_to_string(&file).expect("the page is there");
+    let introduction = &page[..page.find("| code |").expect("the page has a table of lints")];
     let tables = rule(&["--format", "md"]).out;
     let explanations = rule(&["--all", "--format", "md"]).out;
-    let printed = format!("{tables}\n{explanations}");
-    let page = &PAGE[PAGE.find("| code |").expect("the page has a table of lints")..];
-    let differ = page.lines().zip(printed.lines()).find(|(book, printed)| book != printed);
-    assert!(
-        page == printed,
-        "docs/src/lints.md is out of date at {differ:?}: after its introduction it is the output \
-         of `landfall rule --format md`, an empty line, and that of \
-         `landfall rule --all --format md`"
-    );
+    let printed = format!("{introduction}{tables}\n{explanations}");
+    let book = snapbox::Assert::new().action_env("SNAPSHOTS");
+    book.eq(Data::text(printed).raw(), Data::read_from(&file, None).raw());
 }
 
 #[test]

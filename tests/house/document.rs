@@ -3,7 +3,7 @@
 //! A fenced block whose first line is `arrows NAME` holds a line `a -> b, c` for each part that
 //! imports others. `NAME` is `crates` for the crates, a crate's name for the modules at its top,
 //! or a module's path (`landfall-exec/harness`) for those below it. `*` stands for every module
-//! of the block that has no line of its own. A block `recursive` lists the files that may import
+//! of the block that has no line of its own, on either side. A block `recursive` lists the files that may import
 //! each other in circles, as the rules of a grammar do: a folder, a colon, and its files; one
 //! with files of its own below it is written with a `/`. A block
 //! `long` lists what may be longer than the rest: a file, a colon, and its functions, or `file`.
@@ -218,8 +218,11 @@ fn differences(
     names: &BTreeSet<&str>,
 ) -> Vec<String> {
     let mut found = Vec::new();
+    let is_in = |row: &BTreeSet<String>, to: &String| {
+        row.contains(to) || !rows.contains_key(to) && row.contains("*")
+    };
     let shown = |from: &String, to: &String| {
-        rows.get(from).or_else(|| rows.get("*")).is_some_and(|row| row.contains(to))
+        rows.get(from).or_else(|| rows.get("*")).is_some_and(|row| is_in(row, to))
     };
     for (from, to, at) in arrows_of(graph) {
         if !shown(from, to) {
@@ -234,7 +237,10 @@ fn differences(
             found.push(format!("{block}: `{from}` is shown, and is no module"));
         }
         for to in row {
-            if !arrows_of(graph).any(|(own, other, _)| is_of(own) && other == to) {
+            let is_to = |other: &String| {
+                if to == "*" { !rows.contains_key(other) } else { other == to }
+            };
+            if !arrows_of(graph).any(|(own, other, _)| is_of(own) && is_to(other)) {
                 found.push(format!("{block}: `{from} -> {to}` is shown, but nothing imports it"));
             }
         }

@@ -106,6 +106,19 @@ fn a_star_stands_for_the_modules_without_a_row() {
 }
 
 #[test]
+fn a_star_behind_an_arrow_stands_for_the_modules_without_a_row() {
+    assert_eq!(with_document("c -> b", "c -> *"), Vec::<String>::new());
+    // `a` has a row, so the star does not cover it; nothing else is imported.
+    let mut files = sound();
+    files.retain(|(path, _)| *path != format!("{LOW}/c.rs") && path != "ARCHITECTURE.md");
+    files.push((format!("{LOW}/c.rs"), "use crate::a::inner;\n".to_string()));
+    files.push(("ARCHITECTURE.md".to_string(), DOCUMENT.replace("c -> b", "c -> *")));
+    let found = problems(files.into_iter().map(|(path, text)| File { path, text }).collect());
+    assert!(found.iter().any(|line| line.contains("`c -> a` is not shown")), "{found:#?}");
+    assert!(found.iter().any(|line| line.contains("`c -> *` is shown, but")), "{found:#?}");
+}
+
+#[test]
 fn a_circle_is_reported_even_where_its_arrows_are_shown() {
     let mut files = sound();
     files.retain(|(path, _)| !path.ends_with("low/src/b.rs") && path != "ARCHITECTURE.md");

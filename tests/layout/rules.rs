@@ -6,7 +6,9 @@ use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 use landfall_light::accuracy::demand::{Demand, ProveRequest, Shown, prove};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
-use landfall_lint::{LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run};
+use landfall_lint::{
+    Check, LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run,
+};
 
 /// What an example needs besides its text; nearly all need nothing.
 #[derive(Default)]
@@ -71,7 +73,7 @@ fn path(text: &str) -> &'static str {
     }
 }
 
-/// What a run over the example finds.
+/// What a run over the example finds. A lint of one shader reports its own code, with help.
 fn found(lint: &Lint) -> Vec<Finding> {
     let Beside { settings, other } = beside(lint);
     let is_rust = lint.code.starts_with("rust-mirror");
@@ -81,6 +83,12 @@ fn found(lint: &Lint) -> Vec<Finding> {
     let all: Vec<(Source, ShaderLayout)> = own.into_iter().chain(other).collect();
     let subjects: Vec<Subject<'_>> =
         all.iter().map(|(source, shader)| Subject { source, options: &options, shader }).collect();
+    if let Check::Shader(check) | Check::Naga(check) = lint.check {
+        for finding in subjects.iter().flat_map(|subject| check(subject, &settings)) {
+            assert_eq!(finding.code, lint.code, "{finding:#?}");
+            assert!(finding.help.is_some(), "{finding:#?}");
+        }
+    }
     let mut found: Vec<Finding> =
         subjects.iter().flat_map(|subject| run::shader(subject, &settings)).collect();
     found.extend(run::tree(&subjects, &settings));
