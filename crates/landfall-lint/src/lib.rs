@@ -32,6 +32,7 @@ mod over_limit;
 mod push_constant_limit;
 mod registry;
 mod reorder_saves;
+mod row_major_matrix;
 mod rules_undeclared;
 pub mod rust_mirror;
 mod scalar_after_vec3;

@@ -32,6 +32,7 @@ pub const LINTS: &[&Lint] = &[
     &hazards::pow_of_zero::LINT,
     &super::push_constant_limit::LINT,
     &super::reorder_saves::LINT,
+    &super::row_major_matrix::LINT,
     &super::rules_undeclared::LINT,
     &super::rust_mirror::LINT,
     &super::rust_mirror::UNKNOWN,

@@ -4,6 +4,8 @@
 
 use snapbox::str;
 
+use landfall_layout::finding::Level;
+
 use crate::lints_b::{found, help, one, said, std140};
 use crate::support::command::golden;
 
@@ -114,6 +116,57 @@ fn a_mat2_is_padded_in_std140_only() {
     let finding = one("mat3-padding", "a.comp", &block("std140"));
     assert!(said(&finding).ends_with("32 bytes, where a packed `mat2` is 16"), "{finding:?}");
     assert_eq!(found("mat3-padding", "a.comp", &block("std430")), []);
+}
+
+/// OpenGL 4.6 §7.6.2.2, rule 7: R rows of C components. Column 1 of row 0 is one component after
+/// the start, row 1 of column 0 one row; a `mat4` by columns has the two exchanged.
+#[test]
+fn a_row_major_matrix_is_reported_with_the_bytes_of_two_elements() {
+    let finding = one("row-major-matrix", "a.frag", &std140("    layout(row_major) mat4 view;"));
+    assert_eq!(landfall_lint::lint("row-major-matrix").map(|lint| lint.level), Some(Level::Allow));
+    assert_eq!(
+        said(&finding),
+        "3:28 `view` is stored row-major: `view[1][0]` is 4 bytes after its start, `view[0][1]` \
+         16, so a column-major copy is read transposed"
+    );
+    assert_eq!(
+        help(&finding),
+        "declare `layout(column_major)` for `view`, or upload its transpose"
+    );
+    // By columns: by default, and by a qualifier that overrides the block's.
+    assert_eq!(found("row-major-matrix", "a.frag", &std140("    mat4 view;")), []);
+    let block =
+        std140("    layout(column_major) mat4 view; vec4 w[3];").replace("140", "140, row_major");
+    assert_eq!(found("row-major-matrix", "a.frag", &block), []);
+}
+
+#[test]
+fn row_major_is_followed_from_blocks_and_defaults_into_arrays_and_structures() {
+    // A `mat4x3` of doubles by rows: three rows of 32 bytes. A `mat2` by rows in std430: 8 apart.
+    let text = "#version 430 core
+layout(row_major) uniform;
+struct Bone { dmat4x3 pose; };
+layout(std140) uniform Bones { Bone bones[2]; };
+layout(std140) uniform Camera { layout(column_major) mat4 view; };
+layout(std430, row_major) buffer Warps { mat2 warps[]; };
+layout(std430) buffer Columns { Bone columns; };
+void main() {}
+";
+    let found = found("row-major-matrix", "a.comp", text);
+    let all: Vec<_> = found.iter().map(|finding| (said(finding), help(finding))).collect();
+    golden().eq(format!("{all:#?}"), str![[r#"
+[
+    (
+        "3:23 `pose` is stored row-major: `pose[1][0]` is 8 bytes after its start, `pose[0][1]` 32, so a column-major copy is read transposed",
+        "declare `layout(column_major)` for the member of block `Bones` that holds `pose`, or upload its transpose",
+    ),
+    (
+        "6:47 `warps` is stored row-major: `warps[0][1][0]` is 4 bytes after its start, `warps[0][0][1]` 8, so a column-major copy is read transposed",
+        "declare `layout(column_major)` for `warps`, or upload its transpose",
+    ),
+]
+"#]]);
+    assert_eq!(found[0].about, "Bone.pose");
 }
 
 #[test]
