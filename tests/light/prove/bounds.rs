@@ -123,3 +123,29 @@ fn affine_forms_are_tighter_than_intervals_where_operands_share_inputs() {
         assert!(width <= 0.55 * (loose_high - loose_low), "{code}: {range:?}");
     }
 }
+
+#[test]
+fn a_loop_that_is_not_followed_bounds_neither_its_result_nor_its_error() {
+    let code = "float f(float x) {
+    float sum = 0.0;
+    for (int i = 0; i < 1024; i++) sum += x;
+    return sum;
+}";
+    let request = ProveRequest {
+        pure: PureRequest { function: "f".to_string(), ..PureRequest::default() },
+        domain: Some(serde_json::json!({"x": [1, 2]})),
+        demands: vec![Demand::MaxUlp(1e6)],
+        time: Duration::from_secs(600),
+        parts: 1 << 8,
+        ..ProveRequest::default()
+    };
+    let report = prove(&fragment(code), &Options::default(), &request).expect("it is read");
+    assert!(report.error.is_none() && matches!(report.demands[0].1, Shown::Open));
+    let pure = PureFunction::new(&fragment(code), &Options::default(), &request.pure);
+    let whole = [Range { low: 1.0, high: 2.0 }];
+    let graph = pure.expect("it is read").graph(&whole, &[]).expect("it is a graph");
+    let mut bounds = Bounds::default();
+    graph.bounds(&whole, Arithmetic::Permitted, &mut bounds);
+    let range = bounds.results(&graph).next().expect("it returns a value");
+    assert!(range.low <= 1024.0 && 2048.0 <= range.high, "{range:?}");
+}

@@ -24,6 +24,10 @@ use crate::support::backends::with_readers;
 /// Lanes of a call; the notes of a run keep as many.
 const LANES: usize = 64;
 
+/// The most scalars of a function that drivers run: LLVM takes minutes for entry points whose blocks
+/// of a hundred lights are inputs.
+const MOST_ON_DRIVERS: usize = 256;
+
 /// A function with the box of its inputs.
 struct Function {
     name: String,
@@ -156,12 +160,14 @@ impl Function {
                 let name = backend.device().backend.name();
                 // OpenGL runs no WGSL.
                 let Ok(kernel) = kernel else { continue };
+                if self.whole.len() > MOST_ON_DRIVERS {
+                    continue;
+                }
                 // OpenGL specifies no accuracy of these; Mesa's are off by more than WGSL permits.
                 if name == "gl" && self.is_arc {
                     continue;
                 }
-                // LLVM takes minutes for entry points whose blocks are thousands of inputs.
-                let limit = Duration::from_secs(600);
+                let limit = Duration::from_secs(60);
                 let called = kernel.call(backend.as_mut(), &columns, LANES, limit);
                 let called = called.unwrap_or_else(|why| panic!("{}: {name}: {why}", self.name));
                 all.push((name, called.results));
@@ -290,7 +296,9 @@ fn no_value_of_two_thousand_expressions_and_two_hundred_functions_lies_outside()
         (0..125).map(|nth| sixteen(&mut random, 2 + nth % 3)).collect();
     let mut functions = written();
     functions.extend(of_shaders());
-    assert!(functions.len() >= 200, "{} functions", functions.len());
+    let on_drivers = functions.iter().filter(|known| known.whole.len() <= MOST_ON_DRIVERS).count();
+    println!("{} functions, {on_drivers} of them on drivers", functions.len());
+    assert!(on_drivers >= 200, "{on_drivers} functions on drivers");
     with_readers(|backends| {
         let compared = none_is_outside(&expressions, 12, backends);
         assert!(compared > 300_000, "{compared} values were compared");

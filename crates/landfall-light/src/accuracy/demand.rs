@@ -198,6 +198,8 @@ pub fn prove(
         };
         demands.push((demand, shown));
     }
+    // A bound of finite results says nothing of inputs where the result may be NaN or infinite.
+    let error = error.filter(|_| matches!(shown(Demand::NoNan, &proof, &writer), Shown::Shown));
     let within = domain.within.iter().map(|within| within.text());
     Ok(ProveReport {
         path: source.path.clone(),

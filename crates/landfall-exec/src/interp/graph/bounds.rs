@@ -107,9 +107,20 @@ impl Bounds {
         Some(self.seen(graph, node.guard, *id).into())
     }
 
-    /// Returns the values of the scalars of the results.
+    /// Whether all code that is reached in the box was followed.
+    pub fn is_complete(&self, graph: &Graph) -> bool {
+        let is_left = |site: &&Site| matches!(site.fault, Fault::Endless | Fault::Unfollowed);
+        !graph.sites.iter().filter(is_left).any(|site| self.is_possible(site))
+    }
+
+    /// Returns the values of the scalars of the results; any, where some code was not followed.
     pub fn results<'a>(&'a self, graph: &'a Graph) -> impl Iterator<Item = Range> + 'a {
-        graph.results.iter().map(|&id| self.values[id as usize].into())
+        let is_complete = self.is_complete(graph);
+        let value = move |&id: &NodeId| match is_complete {
+            true => self.values[id as usize],
+            false => exact::ALL,
+        };
+        graph.results.iter().map(move |id| value(id).into())
     }
 
     /// Computes a node from its operands as they are known under a guard.

@@ -61,6 +61,9 @@ impl Graph {
     /// Returns a bound of the absolute error of each result, in the box that was evaluated with the
     /// arithmetic of the rounding; infinite where none is known.
     pub fn errors(&self, bounds: &Bounds, rounding: Rounding) -> Vec<f64> {
+        if !bounds.is_complete(self) {
+            return vec![f64::INFINITY; self.results.len()];
+        }
         let locals: Vec<f64> =
             (0..self.nodes.len() as NodeId).map(|id| self.local(bounds, rounding, id)).collect();
         let of = |&result: &NodeId| {
