@@ -1,9 +1,7 @@
 //! No value of the interpreter or of a driver lies outside of its bounds: random expressions, the
 //! functions with known singular sets, and the functions of the repository's shaders.
 //!
-//! Needs drivers; a missing one fails. The whole set takes minutes:
-//!
-//!     cargo test --features full --test light prove::devices -- --ignored --nocapture
+//! Needs drivers; a missing one fails.
 
 use std::path::Path;
 use std::time::Duration;
@@ -278,18 +276,6 @@ fn none_is_outside(functions: &[Function], seed: u64, backends: &mut [Box<dyn Ba
 }
 
 #[test]
-fn no_value_of_any_backend_lies_outside_of_its_bounds() {
-    let mut random = Random(9);
-    let mut functions: Vec<Function> =
-        (0..4).map(|nth| sixteen(&mut random, 2 + nth % 3)).collect();
-    functions.extend(written().into_iter().step_by(12));
-    let compared = with_readers(|backends| none_is_outside(&functions, 10, backends));
-    assert!(compared > 20_000, "{compared} values were compared");
-}
-
-/// The drivers compile hundreds of functions, which takes minutes.
-#[test]
-#[ignore = "takes minutes"]
 fn no_value_of_two_thousand_expressions_and_two_hundred_functions_lies_outside() {
     let mut random = Random(11);
     let expressions: Vec<Function> =
