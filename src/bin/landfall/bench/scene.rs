@@ -129,8 +129,29 @@ pub fn bench(
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
     let about = About { subject, truth: truth_text(args), unit: Unit::Fragment, size, files };
     let requested = backends::requested(&args.backend);
+    let uploads = uploads(args, &requested, &variants, &renderers, &stages);
+    let entries = entries(args, &variants, &uploads, &stages);
+    Ok(Some(measured(about, entries, args, streams)))
+}
+
+/// A shader variant with its bindings on some backends.
+struct ShaderUpload<'a> {
+    variant: &'a str,
+    floats: Floats,
+    backends: &'a [BackendName],
+    uploaded: Result<Uploaded<'a>, String>,
+}
+
+/// Binds the shader variants, those with a plan for each backend.
+fn uploads<'a>(
+    args: &BenchArgs,
+    requested: &'a [BackendName],
+    variants: &'a [(String, VariantKind)],
+    renderers: &'a [Option<Renderer>],
+    stages: &[&'a Stage],
+) -> Vec<ShaderUpload<'a>> {
     let mut uploads = Vec::new();
-    for (((variant, what), renderer), stage) in variants.iter().zip(&renderers).zip(&stages) {
+    for (((variant, what), renderer), stage) in variants.iter().zip(renderers).zip(stages) {
         let (VariantKind::Shader(_, floats, plan), Some(renderer)) = (what, renderer) else {
             continue;
         };
@@ -148,16 +169,7 @@ pub fn bench(
             uploads.push(ShaderUpload { variant, floats: *floats, backends, uploaded });
         }
     }
-    let entries = entries(args, &variants, &uploads, &stages);
-    Ok(Some(measured(about, entries, args, streams)))
-}
-
-/// A shader variant with its bindings on some backends.
-struct ShaderUpload<'a> {
-    variant: &'a str,
-    floats: Floats,
-    backends: &'a [BackendName],
-    uploaded: Result<Uploaded<'a>, String>,
+    uploads
 }
 
 /// Refuses a scene without fragments, of which nothing can be measured.
