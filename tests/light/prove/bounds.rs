@@ -92,24 +92,63 @@ fn a_limit_of_the_error_is_shown_or_not() {
     assert!(matches!(run(Demand::MaxStep(0.01))[..], [Shown::Shown]));
 }
 
-/// Differences of values that share inputs: the function, the box of its inputs, its range by hand,
-/// and the range by intervals, which take each operand as independent.
-const SHARED: [(&str, [[f64; 2]; 2], [f64; 2], [f64; 2]); 5] = [
-    ("(x + y) - x", [[0.0, 16.0], [1.0, 2.0]], [1.0, 2.0], [-15.0, 18.0]),
-    ("x - 0.5 * (x + y)", [[0.0, 1.0], [0.0, 1.0]], [-0.5, 0.5], [-1.0, 1.0]),
-    ("x * (10.0 - x) + y", [[4.0, 6.0], [0.0, 0.0]], [24.0, 25.0], [16.0, 36.0]),
-    ("x * x - 2.0 * x + y", [[0.9, 1.1], [0.0, 0.0]], [-1.0, -0.99], [-1.39, -0.59]),
-    ("(x + y) * (x - y) - x * x", [[3.0, 3.5], [0.0, 0.5]], [-0.25, 0.0], [-4.75, 5.0]),
+/// The difference of values that share inputs.
+struct Shared {
+    code: &'static str,
+    x: [f64; 2],
+    y: [f64; 2],
+    /// Its range, by hand.
+    exact: [f64; 2],
+    /// Its range by intervals, which take each operand as independent.
+    independent: [f64; 2],
+}
+
+const SHARED: [Shared; 5] = [
+    Shared {
+        code: "(x + y) - x",
+        x: [0.0, 16.0],
+        y: [1.0, 2.0],
+        exact: [1.0, 2.0],
+        independent: [-15.0, 18.0],
+    },
+    Shared {
+        code: "x - 0.5 * (x + y)",
+        x: [0.0, 1.0],
+        y: [0.0, 1.0],
+        exact: [-0.5, 0.5],
+        independent: [-1.0, 1.0],
+    },
+    Shared {
+        code: "x * (10.0 - x) + y",
+        x: [4.0, 6.0],
+        y: [0.0, 0.0],
+        exact: [24.0, 25.0],
+        independent: [16.0, 36.0],
+    },
+    Shared {
+        code: "x * x - 2.0 * x + y",
+        x: [0.9, 1.1],
+        y: [0.0, 0.0],
+        exact: [-1.0, -0.99],
+        independent: [-1.39, -0.59],
+    },
+    Shared {
+        code: "(x + y) * (x - y) - x * x",
+        x: [3.0, 3.5],
+        y: [0.0, 0.5],
+        exact: [-0.25, 0.0],
+        independent: [-4.75, 5.0],
+    },
 ];
 
 #[test]
 fn affine_forms_are_tighter_than_intervals_where_operands_share_inputs() {
-    for (code, domain, [low, high], [loose_low, loose_high]) in SHARED {
+    for Shared { code, x, y, exact: [low, high], independent } in SHARED {
         let request = PureRequest { function: "f".to_string(), ..PureRequest::default() };
         let text = format!("float f(float x, float y) {{ return {code}; }}");
         let pure = PureFunction::new(&fragment(&text), &Options::default(), &request)
             .unwrap_or_else(|refusal| panic!("{code}: {:?}", refusal.found));
-        let whole = domain.map(|ends| {
+        let whole = [x, y].map(|ends| {
             let [low, high] = ends.map(|end| f64::from(end as f32));
             Range { low, high }
         });
@@ -120,7 +159,7 @@ fn affine_forms_are_tighter_than_intervals_where_operands_share_inputs() {
         println!("{code}: [{}, {}], by hand [{low}, {high}]", range.low, range.high);
         assert!(range.low <= low + 1e-5 && high - 1e-5 <= range.high, "{code}: {range:?}");
         let width = range.high - range.low;
-        assert!(width <= 0.55 * (loose_high - loose_low), "{code}: {range:?}");
+        assert!(width <= 0.55 * (independent[1] - independent[0]), "{code}: {range:?}");
     }
 }
 
