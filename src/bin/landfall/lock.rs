@@ -125,7 +125,7 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
-        given::record(&shader.files);
+        given::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let text = if shader.has_errors() {
             None
