@@ -11,4 +11,5 @@ mod findings;
 mod fix;
 mod lints_a;
 mod lints_b;
+mod precision;
 mod stated;

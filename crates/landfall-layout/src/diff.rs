@@ -4,7 +4,8 @@
 //! [`diff`] is a pure function from [`BlockLayout`]s to [`Change`]s. `pair` matches blocks,
 //! `leaves` compares bytes, `describe` groups its facts into one line per change, `block`
 //! compares the rest. Input comes from shaders and [`locks`](crate::lock); output goes to
-//! [`format`](mod@crate::format) and the lint `layout-drift`.
+//! [`format`](mod@crate::format) and the lint `layout-drift`. `policy` has the changes that a
+//! project may forbid.
 //!
 //! The classes follow from the bytes alone. Every array element of the old block has a path, an
 //! offset and a type (with matrix stride and majorness). It is *in place* if the new block has
@@ -19,10 +20,13 @@ mod describe;
 mod elements;
 mod leaves;
 mod pair;
+mod policy;
 
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
 use crate::source::Language;
+
+pub use policy::Policy;
 
 /// The effect of a change on bytes uploaded for the old layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

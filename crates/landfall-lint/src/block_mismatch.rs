@@ -14,7 +14,7 @@ use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;
-use program::{Program, program};
+use program::{Program, base_name, program};
 
 pub(super) const LINT: Lint = Lint {
     code: "block-mismatch",
@@ -24,13 +24,14 @@ pub(super) const LINT: Lint = Lint {
           the program does not link. Two declarations count as copies of one block in three cases. \
           Stages of one program (same directory, same file name except for the stage): blocks of \
           one name, and uniform blocks of one group and binding that read a byte differently. \
-          Files of one directory: blocks of one name, slot and layout rules that share at least \
-          three members and two thirds of all members, by name and type; with fewer in common they \
-          are two blocks that happen to be called `Params`. Mirror groups of the configuration: \
-          the blocks they name, in any file. A copy that declares only the first members of \
-          another is accepted between programs, and in Vulkan, but does not link in OpenGL. Blocks \
-          of one name in different directories are not compared: collections of samples are full \
-          of them.",
+          Files that belong together (same directory and base name, or both include one file that \
+          declares a block, or one includes the other): blocks of one name, slot and layout rules \
+          that share at least three members and two thirds of all members, by name and type; with \
+          fewer in common they are two blocks that happen to be called `Params`. Mirror groups of \
+          the configuration: the blocks they name, in any file. A copy that declares only the \
+          first members of another is accepted between programs, and in Vulkan, but does not link \
+          in OpenGL. Blocks of one name in other files are not compared, not even in one \
+          directory: collections of samples are full of them.",
     example: "#version 330 core\n\
               // The vertex shader next to it declares `color` before `position`.\n\
               layout(std140) uniform Light { vec3 position; vec3 color; } u_light;\n\
@@ -56,6 +57,13 @@ struct Copy<'a> {
 }
 
 impl Copy<'_> {
+    /// The file and the byte of the declaration.
+    fn declared_at(&self) -> (&str, u32) {
+        let span = self.block.span;
+        let file = self.subject.shader.files.get(span.file);
+        (file.map_or("", |file| &*file.path), span.start)
+    }
+
     fn view(&self) -> View<'_> {
         view(self.block, self.subject.shader.language)
     }
@@ -63,7 +71,7 @@ impl Copy<'_> {
 
 fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut found = by_program(subjects);
-    found.extend(by_directory(subjects));
+    found.extend(by_family(subjects));
     found.extend(mirrors::check(subjects, settings));
     let mut kept: Vec<Finding> = Vec::new();
     for finding in found {
@@ -94,21 +102,17 @@ pub(super) fn keys<'a>(
     block: &'a BlockLayout,
 ) -> impl Iterator<Item = String> {
     let bound = matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage);
-    let path = shader.path.replace('\\', "/");
-    let directory = path.rsplit_once('/').map_or("", |(directory, _)| directory).to_string();
     let (space, slot) = (block.space.name(), (block.group, block.binding));
-    let beside = format!(
-        "{directory} {} {} {space} {} {slot:?}",
-        shader.language.name(),
-        block.name,
-        block.rules.name()
-    );
+    let (language, rules) = (shader.language.name(), block.rules.name());
+    let related = families(shader).into_iter().map(move |family| {
+        format!("{family:?} {language} {} {space} {rules} {slot:?}", block.name)
+    });
     let program = program(shader);
     let linked = program.as_ref().map(|program| format!("{program:?} {} {space}", block.name));
     let shared = program.zip(block.binding).filter(|_| block.space == AddressSpace::Uniform);
     let shared = shared
         .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
-    [Some(beside), linked, shared].into_iter().flatten().filter(move |_| bound)
+    related.chain(linked).chain(shared).filter(move |_| bound)
 }
 
 fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
@@ -152,25 +156,47 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
     found
 }
 
-fn by_directory(subjects: &[Subject<'_>]) -> Vec<Finding> {
-    type Key<'a> = (String, &'a str, &'a str, &'a str, &'a str, Option<u32>, Option<u32>);
+/// What makes a file one of several that are written for each other.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Family {
+    /// A directory, and a file name without the stage.
+    BaseName(String, String),
+    /// The file itself, or one that it includes and that declares one of its blocks.
+    File(String),
+}
+
+fn families(shader: &ShaderLayout) -> Vec<Family> {
+    let (directory, name) = base_name(&shader.path);
+    let files = &shader.files;
+    let declares = |file: u32| shader.blocks.iter().any(|block| block.span.file == file);
+    let included = (1u32..).zip(files.iter().skip(1)).filter(|(at, _)| declares(*at));
+    let mut found = vec![Family::BaseName(directory, name)];
+    found.push(Family::File(shader.path.replace('\\', "/")));
+    found.extend(included.map(|(_, file)| Family::File(file.path.replace('\\', "/"))));
+    found
+}
+
+fn by_family(subjects: &[Subject<'_>]) -> Vec<Finding> {
+    type Key<'a> = (Family, &'a str, &'a str, &'a str, &'a str, Option<u32>, Option<u32>);
     let mut groups: BTreeMap<Key<'_>, Vec<Copy<'_>>> = BTreeMap::new();
-    for copy in copies(subjects) {
-        let path = copy.subject.source.path.replace('\\', "/");
-        let directory = path.rsplit_once('/').map_or("", |(directory, _)| directory);
-        let block = copy.block;
-        let key = (
-            directory.to_string(),
-            copy.subject.shader.language.name(),
-            &*block.name,
-            block.space.name(),
-            block.rules.name(),
-            block.group,
-            block.binding,
-        );
-        groups.entry(key).or_default().push(copy);
+    for subject in subjects {
+        let families = families(subject.shader);
+        for copy in copies(std::slice::from_ref(subject)) {
+            let block = copy.block;
+            let (language, space) = (subject.shader.language.name(), block.space.name());
+            for family in &families {
+                let (rules, name) = (block.rules.name(), &*block.name);
+                let key =
+                    (family.clone(), language, name, space, rules, block.group, block.binding);
+                groups.entry(key).or_default().push(copy);
+            }
+        }
     }
     let relation = |a: &Copy<'_>, b: &Copy<'_>| {
+        // One declaration that two programs compile with other macros is no copy.
+        if a.declared_at() == b.declared_at() {
+            return Relation::Same;
+        }
         let (here, there) = (a.view(), b.view());
         let shared = shared(&here, &there);
         let most = here.leaves.len().max(there.leaves.len());

@@ -3,7 +3,7 @@
 //! The only lint that lays a shader out again: once for each permutation in the settings that names
 //! a macro occurring in its files.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
@@ -11,7 +11,7 @@ use super::show::full_listing;
 use landfall_layout::finding::{Finding, Level, Place};
 pub use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
-use landfall_layout::source::{Language, Span};
+use landfall_layout::source::Language;
 use landfall_layout::{Severity, ShaderLayout};
 
 pub(super) const LINT: Lint = Lint {
@@ -98,8 +98,10 @@ fn permutation_name(macros: &[(String, String)]) -> String {
 struct Change {
     /// The difference, with both numbers.
     text: String,
-    /// The span of the member that differs.
-    span: Option<Span>,
+    /// The place of the member that differs; `None` if only the size does.
+    place: Option<Place>,
+    /// The first member that only the other layout has, if another one is the first to differ.
+    added: Option<(Place, String)>,
     /// The listing of the other layout.
     listing: Option<String>,
 }
@@ -110,16 +112,22 @@ fn change(
     other: &BlockLayout,
     shader: &ShaderLayout,
 ) -> Option<Change> {
-    let (text, span) = first_difference(subject, block, other)?;
-    Some(Change { text, span, listing: full_listing(shader, other) })
+    let (text, place) = first_difference(subject, block, other, shader)?;
+    let known: FxHashSet<&str> = block.leaves.iter().map(|leaf| &*leaf.path).collect();
+    let added = other.leaves.iter().find(|leaf| !known.contains(&*leaf.path));
+    let added = added.map(|leaf| (Place::of(&shader.files, leaf.span), leaf.path.clone()));
+    let added = added.filter(|(at, _)| Some(at) != place.as_ref());
+    Some(Change { text, place, added, listing: full_listing(shader, other) })
 }
 
 fn first_difference(
     subject: &Subject<'_>,
     block: &BlockLayout,
     other: &BlockLayout,
-) -> Option<(String, Option<Span>)> {
+    shader: &ShaderLayout,
+) -> Option<(String, Option<Place>)> {
     let language = subject.shader.language;
+    let at = |leaf: &Leaf| Some(Place::of(&subject.shader.files, leaf.span));
     let by_path = |block: &'_ BlockLayout| -> FxHashMap<String, usize> {
         let paths = block.leaves.iter().enumerate();
         paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
@@ -127,16 +135,17 @@ fn first_difference(
     let there = by_path(other);
     for leaf in &block.leaves {
         let Some(there) = there.get(&leaf.path).map(|&index| &other.leaves[index]) else {
-            return Some((format!("`{}` is gone", leaf.path), Some(leaf.span)));
+            return Some((format!("`{}` is gone", leaf.path), at(leaf)));
         };
         if let Some(text) = differs(leaf, there, language) {
-            return Some((format!("`{}` {text}", leaf.path), Some(leaf.span)));
+            return Some((format!("`{}` {text}", leaf.path), at(leaf)));
         }
     }
     let here = by_path(block);
     if let Some(new) = other.leaves.iter().find(|new| !here.contains_key(&new.path)) {
-        let at = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();
-        return Some((format!("`{}` is added{at}", new.path), None));
+        let offset = new.offset.map(|offset| format!(" at {offset}")).unwrap_or_default();
+        let place = Place::of(&shader.files, new.span);
+        return Some((format!("`{}` is added{offset}", new.path), Some(place)));
     }
     let (old, new) = (block.size?, other.size?);
     (old != new).then(|| (format!("it is {new} bytes instead of {old}"), None))
@@ -175,7 +184,7 @@ fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &s
     let files = &subject.shader.files;
     let message =
         format!("the layout of block `{}` changes under `{name}`: {}", block.name, change.text);
-    let place = Place::of(files, change.span.unwrap_or(block.span));
+    let place = change.place.clone().unwrap_or_else(|| Place::of(files, block.span));
     let mut finding = Finding::of(LINT.code, &*block.name, place, message)
         .with_text(change.text.clone())
         .with_note(sizes(block, name))
@@ -184,7 +193,11 @@ fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &s
              a block of their own",
         );
     finding.listing = change.listing.clone();
-    if change.span.is_some() {
+    if let Some((place, path)) = &change.added {
+        finding =
+            finding.with_label(place.clone(), format!("`{path}` is there only with `{name}`"));
+    }
+    if change.place.is_some() {
         finding = finding.with_label(Place::of(files, block.span), "the block");
     }
     finding

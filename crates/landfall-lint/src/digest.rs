@@ -205,7 +205,7 @@ mod tests {
             digest(&layout(&Source::new(path, text), &Options::default()))
         };
         let shaders =
-            [at("x/a.frag", "vec3 a;"), at("y/a.frag", "vec4 a;"), at("y/b.frag", "mat4 a;")];
+            [at("x/a.frag", "vec3 a;"), at("y/a.frag", "vec4 a;"), at("y/a.vert", "mat4 a;")];
         assert_eq!(concerned_of(&shaders, &Settings::default()), [1, 2]);
     }
 

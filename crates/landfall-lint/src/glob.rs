@@ -9,7 +9,7 @@
 const MOST_ALTERNATIVES: usize = 256;
 
 /// Returns whether a path matches a pattern.
-pub(super) fn matches(pattern: &str, path: &str) -> bool {
+pub fn matches(pattern: &str, path: &str) -> bool {
     let pattern = pattern.trim().trim_start_matches("./");
     if pattern.is_empty() {
         return true;

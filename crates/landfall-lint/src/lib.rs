@@ -22,7 +22,7 @@ mod define_changes_layout;
 mod definition;
 pub mod drift;
 pub mod driver_disagrees;
-mod glob;
+pub mod glob;
 pub mod hazards;
 mod layout_drift;
 pub mod levels;

@@ -10,7 +10,7 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::{listing, place};
 use checks::{CorrectNumber, counted_from, may_be_content, other_unit};
-use claims::{Claim, claims};
+use claims::{Claim, claims, is_about_padding, is_code};
 use columns::Row;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::MemberLayout;
@@ -30,8 +30,8 @@ pub(super) const LINT: Lint = Lint {
           padding. Bare numbers are read as columns only where a line above names them, or where \
           they fit most members. A comment in a structure that blocks of different rules use is \
           reported when it is wrong in all of them and one number is right in all. Blocks without \
-          declared rules, members behind an `#if`, and comments about other rules, the host or the \
-          past are skipped.",
+          declared rules, members behind an `#if`, and comments about other rules, padding, the host or \
+          the past are skipped, and so are commented-out members and listings.",
     example: "#version 330 core\n\
               struct PointLight {\n    \
               vec3 pos;        // alignment:16 offset:0\n    \
@@ -157,6 +157,10 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
                 add(&mut read, owner, member, index, comment, text);
                 continue;
             }
+            // The row of the bytes before this member.
+            if is_about_padding(line(files, comment)) {
+                continue;
+            }
             // A line of its own right below a comment, at the same column, goes on with that one.
             if let Some(tail) = tail.as_mut().filter(|tail| goes_on(files, tail.comment, comment)) {
                 tail.comment = comment;
@@ -176,6 +180,14 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
         }
     }
     read
+}
+
+/// The line that a comment begins on.
+fn line(files: &Files, comment: Span) -> &str {
+    let text = files.get(comment.file).map_or("", |file| &*file.text);
+    let start = comment.start as usize;
+    let from = text[..start].rfind('\n').map_or(0, |at| at + 1);
+    text[from..].lines().next().unwrap_or("")
 }
 
 struct Tail {
@@ -269,7 +281,12 @@ fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
         return Vec::new();
     }
     let mut found = Vec::new();
-    let around = comments.spans.iter().map(|&span| (span, false));
+    // A listing, or code, that stands above the declaration in comments.
+    let files = &subject.shader.files;
+    let before = |span: &Span| span.start < owner.span.start;
+    let is_listing = comments.spans.iter().any(|span| before(span) && is_code(files.text(*span)));
+    let about = comments.spans.iter().filter(|span| !(is_listing && before(span)));
+    let around = about.map(|&span| (span, false));
     for (span, last) in around.chain(comments.last.iter().map(|&span| (span, true))) {
         for claim in claims(subject.shader.files.text(span), &owner.name, rules(owner)) {
             // Behind the last member `// 4 bytes` is as likely the padding.

@@ -19,7 +19,8 @@ pub(super) const LINT: Lint = Lint {
           small: browsers refuse the draw, and wgpu refuses the WGSL binding on WebGL. Only \
           reported with the target `webgl2`, because elsewhere a WGSL block of 12 bytes is fine, \
           and only as a warning, because the buffer may be large enough; a table in the \
-          configuration with a sufficient size silences it.",
+          configuration with a sufficient size silences it. Said once a file, at the first such \
+          block; the others are named with it.",
     example: "#version 300 es\n\
               // Checked with `--target webgl2`.\n\
               precision highp float;\n\
@@ -41,7 +42,20 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         .filter(|block| !block.gathered)
         .filter(|block| !is_made_large_enough(subject, block, settings))
         .filter_map(|block| short(subject, block))
-        .collect()
+        .fold(Vec::new(), once_a_file)
+}
+
+/// Adds a finding; one of a file that has one already becomes a label of that.
+fn once_a_file(mut found: Vec<Finding>, next: Finding) -> Vec<Finding> {
+    match found.iter().position(|known| known.place().path == next.place().path) {
+        None => found.push(next),
+        Some(at) => {
+            let (label, text) = (next.place().clone(), format!("{} too", next.message));
+            let known = found.swap_remove(at);
+            found.push(known.with_label(label, text));
+        }
+    }
+    found
 }
 
 fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {

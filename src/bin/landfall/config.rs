@@ -12,6 +12,7 @@ mod toml;
 mod unused;
 
 use landfall_layout::diagnostic::Code;
+use landfall_layout::diff::Policy;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -63,6 +64,10 @@ pub struct Config {
     said_api: bool,
     /// New names for mirrors, of `[rename]`.
     pub rename: Vec<(String, String)>,
+    /// The policy for changes of layouts, if set.
+    policy: Option<Policy>,
+    /// Policies for some files, as globs; a later one takes precedence.
+    path_policies: Vec<(String, Policy)>,
     /// The settings of lints.
     pub settings: Settings,
 }
@@ -134,6 +139,13 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         gather: keys.bool("gather").unwrap_or(false),
         said_api: api.is_some(),
         rename: renames(keys),
+        policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
+        path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
+            let (file, policy) = (keys.needed("file"), keys.needed("policy"));
+            let known = keys.choice("policy", &Policy::ALL.map(Policy::name));
+            let glob = lints::glob(keys, "file", &root);
+            file.zip(policy).and(known).and_then(Policy::from_name).map(|policy| (glob, policy))
+        }),
         settings,
         root,
     }
@@ -210,6 +222,14 @@ impl Config {
     /// The directory of locks.
     pub fn locks(&self, named: Option<&Path>) -> PathBuf {
         self.explicit_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
+    }
+
+    /// The policy for changes of a shader's layout.
+    pub fn policy_of(&self, shader: &Path) -> Option<Policy> {
+        let path = slashes(shader);
+        let rows = self.path_policies.iter().rev();
+        let row = rows.into_iter().find(|(file, _)| landfall_lint::glob::matches(file, &path));
+        row.map(|(_, policy)| *policy).or(self.policy)
     }
 
     /// A writer for a directory. It follows no link out of the project, or out of the directory if

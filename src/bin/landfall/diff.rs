@@ -4,11 +4,12 @@ mod side;
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::diff::{BlockDiff, Class, Side as Blocks, diff, verdict};
+use landfall_layout::diff::{BlockDiff, Class, Policy, Side as Blocks, diff, verdict};
 use landfall_layout::file::Written;
-use landfall_layout::format::diff::{Compared, Width, human, json, markdown, summary};
+use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
 use landfall_layout::{Error, ShaderLayout, lock};
 
+use crate::approvals::{self, Approvals};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -44,10 +45,26 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let found: Vec<Vec<BlockDiff>> =
         pairs.iter().map(|pair| diff(Blocks::of(&pair.old), Blocks::of(&pair.new))).collect();
-    let compared: Vec<Compared<'_>> = pairs
+    let approvals = Approvals::open(&config.locks(None))?;
+    let judged: Vec<Option<(Policy, Vec<Vec<Verdict>>)>> = pairs
         .iter()
         .zip(&found)
-        .map(|(pair, blocks)| Compared { name: &pair.name, old: &pair.old, new: &pair.new, blocks })
+        .map(|(pair, blocks)| {
+            let policy = approvals::policy(args.policy, &config, Path::new(&pair.file));
+            let policy = policy.filter(|_| !args.breaking)?;
+            Some((policy, approvals.judge(policy, &pair.key(&config), blocks)))
+        })
+        .collect();
+    let compared: Vec<Compared<'_>> = pairs
+        .iter()
+        .zip(found.iter().zip(&judged))
+        .map(|(pair, (blocks, judged))| Compared {
+            name: &pair.name,
+            old: &pair.old,
+            new: &pair.new,
+            blocks,
+            judged: judged.as_ref().map(|(policy, verdicts)| (*policy, verdicts.as_slice())),
+        })
         .collect();
     print(args, &compared, streams)?;
     if args.accept && !failed {
@@ -56,12 +73,15 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         return Ok(Outcome::Clean);
     }
-    let worst = found.iter().filter_map(|blocks| verdict(blocks)).max();
     let least = if args.breaking { Class::Breaking } else { Class::Cosmetic };
-    Ok(match worst {
-        _ if failed => Outcome::CouldNot,
-        Some(class) if class >= least => Outcome::Findings,
-        Some(_) | None => Outcome::Clean,
+    let is_finding = |compared: &Compared<'_>| match compared.judged {
+        Some((_, verdicts)) => verdicts.iter().flatten().any(|one| *one == Verdict::Forbidden),
+        None => verdict(compared.blocks).is_some_and(|class| class >= least),
+    };
+    Ok(match failed {
+        true => Outcome::CouldNot,
+        false if compared.iter().any(is_finding) => Outcome::Findings,
+        false => Outcome::Clean,
     })
 }
 
@@ -99,6 +119,8 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
 /// One shader on both sides.
 struct Pair {
     name: String,
+    /// The path of the shader, in the work tree if it is there.
+    file: String,
     old: ShaderLayout,
     new: ShaderLayout,
 }
@@ -110,9 +132,21 @@ impl Pair {
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
         Some(Pair {
             name: shader.unwrap_or(like).layout.path.clone(),
+            file: [new, old]
+                .into_iter()
+                .flatten()
+                .find_map(|entry| entry.shader.clone())
+                .unwrap_or_else(|| like.layout.path.clone()),
             old: old.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
             new: new.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
         })
+    }
+}
+
+impl Pair {
+    /// The path by which approvals name the shader.
+    fn key(&self, config: &Config) -> String {
+        config.root.below(Path::new(&self.name)).unwrap_or_else(|| self.file.clone())
     }
 }
 

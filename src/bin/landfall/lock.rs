@@ -6,10 +6,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use landfall_layout::diff::{Side, diff};
 use landfall_layout::file::{FileWriter, Written};
+use landfall_layout::format::diff::Verdict;
+use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Options, Severity, lock};
+use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock};
 
+use crate::approvals::{self, Approval, Approvals};
 use crate::args::LockArgs;
 use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
@@ -35,6 +39,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         options: config.options(&args.read.text, &args.read.defines),
         style: streams.style(FindingForm::Human),
         writer: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        approvals: Approvals::open(&config.locks(args.locks.as_deref()))?,
         excluded: AtomicUsize::new(0),
     };
     if args.paths.is_empty() {
@@ -61,6 +66,11 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.warn_of_unused_patterns(args.paths.is_empty(), streams);
     }
     tally.orphans(&job, &searched, streams);
+    if !tally.approved.is_empty() {
+        let count = counted(tally.approved.len(), "change");
+        job.approvals.add(std::mem::take(&mut tally.approved), &job.writer)?;
+        streams.notes(&format!("approved {count}\n"));
+    }
     tally.finish(args, streams)
 }
 
@@ -71,6 +81,7 @@ struct Job<'a> {
     options: Options,
     style: FindingStyle,
     writer: FileWriter,
+    approvals: Approvals,
     /// Number of shaders excluded by the configuration.
     excluded: AtomicUsize,
 }
@@ -82,6 +93,10 @@ struct Done {
     /// The up-to-date lock; `None` if the shader could not be laid out.
     text: Option<String>,
     findings: String,
+    /// Whether a policy forbids its changes.
+    forbidden: bool,
+    /// The changes that were approved.
+    approved: Vec<Approval>,
 }
 
 impl work::Weighed for Done {
@@ -106,6 +121,8 @@ impl Job<'_> {
             target,
             text: None,
             findings: self.style.text(&[found], &Files::default()),
+            forbidden: false,
+            approved: Vec::new(),
         };
         let input = match input {
             Ok(input) => input,
@@ -127,19 +144,70 @@ impl Job<'_> {
         };
         given::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
+        let mut judged = Judged::default();
         let text = if shader.has_errors() {
             None
         } else {
             match old(&target, self.args.force) {
-                Ok(old) => Some(lock::renew(&shader, old.as_ref())),
+                Ok(old) => {
+                    judged = self.judge(&input.path, old.as_ref(), &shader);
+                    findings.push_str(&judged.findings);
+                    Some(lock::renew(&shader, old.as_ref()))
+                }
                 Err(error) => {
                     findings.push_str(&self.style.text(&[error.into()], &Files::default()));
                     None
                 }
             }
         };
-        Done { target: Some(target), text, findings }
+        let Judged { forbidden, approved, .. } = judged;
+        Done { target: Some(target), text, findings, forbidden, approved }
     }
+
+    /// Compares a shader with its lock under the policy that holds for it.
+    fn judge(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> Judged {
+        let mut judged = Judged::default();
+        let path = read::named(path, &self.args.read);
+        let policy = approvals::policy(self.args.policy, self.config, &path);
+        let (Some(policy), Some(old), false) = (policy, old, self.args.check) else {
+            return judged;
+        };
+        let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
+        let old = old.layout();
+        let blocks = diff(Side::of(&old), Side::of(shader));
+        let verdicts = self.approvals.judge(policy, &key, &blocks);
+        for (block, verdicts) in blocks.iter().zip(verdicts) {
+            for (change, verdict) in block.changes.iter().zip(verdicts) {
+                if verdict != Verdict::Forbidden {
+                    continue;
+                }
+                if let Some(reason) = &self.args.approve {
+                    judged.approved.push(Approval::of(&key, block, change, reason));
+                    continue;
+                }
+                judged.forbidden = true;
+                let message = format!(
+                    "policy `{}` forbids a change of block `{}`: {}",
+                    policy.name(),
+                    block.name,
+                    change.message
+                );
+                let found = Error::new(path.display().to_string(), message)
+                    .with_help("undo it, or approve it with `landfall lock --approve REASON`");
+                let found = Diagnostic { code: Code::PolicyForbids, ..found.into() };
+                judged.findings.push_str(&self.style.text(&[found], &Files::default()));
+            }
+        }
+        judged
+    }
+}
+
+/// What a policy says of the changes of one shader.
+#[derive(Default)]
+struct Judged {
+    forbidden: bool,
+    approved: Vec<Approval>,
+    findings: String,
 }
 
 /// The existing lock. One that cannot be parsed is replaced; one of a newer landfall and a file
@@ -168,6 +236,10 @@ struct Tally {
     unchanged: usize,
     changed: usize,
     pruned: usize,
+    /// Locks that were kept because a policy forbids the change.
+    kept: usize,
+    /// The changes that were approved.
+    approved: Vec<Approval>,
     failed: bool,
 }
 
@@ -188,7 +260,9 @@ impl Tally {
             self.failed = true;
             return Ok(());
         };
-        if job.args.check {
+        if done.forbidden {
+            self.kept += 1;
+        } else if job.args.check {
             let stale = match read::file(&target) {
                 Some(there) if there == text.as_bytes() => {
                     self.unchanged += 1;
@@ -203,7 +277,10 @@ impl Tally {
             say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
             match job.writer.write(&target, &text) {
-                Ok(Written::Changed) => self.changed += 1,
+                Ok(Written::Changed) => {
+                    self.changed += 1;
+                    self.approved.extend(done.approved);
+                }
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {
                     self.failed = true;
@@ -257,13 +334,16 @@ impl Tally {
             false => ("written", "removed"),
         };
         let mut text = format!("{} {did}, {} unchanged", locks(self.changed), self.unchanged);
+        if self.kept > 0 {
+            text.push_str(&format!(", {} kept by policy", self.kept));
+        }
         if self.pruned > 0 {
             text.push_str(&format!(", {} {removed}", self.pruned));
         }
         streams.notes(&(text + "\n"));
         Ok(if self.failed {
             Outcome::CouldNot
-        } else if args.check && self.changed + self.pruned > 0 {
+        } else if self.kept > 0 || args.check && self.changed + self.pruned > 0 {
             Outcome::Findings
         } else {
             Outcome::Clean

@@ -122,10 +122,10 @@ fn the_odd_one_out_is_reported_not_the_many() {
     let odd = shader(&GOOD.replace("vec3 color", "float pad; vec3 color"));
     let good = shader(GOOD);
     let files: Vec<(&str, &str)> =
-        vec![("s/a.frag", &odd), ("s/b.frag", &good), ("s/c.frag", &good), ("s/c.vert", &good)];
+        vec![("s/a.frag", &odd), ("s/a.geom", &good), ("s/a.tese", &good), ("s/a.vert", &good)];
     let finding = only(mismatches(&files));
     assert_eq!(finding.place().path, "s/a.frag");
-    golden().eq(&finding.message, str!["block `Light` is declared differently in s/b.frag: `pad` (`float` at offset 12) is only here"]);
+    golden().eq(&finding.message, str!["block `Light` is declared differently in s/a.geom: `pad` (`float` at offset 12) is only here"]);
 }
 
 #[test]
@@ -139,10 +139,53 @@ fn blocks_that_only_share_a_name_are_let_be() {
     let drifted = shader(&GOOD.replace("vec3 color", "vec4 color"));
     let good = shader(GOOD);
     assert_eq!(messages(&mismatches(&[("s/a.frag", &good), ("t/a.vert", &drifted)])), [""; 0]);
-    assert_eq!(mismatches(&[("s/a.frag", &good), ("s/b.vert", &drifted)]).len(), 1);
+    // So it is under another name in the same directory.
+    assert_eq!(messages(&mismatches(&[("s/a.frag", &good), ("s/b.vert", &drifted)])), [""; 0]);
+    assert_eq!(mismatches(&[("s/a.frag", &good), ("s/a.comp", &drifted)]).len(), 1);
     // Other programs may read the first members only.
     let head = shader("vec3 position;\nvec3 color;\nfloat intensity;");
-    assert_eq!(messages(&mismatches(&[("s/a.frag", &good), ("s/b.vert", &head)])), [""; 0]);
+    assert_eq!(messages(&mismatches(&[("s/a.frag", &good), ("s/a.comp", &head)])), [""; 0]);
+}
+
+#[test]
+fn files_that_include_one_declaration_are_compared() {
+    let folder = std::env::temp_dir().join(format!("landfall-family-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let frame = "layout(std140) uniform Frame { mat4 view; float time; } u_frame;\n";
+    std::fs::write(folder.join("frame.glsl"), frame).unwrap();
+    std::fs::write(folder.join("noise.glsl"), "float noise(float x) { return fract(x); }\n")
+        .unwrap();
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_string();
+    let with = |include: &str, members: &str| {
+        shader(members).replace("core\n", &format!("core\n#include \"{include}\"\n"))
+    };
+    let drifted = GOOD.replace("vec3 color", "vec4 color");
+    let (sky, sea) = (path("sky.frag"), path("sea.frag"));
+    for (include, findings) in [("frame.glsl", 1), ("noise.glsl", 0)] {
+        let (a, b) = (with(include, GOOD), with(include, &drifted));
+        let found = mismatches(&[(&sky, &a), (&sea, &b)]);
+        assert_eq!(found.len(), findings, "{include}: {:#?}", messages(&found));
+    }
+    // One declaration under other macros is `define-changes-layout`'s.
+    let counted = "layout(std140) uniform Light { vec3 a; vec3 b; vec3 c; float w[N]; } u_light;\n";
+    std::fs::write(folder.join("counted.glsl"), counted).unwrap();
+    let with = |n: u32| {
+        format!("#version 330 core\n#define N {n}\n#include \"counted.glsl\"\nvoid main() {{ }}\n")
+    };
+    let (a, b) = (with(1), with(2));
+    assert_eq!(messages(&mismatches(&[(&sky, &a), (&sea, &b)])), [""; 0]);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_member_that_is_missing_is_shown_where_it_would_stand() {
+    let (vert, frag) =
+        (shader("vec4 a;\nvec4 b;\nvec4 c;\nvec4 end;"), shader("vec4 a;\nvec4 b;\nvec4 c;"));
+    let finding = only(mismatches(&[("s/lit.vert", &vert), ("s/lit.frag", &frag)]));
+    assert!(finding.message.ends_with("`end` (`vec4` at offset 48) is only there"));
+    // The last member there is, not the block.
+    assert_eq!((finding.place().path.as_str(), place(&finding).as_str()), ("s/lit.frag", "5:6"));
+    assert_eq!(finding.related()[0].at.line, 6);
 }
 
 #[test]
@@ -175,7 +218,7 @@ fn one_binding_under_two_names_is_one_buffer() {
 }
 
 #[test]
-fn wgsl_modules_of_one_directory_are_compared() {
+fn wgsl_modules_of_one_base_name_are_compared() {
     let module = |pick: &str| {
         format!(
             "struct Frame {{ view: mat4x4f, inverse: mat4x4f, pick: {pick}, id: u32 }}\n\
@@ -183,7 +226,7 @@ fn wgsl_modules_of_one_directory_are_compared() {
         )
     };
     let (a, b) = (module("vec2f"), module("vec2u"));
-    let finding = only(mismatches(&[("s/a.wgsl", &a), ("s/b.wgsl", &b)]));
+    let finding = only(mismatches(&[("s/a.vert.wgsl", &a), ("s/a.frag.wgsl", &b)]));
     assert!(
         finding.message.ends_with("`pick` is a `vec2<u32>` here and a `vec2<f32>` there"),
         "{}",

@@ -62,7 +62,7 @@ fn an_appended_member_is_a_change_too() {
     let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
-        ["2:24 the layout of block `Light` changes under `FOG`: `fog` is added at 16"]
+        ["5:11 the layout of block `Light` changes under `FOG`: `fog` is added at 16"]
     );
 }
 

@@ -124,6 +124,7 @@ codes! {
     OverlappingMembers = "overlapping-members";
     OverrideSizedArray = "override-sized-array";
     OverrideValue = "override-value";
+    PolicyForbids = "policy-forbids";
     Preprocessor = "preprocessor";
     Reader = "reader";
     Recursion = "recursion";

@@ -14,7 +14,7 @@ use super::paint::{CAUTION, FAINT, STRONG};
 use super::{Paint, SCHEMA_VERSION, phrases};
 use crate::ShaderLayout;
 use crate::codegen::rust;
-use crate::diff::{BlockDiff, Change, Class};
+use crate::diff::{BlockDiff, Change, Class, Policy};
 use crate::layout::BlockLayout;
 use crate::text::escape::{markdown_code, markdown_name, name};
 
@@ -38,9 +38,26 @@ pub struct Compared<'a> {
     pub new: &'a ShaderLayout,
     /// The changed blocks; may be empty.
     pub blocks: &'a [BlockDiff],
+    /// What a policy says of each change of each block, if one holds for the shader.
+    pub judged: Option<(Policy, &'a [Vec<Verdict>])>,
+}
+
+/// What a policy says of a change.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is allowed.
+    Allowed,
+    /// It is not allowed.
+    Forbidden,
+    /// It is not allowed, but was approved for this reason.
+    Approved(String),
 }
 
 impl<'a> Compared<'a> {
+    fn verdict(&self, block: usize, change: usize) -> Option<&'a Verdict> {
+        self.judged?.1.get(block)?.get(change)
+    }
+
     fn was(&self, diff: &BlockDiff) -> Option<&'a BlockLayout> {
         diff.old.map(|at| &self.old.blocks[at])
     }
@@ -70,19 +87,22 @@ impl<'a> Compared<'a> {
 /// The changes of one shader as text; empty when there are none.
 pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
     let mut text = String::new();
-    for diff in compared.blocks {
+    for (block, diff) in compared.blocks.iter().enumerate() {
         if !text.is_empty() {
             text.push('\n');
         }
         let head = paint.text(STRONG, &format!("{}: {}", name(compared.name), diff.name));
         let _ = writeln!(text, "{head}: {}", class(diff.class(), paint).trim_end());
-        for change in &diff.changes {
+        for (at, change) in diff.changes.iter().enumerate() {
             let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
             match compared.field(diff, change) {
                 Some(field) if !change.path.is_empty() => {
                     text.push_str(&paint.text(FAINT, &format!("  [{field}]\n")));
                 }
                 Some(_) | None => text.push('\n'),
+            }
+            if let Some(Verdict::Approved(reason)) = compared.verdict(block, at) {
+                let _ = writeln!(text, "             approved: {}", name(reason));
             }
         }
         text.push('\n');
@@ -116,11 +136,33 @@ pub fn summary(all: &[Compared<'_>]) -> String {
         .filter(|class| of(*class) > 0)
         .map(|class| format!("{} {}", of(class), class.name()))
         .collect();
-    match all.iter().map(|one| one.blocks.len()).sum::<usize>() {
+    let changed = match all.iter().map(|one| one.blocks.len()).sum::<usize>() {
         0 => "no layout changed\n".to_string(),
         1 => format!("1 block changed: {}\n", parts.join(", ")),
         n => format!("{n} blocks changed: {}\n", parts.join(", ")),
+    };
+    changed + &judgements(all)
+}
+
+/// The number of changes that policies forbid, a line for each policy.
+fn judgements(all: &[Compared<'_>]) -> String {
+    let mut text = String::new();
+    for policy in Policy::ALL {
+        let under = all.iter().filter_map(|one| one.judged).filter(|judged| judged.0 == policy);
+        let verdicts: Vec<&Verdict> = under.flat_map(|judged| judged.1.iter().flatten()).collect();
+        let count = |wanted: fn(&Verdict) -> bool| verdicts.iter().filter(|v| wanted(v)).count();
+        let forbidden = count(|verdict| *verdict == Verdict::Forbidden);
+        let approved = count(|verdict| matches!(verdict, Verdict::Approved(_)));
+        if forbidden + approved > 0 {
+            let changes = phrases::counted(forbidden, "change");
+            let _ = write!(text, "policy `{}` forbids {changes}", policy.name());
+            let _ = match approved {
+                0 => writeln!(text),
+                n => writeln!(text, ", {n} approved"),
+            };
+        }
     }
+    text
 }
 
 /// All changes as Markdown.
@@ -169,6 +211,8 @@ struct Shader<'a> {
     name: &'a str,
     old: &'a str,
     new: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    policy: Option<&'static str>,
     blocks: Vec<BlockObject<'a>>,
 }
 
@@ -198,6 +242,11 @@ struct ChangeObject<'a> {
     new: Option<&'a str>,
     message: &'a str,
     rust: Option<String>,
+    /// `allowed`, `forbidden` or `approved`, where a policy holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'a str>,
 }
 
 /// All changes as JSON that follows [`DIFF_SCHEMA`].
@@ -219,7 +268,12 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
         size: block.size,
         line: shader.files.locate(block.span).line,
     };
-    let block = |diff: &'a BlockDiff| BlockObject {
+    let verdict = |block: usize, change: usize| match compared.verdict(block, change)? {
+        Verdict::Allowed => Some(("allowed", None)),
+        Verdict::Forbidden => Some(("forbidden", None)),
+        Verdict::Approved(reason) => Some(("approved", Some(reason.as_str()))),
+    };
+    let block = |(number, diff): (usize, &'a BlockDiff)| BlockObject {
         name: &diff.name,
         class: diff.class().name(),
         old: compared.was(diff).map(|block| side(block, compared.old)),
@@ -227,7 +281,8 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
         changes: diff
             .changes
             .iter()
-            .map(|change| ChangeObject {
+            .enumerate()
+            .map(|(at, change)| ChangeObject {
                 kind: change.kind.name(),
                 class: change.class.name(),
                 path: &change.path,
@@ -235,6 +290,8 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
                 new: change.new.as_deref(),
                 message: &change.message,
                 rust: compared.field(diff, change),
+                verdict: verdict(number, at).map(|(verdict, _)| verdict),
+                reason: verdict(number, at).and_then(|(_, reason)| reason),
             })
             .collect(),
     };
@@ -242,6 +299,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
         name: compared.name,
         old: &compared.old.path,
         new: &compared.new.path,
-        blocks: compared.blocks.iter().map(block).collect(),
+        policy: compared.judged.map(|(policy, _)| policy.name()),
+        blocks: compared.blocks.iter().enumerate().map(block).collect(),
     }
 }

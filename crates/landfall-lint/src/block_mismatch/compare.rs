@@ -153,13 +153,21 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
             }
         }
     }
-    for leaf in &there.leaves {
-        if !known(&leaf.name) && !renamed.contains(leaf.name.as_str()) {
-            let what = described(leaf, there.language);
-            let text = format!("`{}` ({what}) is only there", leaf.name);
-            found.push(difference(text, None, Some(leaf)));
+    // Where a leaf is missing here: at the one that follows it there, else at the last.
+    let mut next = here.leaves.last();
+    let mut missing = Vec::new();
+    for leaf in there.leaves.iter().rev() {
+        match ours.get(leaf.name.as_str()).copied() {
+            Some(twin) => next = Some(twin),
+            None if renamed.contains(leaf.name.as_str()) => {}
+            None => {
+                let what = described(leaf, there.language);
+                let text = format!("`{}` ({what}) is only there", leaf.name);
+                missing.push(difference(text, next, Some(leaf)));
+            }
         }
     }
+    found.extend(missing.into_iter().rev());
     found
 }
 

@@ -42,9 +42,15 @@ pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
         | Stage::Callable => Pipeline::RayTracing,
         _ => return None,
     };
-    let path = shader.path.replace('\\', "/");
+    let (directory, name) = base_name(&shader.path);
+    Some(Program { directory, name, pipeline })
+}
+
+/// Returns the directory of a file, and its name without stage and extensions.
+pub(super) fn base_name(path: &str) -> (String, String) {
+    let path = path.replace('\\', "/");
     let (directory, file) = path.rsplit_once('/').unwrap_or(("", &path));
-    Some(Program { directory: directory.to_string(), name: stem(file), pipeline })
+    (directory.to_string(), stem(file))
 }
 
 /// Returns a file's name without its extensions and stage names: `lights.vert`, `lights_vs.glsl`,

@@ -45,16 +45,21 @@ pub(super) fn whole(owner: &Owner<'_>, claim: &Claim) -> Option<CorrectNumber> {
         readings
     };
     let said = claim.number.value;
+    let is_stride = matches!(claim.kind, Kind::ArrayStride | Kind::Stride);
     match claim.kind {
-        Kind::Size | Kind::Total => {}
-        Kind::Align | Kind::Offset | Kind::ArrayStride | Kind::MatrixStride | Kind::Stride => {
-            return None;
-        }
+        Kind::Size | Kind::Total | Kind::ArrayStride | Kind::Stride => {}
+        Kind::Align | Kind::Offset | Kind::MatrixStride => return None,
     }
-    if owner.places.iter().any(|placed| readings(placed).contains(&said)) {
+    // `stride 44` is wrong where elements of 44 bytes are 48 apart; `44 bytes each` is not.
+    let fits = |placed: &Placed<'_>| match is_stride && claim.keyword {
+        true => said == placed.size || placed.stride == Some(said),
+        false => readings(placed).contains(&said),
+    };
+    if owner.places.iter().any(fits) {
         return None;
     }
-    only(owner.places.iter().map(|placed| Some(CorrectNumber { value: placed.size, to: None })))
+    let value = |placed: &Placed<'_>| placed.stride.filter(|_| is_stride).unwrap_or(placed.size);
+    only(owner.places.iter().map(|placed| Some(CorrectNumber { value: value(placed), to: None })))
 }
 
 fn end_of_last(placed: &Placed<'_>) -> u64 {
@@ -131,7 +136,10 @@ fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
         Kind::Size => sizes(placed, index, claim.unit).contains(&said),
         Kind::ArrayStride => member.strides.contains(&said),
         Kind::MatrixStride => member.matrix_stride == Some(said),
-        Kind::Stride => member.strides.contains(&said) || member.matrix_stride == Some(said),
+        Kind::Stride => {
+            let each = !claim.keyword && element_size(member, placed.rules) == said;
+            each || member.strides.contains(&said) || member.matrix_stride == Some(said)
+        }
         Kind::Total => true,
     }
 }

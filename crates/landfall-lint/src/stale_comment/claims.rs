@@ -46,6 +46,13 @@ const ELSEWHERE: &[&str] = &[
     "not",
     "if",
     "when",
+    "war",
+    "früher",
+    "vorher",
+    "sollte",
+    "statt",
+    "nicht",
+    "wenn",
     "原来",
     "之前",
     "如果",
@@ -62,6 +69,12 @@ const NEUTRAL: &[&str] = &[
     "block",
     "at",
     "starts",
+    "begins",
+    "beginnt",
+    "liegt",
+    "ab",
+    "bei",
+    "belegt",
     "takes",
     "occupies",
     "its",
@@ -86,8 +99,32 @@ const NEUTRAL: &[&str] = &[
     "whole",
     "占",
     "占用",
+    "位于",
+    "每个",
     "为",
     "是",
+];
+
+/// The words between `starts` and `byte 16`.
+const AT: &[&str] = &["at", "on", "in", "bei", "ab"];
+
+/// The words that say that a number of bytes is where something begins.
+const BEGINS: &[&str] = &[
+    "starts",
+    "begins",
+    "start",
+    "begin",
+    "located",
+    "lies",
+    "sits",
+    "is",
+    "beginnt",
+    "startet",
+    "liegt",
+    "ab",
+    "从",
+    "位于",
+    "起始于",
 ];
 
 /// Returns the claims of a comment about something of that name, laid out by those rules.
@@ -119,7 +156,8 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
             Sign::Number(_) if clause || names_it(&tokens, at, comment, name) => {
                 unit_claim(&tokens, at)
             }
-            Sign::Number(_) | Sign::Text | Sign::Unit | Sign::Mark(_) | Sign::Odd => None,
+            Sign::Unit => byte_claim(&tokens, at, clause),
+            Sign::Number(_) | Sign::Text | Sign::Mark(_) | Sign::Odd => None,
         };
         let Some((claim, next, separated)) = read.filter(|read| closes(&tokens, read.1)) else {
             at += 1;
@@ -129,7 +167,8 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
         let free = before.filter(|word| match word.sign {
             Sign::Text => {
                 let word = text(word);
-                !NEUTRAL.contains(&&*word) && word != name.to_lowercase()
+                let starts = matches!(tokens[at].sign, Sign::Unit) && BEGINS.contains(&&*word);
+                !starts && !NEUTRAL.contains(&&*word) && word != name.to_lowercase()
             }
             Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
         });
@@ -198,7 +237,27 @@ fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize
     Some((Claim { kind, number, to, unit, keyword: true }, next, separated))
 }
 
-/// `112 bytes`, `112 字节`, `112 bytes total`; `bytes 16-27` is read as offsets by the keyword.
+/// `bytes 36-39`, `byte 16`, `starts at byte 16`, `从字节 16 开始`.
+fn byte_claim(tokens: &[Word], at: usize, clause: bool) -> Option<(Claim, usize, bool)> {
+    let number = number(tokens, at + 1)?;
+    let mut next = at + 2;
+    let mut to = None;
+    if let Some((end, after)) = range_end(tokens, next) {
+        to = Some(end);
+        next = after;
+    }
+    let before = |back: usize| at.checked_sub(back).map(|before| &tokens[before]);
+    let opens = |word: Option<&Word>| word.is_none_or(|word| matches!(word.sign, Sign::Mark(_)));
+    let begins = |word: Option<&Word>| word.is_some_and(|word| BEGINS.contains(&&*word.lower));
+    let placed = before(1).is_some_and(|word| AT.contains(&&*word.lower))
+        && (opens(before(2)) || begins(before(2)));
+    if !clause && !placed && !begins(before(1)) {
+        return None;
+    }
+    Some((Claim { kind: Kind::Offset, number, to, unit: true, keyword: true }, next, true))
+}
+
+/// `112 bytes`, `112 字节`, `112 bytes total`, `48 bytes each`, `每个 48 字节`.
 fn unit_claim(tokens: &[Word], at: usize) -> Option<(Claim, usize, bool)> {
     let number = number(tokens, at)?;
     let Sign::Unit = tokens.get(at + 1)?.sign else { return None };
@@ -216,6 +275,16 @@ fn unit_claim(tokens: &[Word], at: usize) -> Option<(Claim, usize, bool)> {
             kind = Kind::Total;
             next += 1;
         }
+        _ if is_word(tokens, next, &["each", "apiece", "je", "jeweils"]) => {
+            kind = Kind::Stride;
+            next += 1;
+        }
+        // `48 bytes per light`.
+        Some(Sign::Text) if is_word(tokens, next, &["per", "pro"]) => {
+            kind = Kind::Stride;
+            next += 2;
+        }
+        _ if at > 0 && is_word(tokens, at - 1, &["每个", "je", "jeweils"]) => kind = Kind::Stride,
         _ => {}
     }
     Some((Claim { kind, number, to: None, unit: true, keyword: false }, next, true))
@@ -231,7 +300,7 @@ pub(super) fn range_end(tokens: &[Word], at: usize) -> Option<(Number, usize)> {
                 next += 1;
             }
         }
-        Sign::Text if is_word(tokens, next, &["to", "到", "至"]) => next += 1,
+        Sign::Text if is_word(tokens, next, &["to", "bis", "到", "至"]) => next += 1,
         Sign::Text
         | Sign::Number(_)
         | Sign::Keyword(_)
@@ -259,7 +328,12 @@ fn opens_clause(tokens: &[Word], at: usize, follows: usize) -> bool {
     match before.sign {
         Sign::Mark(mark) => matches!(mark, ',' | ';' | '|' | '(' | '[' | '/' | '\n'),
         Sign::Text => {
-            at == follows || is_word(tokens, at - 1, &["takes", "occupies", "占", "占用"])
+            at == follows
+                || is_word(
+                    tokens,
+                    at - 1,
+                    &["takes", "occupies", "belegt", "je", "jeweils", "占", "占用", "每个"],
+                )
         }
         Sign::Number(_) | Sign::Keyword(_) | Sign::Unit | Sign::Odd => at == follows,
     }
@@ -294,7 +368,7 @@ fn closes(tokens: &[Word], at: usize) -> bool {
         Some(Sign::Mark(mark)) => {
             matches!(mark, ',' | ';' | ':' | '|' | ')' | '(' | ']' | '/' | '\n')
         }
-        Some(Sign::Text) => is_word(tokens, at, &["takes", "and"]),
+        Some(Sign::Text) => is_word(tokens, at, &["takes", "and", "开始"]),
         Some(Sign::Number(_) | Sign::Unit | Sign::Odd) => false,
     }
 }
@@ -302,9 +376,35 @@ fn closes(tokens: &[Word], at: usize) -> bool {
 /// Returns whether a comment is a commented-out declaration, whose numbers mean something else.
 pub(super) fn is_code(comment: &str) -> bool {
     let text = comment.trim_end_matches(['*', '/', ' ', '\n', '\t']).trim_end();
-    text.ends_with([';', '{', '}'])
+    let body = comment.trim_start_matches(['/', '*', '!', '<', ' ', '\t', '\n']);
+    // `// float old; // offset 12`
+    let declares = body.split_once("//").is_some_and(|(before, _)| declares(before.trim()));
+    declares
+        || text.ends_with([';', '{', '}'])
         || comment.contains("layout")
         || comment.contains("#define")
         || comment.contains("@size(")
         || comment.contains("@align(")
+}
+
+/// Returns whether that is a member of GLSL or WGSL: `float old;`, `old: array<vec4f, 4>,`.
+fn declares(text: &str) -> bool {
+    if text.ends_with(';') {
+        return true;
+    }
+    let Some((name, ty)) = text.trim_end_matches(',').split_once(':') else { return false };
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let ty = ty.trim();
+    let word = ty.split(|c| !is_name(c)).next().unwrap_or("");
+    let is_type = ["vec", "mat", "array", "atomic", "f32", "i32", "u32", "f16"]
+        .iter()
+        .any(|known| word.starts_with(known));
+    !name.is_empty() && name.trim().chars().all(is_name) && is_type
+}
+
+/// Returns whether a line is about bytes between members, as the rows of the specification of WGSL
+/// and of `--format listing` are.
+pub(super) fn is_about_padding(line: &str) -> bool {
+    let line = line.to_lowercase();
+    ["padding", "hole", "unused", "filler", "füll", "填充"].iter().any(|word| line.contains(word))
 }

@@ -1,4 +1,4 @@
-//! Splits a comment into words, numbers and signs, in English and Chinese.
+//! Splits a comment into words, numbers and signs, in English, German and Chinese.
 //!
 //! Used by [`claims`](super::claims).
 
@@ -63,6 +63,15 @@ const KEYWORDS: &[(&str, Kind)] = &[
     ("sizeof", Kind::Size),
     ("size", Kind::Size),
     ("total", Kind::Total),
+    ("versatz", Kind::Offset),
+    ("ausrichtung", Kind::Align),
+    ("größe", Kind::Size),
+    ("groesse", Kind::Size),
+    ("schrittweite", Kind::Stride),
+    ("gesamtgröße", Kind::Total),
+    ("gesamtgroesse", Kind::Total),
+    ("insgesamt", Kind::Total),
+    ("gesamt", Kind::Total),
     ("基准对齐量", Kind::Align),
     ("基准对齐", Kind::Align),
     ("对齐偏移量", Kind::Offset),
@@ -121,11 +130,11 @@ pub(super) fn tokens(comment: &str) -> Vec<Word> {
             '@' if rest[1..].trim_start().starts_with(|c: char| c.is_ascii_digit()) => {
                 (Some(Sign::Keyword(Kind::Offset)), 1)
             }
-            sign if sign.is_ascii_alphabetic() || sign == '_' => {
+            sign if is_latin(sign) || sign == '_' => {
                 let length = rest
-                    .find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+                    .find(|c: char| !is_latin(c) && !c.is_ascii_digit() && c != '_')
                     .unwrap_or(rest.len());
-                (Some(english(&rest[..length])), length)
+                (Some(latin(&rest[..length])), length)
             }
             sign if sign.is_alphabetic() => chinese(rest),
             sign => (Some(Sign::Mark(plain(sign))), sign.len_utf8()),
@@ -146,7 +155,12 @@ fn opening(comment: &str) -> usize {
     comment.len() - body.len()
 }
 
-fn english(word: &str) -> Sign {
+/// Whether a character is a letter of the Latin alphabet, such as those of `Größe`.
+fn is_latin(c: char) -> bool {
+    c.is_ascii_alphabetic() || (c.is_alphabetic() && ('\u{c0}'..='\u{24f}').contains(&c))
+}
+
+fn latin(word: &str) -> Sign {
     let lower = word.to_lowercase();
     if let "byte" | "bytes" = &*lower {
         return Sign::Unit;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use landfall_layout::diff::Policy;
 
 use super::{ConfigArgs, ReadArgs};
 
@@ -24,6 +25,14 @@ pub struct LockArgs {
     /// Overwrite files that have the name of a lock but are not locks
     #[arg(long)]
     pub force: bool,
+    /// Keep the locks of shaders with changes that POLICY forbids, and exit with 1: superset, bytes,
+    /// names or code [default: `policy` of the configuration, or none]
+    #[arg(long, value_name = "POLICY", value_parser = policy)]
+    pub policy: Option<Policy>,
+    /// Write the locks of these shaders too, and record what was approved and why in approvals.json
+    /// beside the locks
+    #[arg(long, value_name = "REASON", conflicts_with = "check", value_parser = reason)]
+    pub approve: Option<String>,
     /// Files processed in parallel [default: one per core]
     #[arg(short, long, value_name = "N")]
     pub jobs: Option<std::num::NonZeroUsize>,
@@ -48,6 +57,10 @@ pub struct DiffArgs {
     /// Exit with 1 only on breaking changes
     #[arg(long)]
     pub breaking: bool,
+    /// Exit with 1 only on changes that POLICY forbids and nobody approved: superset (what
+    /// --breaking reports), bytes, names or code [default: `policy` of the configuration, or none]
+    #[arg(long, value_name = "POLICY", value_parser = policy, conflicts_with = "breaking")]
+    pub policy: Option<Policy>,
     /// Update the lock among A and B to match the other side
     #[arg(long, conflicts_with = "rev")]
     pub accept: bool,
@@ -68,4 +81,16 @@ pub enum DiffFormat {
     Json,
     /// Markdown, for pull-request comments
     Md,
+}
+
+fn policy(text: &str) -> Result<Policy, String> {
+    let names = || Policy::ALL.map(Policy::name).join(", ");
+    Policy::from_name(text).ok_or_else(|| format!("the policies are {}", names()))
+}
+
+fn reason(text: &str) -> Result<String, String> {
+    match text.trim() {
+        "" => Err("an approval needs a reason".to_string()),
+        reason => Ok(reason.to_string()),
+    }
 }

@@ -226,7 +226,7 @@ fn aliases(keys: &Keys<'_>, example: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-fn glob(keys: &Keys<'_>, key: &'static str, root: &Root) -> String {
+pub fn glob(keys: &Keys<'_>, key: &'static str, root: &Root) -> String {
     let Some(text) = keys.text(key) else { return String::new() };
     if let Some(cause) = crate::inputs::too_deep(&text.value) {
         keys.bad_glob(&text, &cause);

@@ -1,0 +1,79 @@
+//! Policies: which changes of a layout a project does not allow.
+
+use super::{Change, Class, Kind};
+
+/// The changes that are not allowed. Each policy forbids all that the one before it does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Policy {
+    /// Bytes uploaded for the old layout still land: members may be appended or fill padding.
+    Superset,
+    /// No byte changes its meaning, and no offset, size or stride its number.
+    Bytes,
+    /// And no block, instance, structure or member changes its name.
+    Names,
+    /// And no declaration changes in generated code, such as one array for three members.
+    Code,
+}
+
+impl Policy {
+    /// All policies, the most permissive first.
+    pub const ALL: [Policy; 4] = [Policy::Superset, Policy::Bytes, Policy::Names, Policy::Code];
+
+    /// The name: `superset`, `bytes`, `names` or `code`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Policy::Superset => "superset",
+            Policy::Bytes => "bytes",
+            Policy::Names => "names",
+            Policy::Code => "code",
+        }
+    }
+
+    /// The policy of that name.
+    pub fn from_name(name: &str) -> Option<Policy> {
+        Policy::ALL.into_iter().find(|policy| policy.name() == name)
+    }
+
+    /// Whether a change is not allowed.
+    pub fn forbids(self, change: &Change) -> bool {
+        match least(change) {
+            Some(least) => self >= least,
+            None => false,
+        }
+    }
+}
+
+/// The most permissive policy that forbids a change; `None` if no policy does.
+fn least(change: &Change) -> Option<Policy> {
+    if change.class == Class::Breaking {
+        return Some(Policy::Superset);
+    }
+    match change.kind {
+        Kind::Moved
+        | Kind::Retyped
+        | Kind::Appended
+        | Kind::Inserted
+        | Kind::PaddingUsed
+        | Kind::Removed
+        | Kind::Lengthened
+        | Kind::Shortened
+        | Kind::ArrayStride
+        | Kind::MatrixStride
+        | Kind::MatrixLayout
+        | Kind::Grew
+        | Kind::Shrank
+        | Kind::Alignment => Some(Policy::Bytes),
+        Kind::Renamed | Kind::Instance | Kind::StructureRenamed | Kind::BlockRenamed => {
+            Some(Policy::Names)
+        }
+        Kind::Reshaped | Kind::Rules | Kind::AddressSpace => Some(Policy::Code),
+        // A new block has no old bytes, and no code names it; the others are outside the bytes.
+        Kind::RulesDeclared
+        | Kind::Slot
+        | Kind::Count
+        | Kind::Order
+        | Kind::BlockAdded
+        | Kind::BlockRemoved => None,
+    }
+}

@@ -1,0 +1,109 @@
+//! Precision and recall of lints that have to guess what belongs together, or what a comment means.
+//!
+//! Each fixture is a set of shaders as people write them, with the lines on which the lint has to
+//! report. Which numbers are wrong follows from std140 and from the rules of WGSL, worked out by
+//! hand. Precision is the share of the findings that stand on such a line; recall the share of
+//! such lines with a finding. Forms that are known to be missed are among the fixtures.
+
+mod comments;
+mod copies;
+mod macros;
+
+use landfall_layout::finding::Finding;
+use landfall_layout::{Options, ShaderLayout, Source};
+use landfall_lint::{Check, Settings, Subject, lint};
+
+/// Shaders that are checked together.
+struct Fixture {
+    /// What it shows, for messages.
+    name: String,
+    files: Vec<(String, String)>,
+    settings: Settings,
+    /// File and line of each finding there has to be.
+    expected: Vec<(String, u32)>,
+}
+
+impl Fixture {
+    fn of(name: impl Into<String>, files: &[(&str, &str)], expected: &[(&str, u32)]) -> Fixture {
+        let files = files.iter().map(|(path, text)| (path.to_string(), text.to_string()));
+        let expected = expected.iter().map(|(path, line)| (path.to_string(), *line));
+        Fixture {
+            name: name.into(),
+            files: files.collect(),
+            settings: Settings::default(),
+            expected: expected.collect(),
+        }
+    }
+
+    fn with(self, settings: Settings) -> Fixture {
+        Fixture { settings, ..self }
+    }
+
+    fn found(&self, code: &str) -> Vec<Finding> {
+        let options = Options::default();
+        let sources: Vec<Source> =
+            self.files.iter().map(|(path, text)| Source::new(path, text.as_str())).collect();
+        let shaders: Vec<ShaderLayout> =
+            sources.iter().map(|source| landfall_layout::layout(source, &options)).collect();
+        for shader in &shaders {
+            assert!(!shader.has_errors(), "{}: {:#?}", self.name, shader.diagnostics);
+        }
+        let pairs = sources.iter().zip(&shaders);
+        let subjects: Vec<Subject<'_>> =
+            pairs.map(|(source, shader)| Subject { source, options: &options, shader }).collect();
+        match lint(code).expect("there is such a lint").check {
+            Check::Shader(check) | Check::Naga(check) => {
+                subjects.iter().flat_map(|s| check(s, &self.settings)).collect()
+            }
+            Check::Tree(check) => check(&subjects, &self.settings),
+            Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
+        }
+    }
+}
+
+/// How a lint does over its fixtures.
+#[derive(Debug, Default)]
+struct Score {
+    right: usize,
+    false_words: Vec<String>,
+    missed: Vec<String>,
+}
+
+impl Score {
+    fn of(code: &str, fixtures: &[Fixture]) -> Score {
+        let mut score = Score::default();
+        for fixture in fixtures {
+            let mut left = fixture.expected.clone();
+            for finding in fixture.found(code) {
+                let at = finding.place();
+                match left.iter().position(|(path, line)| *path == at.path && *line == at.line) {
+                    Some(known) => {
+                        left.remove(known);
+                        score.right += 1;
+                    }
+                    None => {
+                        let text = format!("{}: {}: {}", fixture.name, at.line, finding.message);
+                        score.false_words.push(text);
+                    }
+                }
+            }
+            score.missed.extend(left.iter().map(|(_, line)| format!("{}: {line}", fixture.name)));
+        }
+        score
+    }
+
+    fn precision(&self) -> f64 {
+        self.right as f64 / (self.right + self.false_words.len()) as f64
+    }
+
+    fn recall(&self) -> f64 {
+        self.right as f64 / (self.right + self.missed.len()) as f64
+    }
+
+    /// Fails where either number falls below its limit, and names what is wrong.
+    fn at_least(&self, precision: f64, recall: f64) {
+        let (p, r) = (self.precision(), self.recall());
+        assert!(p >= precision, "precision {p:.3}: {:#?}", self.false_words);
+        assert!(r >= recall, "recall {r:.3}: {:#?}", self.missed);
+    }
+}
