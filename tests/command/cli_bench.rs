@@ -295,8 +295,11 @@ fn a_refusal_says_whether_it_is_the_file_or_the_arguments() {
     for command in ["stress", "run"] {
         let more: &[&str] = if command == "run" { &["--args", "[]"] } else { &[] };
         let output = command::run(&[&[command, "gone.frag", "--fn", "f"], more].concat());
-        assert!(output.err.starts_with("error[unreadable-file]"), "{}", output.err);
-        assert_eq!(output.code, 2);
+        output.code(2).stderr_eq(str![[r#"
+error[unreadable-file]: `gone.frag` cannot be read: no such file or directory
+
+
+"#]]);
     }
 }
 

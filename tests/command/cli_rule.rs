@@ -1,6 +1,7 @@
 //! `landfall rule` explains every code of a lint or hazard that any command can print.
 //! `SNAPSHOTS=overwrite` writes the page of the book below its introduction.
 
+use crate::support::command::golden;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -87,7 +88,10 @@ fn labels_and_earlier_spellings_are_found_with_a_note() {
         }
     }
     let narrow = rule(&["H17"]).out;
-    assert!(narrow.starts_with("narrow-cone  (hazard: narrow cone; warn in `stress`)"), "{narrow}");
+    golden().eq(
+        narrow.lines().next().expect("a title"),
+        str!["narrow-cone  (hazard: narrow cone; warn in `stress`)"],
+    );
 }
 
 /// A guard in the fix of a lint is the threshold of one of its hazards, or the square of it.

@@ -3,6 +3,7 @@
 
 use crate::cli_check::place::CLEAN;
 use crate::support::command::{Place, Ran};
+use snapbox::str;
 
 const FUNCTION: &str = "#version 450
 #ifndef LIGHTS
@@ -202,7 +203,13 @@ fn standard_input_with_the_name_of_another_language_is_refused() {
     let command = ["layout", "-", "--stdin-filename", "a.slang"];
     let ran = place.run_with_stdin(&command, CLEAN);
     assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("`a.slang` is Slang by its extension"), "{}", ran.err);
+    ran.stderr_eq(str![[r#"
+error[unreadable-file]: `a.slang` is Slang by its extension, which landfall does not read
+  |
+  = help: landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`
+
+
+"#]]);
     let command = [&command[..], &["--language", "glsl"]].concat();
     assert_eq!(place.run_with_stdin(&command, CLEAN).code, 0);
 }
@@ -213,10 +220,26 @@ fn a_scene_without_an_object_in_sight_is_not_measured() {
     place.write("scene.json", SKY);
     let ran = place.run(&["bench", "scene.json", "--rounds", "3", "--backend", "cpu"]);
     assert_eq!((ran.code, &*ran.out), (2, ""));
-    let said = "`scene.json` shows no object in any pixel: there is nothing to measure";
-    assert!(ran.err.contains(said), "{}", ran.err);
+    ran.stderr_eq(str![[r#"
+error[bad-request]: `scene.json` shows no object in any pixel: there is nothing to measure
+  |
+  = help: turn its camera, or enlarge it with `--size`
+
+
+"#]]);
     let ran = place.run(&["render", "scene.json", "--reference"]);
-    assert_eq!(ran.code, 0);
-    let said = ran.out.clone() + &ran.err;
-    assert!(said.contains("no pixel shows an object: the picture is the background"), "{said}");
+    ran.code(0)
+        .stdout_eq(str![[r#"
+scene  the reference
+  picture     8 by 8, 0 fragments
+  lights      0 directional, 1 point, 0 spot
+  time        [TIME]
+  model       multi
+
+"#]])
+        .stderr_eq(str![[r#"
+warning[bind]: no pixel shows an object: the picture is the background
+
+
+"#]]);
 }

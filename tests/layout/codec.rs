@@ -249,10 +249,9 @@ fn malformed_json_is_refused_with_line_and_column() {
     let syntax = |json: &str| read_json(json).unwrap_err().to_string();
     assert_eq!(syntax("{\n  \"data\": [1,\n}"), "line 3, column 1: expected value");
     golden().eq(syntax("{\"a\":1} x"), str!["line 1, column 9: trailing characters"]);
-    assert!(syntax("").starts_with("line 1, column 0: EOF"));
-    assert!(syntax("{\"a\": NaN}").starts_with("line 1, column 7: expected value"));
+    golden().eq(syntax(""), str!["line 1, column 0: EOF while parsing a value"]);
+    golden().eq(syntax("{\"a\": NaN}"), str!["line 1, column 7: expected value"]);
     golden().eq(syntax("{\"a\":1,\n\"a\":2}"), str!["line 2, column 3: `a` is given twice"]);
-    assert!(syntax("{\"a\":1,\n\"a\":2}").starts_with("line 2, column"));
 }
 
 #[test]
@@ -303,7 +302,7 @@ fn bytes_of_another_length_are_an_error_or_a_note() {
          `data[3].color`"
     );
     let most = decode(&block, &[0; 6147]).unwrap_err().to_string();
-    assert!(most.ends_with("in `actually_used_count`"), "{most}");
+    golden().eq(most, str!["`PointLightBlock` has 6160 bytes, but 6147 bytes were given: they end before or in `actually_used_count`"]);
     let bytes = [0; 6164];
     assert_eq!(decode(&block, &bytes[..6160]).unwrap().notes, [""; 0]);
     assert_eq!(

@@ -176,7 +176,10 @@ fn a_lock_that_is_cut_short_is_told_from_one_that_is_no_json() {
     );
     let message = refusal("void main() {}");
     assert_eq!(message, "is not JSON: line 1, column 1 has `v` where a value should be");
-    assert!(refusal("\u{1}\u{2}\u{3}").starts_with("is not JSON: line 1, column 1 has `\\u{1}`"));
+    golden().eq(
+        refusal("\u{1}\u{2}\u{3}"),
+        str![[r#"is not JSON: line 1, column 1 has `\u{1}` where a value should be"#]],
+    );
     let deep = "[".repeat(1 << 22);
     assert_eq!(refusal(&deep), "is not a layout: it is nested too deeply, at line 1");
 }

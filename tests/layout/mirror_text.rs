@@ -42,13 +42,32 @@ fn a_structure_under_two_rules_is_two_mirrors_named_by_them() {
     assert_eq!(structures(&names)[..4], ["LightStd140", "A", "LightStd430", "B"], "{names}");
 }
 
+/// The documentation of a structure in generated Rust.
+fn documented(code: &str, name: &str) -> String {
+    let title = format!("pub struct {name} {{");
+    let lines: Vec<&str> = code.lines().map(str::trim_start).collect();
+    let at = lines.iter().position(|line| *line == title).expect("it is written");
+    let start = lines[..at].iter().rposition(|line| line.is_empty()).map_or(0, |blank| blank + 1);
+    lines[start..at]
+        .iter()
+        .filter(|line| line.starts_with("///"))
+        .map(|line| format!("{line}\n"))
+        .collect()
+}
+
 #[test]
 fn rules_that_agree_on_a_structure_share_one_mirror() {
     let text = "#version 450\nstruct Same { vec4 a; };\n\
                 layout(std140) uniform A { Same a; };\nlayout(std430) buffer B { Same b; };\n";
     let text = output(text).text;
     assert_eq!(structures(&text)[..3], ["Same", "A", "B"]);
-    assert!(text.contains("a structure of `a.frag:2`, std140 and std430, size 16."), "{text}");
+    golden().eq(
+        documented(&text, "Same"),
+        str![[r#"
+/// `Same`: a structure of `a.frag:2`, std140 and std430, size 16.
+
+"#]],
+    );
 }
 
 #[test]
@@ -106,7 +125,13 @@ fn the_output_names_no_absolute_path() {
     let mut options = RustOptions::default();
     options.inputs = vec!["shaders/a.vert".to_string()];
     let out = rust(&[&shader], &options).text;
-    assert!(out.contains("a uniform block of `shaders/a.vert:2`"), "{out}");
+    golden().eq(
+        documented(&out, "U"),
+        str![[r#"
+/// `U`: a uniform block of `shaders/a.vert:2`, std140, size 64.
+
+"#]],
+    );
 }
 
 #[test]

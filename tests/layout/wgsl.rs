@@ -2,9 +2,11 @@
 //!
 //! Numbers come from the WGSL specification, §14.4, or are worked out beside the text.
 
+use crate::support::command::golden;
 use landfall_layout::{
     AddressSpace, ArrayLen, BlockLayout, Options, ReadOptions, Severity, ShaderLayout, Source,
 };
+use snapbox::str;
 
 fn laid_out(text: &str) -> ShaderLayout {
     landfall_layout::layout(&Source::new("test.wgsl", text), &Options::default())
@@ -257,7 +259,10 @@ fn an_override_without_a_value_stands_only_where_a_runtime_sized_array_may() {
     let text = "override N: u32;
                 struct S { a: array<vec4f, N>, b: f32 } var<storage> s: S;";
     let (message, _, help) = only_finding(text);
-    assert!(message.starts_with("runtime-sized-array: `a`"), "{message}");
+    golden().eq(
+        message,
+        str!["runtime-sized-array: `a` is runtime-sized, but it is not the last member"],
+    );
     assert_eq!(help, "`N` has no default: pass `-O N=VALUE`");
     assert_eq!(with_overrides(text, &[("N", "2")]).blocks[0].size, Some(48));
 }

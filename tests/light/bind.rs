@@ -387,7 +387,10 @@ fn more_lights_than_slots_are_refused_with_both_numbers_or_left_out() {
     let upload = upload(6);
     let error = filler.lights(&upload.lights, OverflowPolicy::Refuse).expect_err("four slots");
     let BindError::TooManyLights { lights: 6, slots: 4, .. } = error else { panic!("{error}") };
-    assert!(error.to_string().starts_with("the scene has 6 point lights, but `pointLights["));
+    golden().eq(
+        error.to_string(),
+        str!["the scene has 6 point lights, but `pointLights[].position` has slots for 4"],
+    );
     let [_, points, _] = filler.lights(&upload.lights, OverflowPolicy::LeaveOut).expect("left out");
     assert_eq!(points, ALL);
     let lit =

@@ -1,5 +1,6 @@
 //! `--against`: layouts of a git revision in the place of locks.
 
+use snapbox::str;
 use std::process::Command;
 
 use crate::cli_check::place::CLEAN;
@@ -51,16 +52,25 @@ fn a_change_is_judged_by_the_revision_without_any_lock() {
     place.write("shaders/a.frag", CLEAN);
     place.write("lib/light.glsl", "struct Light { vec4 position; vec4 color; float range; };\n");
     let ran = check(&place, &[]);
-    assert!(ran.code(1).out.starts_with("shaders/b.frag:"), "{}", ran.out);
+    ran.code(1).stdout_eq(str![[r#"
+shaders/b.frag:4:37: error[layout-drift] `Lights` differs from `main`: `lights` changed its array stride from 32 to 48; buffers filled for the old layout are misread
+
+"#]]);
     let mut below = place.command(&["check", "-f", "short", "--against", "main"]);
     let below = Ran::of(below.current_dir(place.0.join("shaders")).output().unwrap());
-    assert!(below.code(1).out.starts_with("../shaders/b.frag:"), "{}", below.out);
+    below.code(1).stdout_eq(str![[r#"
+../shaders/b.frag:4:37: error[layout-drift] `Lights` differs from `main`: `lights` changed its array stride from 32 to 48; buffers filled for the old layout are misread
+
+"#]]);
     // After the commit, the branch is what it is compared with.
     git(&place, &["add", "."]);
     git(&place, &["commit", "-qm", "two"]);
     assert_eq!(check(&place, &[]).code(0).out, "");
     let before = place.run(&["check", "-f", "short", "--against", "HEAD~1"]);
-    assert!(before.code(1).out.contains("differs from `HEAD~1`"), "{}", before.out);
+    before.code(1).stdout_eq(str![[r#"
+shaders/b.frag:4:37: error[layout-drift] `Lights` differs from `HEAD~1`: `lights` changed its array stride from 32 to 48; buffers filled for the old layout are misread
+
+"#]]);
 }
 
 #[test]
@@ -70,7 +80,24 @@ fn the_message_has_both_places_and_no_word_of_a_lock() {
     let ran = place.run(&["check", "--against", "main"]);
     let words = ["its lock", "locked", "`landfall lock`"];
     assert!(words.iter().all(|word| !ran.code(1).out.contains(word)), "{}", ran.out);
-    assert!(ran.out.contains("declaration in `main`: main:shaders/a.frag:2:37"), "{}", ran.out);
+    ran.stdout_eq(str![[r#"
+error[layout-drift]: `Light` differs from `main`: `color` changed from `vec4` to `vec3`; buffers filled for the old layout are misread
+ --> shaders/a.frag:2:37
+  |
+2 | layout(std140, binding = 0) uniform Light {
+  |                                     ^^^^^ differs from `main`
+  |
+  = note: declaration in `main`: main:shaders/a.frag:2:37
+  = note: the layout
+             32  uniform Light light std140 binding 0      32  uniform Light light std140 binding 0
+           0 16    vec4 position                         0 16    vec4 position
+          16 16    vec4 color                         | 16 12    vec3 color
+                                                      > 28  4    -- tail padding
+  = help: undo it, or change what uploads the block
+
+3 shaders: 1 error
+
+"#]]);
     // A comment allows it.
     let allowed = CLEAN
         .replace("vec4 color;", "vec3 color;")
@@ -86,7 +113,11 @@ fn the_cache_and_a_baseline_take_it_too() {
     let cached = ["--cache-dir", "cache"];
     let (first, second) = (check(&place, &cached), check(&place, &cached));
     assert_eq!((first.code, &first.out), (second.code, &second.out));
-    assert!(second.err.contains("laid out 0 of 3 shaders"), "{}", second.err);
+    second.stderr_eq(str![[r#"
+checked 3 shaders: 1 error
+laid out 0 of 3 shaders, the rest is unchanged
+
+"#]]);
     place.run(&["check", "--cache-dir", "cache", "--against", "HEAD"]).code(1);
     check(&place, &["--baseline", "b.json", "--write-baseline"]).code(0);
     check(&place, &["--baseline", "b.json"]).code(0);

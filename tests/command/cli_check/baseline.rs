@@ -1,11 +1,12 @@
 //! `--baseline`, `--write-baseline` and `--add-allow`: what is there today, and what is new.
 
+use snapbox::str;
 use std::fs;
 
 use serde_json::Value;
 
 use crate::cli_check::place::CLEAN;
-use crate::support::command::{Place, Ran};
+use crate::support::command::{Place, Ran, golden};
 
 const FLAGS: [&str; 6] = ["-A", "all", "-W", "stale-comment", "-D", "vec3-array"];
 
@@ -44,11 +45,11 @@ fn what_a_baseline_records_is_permitted_wherever_its_line_moves() {
     let place = recorded("check-baseline");
     let base = ["--baseline", "base.json"];
     let ran = check(&place, &base);
-    assert!(
-        ran.code(0).err.starts_with("checked 2 shaders: no findings; 2 in the baseline\n"),
-        "{}",
-        ran.err
-    );
+    ran.code(0).stderr_eq(str![[r#"
+checked 2 shaders: no findings; 2 in the baseline
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
     // Without it, all is reported as before.
     check(&place, &[]).code(1);
     let moved = BAD
@@ -80,8 +81,10 @@ fn a_new_finding_fails_also_at_level_warn() {
     let second = BAD.replace("} light;", "} light;\nlayout(std140, binding = 1) uniform Other {\n    vec4 position;\n    vec4 color; // offset 32\n} other;");
     place.write("s/a.frag", second);
     let ran = check(&place, &base);
-    assert_eq!(ran.code(1).out.lines().count(), 1, "{}", ran.out);
-    assert!(ran.out.contains("warning[stale-comment]"), "{}", ran.out);
+    ran.code(1).stdout_eq(str![[r#"
+s/a.frag:9:27: warning[stale-comment] comment puts `color` at offset 32, but it is at 16
+
+"#]]);
     // The same line in another file is new, too.
     place.write("s/a.frag", BAD).write("s/c.frag", BAD);
     assert_eq!(check(&place, &base).code(1).out.lines().count(), 2);
@@ -89,11 +92,17 @@ fn a_new_finding_fails_also_at_level_warn() {
     // An error of a shader is never permitted.
     place.write("s/b.frag", "#version 450\nuniform B {");
     let failed = check(&place, &[&base[..], &["--write-baseline"]].concat());
-    assert!(
-        failed.code(2).out.contains("s/b.frag") && failed.err.contains("is not written"),
-        "{}",
-        failed.err
-    );
+    failed.code(2).stdout_eq(str![[r#"
+s/a.frag:4:27: warning[stale-comment] comment puts `color` at offset 32, but it is at 16
+s/a.frag:5:10: error[vec3-array] elements of `table` are 16 bytes apart: packed `vec3`s are 12 apart, and only the first is read correctly
+s/b.frag:2:11: error[unclosed-brace] `{` is never closed
+
+"#]]).stderr_eq(str![[r#"
+base.json is not written: not every shader was checked
+checked 2 shaders: 2 errors, 1 warning; 1 fixable with --fix
+no layouts are locked: `landfall lock` records them, so that check can tell when one changes
+
+"#]]);
 }
 
 #[test]
@@ -155,11 +164,13 @@ fn a_file_that_is_no_baseline_is_an_error_and_kept() {
         }
     }
     let gone = check(&place, &["--baseline", "gone.json"]);
-    assert!(
-        gone.code(2).err.contains("write it with `landfall check --write-baseline`"),
-        "{}",
-        gone.err
-    );
+    gone.code(2).stderr_eq(str![[r#"
+error[output]: `gone.json` cannot be read: no such file or directory
+  |
+  = help: write it with `landfall check --write-baseline`
+
+
+"#]]);
     // Nor is a shader or a lock overwritten.
     let shader = check(&place, &["--baseline", "s/b.frag", "--write-baseline"]);
     assert_eq!((shader.code(2).out.as_str(), place.read("s/b.frag").as_str()), ("", CLEAN));
@@ -204,10 +215,16 @@ fn add_allow_writes_comments_after_which_nothing_is_found() {
         assert_eq!(place.read("s/b.frag"), CLEAN);
         check(&place, &["-W", "unused-allow"]).code(0);
         let again = check(&place, &["--add-allow"]);
-        assert!(again.code(0).err.contains("added 0 comments in 0 files"), "{}", again.err);
+        let added = again.code(0).err.lines().nth(1);
+        assert_eq!(added, Some("added 0 comments in 0 files"), "{}", again.err);
         // What is new is found.
         place.write("s/b.frag", BAD);
-        assert!(check(&place, &[]).code(1).out.contains("s/b.frag"));
+        let found = check(&place, &[]);
+        let in_b = found.code(1).out.lines().filter(|line| line.starts_with("s/b.frag:"));
+        golden().eq(in_b.collect::<Vec<_>>().join("\n"), str![[r#"
+s/b.frag:4:27: warning[stale-comment] comment puts `color` at offset 32, but it is at 16
+s/b.frag:5:10: error[vec3-array] elements of `table` are 16 bytes apart: packed `vec3`s are 12 apart, and only the first is read correctly
+"#]]);
     }
 }
 
@@ -227,7 +244,12 @@ fn add_allow_does_not_change_macros_or_what_it_cannot_write() {
     place.write("s/a.frag", BAD);
     fs::set_permissions(place.0.join("s/a.frag"), permissions).unwrap();
     let ran = check(&place, &["--add-allow"]);
-    assert!(ran.code(2).out.contains("cannot be fixed: it is read-only"), "{}", ran.out);
+    ran.code(2).stdout_eq(str![[r#"
+s/a.frag: error[output] `s/a.frag` cannot be fixed: it is read-only
+s/a.frag:4:27: warning[stale-comment] comment puts `color` at offset 32, but it is at 16
+s/a.frag:5:10: error[vec3-array] elements of `table` are 16 bytes apart: packed `vec3`s are 12 apart, and only the first is read correctly
+
+"#]]);
     assert_eq!(place.read("s/a.frag"), BAD);
 }
 

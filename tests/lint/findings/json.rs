@@ -1,8 +1,10 @@
 //! A report as JSON keeps to its schema and comes back as it was.
 
+use crate::support::command::golden;
 use landfall_lint::render::CHECK_SCHEMA;
 use landfall_lint::render::{ReportFormat, read_json, read_report};
 use serde_json::Value;
+use snapbox::str;
 
 use crate::findings::{plain, sample};
 
@@ -70,9 +72,15 @@ fn what_is_no_report_is_refused_with_the_reason() {
         "is not a report: its finding number 2: unknown variant `fatal`, expected one of `allow`, \
          `warn`, `deny`"
     );
-    assert!(said(&format!("<<<<<<< HEAD\n{good}")).starts_with("is not JSON: "));
-    assert!(said("\u{0}\u{1}binary").starts_with("is not JSON: "));
-    assert!(said(&"[".repeat(10_000_000)).starts_with("is not JSON: "));
+    golden().eq(
+        said(&format!("<<<<<<< HEAD\n{good}")),
+        str!["is not JSON: expected value at line 1 column 1"],
+    );
+    golden().eq(said("\u{0}\u{1}binary"), str!["is not JSON: expected value at line 1 column 1"]);
+    golden().eq(
+        said(&"[".repeat(10_000_000)),
+        str!["is not JSON: recursion limit exceeded at line 1 column 128"],
+    );
 }
 
 /// A report cut anywhere is refused, or is all of it.

@@ -1,8 +1,10 @@
 //! JUnit's XML, read back by a parser of XML.
 
+use crate::support::command::golden;
 use landfall_layout::finding::{Finding, Level};
 use landfall_lint::render::ReportFormat;
 use roxmltree::{Document, Node};
+use snapbox::str;
 
 use crate::findings::{plain, sample};
 
@@ -45,8 +47,12 @@ fn each_finding_is_a_case_of_its_file() {
     let failure = named(root, "failure").next().expect("the one at deny");
     assert_eq!(failure.attribute("type"), Some("block-mismatch"));
     let text = failure.text().expect("all there is to say");
-    assert!(text.contains("\n4112 bytes: shaders/copy.vert:2:24\n"), "{text}");
-    assert!(text.contains("\nhelp: declare `data`"), "{text}");
+    golden().eq(text, str![[r#"
+shaders/lights.frag:7:24: error[block-mismatch] `PointLightBlock` has 6160 bytes here and 4112 bytes in `shaders/copy.vert`
+4112 bytes: shaders/copy.vert:2:24
+stride 16, not 48: shaders/copy.vert:3:5
+help: declare `data` as `PointLight data[128]` in `shaders/copy.vert`
+"#]]);
 }
 
 #[test]

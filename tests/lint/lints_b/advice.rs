@@ -114,7 +114,10 @@ fn a_mat2_is_padded_in_std140_only() {
         format!("#version 430 core\nlayout({rules}) buffer B {{ mat2 m; }};\nvoid main() {{}}\n")
     };
     let finding = one("mat3-padding", "a.comp", &block("std140"));
-    assert!(said(&finding).ends_with("32 bytes, where a packed `mat2` is 16"), "{finding:?}");
+    golden().eq(
+        said(&finding),
+        str!["2:32 `m` is 2 columns of 8 bytes, 16 apart: 32 bytes, where a packed `mat2` is 16"],
+    );
     assert_eq!(found("mat3-padding", "a.comp", &block("std430")), []);
 }
 

@@ -102,7 +102,10 @@ fn elements_too_close_together_are_reported_with_both_strides() {
     );
     assert_eq!(help(&found[0]), "make it `[[f32; 4]; 64]`");
     let found = light("    s: [[f32; 3]; 7],", "    vec3 s[7];");
-    assert!(said(&found[0]).ends_with("12 bytes apart, the shader's `vec3`s are 16 apart"));
+    golden().eq(
+        said(&found[0]),
+        str!["4:5 `s` of `Light` has elements 12 bytes apart, the shader's `vec3`s are 16 apart"],
+    );
     for fields in ["w: [[f32; 4]; 64],", "w: [glam::Vec4; 64],", "w: [f32; 256],", "w: [u8; 1024],"]
     {
         assert_eq!(light(fields, "float w[64];"), [], "{fields}");
