@@ -40,6 +40,7 @@ pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
         | Stage::ClosestHit
         | Stage::Miss
         | Stage::Callable => Pipeline::RayTracing,
+        _ => return None,
     };
     let path = shader.path.replace('\\', "/");
     let (directory, file) = path.rsplit_once('/').unwrap_or(("", &path));
