@@ -13,3 +13,4 @@ pub mod place;
 mod proved;
 mod report;
 mod shards;
+mod watch;

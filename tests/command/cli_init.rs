@@ -58,6 +58,9 @@ include = ["assets/shaders/common"]
 # records them.
 # baseline = "landfall-baseline.json"
 
+# Changes of layouts that are refused: superset, bytes, names or code.
+# policy = "bytes"
+
 # Levels of lints, which `landfall rule` lists: allow, warn or deny.
 # [levels]
 # warnings = "deny"
@@ -165,6 +168,7 @@ fn the_schema_has_the_keys_of_the_parser() {
     };
     assert_eq!(keys(&schema), known(&place, ""));
     let tables = [
+        ("path-policy", "file = \"a\"\npolicy = \"bytes\"\n"),
         ("path-levels", "file = \"a\"\nlevels = {}\n"),
         ("mirror-group", "name = \"a\"\ncopies = [{ block = \"A\" }, { block = \"B\" }]\n"),
         ("table", "block = \"A\"\nsize = 1\n"),

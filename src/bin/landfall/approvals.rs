@@ -11,7 +11,6 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::format::diff::Verdict;
 use serde::{Deserialize, Serialize};
 
-use crate::config::Config;
 use crate::read;
 
 /// The name of the file in the directory of locks.
@@ -116,9 +115,4 @@ impl Approvals {
         let text = serde_json::to_string_pretty(&document).expect("approvals are strings");
         writer.write(&self.file, text + "\n").map(|_| ())
     }
-}
-
-/// The policy for a shader: the named one, else that of the configuration.
-pub fn policy(named: Option<Policy>, config: &Config, shader: &Path) -> Option<Policy> {
-    named.or_else(|| config.policy_of(shader))
 }

@@ -387,7 +387,7 @@ pub enum ServedDriver {
 
 #[derive(Debug, clap::Args)]
 pub struct SchemaArgs {
-    /// The output format, or `config`, `baseline` or `scene`
+    /// The output format, or `config`, `approvals`, `baseline` or `scene`
     pub of: Schema,
 }
 
@@ -423,6 +423,8 @@ pub enum Schema {
     Lock,
     /// diff --format json
     Diff,
+    /// Approvals of lock
+    Approvals,
     /// Baselines of check
     Baseline,
     /// The configuration, landfall.toml

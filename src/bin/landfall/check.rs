@@ -22,6 +22,7 @@ pub mod shard;
 mod stamp;
 pub mod tree;
 mod verified;
+mod watched;
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
@@ -47,8 +48,10 @@ use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
 use fix::AppliedFixes;
+use hash::Hash;
 use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
+use watched::Watched;
 
 /// The note without any locks, instead of a finding per shader.
 pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
@@ -56,6 +59,13 @@ pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them,
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     refuse(args)?;
+    match args.watch {
+        true => watched::run(args, streams, |watched| once(args, streams, watched)),
+        false => once(args, streams, &mut Watched::default()),
+    }
+}
+
+fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
     let began = SystemTime::now();
     let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
         return Ok(Outcome::CouldNot);
@@ -73,6 +83,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         config.record_names();
     }
     let paths = config.paths(&args.paths);
+    watched.paths.clone_from(&paths);
     if let Err(error) = read_rust(&config, &mut settings, args) {
         return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
     }
@@ -81,6 +92,9 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let basis = Basis::new(scope, &options, args.text.stage, language, settings);
     let against =
         args.against.as_ref().map(|rev| Against::open(rev, &config, &basis)).transpose()?;
+    watched
+        .files
+        .extend(args.baseline.iter().chain(&config.baseline).chain(&args.verified).cloned());
     let permitted = Permitted::open(args, &config)?;
     let (paths, stdin) = stdin(paths, args)?;
     let run = Run {
@@ -104,6 +118,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let before = cache.tree.as_ref().map(|tree| tree.key.clone());
     let known = std::mem::take(&mut cache.known);
     let mut pass = first_pass(args, &run, known, streams)?;
+    watched.files.extend(files_of(&run, &pass));
     let stopped = watch::is_stopped();
     let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
     if !stopped {
@@ -123,11 +138,7 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
         true => tree::sorted(tree::alone(&pass)),
         false => findings(args, &run, &mut pass, &mut cache, streams)?,
     };
-    let is_new = pass.fresh + pass.restamped > 0
-        || args.fix
-        || args.add_allow
-        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before;
-    if has_cache && is_new && !stopped {
+    if has_cache && !stopped && is_new(args, &pass, &cache, before) {
         if let Err(error) = cache.write(&pass) {
             cache_unused(&error, streams);
         }
@@ -153,6 +164,14 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     closing_notes(&pass, &basis, args, &applied, streams);
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// Whether the cache lacks results of this check.
+fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<Hash>) -> bool {
+    pass.fresh + pass.restamped > 0
+        || args.fix
+        || args.add_allow
+        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before
 }
 
 /// Reads the Rust files with mirrors if a lint of mirrors is enabled.
@@ -303,6 +322,21 @@ fn cache_unused(error: &Error, streams: &Streams) {
     streams.notes(&format!("the cache is not used: {error}\n"));
 }
 
+/// The files that a pass read, and those that it would have read if they existed.
+fn files_of(run: &Run<'_>, pass: &Pass) -> Vec<PathBuf> {
+    let checked = pass.checked.iter();
+    let shaders = checked.flat_map(|checked| checked.files().chain(&checked.absent));
+    let rust = run.basis.settings.rust_files.iter().map(|file| &file.path);
+    let locks = pass.checked.iter().filter_map(|checked| lock_of(run, checked));
+    shaders.chain(rust).map(PathBuf::from).chain(locks).collect()
+}
+
+fn lock_of(run: &Run<'_>, checked: &Checked) -> Option<PathBuf> {
+    let locks = run.basis.locks.as_ref()?;
+    let below = run.root.below(Path::new(&checked.path))?;
+    Some(lock::path_of(Path::new(locks), Path::new(&below)))
+}
+
 /// A writer that does not overwrite inputs of the check.
 fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
     // The summary of a step is a file, too.
@@ -316,11 +350,7 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer.protect(shaders.chain(rust));
     writer.protect(&args.verified);
     writer.protect(config.file.as_deref());
-    let lock = |c: &Checked| {
-        let locks = run.basis.locks.as_ref()?;
-        Some(lock::path_of(Path::new(locks), Path::new(&run.root.below(Path::new(&c.path))?)))
-    };
-    writer.protect(pass.checked.iter().filter_map(lock));
+    writer.protect(pass.checked.iter().filter_map(|checked| lock_of(run, checked)));
     writer
 }
 

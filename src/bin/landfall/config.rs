@@ -30,6 +30,7 @@ use crate::{given, read, write};
 use find::Found;
 use toml::{Document, Keys, Text};
 
+pub use find::NAMES;
 pub use root::{Root, absolute, current, repository, slashes, way};
 
 /// The default directory of locks.
@@ -143,8 +144,9 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
             let (file, policy) = (keys.needed("file"), keys.needed("policy"));
             let known = keys.choice("policy", &Policy::ALL.map(Policy::name));
-            let glob = lints::glob(keys, "file", &root);
-            file.zip(policy).and(known).and_then(Policy::from_name).map(|policy| (glob, policy))
+            // Read again for its errors.
+            lints::glob(keys, "file", &root);
+            policy.and(known).and_then(Policy::from_name).zip(file).map(|(p, file)| (file.value, p))
         }),
         settings,
         root,
@@ -224,11 +226,10 @@ impl Config {
         self.explicit_locks(named).unwrap_or_else(|| self.root.path(LOCKS))
     }
 
-    /// The policy for changes of a shader's layout.
-    pub fn policy_of(&self, shader: &Path) -> Option<Policy> {
-        let path = slashes(shader);
-        let rows = self.path_policies.iter().rev();
-        let row = rows.into_iter().find(|(file, _)| landfall_lint::glob::matches(file, &path));
+    /// The policy for changes of a shader's layout, by its path from the configuration's directory.
+    pub fn policy_of(&self, shader: &str) -> Option<Policy> {
+        let mut rows = self.path_policies.iter().rev();
+        let row = rows.find(|(file, _)| landfall_lint::glob::matches(file, shader));
         row.map(|(_, policy)| *policy).or(self.policy)
     }
 

@@ -9,7 +9,7 @@ use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
 use landfall_layout::{Error, ShaderLayout, lock};
 
-use crate::approvals::{self, Approvals};
+use crate::approvals::Approvals;
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -50,9 +50,9 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         .iter()
         .zip(&found)
         .map(|(pair, blocks)| {
-            let policy = approvals::policy(args.policy, &config, Path::new(&pair.file));
+            let policy = args.policy.or_else(|| config.policy_of(&pair.file));
             let policy = policy.filter(|_| !args.breaking)?;
-            Some((policy, approvals.judge(policy, &pair.key(&config), blocks)))
+            Some((policy, approvals.judge(policy, &pair.file, blocks)))
         })
         .collect();
     let compared: Vec<Compared<'_>> = pairs
@@ -119,7 +119,7 @@ fn sides(args: &DiffArgs, reading: &Reading<'_>) -> Result<Vec<(Side, Side)>, Er
 /// One shader on both sides.
 struct Pair {
     name: String,
-    /// The path of the shader, in the work tree if it is there.
+    /// The path of the shader from the configuration's directory, by which approvals name it.
     file: String,
     old: ShaderLayout,
     new: ShaderLayout,
@@ -140,13 +140,6 @@ impl Pair {
             old: old.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
             new: new.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
         })
-    }
-}
-
-impl Pair {
-    /// The path by which approvals name the shader.
-    fn key(&self, config: &Config) -> String {
-        config.root.below(Path::new(&self.name)).unwrap_or_else(|| self.file.clone())
     }
 }
 

@@ -155,6 +155,9 @@ impl Found {
         add("\n# Findings of today that are permitted, as `landfall check --write-baseline`\n\
              # records them.\n# baseline = \"landfall-baseline.json\"\n"
             .to_string());
+        add("\n# Changes of layouts that are refused: superset, bytes, names or code.\n\
+             # policy = \"bytes\"\n"
+            .to_string());
         add("\n# Levels of lints, which `landfall rule` lists: allow, warn or deny.\n\
              # [levels]\n# warnings = \"deny\"\n# mat3-padding = \"allow\"\n"
             .to_string());

@@ -13,7 +13,7 @@ use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock};
 
-use crate::approvals::{self, Approval, Approvals};
+use crate::approvals::{Approval, Approvals};
 use crate::args::LockArgs;
 use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
@@ -168,11 +168,11 @@ impl Job<'_> {
     fn judge(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> Judged {
         let mut judged = Judged::default();
         let path = read::named(path, &self.args.read);
-        let policy = approvals::policy(self.args.policy, self.config, &path);
+        let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
+        let policy = self.args.policy.or_else(|| self.config.policy_of(&key));
         let (Some(policy), Some(old), false) = (policy, old, self.args.check) else {
             return judged;
         };
-        let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
         let old = old.layout();
         let blocks = diff(Side::of(&old), Side::of(shader));
         let verdicts = self.approvals.judge(policy, &key, &blocks);
@@ -187,9 +187,9 @@ impl Job<'_> {
                 }
                 judged.forbidden = true;
                 let message = format!(
-                    "policy `{}` forbids a change of block `{}`: {}",
-                    policy.name(),
+                    "has a change of block `{}` that policy `{}` forbids: {}",
                     block.name,
+                    policy.name(),
                     change.message
                 );
                 let found = Error::new(path.display().to_string(), message)

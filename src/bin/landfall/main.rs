@@ -120,6 +120,9 @@ fn main() -> ExitCode {
         Command::Reader(args) => serve_backend::run(args),
     };
     match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
+        Ok(outcome) if watch::is_stopped() && watch::last_outcome().is_some() => {
+            watch::last_outcome().unwrap_or(outcome).into()
+        }
         // Its inputs after the interrupt were not read.
         Ok(_) if watch::is_stopped() => {
             streams.notes("interrupted: these are the results so far\n");

@@ -244,6 +244,18 @@ impl Streams {
         })
     }
 
+    /// Whether the reader of stdout closed it.
+    pub fn is_unread(&self) -> bool {
+        self.unread.get()
+    }
+
+    /// Clears the terminal, if stdout is one.
+    pub fn clear(&self) {
+        if io::stdout().is_terminal() {
+            let _ = self.exactly("\x1b[2J\x1b[H").and_then(|()| self.finish());
+        }
+    }
+
     /// Flushes stdout.
     pub fn finish(&self) -> Result<(), Failure> {
         self.wipe_progress();

@@ -49,6 +49,9 @@ const TIME: Duration = Duration::from_secs(3600);
 /// Set by the first Ctrl-C; the second ends the process at once.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
+/// The exit code of an interrupted command that watches files: that of its last check.
+static LAST: Mutex<Option<Outcome>> = Mutex::new(None);
+
 /// Directories to remove when the process is ended.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -72,6 +75,16 @@ pub fn end_of_work() {
     while partial().take().is_none() {
         thread::park();
     }
+}
+
+/// Sets the outcome of the command if it is interrupted from now on.
+pub fn end_with(outcome: Outcome) {
+    *LAST.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+}
+
+/// The outcome of an interrupted command, as set by [`end_with`].
+pub fn last_outcome() -> Option<Outcome> {
+    *LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The interrupt flag.
@@ -111,6 +124,11 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if flag::register_conditional_default(SIGINT, Arc::clone(&stop)).is_ok() {
         let _ = flag::register(SIGINT, Arc::clone(&stop));
     }
+    // What watches files has no end of its own.
+    let usual = match command {
+        Command::Check(args) if args.watch => Duration::MAX,
+        _ => TIME,
+    };
     let (own_time, wait): (Duration, fn()) = match command {
         #[cfg(feature = "exec")]
         Command::Stress(args) => (args.time.saturating_mul(2), wait_for_report),
@@ -122,7 +140,7 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     let watch = Watch {
         stop,
         wait,
-        time: budget.max_time.unwrap_or(TIME.max(own_time)),
+        time: budget.max_time.unwrap_or(usual.max(own_time)),
         memory: budget.max_memory.saturating_mul(1 << 20),
         style: streams.style(FindingForm::Human),
         output: streams.output(),
@@ -157,6 +175,9 @@ impl Watch {
         for look in 1u32.. {
             thread::sleep(INTERVAL);
             if self.stop.load(Ordering::Relaxed) {
+                if let Some(outcome) = last_outcome() {
+                    self.end(outcome.code());
+                }
                 (self.wait)();
                 let note = match report_partially() {
                     true => "interrupted: these are the results so far, without the last file\n",

@@ -68,6 +68,13 @@ pub struct CheckArgs {
     /// Print the number of findings per lint
     #[arg(help_heading = "Reports", long)]
     pub statistics: bool,
+    /// Check again when a shader, an include, a lock or the configuration changes; Ctrl-C ends with
+    /// the exit code of the last check
+    #[arg(
+        help_heading = "Scope", long,
+        conflicts_with_all = ["diff", "shard", "add_allow", "write_baseline"]
+    )]
+    pub watch: bool,
     /// Files processed in parallel [default: one per core]
     #[arg(help_heading = "Cache and threads", short, long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,

@@ -10,7 +10,8 @@ use super::root::{absolute, current, repository, way};
 use crate::locks::{holds_lock, locks_below};
 use crate::read::is_stdin;
 
-const NAMES: [&str; 2] = ["landfall.toml", ".landfall.toml"];
+/// The names of a configuration file.
+pub const NAMES: [&str; 2] = ["landfall.toml", ".landfall.toml"];
 
 /// What determines the root directory of a project.
 pub enum Found {

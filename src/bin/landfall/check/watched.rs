@@ -1,0 +1,158 @@
+//! `check --watch`: checks again when a file that the last check read has changed.
+//!
+//! Modification times and sizes are polled: no dependency, and the same on every system and file
+//! system. Directories are searched again at each look, so that new shaders are found.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime};
+
+use landfall_layout::Error;
+
+use crate::args::CheckArgs;
+use crate::inputs::Inputs;
+use crate::output::{Failure, Outcome, Streams};
+use crate::{config, given, read, watch};
+
+/// Least time between two looks.
+const INTERVAL: Duration = Duration::from_millis(250);
+
+/// A look takes at most one part in this many of the time.
+const SHARE: u32 = 10;
+
+/// Time in which the files of one change are written, as by an editor or `git checkout`.
+const SETTLE: Duration = Duration::from_millis(50);
+
+/// What a check read.
+#[derive(Default)]
+pub struct Watched {
+    /// The inputs that are searched for shaders.
+    pub paths: Vec<PathBuf>,
+    /// Other files: includes, those that would precede them, locks, Rust sources, the baseline.
+    pub files: BTreeSet<PathBuf>,
+}
+
+/// Modification time and length; `None` if there is no such file.
+type Stamp = Option<(SystemTime, u64)>;
+
+pub fn run(
+    args: &CheckArgs,
+    streams: &Streams,
+    check: impl Fn(&mut Watched) -> Result<Outcome, Failure>,
+) -> Result<Outcome, Failure> {
+    if args.paths.iter().any(|path| read::is_stdin(path)) {
+        return Err(Error::new("--watch", "cannot watch stdin").with_help("name files"));
+    }
+    let configurations = configurations(args)?;
+    let mut watched = Watched::default();
+    loop {
+        let began = SystemTime::now();
+        let known = look(&watched, &configurations);
+        watched = Watched::default();
+        let outcome = check(&mut watched).unwrap_or_else(|error| {
+            streams.failure(error);
+            Outcome::CouldNot
+        });
+        if watch::is_stopped() {
+            return Ok(outcome);
+        }
+        given::finish(streams);
+        streams.finish()?;
+        watch::end_with(outcome);
+        if streams.is_unread() {
+            return Ok(outcome);
+        }
+        let mut now = look(&watched, &configurations);
+        // A file that changed while it was checked.
+        let missed = changed(&known, &now, began);
+        streams.notes(&format!("watching {} files; Ctrl-C ends\n", now.len()));
+        let path = match missed.map_or_else(|| wait(&watched, &configurations, &mut now), Some) {
+            Some(path) => path,
+            None => return Ok(outcome),
+        };
+        streams.clear();
+        streams.notes(&format!("{} changed: checking again\n", path.display()));
+    }
+}
+
+/// Waits for a change, and until files no longer change; `None` after Ctrl-C.
+fn wait(
+    watched: &Watched,
+    configurations: &[PathBuf],
+    now: &mut BTreeMap<PathBuf, Stamp>,
+) -> Option<PathBuf> {
+    let mut pause = INTERVAL;
+    let mut found = None;
+    loop {
+        thread::sleep(pause);
+        if watch::is_stopped() {
+            return None;
+        }
+        let began = Instant::now();
+        let next = look(watched, configurations);
+        let difference = different(now, &next);
+        *now = next;
+        match (difference, found) {
+            (Some(path), earlier) => {
+                found = earlier.or(Some(path));
+                pause = SETTLE;
+            }
+            (None, Some(path)) => return Some(path),
+            (None, None) => {
+                found = None;
+                pause = INTERVAL.max(began.elapsed() * SHARE);
+            }
+        }
+    }
+}
+
+/// The stamps of all files that a check reads.
+fn look(watched: &Watched, configurations: &[PathBuf]) -> BTreeMap<PathBuf, Stamp> {
+    let inputs = Inputs::new(watched.paths.clone()).filter_map(Result::ok).map(|input| input.path);
+    let files = watched.files.iter().chain(configurations).cloned();
+    inputs.chain(files).map(|path| (path.clone(), stamp(&path))).collect()
+}
+
+fn stamp(path: &Path) -> Stamp {
+    let found = path.metadata().ok()?;
+    Some((found.modified().ok()?, found.len()))
+}
+
+/// A file with another stamp, or that only one of them has.
+fn different(old: &BTreeMap<PathBuf, Stamp>, new: &BTreeMap<PathBuf, Stamp>) -> Option<PathBuf> {
+    let mut changed = new.iter().filter(|(path, stamp)| old.get(*path) != Some(*stamp));
+    let mut gone = old.keys().filter(|path| !new.contains_key(*path));
+    changed.next().map(|(path, _)| path).or_else(|| gone.next()).cloned()
+}
+
+/// A file that changed since a check began: one that was known before has another stamp, any other
+/// was written since.
+fn changed(
+    old: &BTreeMap<PathBuf, Stamp>,
+    new: &BTreeMap<PathBuf, Stamp>,
+    began: SystemTime,
+) -> Option<PathBuf> {
+    let is_changed = |(path, stamp): &(&PathBuf, &Stamp)| match old.get(*path) {
+        Some(before) => before != *stamp,
+        None => stamp.is_some_and(|(modified, _)| modified > began),
+    };
+    new.iter().find(is_changed).map(|(path, _)| path.clone())
+}
+
+/// The configuration, or the places where one would be found.
+fn configurations(args: &CheckArgs) -> Result<Vec<PathBuf>, Error> {
+    if args.config.no_config {
+        return Ok(Vec::new());
+    }
+    if let Some(file) = &args.config.config {
+        return Ok(vec![file.clone()]);
+    }
+    let current = config::current()?;
+    let start = args.paths.iter().map(|path| current.join(path)).chain([current.clone()]);
+    let folders: BTreeSet<PathBuf> = start
+        .flat_map(|path| path.ancestors().map(Path::to_path_buf).collect::<Vec<_>>())
+        .collect();
+    let names = |folder: PathBuf| config::NAMES.map(|name| folder.join(name));
+    Ok(folders.into_iter().flat_map(names).collect())
+}

@@ -1,0 +1,177 @@
+//! Policies of `diff` and `lock`, and approvals.
+
+use snapbox::str;
+
+use crate::support::command::Place;
+
+const OLD: &str = "#version 430 core
+struct Light { vec3 pos; vec3 color; };
+layout(std140, binding = 0) uniform Lights {
+    Light all[2];
+    float gamma;
+    vec4 low;
+    vec4 high;
+} u_lights;
+void main() {}
+";
+
+const POLICIES: [&str; 4] = ["superset", "bytes", "names", "code"];
+
+/// A change, and the first of the policies that forbids it. Offsets by hand from OpenGL 4.6
+/// §7.6.2.2: `gamma` at 64, `low` at 80, the block 112.
+const CHANGES: &[(&str, &str, Option<usize>)] = &[
+    // No change of a declaration.
+    ("float gamma;", "float gamma; // display", None),
+    // `gamma` stays, `low` moves to 96.
+    ("vec4 low;", "vec4 first; vec4 low;", Some(0)),
+    ("float gamma;", "int gamma;", Some(0)),
+    ("    vec4 high;\n", "", Some(0)),
+    ("binding = 0", "binding = 1", Some(0)),
+    // In the padding behind `gamma`, and at the end: old uploads land.
+    ("float gamma;", "float gamma; float bias;", Some(1)),
+    ("vec4 high;", "vec4 high; vec4 more;", Some(1)),
+    ("float gamma;", "float gain;", Some(2)),
+    ("Light", "Lamp", Some(2)),
+    ("} u_lights", "} u_lamps", Some(2)),
+    // A new block is nobody's old bytes.
+    ("void main", "layout(std140, binding = 5) uniform Fog { vec4 fog; } u_fog;\nvoid main", None),
+];
+
+/// The lines of the generated code, without comments.
+fn code(tree: &Place, path: &str) -> Vec<String> {
+    let ran = tree.run(&["emit", path, "--lang", "rust"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    // Assertions name the file.
+    let text = ran.out.replace(path, "light.frag");
+    let lines = text.lines().map(str::trim);
+    lines.filter(|line| !line.starts_with("//")).map(String::from).collect()
+}
+
+#[test]
+fn each_policy_forbids_what_the_one_before_it_does_and_more() {
+    let tree = Place::new("policy-table");
+    tree.write("old/light.frag", OLD);
+    for (from, to, least) in CHANGES {
+        assert!(OLD.contains(from), "{from}");
+        let new = match *from {
+            "Light" => OLD.replace("Light ", "Lamp "),
+            _ => OLD.replacen(from, to, 1),
+        };
+        tree.write("new/light.frag", new);
+        for (at, policy) in POLICIES.iter().enumerate() {
+            let ran = tree.run(&["diff", "old/light.frag", "new/light.frag", "--policy", policy]);
+            let forbidden = least.is_some_and(|least| least <= at);
+            assert_eq!(ran.code, i32::from(forbidden), "{from}: {to}: {policy}\n{}", ran.out);
+            assert_eq!(ran.out.contains("forbids"), forbidden, "{}", ran.out);
+        }
+        // Code that uses the mirrors of the old layout has to change only where `code` says so.
+        let (was, is) = (code(&tree, "old/light.frag"), code(&tree, "new/light.frag"));
+        let gone = was.iter().any(|line| !is.contains(line));
+        assert!(!gone || least.is_some(), "{from}: {to}: the generated code changes");
+    }
+}
+
+#[test]
+fn a_lock_is_kept_until_the_change_is_approved_with_a_reason() {
+    let tree = Place::new("policy-lock");
+    tree.write("landfall.toml", "policy = \"bytes\"\n").write("shaders/light.frag", OLD);
+    assert_eq!(tree.run(&["lock"]).code, 0);
+    let lock = "layouts/shaders/light.frag.json";
+    let old = tree.read(lock);
+    tree.write("old.frag.json", &old);
+    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gamma; float bias;"));
+    tree.run(&["lock"]).code(1).stdout_eq("").stderr_eq(str![[r#"
+error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `bytes` forbids: `bias` (`float`) uses former padding at 68
+  |
+  = help: undo it, or approve it with `landfall lock --approve REASON`
+
+0 locks written, 0 unchanged, 1 kept by policy
+
+"#]]);
+    assert_eq!(tree.read(lock), old);
+    assert_eq!(tree.run(&["diff", "old.frag.json", "shaders/light.frag"]).code, 1);
+    let reason = "the uploader fills it since 2.1";
+    tree.run(&["lock", "--approve", reason]).code(0).stderr_eq(str![[r#"
+approved 1 change
+1 lock written, 0 unchanged
+
+"#]]);
+    assert_ne!(tree.read(lock), old);
+    let approvals: serde_json::Value =
+        serde_json::from_str(&tree.read("layouts/approvals.json")).unwrap();
+    let entry = &approvals["approvals"][0];
+    for (key, value) in [
+        ("shader", "shaders/light.frag"),
+        ("block", "Lights"),
+        ("kind", "padding-used"),
+        ("path", "bias"),
+        ("reason", reason),
+    ] {
+        assert_eq!(entry[key], value, "{approvals}");
+    }
+    // The change stays approved: in CI it is compared with another revision.
+    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag"]);
+    assert_eq!(ran.code, 0, "{}", ran.out);
+    assert!(ran.out.contains("approved: the uploader fills it since 2.1"), "{}", ran.out);
+    let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag", "-f", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let shader = &json["shaders"][0];
+    assert_eq!(shader["policy"], "bytes");
+    let change = &shader["blocks"][0]["changes"][0];
+    assert_eq!((&change["verdict"], &change["reason"]), (&"approved".into(), &reason.into()));
+    // Another change of the same member is not.
+    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gamma; int bias;"));
+    assert_eq!(tree.run(&["lock"]).code, 1);
+    // The file of approvals is no lock: it is not reported as one without a shader.
+    assert_eq!(tree.run(&["lock", "--approve", "again"]).code, 0);
+    assert_eq!(tree.run(&["lock", "--check", "--prune"]).code, 0);
+}
+
+#[test]
+fn policies_are_chosen_for_a_path() {
+    let tree = Place::new("policy-path");
+    tree.write(
+        "landfall.toml",
+        "policy = \"names\"\n[[path-policy]]\nfile = \"shaders/tools/**\"\npolicy = \"superset\"\n",
+    );
+    let renamed = OLD.replace("float gamma", "float gain");
+    for path in ["shaders/light.frag", "shaders/tools/light.frag"] {
+        tree.write(path, OLD);
+    }
+    assert_eq!(tree.run(&["lock"]).code, 0);
+    for path in ["shaders/light.frag", "shaders/tools/light.frag"] {
+        tree.write(path, &renamed);
+    }
+    let ran = tree.run(&["lock"]);
+    assert_eq!(ran.code, 1);
+    assert!(ran.err.contains("`shaders/light.frag`"), "{}", ran.err);
+    assert!(!ran.err.contains("tools"), "{}", ran.err);
+    assert!(tree.read("layouts/shaders/tools/light.frag.json").contains("gain"));
+    assert!(!tree.read("layouts/shaders/light.frag.json").contains("gain"));
+    // The command line takes precedence.
+    assert_eq!(tree.run(&["lock", "--policy", "superset"]).code, 0);
+}
+
+#[test]
+fn what_is_no_policy_or_no_approval_is_refused() {
+    let tree = Place::new("policy-wrong");
+    tree.write("a.frag", OLD);
+    for arguments in [
+        &["diff", "a.frag", "a.frag", "--policy", "wire"][..],
+        &["lock", "--policy", "strict"],
+        &["lock", "--approve", " "],
+        &["diff", "a.frag", "a.frag", "--policy", "code", "--breaking"],
+    ] {
+        assert_eq!(tree.run(arguments).code, 2, "{arguments:?}");
+    }
+    for text in ["{", "{\"schema_version\": 2, \"approvals\": []}", "{\"schema_version\": 1}"] {
+        tree.write("layouts/approvals.json", text);
+        let ran = tree.run(&["lock", "--approve", "why not"]);
+        assert_eq!(ran.code, 2, "{text}");
+        assert!(ran.err.contains("is not a file of approvals"), "{}", ran.err);
+        assert_eq!(tree.read("layouts/approvals.json"), text);
+    }
+    tree.write("landfall.toml", "policy = \"wire\"\n");
+    let ran = tree.run(&["lock"]);
+    assert!(ran.code == 2 && ran.err.contains("unknown policy `wire`"), "{}", ran.err);
+}
