@@ -7,7 +7,8 @@ use crate::support::command::golden;
 use crate::support::glslang;
 use landfall_layout::format::{EmitOptions, Format, document};
 use landfall_layout::layout::targets::CODE;
-use landfall_layout::lock;
+use landfall_layout::source::ReadOptions;
+use landfall_layout::{Options, Source, layout, lock};
 
 /// For Vulkan `a` is at 0, for OpenGL at 16.
 const BOTH: &str = "#version 330\n\
@@ -175,6 +176,56 @@ fn a_word_of_vulkan_decides_outside_conditions_and_in_those_that_hold() {
     ] {
         assert_eq!(is_vulkan(head), expected, "{head}");
     }
+}
+
+/// A block without rules is std140 for Vulkan and the driver's for OpenGL. glslang takes `set` only
+/// for Vulkan.
+#[test]
+fn the_qualifier_set_makes_a_text_vulkans_however_it_is_written() {
+    let of = |text: &str, read: ReadOptions| {
+        let shader = layout(&Source::new("a.frag", text), &Options::default().with_read(read));
+        assert!(!shader.has_errors(), "{text}: {:?}", shader.diagnostics);
+        let size = shader.block("U").expect("it is declared").size;
+        if size == Some(16) { Target::Vulkan } else { Target::OpenGl }
+    };
+    for (head, set, target) in [
+        ("", "set = 0, ", Target::Vulkan),
+        ("", "set=0, ", Target::Vulkan),
+        ("// a / b, set = 1\n", "set /* = */ // =\n = 0, ", Target::Vulkan),
+        ("/* set = 1 */ /**/ //\n", "set\n=\n0, ", Target::Vulkan),
+        ("#define AT(n) set = n\n", "AT(0), ", Target::Vulkan),
+        ("#define AT(key, n) key = n\n", "AT(set, 0), ", Target::Vulkan),
+        ("#define GROUP set\n", "GROUP = 0, ", Target::Vulkan),
+        ("#define IS =\n", "set IS 0, ", Target::Vulkan),
+        ("# define NOTHING\n", "set NOTHING = 0, ", Target::Vulkan),
+        ("", "s\\\net = 0, ", Target::Vulkan),
+        ("// layout(set = 0)\n", "", Target::OpenGl),
+        ("/* layout(\nset = 0) */\n", "/* set = 0 */", Target::OpenGl),
+        ("int set = 1 / 1;\n", "", Target::OpenGl),
+        ("bool f(int set, int reset) { return set == reset; }\n", "", Target::OpenGl),
+    ] {
+        let text = format!(
+            "#version 450\n{head}layout({set}binding = 0) uniform U {{ vec4 a; }};\nvoid main() {{}}\n"
+        );
+        assert_eq!(glslang::accepts(&text, "frag"), target == Target::OpenGl, "{text}");
+        assert_eq!(of(&text, ReadOptions::default()), target, "{text}");
+    }
+
+    let group = "layout(set = 0, binding = 0)";
+    let text = "#version 450\nGROUP uniform U { vec4 a; };\n";
+    let mut given = ReadOptions::default();
+    given.defines = vec![("GROUP".to_string(), group.to_string())];
+    assert_eq!(of(text, given.clone()), Target::Vulkan);
+    given.defines = vec![("GROUP".to_string(), "layout(binding = 0)".to_string())];
+    assert_eq!(of(text, given), Target::OpenGl);
+
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("qualifier_set");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("group.glsl"), format!("#define GROUP {group}\n")).unwrap();
+    let mut read = ReadOptions::default();
+    read.include_dirs = vec![folder];
+    let text = format!("#version 450\n# include \"group.glsl\"\n{}", &text[13..]);
+    assert_eq!(of(&text, read), Target::Vulkan);
 }
 
 #[test]

@@ -114,7 +114,12 @@ pub(super) fn dims(dims: &[ArrayLen]) -> String {
 
 /// Numbers separated by spaces.
 pub(super) fn spaced(numbers: &[u64]) -> String {
-    numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
+    let mut text = String::new();
+    for number in numbers {
+        text.push_str(if text.is_empty() { "" } else { " " });
+        text.push_str(&number.to_string());
+    }
+    text
 }
 
 /// A type's name, or `struct` for a nameless structure.

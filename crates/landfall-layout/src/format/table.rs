@@ -251,16 +251,16 @@ fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
     }
     let titles = Row { cells: TITLES.map(str::to_string), padding: true, ..Row::default() };
     for row in std::iter::once(&titles).chain(rows) {
-        let mut line = String::new();
+        let start = text.len();
         for &i in &shown {
-            line.push_str("  ");
-            write_cell(row, i, widths[i], paint, &mut line);
+            text.push_str("  ");
+            write_cell(row, i, widths[i], paint, text);
         }
         if let Some(caution) = &row.caution {
-            line.push_str("  ");
-            line.push_str(&paint.text(CAUTION, &format!("<- {caution}")));
+            text.push_str("  ");
+            text.push_str(&paint.text(CAUTION, &format!("<- {caution}")));
         }
-        text.push_str(line.trim_end());
+        text.truncate(start + text[start..].trim_end().len());
         text.push('\n');
     }
 }
@@ -271,7 +271,7 @@ fn write_cell(row: &Row, column: usize, width: usize, paint: Paint, line: &mut S
     let fill = width - columns(content);
     let is_word = column >= 5;
     if !is_word {
-        line.extend(std::iter::repeat_n(' ', fill));
+        fill_up(line, fill);
     }
     match column {
         _ if paint == Paint::Plain => line.push_str(content),
@@ -285,7 +285,17 @@ fn write_cell(row: &Row, column: usize, width: usize, paint: Paint, line: &mut S
         _ => line.push_str(content),
     }
     if is_word && column != NAME {
-        line.extend(std::iter::repeat_n(' ', fill));
+        fill_up(line, fill);
+    }
+}
+
+/// Appends blanks; `extend` takes several times as long.
+fn fill_up(line: &mut String, mut blanks: usize) {
+    const BLANKS: &str = "                                ";
+    while blanks > 0 {
+        let some = blanks.min(BLANKS.len());
+        line.push_str(&BLANKS[..some]);
+        blanks -= some;
     }
 }
 

@@ -205,18 +205,19 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
         });
         blocks.clear();
     }
-    let assumed = match preprocessor.tests_vulkan.get() {
+    // The decision may cost a second reading, so only a text that tests for `VULKAN` is asked.
+    let (assumed, assumed_of_loose) = match preprocessor.tests_vulkan.get() {
         true => match preprocessor.decision() {
-            Decision::Assumed(target) => Some(target),
-            Decision::Loose => Some(Target::OpenGl),
-            Decision::Known(_) | Decision::Either => None,
+            Decision::Assumed(target) => (Some(target), false),
+            Decision::Loose => (Some(Target::OpenGl), true),
+            Decision::Known(_) | Decision::Either => (None, false),
         },
-        false => None,
+        false => (None, false),
     };
     Parsed {
         shape: Shape { blocks, overrides },
         assumed,
-        assumed_of_loose: preprocessor.decision() == Decision::Loose,
+        assumed_of_loose,
         standard_uniforms: false,
         files: std::mem::take(&mut preprocessor.files),
         diagnostics,

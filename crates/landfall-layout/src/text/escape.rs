@@ -36,10 +36,15 @@ fn is_hostile(c: char) -> bool {
     }
 }
 
-/// Whether a text is ASCII without control characters other than line ends and tabs, as most texts
-/// are: it has no character that [`is_hostile`] finds.
+/// Whether a text has no character that [`is_hostile`] finds, other than line ends and tabs. Most
+/// lines are ASCII, which is found without decoding them.
 fn is_plain(text: &str) -> bool {
-    text.bytes().all(|byte| matches!(byte, b' '..=b'~' | b'\n' | b'\t'))
+    let plain = |byte: u8| matches!(byte, b' '..=b'~' | b'\t');
+    text.split('\n').all(|line| {
+        // Without an early end, several bytes are compared at a time.
+        line.bytes().fold(true, |all, byte| all & plain(byte))
+            || !line.contains(|c| c != '\t' && is_hostile(c))
+    })
 }
 
 /// Whether a character has no width, so that two names may look the same.
@@ -104,7 +109,7 @@ pub fn output(text: &str, styles: Styles) -> Cow<'_, str> {
 /// Escapes control characters, except for kept styles.
 fn controls(text: &str, styles: Styles) -> Cow<'_, str> {
     let shown = |c: char| matches!(c, '\n' | '\t') || !is_hostile(c);
-    if is_plain(text) || text.chars().all(shown) {
+    if is_plain(text) {
         return Cow::Borrowed(text);
     }
     let mut result = String::with_capacity(text.len());

@@ -284,6 +284,32 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    /// Skips text up to the end of the next occurrence of a word outside comments; returns whether
+    /// there is one.
+    pub(crate) fn skip_past(&mut self, word: &str) -> bool {
+        let bytes = self.text.as_bytes();
+        let inside =
+            |byte: Option<&u8>| byte.is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
+        let from = self.at;
+        for at in memchr::memmem::find_iter(&bytes[from..], word).map(|at| from + at) {
+            while let Some(slash) = bytes.get(self.at..at).and_then(|b| memchr::memchr(b'/', b)) {
+                self.at += slash;
+                match self.byte(1) {
+                    b'/' => self.line_comment(),
+                    b'*' => self.block_comment(),
+                    _ => self.at += 1,
+                }
+            }
+            let end = at + word.len();
+            if self.at <= at && !inside(bytes[..at].last()) && !inside(bytes.get(end)) {
+                self.at = end;
+                return true;
+            }
+        }
+        self.at = self.text.len();
+        false
+    }
+
     /// Skips text up to the next brace or directive.
     pub(crate) fn skip_to_brace(&mut self) -> Stop {
         let mut seen = ScannedText { to: self.at, blank: self.line_start };

@@ -5,7 +5,7 @@
 //! APIs, unless what it declares for Vulkan is something that only OpenGL has.
 
 use super::declarations::DeclarationReader;
-use super::lexer::{Kind, Token};
+use super::lexer::{Kind, Lexer, Token};
 use super::parser::{Bodies, Parser};
 use super::preprocess::{Preprocessor, Profile, Version};
 use super::texts::Texts;
@@ -95,7 +95,7 @@ pub fn decide(
     if version.is_some_and(|version| !is_vulkans(version)) {
         return Decision::Known(Target::OpenGl);
     }
-    if !may_show(text) {
+    if !may_show(text, options) {
         return Decision::Either;
     }
     let signs = signs(path, text, options);
@@ -112,7 +112,8 @@ pub fn decide(
 
 /// Whether the text, read for Vulkan, declares a uniform outside blocks that is no opaque handle.
 fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> bool {
-    if memchr::memmem::find(text.as_bytes(), b"uniform").is_none() && !text.contains("#include") {
+    let given = options.defines.iter().any(|(_, given)| has(given, "uniform"));
+    if !given && !has(text, "uniform") && !has(text, "include") {
         return false;
     }
     let options = ReadOptions { target: Some(Target::Vulkan), ..options.clone() };
@@ -123,19 +124,35 @@ fn has_loose_uniforms(path: &str, text: &Arc<str>, options: &ReadOptions) -> boo
     !reader.loose.is_empty()
 }
 
-/// Whether the text may contain a sign and so must be read: it has some of the bytes of one, or
-/// includes other files.
-fn may_show(text: &str) -> bool {
-    let has = |word: &str| memchr::memmem::find(text.as_bytes(), word.as_bytes()).is_some();
-    let all =
-        [VULKAN_NAMES, VULKAN_LAYOUTS, &[CONSTANT_ID], VULKAN_EXTENSIONS, SEPARATE_TYPES].concat();
-    all.into_iter().any(has)
-        || ["VULKAN", "subpassInput", "rayPayload", "#include", "\\\n", "\\\r"].into_iter().any(has)
-        || memchr::memmem::find_iter(text.as_bytes(), b"set").any(|at| {
-            let inside = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
-            !text.as_bytes()[..at].last().copied().is_some_and(inside)
-                && !text.as_bytes().get(at + 3).copied().is_some_and(inside)
-        })
+/// Whether the text or a macro given with it may contain a sign, so that the text must be read: one
+/// has some of the bytes of a sign, or the text includes other files.
+fn may_show(text: &str, options: &ReadOptions) -> bool {
+    let given = options.defines.iter().map(|(_, given)| given.as_str());
+    let macros = !options.defines.is_empty() || has(text, "define");
+    std::iter::once(text).chain(given).any(|text| {
+        let words =
+            [VULKAN_NAMES, VULKAN_LAYOUTS, &[CONSTANT_ID], VULKAN_EXTENSIONS, SEPARATE_TYPES];
+        let parts = ["VULKAN", "subpassInput", "rayPayload", "include", "\\\n", "\\\r"];
+        words.into_iter().flatten().any(|word| has(text, word))
+            || parts.into_iter().any(|part| has(text, part))
+            || may_qualify_by_set(text, macros)
+    })
+}
+
+/// Whether a text without line continuations may have the layout qualifier `set = N`: outside
+/// comments, `set` stands before `=`, or anywhere in a text with macros, which may join the two.
+fn may_qualify_by_set(text: &str, macros: bool) -> bool {
+    let mut lexer = Lexer::new(text, 0);
+    while lexer.skip_past("set") {
+        if macros || lexer.clone().next(&mut Vec::new()).is("=") {
+            return true;
+        }
+    }
+    false
+}
+
+fn has(text: &str, part: &str) -> bool {
+    memchr::memmem::find(text.as_bytes(), part.as_bytes()).is_some()
 }
 
 fn signs(path: &str, text: &Arc<str>, options: &ReadOptions) -> Signs {
