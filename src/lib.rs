@@ -61,6 +61,16 @@
 //! | `exec` | commands that execute shaders on the interpreter |
 //! | `gl`, `gpu` | the OpenGL and wgpu backends |
 //! | `full` | everything |
+//!
+//! # Types of other crates
+//!
+//! Public signatures name `serde_json::Value` (values of a buffer as JSON), `bytemuck::Pod` (values
+//! that are copied into a buffer as bytes), and `serde::Serialize` and `serde::Deserialize` (what is
+//! printed as JSON), and no other type of another crate.
+//!
+//! Enums that will grow are `#[non_exhaustive]`. The others are complete by their meaning, such as
+//! the two orders of a matrix, or decide how every byte is laid out, as [`Type`] and [`Language`]: a
+//! new variant of these is a new major version.
 
 pub use landfall_layout::{
     AddressSpace, ArrayLen, BlockLayout, Buffer, BufferError, Build, BuildError, Diagnostic, Error,

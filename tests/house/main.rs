@@ -11,6 +11,7 @@ mod graph;
 mod imports;
 mod paths;
 mod planted;
+mod public;
 mod sizes;
 mod strings;
 mod systems;
@@ -85,6 +86,12 @@ fn the_tree_is_as_architecture_md_shows_it() {
 #[test]
 fn code_for_one_system_has_its_other_half() {
     let found = systems::problems(&repository());
+    assert!(found.is_empty(), "{} problems:\n{}", found.len(), found.join("\n"));
+}
+
+#[test]
+fn what_users_see_can_grow_and_names_no_other_crate_than_documented() {
+    let found = public::problems(&repository());
     assert!(found.is_empty(), "{} problems:\n{}", found.len(), found.join("\n"));
 }
 

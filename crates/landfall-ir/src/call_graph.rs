@@ -5,6 +5,7 @@
 
 use naga::{Block, Expression, Function, GlobalVariable, Handle, Module, Statement};
 use rustc_hash::FxHashSet;
+use std::collections::BTreeSet;
 
 /// Returns the statements of a block in the order of the text, nested ones after the statement that
 /// contains them.
@@ -54,7 +55,7 @@ pub fn functions<'m>(module: &'m Module, first: &'m Function) -> Vec<&'m Functio
 }
 
 /// Returns the global variables used by a function and the functions it calls.
-pub fn variables(module: &Module, first: &Function) -> FxHashSet<Handle<GlobalVariable>> {
+pub fn variables(module: &Module, first: &Function) -> BTreeSet<Handle<GlobalVariable>> {
     functions(module, first).into_iter().flat_map(named).collect()
 }
 

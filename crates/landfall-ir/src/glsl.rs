@@ -33,6 +33,7 @@ mod types;
 mod value_types;
 
 use landfall_layout::diagnostic::Code;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use naga::Handle;
@@ -64,7 +65,7 @@ pub struct Lowered {
     pub files: Files,
     pub bases: Bases,
     /// The expressions that need no more than `mediump`, by their spans in naga's positions.
-    pub reduced: FxHashSet<(u32, u32)>,
+    pub reduced: BTreeSet<(u32, u32)>,
 }
 
 /// Returns the error for an unsupported construct.

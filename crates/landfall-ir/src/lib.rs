@@ -1,4 +1,6 @@
 //! Lowering of GLSL and WGSL to naga IR with Landfall's offsets, and analyses of the IR.
+//!
+//! Public signatures name types of naga, whose IR a `Module` holds.
 
 pub mod analysis;
 #[cfg(feature = "lowering")]

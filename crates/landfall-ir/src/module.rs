@@ -7,6 +7,8 @@ use landfall_layout::naga_front;
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{GlobalVariable, Handle};
+use std::collections::BTreeSet;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 mod describe;
@@ -37,7 +39,7 @@ pub struct Module {
     /// Names of local variables by expression.
     pub locals: Locals,
     /// The spans, in naga's positions, of the expressions that need no more than `mediump`.
-    pub reduced: FxHashSet<(u32, u32)>,
+    pub reduced: BTreeSet<(u32, u32)>,
 }
 
 /// The value of a local variable without an initialiser.
@@ -307,7 +309,7 @@ impl Module {
             inputs: Vec::new(),
             outputs: Vec::new(),
             left_out: Vec::new(),
-            reduced: FxHashSet::default(),
+            reduced: BTreeSet::new(),
             locals: Locals::Zeros,
         }
     }

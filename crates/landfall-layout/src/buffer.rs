@@ -59,9 +59,11 @@ pub use dirty::{Ranges, Upload};
 pub use encode::{Missing, encode};
 pub use error::BufferError;
 pub use handle::Handle;
+#[doc(hidden)]
 pub use json::kind;
 pub use json::{EncodeError, read_json};
 pub use number::ComponentBits;
+#[doc(hidden)]
 pub use number::{ComponentError, bits};
 pub use padding::{Finding, Findings};
 pub use value::{Component, Value};

@@ -17,6 +17,7 @@ pub mod hex;
 pub mod json;
 mod listing;
 mod markdown;
+#[doc(hidden)]
 pub mod paint;
 #[doc(hidden)]
 pub mod phrases;
@@ -55,9 +56,8 @@ pub const DIAGNOSTIC_SCHEMA: &str = include_str!("../schema/diagnostic.json");
 pub const EXPLAIN_SCHEMA: &str = include_str!("../schema/explain.json");
 
 /// An output format of layouts.
-///
-/// Exhaustive: a new format is handled wherever layouts are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// Aligned columns.
     Table,
@@ -79,6 +79,14 @@ impl Format {
             Format::Json => "json",
             Format::Csv => "csv",
             Format::Markdown => "md",
+        }
+    }
+
+    /// Whether programs read it: shaders without blocks are in it, too.
+    pub fn is_data(self) -> bool {
+        match self {
+            Format::Json | Format::Csv => true,
+            Format::Table | Format::Listing | Format::Markdown => false,
         }
     }
 }

@@ -1,4 +1,11 @@
 //! Byte layouts of GLSL and WGSL blocks: parsing, layout rules, locks, buffers and code generation.
+//!
+//! # Types of other crates
+//!
+//! Public signatures name `serde_json::Value` (values of a buffer as JSON), `bytemuck::Pod` (values
+//! that are copied into a buffer as bytes), and `serde::Serialize` and `serde::Deserialize` (what is
+//! printed as JSON), and no other type of another crate. A new major version of one of these crates
+//! is one of this crate.
 
 pub mod buffer;
 pub mod build_script;

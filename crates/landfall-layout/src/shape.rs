@@ -11,10 +11,9 @@ pub use spelled::Spelled;
 pub(crate) use spelled::wgsl_scalar;
 
 /// The kind of a component.
-///
-/// Exhaustive: sizes and generated types depend on it everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum ScalarKind {
     Bool,
     Sint,
@@ -26,6 +25,19 @@ pub enum ScalarKind {
     FloatE5m2,
     /// 8-bit float with 4 exponent bits.
     FloatE4m3,
+}
+
+impl ScalarKind {
+    /// Whether it is a floating-point format.
+    pub fn is_float(self) -> bool {
+        match self {
+            ScalarKind::Float
+            | ScalarKind::Bfloat
+            | ScalarKind::FloatE5m2
+            | ScalarKind::FloatE4m3 => true,
+            ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint => false,
+        }
+    }
 }
 
 /// A component type: kind and width in bytes (a bool in a buffer is 4 bytes).
@@ -181,9 +193,8 @@ impl Member {
 }
 
 /// The address space of a block.
-///
-/// Exhaustive: every use of a block decides for each address space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum AddressSpace {
     /// `uniform` block, `var<uniform>`.
     Uniform,
@@ -200,6 +211,16 @@ pub enum AddressSpace {
 }
 
 impl AddressSpace {
+    /// Returns the keyword of GLSL that declares a block in it.
+    pub fn keyword(self) -> &'static str {
+        match self {
+            AddressSpace::Uniform | AddressSpace::PushConstant | AddressSpace::Default => "uniform",
+            AddressSpace::Storage | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
+                "buffer"
+            }
+        }
+    }
+
     /// Returns the name used in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
@@ -214,9 +235,8 @@ impl AddressSpace {
 }
 
 /// The layout rules of a block.
-///
-/// Exhaustive: sizes and paddings depend on the rules everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Rules {
     /// OpenGL 4.6 §7.6.2.2, std140.
     Std140,

@@ -31,10 +31,9 @@ impl Language {
 }
 
 /// The pipeline stage of a GLSL shader.
-///
-/// Exhaustive: a new stage has to be handled everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
+#[non_exhaustive]
 pub enum Stage {
     Vertex,
     TessellationControl,
@@ -96,6 +95,7 @@ impl Stage {
 }
 
 /// A stage that landfall can execute.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ExecutableStage {
     /// Vertex stage.
@@ -415,9 +415,8 @@ impl Files {
 }
 
 /// The API that a GLSL shader targets.
-///
-/// Exhaustive: a new API has to be handled everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Target {
     /// OpenGL and OpenGL ES: `VULKAN` is not defined, block rules default to `shared`.
     OpenGl,

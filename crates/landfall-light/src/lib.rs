@@ -4,6 +4,10 @@
 //! fragments of its picture, and the [`Upload`], its lights and materials in `f32`, as a shader
 //! gets them. A shader lights the fragments on some backend; the `reference` lights them in `f64`
 //! from the same bits.
+//!
+//! Public signatures name vectors and matrices of glam (`DVec2`, `DVec3`, `DMat3`, `DMat4`, `Vec3`),
+//! and `serde::Serialize`, `serde_json::Value` and `serde_json::Map` for what is read and written as
+//! JSON.
 
 pub mod accuracy;
 pub mod bind;

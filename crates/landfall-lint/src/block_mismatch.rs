@@ -89,12 +89,8 @@ fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
     subjects.iter().flat_map(|subject| {
         let blocks = subject.shader.blocks.iter();
         // Each stage has its own range of push constants; the others are not bound buffers.
-        let bound = |block: &&BlockLayout| match block.space {
-            AddressSpace::Uniform | AddressSpace::Storage => !block.gathered,
-            AddressSpace::PushConstant
-            | AddressSpace::BufferReference
-            | AddressSpace::ShaderRecord
-            | AddressSpace::Default => false,
+        let bound = |block: &&BlockLayout| {
+            matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage) && !block.gathered
         };
         blocks.filter(bound).map(move |block| Copy { subject, block })
     })

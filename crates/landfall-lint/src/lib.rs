@@ -2,6 +2,9 @@
 //!
 //! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`](landfall_layout::ShaderLayout)s and the
 //! texts behind them; the command asks them and renders their [`Finding`]s.
+//!
+//! Settings and reports are read and written as JSON: public signatures name `serde::Serialize`,
+//! `serde::Deserialize` and `serde_json::Value`.
 
 pub mod add_allow;
 pub mod allow;

@@ -69,15 +69,6 @@ fn rust_name(scalar: Scalar) -> Option<&'static str> {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 4) => Some("f32"),
         (ScalarKind::Float, 8) => Some("f64"),
-        (
-            ScalarKind::Float
-            | ScalarKind::Bool
-            | ScalarKind::Sint
-            | ScalarKind::Uint
-            | ScalarKind::Bfloat
-            | ScalarKind::FloatE5m2
-            | ScalarKind::FloatE4m3,
-            _,
-        ) => None,
+        _ => None,
     }
 }

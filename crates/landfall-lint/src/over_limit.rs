@@ -163,10 +163,7 @@ fn too_large(subject: &Subject<'_>, block: &BlockLayout, settings: &Settings) ->
         let (limit, name) = match block.space {
             AddressSpace::Uniform => (limits.uniform, limits.names.uniform),
             AddressSpace::Storage => (limits.storage?, limits.names.storage),
-            AddressSpace::PushConstant
-            | AddressSpace::BufferReference
-            | AddressSpace::ShaderRecord
-            | AddressSpace::Default => return None,
+            _ => return None,
         };
         (size > limit).then_some((limit, target, name, limits.cite))
     });
@@ -216,10 +213,7 @@ fn too_many(subject: &Subject<'_>, space: AddressSpace, target: Target) -> Optio
     let (limit, name) = match space {
         AddressSpace::Uniform => (limits.uniform_blocks, limits.names.uniform_blocks),
         AddressSpace::Storage => (limits.storage_blocks?, limits.names.storage_blocks),
-        AddressSpace::PushConstant
-        | AddressSpace::BufferReference
-        | AddressSpace::ShaderRecord
-        | AddressSpace::Default => return None,
+        _ => return None,
     };
     let stage = one_stage(subject)?;
     let mut count = 0u64;

@@ -6,7 +6,6 @@ use super::settings::Target;
 use super::show::{may_be_vulkan, place};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::Span;
 
 pub(super) const LINT: Lint = Lint {
@@ -49,7 +48,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
 
 fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
     let rules = block.rules.name();
-    let keyword = keyword(block.space);
+    let keyword = block.space.keyword();
     let declared = declaration(subject, block, keyword);
     let message = match declared {
         Declaration::Chosen(word) => {
@@ -76,15 +75,6 @@ fn finding(subject: &Subject<'_>, block: &BlockLayout) -> Finding {
             .with_help(format!("write `{rules}` instead of `{word}`")),
         Declaration::Elsewhere => {
             finding.with_help(format!("write `layout({rules})` before its `{keyword}`"))
-        }
-    }
-}
-
-fn keyword(space: AddressSpace) -> &'static str {
-    match space {
-        AddressSpace::Uniform | AddressSpace::PushConstant | AddressSpace::Default => "uniform",
-        AddressSpace::Storage | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
-            "buffer"
         }
     }
 }

@@ -54,7 +54,7 @@ pub(super) fn may_be_vulkan(subject: &Subject<'_>) -> bool {
     }
     match subject.options.read.target {
         Some(Target::Vulkan) => return true,
-        Some(Target::OpenGl) => return false,
+        Some(_) => return false,
         None => {}
     }
     let version = subject.source.text.split_once("#version").map_or("", |(_, rest)| rest);
@@ -64,7 +64,7 @@ pub(super) fn may_be_vulkan(subject: &Subject<'_>) -> bool {
         AddressSpace::PushConstant | AddressSpace::BufferReference | AddressSpace::ShaderRecord => {
             true
         }
-        AddressSpace::Default => false,
+        _ => false,
     };
     number.parse().is_ok_and(|number: u32| number >= 450) && subject.shader.blocks.iter().all(bound)
 }

@@ -34,12 +34,10 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
     let shader = subject.shader;
     let mut findings = Vec::new();
     for (block, touched) in shader.blocks.iter().zip(touched) {
-        let placed = match block.space {
-            AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant => true,
-            AddressSpace::BufferReference | AddressSpace::ShaderRecord | AddressSpace::Default => {
-                false
-            }
-        };
+        let placed = matches!(
+            block.space,
+            AddressSpace::Uniform | AddressSpace::Storage | AddressSpace::PushConstant
+        );
         if !placed || block.span.file != 0 || touched.is_none_or(|touched| !touched.is_empty()) {
             continue;
         }

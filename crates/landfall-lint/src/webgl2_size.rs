@@ -62,7 +62,7 @@ fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
     // std140 rounds the size itself up; what a host structure has is where the members end.
     let end = match block.rules {
         Rules::Std140 => block.data_size?,
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => block.size?,
+        _ => block.size?,
     };
     let whole = end.next_multiple_of(16);
     if end == whole {
@@ -75,7 +75,7 @@ fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
             block.name,
             bytes(whole)
         ),
-        Rules::Std430 | Rules::Scalar | Rules::Wgsl => format!(
+        _ => format!(
             "block `{}` is {}, but WebGL 2 requires a multiple of 16: {}",
             block.name,
             bytes(end),

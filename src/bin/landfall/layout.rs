@@ -160,10 +160,8 @@ impl Job<'_> {
         if failed && (self.args.out.is_some() || shader.diagnostics.iter().any(is_syntax)) {
             return false;
         }
-        match self.emit.format {
-            Format::Json | Format::Csv => self.args.block.is_none() || !shader.blocks.is_empty(),
-            Format::Table | Format::Listing | Format::Markdown => !shader.blocks.is_empty(),
-        }
+        let lists_all = self.emit.format.is_data() && self.args.block.is_none();
+        lists_all || !shader.blocks.is_empty()
     }
 }
 

@@ -121,10 +121,8 @@ pub(super) fn kind(block: &BlockLayout, mut bytes: Vec<u8>, writable: bool) -> R
     match block.space {
         AddressSpace::Storage => ResourceKind::Storage { bytes, writable },
         AddressSpace::PushConstant => ResourceKind::PushConstant(bytes),
-        AddressSpace::Uniform
-        | AddressSpace::Default
-        | AddressSpace::BufferReference
-        | AddressSpace::ShaderRecord => ResourceKind::Uniform(bytes),
+        // Lowering refuses other address spaces.
+        _ => ResourceKind::Uniform(bytes),
     }
 }
 

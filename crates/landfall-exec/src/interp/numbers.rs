@@ -120,9 +120,6 @@ fn word(scalar: Scalar, number: f64) -> u64 {
         (ScalarKind::Sint, _) => u64::from(number as i32 as u32),
         (ScalarKind::Uint, _) => u64::from(number as u32),
         (ScalarKind::Float, 8) => number.to_bits(),
-        (ScalarKind::Float | ScalarKind::Bfloat, _)
-        | (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => {
-            u64::from((number as f32).to_bits())
-        }
+        _ => u64::from((number as f32).to_bits()),
     }
 }

@@ -99,12 +99,7 @@ impl ValueType {
                 let number = numbers.next().unwrap_or(f64::NAN);
                 match scalar.kind {
                     ScalarKind::Bool => Value::Bool(number != 0.0),
-                    ScalarKind::Sint
-                    | ScalarKind::Uint
-                    | ScalarKind::Float
-                    | ScalarKind::Bfloat
-                    | ScalarKind::FloatE5m2
-                    | ScalarKind::FloatE4m3 => Value::Number(number),
+                    _ => Value::Number(number),
                 }
             }
             ValueType::Vector { scalar, rows } => {

@@ -128,6 +128,11 @@ impl<'a> Lowerer<'a> {
                 let message = format!("buffer references are not supported: `{}`", layout.name);
                 return Err(refuse(span, message));
             }
+            space => {
+                let message =
+                    format!("`{}` blocks are not supported: `{}`", space.name(), layout.name);
+                return Err(refuse(span, message));
+            }
         };
         let size = layout.size.unwrap_or(0);
         let block_type = self.host_of_block(&structure, &layout.members, size, purpose);

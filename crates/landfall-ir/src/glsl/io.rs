@@ -8,6 +8,7 @@ use naga::{
     Handle, Interpolation, Sampling, ShaderStage, Statement, StructMember,
 };
 use rustc_hash::FxHashSet;
+use std::collections::BTreeSet;
 
 use super::ast::Qualifiers;
 use super::body::{Body, Val};
@@ -161,7 +162,7 @@ impl Lowerer<'_> {
             let position =
                 |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
             let all = self.ir.functions.iter();
-            let of_any: FxHashSet<_> = match self.wanted_inputs {
+            let of_any: BTreeSet<_> = match self.wanted_inputs {
                 Inputs::OfMain => reached.clone(),
                 Inputs::OfAny => {
                     all.flat_map(|(_, function)| call_graph::named(function)).collect()

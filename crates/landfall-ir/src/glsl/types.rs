@@ -205,9 +205,7 @@ impl Kind {
             (S::Uint, 2) => Kind::Ushort,
             (S::Sint, 8) => Kind::Long,
             (S::Uint, 8) => Kind::Ulong,
-            (S::Sint | S::Uint | S::Float | S::Bfloat | S::FloatE5m2 | S::FloatE4m3, _) => {
-                return None;
-            }
+            _ => return None,
         })
     }
 }

@@ -70,6 +70,7 @@ pub enum Visibility {
 
 /// Whether to generate tables from names to offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Tables {
     /// One module per block.
     #[default]

@@ -12,6 +12,7 @@ use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
 use crate::source::{Language, Span};
 
+#[doc(hidden)]
 pub use lines::{to_lines, write_lines};
 
 /// The tool's name and version in JSON documents.

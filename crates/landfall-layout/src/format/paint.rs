@@ -32,6 +32,7 @@ pub(super) const ADDED: Style = AnsiColor::Green.on_default();
 
 impl Paint {
     /// Whether text of this kind may hold style sequences.
+    #[doc(hidden)]
     pub fn styles(self) -> Styles {
         match self {
             Paint::Plain => Styles::Shown,
@@ -40,6 +41,7 @@ impl Paint {
     }
 
     /// `text` in `style`.
+    #[doc(hidden)]
     pub fn text(self, style: Style, text: &str) -> String {
         match self {
             Paint::Ansi if style != PLAIN && !text.is_empty() => {

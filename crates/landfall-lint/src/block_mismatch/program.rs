@@ -40,6 +40,7 @@ pub(super) fn program(shader: &ShaderLayout) -> Option<Program> {
         | Stage::ClosestHit
         | Stage::Miss
         | Stage::Callable => Pipeline::RayTracing,
+        _ => return None,
     };
     let (directory, name) = base_name(&shader.path);
     Some(Program { directory, name, pipeline })

@@ -208,8 +208,8 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
                 help: wanted(),
             });
         }
-        if is_float(*kind) != is_float(scalar.kind) {
-            let name = if is_float(*kind) { "a float" } else { "an integer" };
+        if kind.is_float() != scalar.kind.is_float() {
+            let name = if kind.is_float() { "a float" } else { "an integer" };
             return Err(FieldMismatch {
                 text: format!("is {name}, the shader reads its bits as `{spelled}`"),
                 help: wanted(),
@@ -304,16 +304,7 @@ fn fits_component(scalar: &(&'static str, u64, ScalarKind), leaf: &Type) -> bool
         Type::Struct(_) | Type::Array { .. } => return true,
     };
     let (_, width, kind) = *scalar;
-    width == 1 || (width == u64::from(own.width) && is_float(kind) == is_float(own.kind))
-}
-
-fn is_float(kind: ScalarKind) -> bool {
-    match kind {
-        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
-            true
-        }
-        ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint => false,
-    }
+    width == 1 || (width == u64::from(own.width) && kind.is_float() == own.kind.is_float())
 }
 
 /// Returns the Rust type of a component.
@@ -329,7 +320,11 @@ fn rust_name(scalar: Scalar) -> &'static str {
         (ScalarKind::Sint, _) => "i32",
         (ScalarKind::Uint, 2) => "u16",
         (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint, 1) | (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => "u8",
-        (ScalarKind::Uint | ScalarKind::Bool, _) => "u32",
+        (ScalarKind::Uint | ScalarKind::Bool, 4) => "u32",
+        // Rust has no such number: its bits.
+        (_, 1) => "u8",
+        (_, 2) => "u16",
+        (_, 8) => "u64",
+        (_, _) => "u32",
     }
 }

@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::Level;
+use landfall_layout::layout::targets;
 use landfall_layout::other_language;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage, Target};
 use landfall_lint::settings::RustFile;
@@ -78,10 +79,7 @@ impl Basis {
             include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
             overrides: options.read.overrides.clone(),
             max_bytes: options.read.max_bytes,
-            target: options.read.target.map(|target| match target {
-                Target::OpenGl => "opengl".to_string(),
-                Target::Vulkan => "vulkan".to_string(),
-            }),
+            target: options.read.target.map(|target| targets::key(target).to_string()),
             rules: options.rules.map(|rules| rules.name().to_string()),
             gather: options.gather,
             stage: stage.map(|stage| stage.name().to_string()),

@@ -96,9 +96,7 @@ impl<'a> Writer<'a> {
         match self.emit.format {
             Format::Json => self.streams.json(text),
             // Already escaped.
-            Format::Table | Format::Listing | Format::Csv | Format::Markdown => {
-                self.streams.exactly(text)
-            }
+            _ => self.streams.exactly(text),
         }
     }
 

@@ -159,14 +159,7 @@ fn kind(stage: Stage) -> Result<u32, Failure> {
         Stage::Geometry => glow::GEOMETRY_SHADER,
         Stage::Fragment => glow::FRAGMENT_SHADER,
         Stage::Compute => glow::COMPUTE_SHADER,
-        Stage::Task
-        | Stage::Mesh
-        | Stage::RayGeneration
-        | Stage::Intersection
-        | Stage::AnyHit
-        | Stage::ClosestHit
-        | Stage::Miss
-        | Stage::Callable => {
+        _ => {
             let message = format!("OpenGL has no stage `{}`", stage.name());
             return Err(Failure::refused(message, ""));
         }

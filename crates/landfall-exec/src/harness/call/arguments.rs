@@ -164,11 +164,8 @@ fn word(scalar: Scalar, value: &Value, at: &str, language: Language) -> Result<u
 pub(super) fn held_as(scalar: Scalar) -> Scalar {
     match (scalar.kind, scalar.width) {
         (ScalarKind::Float, 8) => Scalar::F64,
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => Scalar::F32,
-        (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => scalar,
+        (kind, _) if kind.is_float() => Scalar::F32,
+        _ => scalar,
     }
 }
 

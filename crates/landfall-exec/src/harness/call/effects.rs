@@ -4,6 +4,7 @@
 
 use naga::{AddressSpace, Expression, Function, GlobalVariable, Handle, Statement};
 use rustc_hash::FxHashSet;
+use std::collections::BTreeSet;
 
 use landfall_ir::call_graph;
 use landfall_ir::module::FunctionInfo;
@@ -74,13 +75,13 @@ pub(super) fn written(
 pub(super) fn through_initialisers(
     ir: &naga::Module,
     caller: &Function,
-    reached: &mut FxHashSet<Handle<GlobalVariable>>,
+    reached: &mut BTreeSet<Handle<GlobalVariable>>,
 ) {
     let written = call_graph::statements(&caller.body).filter_map(|statement| match statement {
         Statement::Store { pointer, .. } => call_graph::root(caller, *pointer),
         _ => None,
     });
-    if written.collect::<FxHashSet<_>>().is_disjoint(reached) {
+    if written.collect::<BTreeSet<_>>().is_disjoint(reached) {
         return;
     }
     let read = caller.expressions.iter().filter_map(|(_, expression)| match expression {

@@ -6,6 +6,7 @@
 use landfall_layout::diagnostic::Code;
 use naga::{AddressSpace, Function, GlobalVariable, Handle};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BTreeSet;
 
 use super::arguments::ArgumentError;
 use super::caller;
@@ -203,7 +204,7 @@ fn is_confined_to_lane(module: &Module, effects: &Effects) -> Result<(), Obstacl
 /// Returns the blocks whose members become parameters: those in use without given values.
 fn sampled(
     module: &Module,
-    reached: &FxHashSet<Handle<GlobalVariable>>,
+    reached: &BTreeSet<Handle<GlobalVariable>>,
     read: &FxHashMap<Handle<GlobalVariable>, Members>,
     data: &Data,
     notes: &mut Vec<String>,

@@ -80,7 +80,7 @@ fn component(scalar: Scalar, whole: u32, number: u32) -> [u8; 8] {
         (ScalarKind::Float, 4) => u64::from((float as f32).to_bits()),
         // 0.5 in half precision; zero for the other small formats.
         (ScalarKind::Float, _) => 0x3800,
-        (ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => 0,
+        _ => 0,
     };
     bits.to_le_bytes()
 }

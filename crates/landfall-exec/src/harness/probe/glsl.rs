@@ -379,9 +379,6 @@ pub(super) fn kind(scalar: Scalar) -> Kind {
         (ScalarKind::Sint | ScalarKind::Uint, _) => Kind::Whole,
         (ScalarKind::Float, 8) => Kind::Double,
         (ScalarKind::Float, 2) => Kind::Half,
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => Kind::Float,
+        _ => Kind::Float,
     }
 }

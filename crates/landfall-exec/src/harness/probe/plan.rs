@@ -373,7 +373,7 @@ pub fn byte_of(
 }
 
 /// Returns the block's members by name.
-pub fn members(block: &BlockLayout) -> FxHashMap<&str, &MemberLayout> {
+pub(crate) fn members(block: &BlockLayout) -> FxHashMap<&str, &MemberLayout> {
     block.members.iter().map(|member| (&*member.name, member)).collect()
 }
 

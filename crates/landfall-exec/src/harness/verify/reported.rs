@@ -26,11 +26,7 @@ pub(super) fn elements(
 fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r ReflectedBlock> {
     let listed = match block.space {
         AddressSpace::Storage => &reflection.storage_blocks,
-        AddressSpace::Uniform
-        | AddressSpace::PushConstant
-        | AddressSpace::BufferReference
-        | AddressSpace::ShaderRecord
-        | AddressSpace::Default => &reflection.uniform_blocks,
+        _ => &reflection.uniform_blocks,
     };
     let named = |name: &str| name.split('[').next() == Some(&*block.name);
     listed.iter().find(|other| named(&other.name))

@@ -89,10 +89,7 @@ impl Verifier<'_> {
             let kind = match block.space {
                 AddressSpace::Uniform => ResourceKind::Uniform(bytes),
                 AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
-                AddressSpace::PushConstant
-                | AddressSpace::BufferReference
-                | AddressSpace::ShaderRecord
-                | AddressSpace::Default => return None,
+                _ => return None,
             };
             let name = code::gl_name(&block.name, &element);
             Some(Resource { name, group: 0, binding: 0, kind })
@@ -123,6 +120,7 @@ impl Verifier<'_> {
             | AddressSpace::Storage
             | AddressSpace::PushConstant
             | AddressSpace::Default => {}
+            space => return Some(format!("no backend binds `{}` blocks", space.name())),
         }
         let unknown = |len: &ArrayLen| !matches!(len, ArrayLen::Fixed(_));
         if self.block.count.iter().any(unknown) {

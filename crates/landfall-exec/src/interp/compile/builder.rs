@@ -1,11 +1,12 @@
 //! The parts of a [`Program`] under construction: constants, registers, instructions.
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use naga::valid::ModuleInfo;
 use naga::{Handle, TypeInner};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::super::body::{Body, Compiled};
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
@@ -26,7 +27,7 @@ pub(super) struct Builder<'a> {
     pub locals: Locals,
     pub floats: Floats,
     /// With [`Floats::Mediump`]: the spans of the expressions that are rounded.
-    pub reduced: &'a FxHashSet<(u32, u32)>,
+    pub reduced: &'a BTreeSet<(u32, u32)>,
     /// Whether the current expression is rounded to `f16`.
     pub rounds: bool,
     pub buffers: Vec<BufferInfo>,
@@ -59,7 +60,7 @@ impl<'a> Builder<'a> {
         pending: &'a dyn Fn(Handle<naga::Override>) -> Option<u32>,
         overrides: &'a [Option<f64>],
         floats: Floats,
-        reduced: &'a FxHashSet<(u32, u32)>,
+        reduced: &'a BTreeSet<(u32, u32)>,
     ) -> Builder<'a> {
         Builder {
             ir,

@@ -50,15 +50,7 @@ fn spelled(scalars: impl Iterator<Item = Scalar>) -> Option<Vec<&'static str>> {
         (ScalarKind::Uint, 4) => Some("uint"),
         (ScalarKind::Float, 2 | 4) => Some("float"),
         (ScalarKind::Float, 8) => Some("double"),
-        (
-            ScalarKind::Sint
-            | ScalarKind::Uint
-            | ScalarKind::Float
-            | ScalarKind::Bfloat
-            | ScalarKind::FloatE5m2
-            | ScalarKind::FloatE4m3,
-            _,
-        ) => None,
+        _ => None,
     };
     scalars.map(spelled).collect()
 }

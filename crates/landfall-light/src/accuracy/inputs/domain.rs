@@ -144,14 +144,8 @@ impl Domain {
         }
         self.within[at] = match (input.scalar.kind, within) {
             (_, ValueRange::Any) => within,
-            (ScalarKind::Bool | ScalarKind::Sint | ScalarKind::Uint, _) => whole(within, input)?,
-            (
-                ScalarKind::Float
-                | ScalarKind::Bfloat
-                | ScalarKind::FloatE5m2
-                | ScalarKind::FloatE4m3,
-                _,
-            ) => held(within, input)?,
+            (kind, _) if kind.is_float() => held(within, input)?,
+            _ => whole(within, input)?,
         };
         Ok(())
     }
@@ -268,13 +262,7 @@ fn fit_others(within: ValueRange, sample: &mut [u64], input: &Input, random: &mu
             (ScalarKind::Bool | ScalarKind::Uint, _) => {
                 u64::from((word as u32).clamp(low as u32, high as u32))
             }
-            (
-                ScalarKind::Float
-                | ScalarKind::Bfloat
-                | ScalarKind::FloatE5m2
-                | ScalarKind::FloatE4m3,
-                _,
-            ) => {
+            _ => {
                 let x = f64::from_bits(word);
                 let x = if x.is_nan() { random.between(low, high) } else { x };
                 x.clamp(low, high).to_bits()

@@ -52,13 +52,7 @@ impl Input {
             (ScalarKind::Uint, 8) => word as f64,
             (ScalarKind::Sint, _) => f64::from(word as u32 as i32),
             (ScalarKind::Uint | ScalarKind::Bool, _) => f64::from(word as u32),
-            (
-                ScalarKind::Float
-                | ScalarKind::Bfloat
-                | ScalarKind::FloatE5m2
-                | ScalarKind::FloatE4m3,
-                _,
-            ) => f64::from(f32::from_bits(word as u32)),
+            _ => f64::from(f32::from_bits(word as u32)),
         }
     }
 

@@ -54,13 +54,7 @@ impl<'a> Space<'a> {
             (ScalarKind::Uint, 8) => x as u64,
             (ScalarKind::Sint, _) => u64::from(x as i32 as u32),
             (ScalarKind::Uint | ScalarKind::Bool, _) => u64::from(x as u32),
-            (
-                ScalarKind::Float
-                | ScalarKind::Bfloat
-                | ScalarKind::FloatE5m2
-                | ScalarKind::FloatE4m3,
-                _,
-            ) => u64::from((x as f32).to_bits()),
+            _ => u64::from((x as f32).to_bits()),
         }
     }
 
@@ -169,7 +163,7 @@ fn whole(input: &Input, within: ValueRange) -> Range {
         (ScalarKind::Bool, _) => of(low.max(0.0), high.min(1.0)),
         (ScalarKind::Sint, _) => of(low.max(-2_147_483_648.0), high.min(2_147_483_647.0)),
         (ScalarKind::Uint, _) => of(low.max(0.0), high.min(4_294_967_295.0)),
-        (ScalarKind::Float | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => of(low, high),
+        _ => of(low, high),
     }
 }
 

@@ -12,7 +12,8 @@ use landfall_exec::harness::bindings::Data;
 use landfall_exec::harness::call::pure::{Origin, PureFunction, PureRequest};
 use landfall_exec::interp::Floats;
 use landfall_layout::Options;
-use landfall_layout::source::{Language, Source, Target, kind_of_path};
+use landfall_layout::layout::targets;
+use landfall_layout::source::{Language, Source, kind_of_path};
 
 /// A sample in readable form.
 #[derive(Clone, Debug)]
@@ -134,10 +135,8 @@ pub(super) fn fixed(
     if let Some(rules) = rules {
         push("--rules", rules.name().to_string());
     }
-    match read.target {
-        None => {}
-        Some(Target::OpenGl) => push("--target", "opengl".to_string()),
-        Some(Target::Vulkan) => push("--target", "vulkan".to_string()),
+    if let Some(target) = read.target {
+        push("--target", targets::key(target).to_string());
     }
     // Only what the file's name does not determine.
     let (language, stage) = kind_of_path(source.path.as_ref()).unwrap_or((Language::Glsl, None));

@@ -87,15 +87,7 @@ fn values_of(at: usize, input: &Input, within: ValueRange) -> Option<Values> {
             let word: Word = |place| u64::from(turned(place as i32) as u32);
             (floats(low, high), word)
         }
-        (
-            ScalarKind::Sint
-            | ScalarKind::Uint
-            | ScalarKind::Float
-            | ScalarKind::Bfloat
-            | ScalarKind::FloatE5m2
-            | ScalarKind::FloatE4m3,
-            _,
-        ) => return None,
+        _ => return None,
     };
     let inside =
         first <= last && (input.is_float() || (low <= last as f64 && first as f64 <= high));

@@ -205,10 +205,8 @@ fn loaded(scalar: Scalar, at: impl Fn(u32) -> String) -> String {
         (ScalarKind::Float, 4) => format!("uintBitsToFloat({low})"),
         (ScalarKind::Uint, width) => format!("uint{}_t({low})", width * 8),
         (ScalarKind::Sint, width) => format!("int{}_t(int({low}))", width * 8),
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => {
+        // No other kind is lowered.
+        _ => {
             format!("float16_t(uintBitsToFloat({low}))")
         }
     }
@@ -232,10 +230,8 @@ fn stored(scalar: Scalar, place: &str, at: impl Fn(u32) -> String) -> String {
         (ScalarKind::Float, 8) => both(&format!("unpackDouble2x32({place})")),
         (ScalarKind::Sint, width) if width < 4 => format!("{low} = uint(int({place}));"),
         (ScalarKind::Uint | ScalarKind::Sint, _) => format!("{low} = uint({place});"),
-        (
-            ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3,
-            _,
-        ) => {
+        // No other kind is lowered.
+        _ => {
             format!("{low} = floatBitsToUint(float({place}));")
         }
     }

@@ -377,9 +377,8 @@ fn builtin_type(name: &str, ty: &ValueType) -> Option<&'static str> {
         ScalarKind::Bool => ["bool", "bvec2", "bvec3", "bvec4"],
         ScalarKind::Uint => ["uint", "uvec2", "uvec3", "uvec4"],
         ScalarKind::Sint => ["int", "ivec2", "ivec3", "ivec4"],
-        ScalarKind::Float | ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => {
-            ["float", "vec2", "vec3", "vec4"]
-        }
+        kind if kind.is_float() => ["float", "vec2", "vec3", "vec4"],
+        _ => return None,
     };
     match ty {
         ValueType::Scalar(_) => Some(kinds[0]),
