@@ -164,9 +164,12 @@ fn what_is_no_policy_or_no_approval_is_refused() {
     ] {
         assert_eq!(tree.run(arguments).code, 2, "{arguments:?}");
     }
+    let ran = tree.run(&["lock", "--approve", "why not"]);
+    assert!(ran.code == 2 && ran.err.contains("no policy is set"), "{}", ran.err);
+    assert!(!tree.has("layouts"), "nothing is written");
     for text in ["{", "{\"schema_version\": 2, \"approvals\": []}", "{\"schema_version\": 1}"] {
         tree.write("layouts/approvals.json", text);
-        let ran = tree.run(&["lock", "--approve", "why not"]);
+        let ran = tree.run(&["lock", "--policy", "bytes", "--approve", "why not"]);
         assert_eq!(ran.code, 2, "{text}");
         assert!(ran.err.contains("is not a file of approvals"), "{}", ran.err);
         assert_eq!(tree.read("layouts/approvals.json"), text);

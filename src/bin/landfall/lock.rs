@@ -26,6 +26,10 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
         return Ok(Outcome::CouldNot);
     };
+    if args.approve.is_some() && args.policy.is_none() && !config.has_policy() {
+        return Err(Error::new("--approve", "has nothing to approve: no policy is set")
+            .with_help("name one with `--policy`, or with `policy` in landfall.toml"));
+    }
     let paths = config.paths(&args.paths);
     let searched: Vec<String> = paths
         .iter()
