@@ -300,7 +300,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         }
     }
 
-    let passed = interface::passed(&shader, source, stage, &options.read);
+    let passed = interface::inputs_and_outputs(&shader, source, stage, &options.read);
     let partner =
         options.partner.as_ref().map_or(Vec::new(), |partner| partner_passed(partner, options));
     let mut locations =
@@ -439,7 +439,7 @@ fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::Int
     let shader = Shader::new(partner, &options.read);
     let stage = partner.stage.or_else(|| stage_of(&shader));
     let Some(stage) = stage else { return Vec::new() };
-    let mut passed = interface::passed(&shader, partner, stage, &options.read);
+    let mut passed = interface::inputs_and_outputs(&shader, partner, stage, &options.read);
     for passed in &mut passed {
         passed.span = Span::default(); // the partner's text is not among the shader's files
     }
