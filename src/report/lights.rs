@@ -12,7 +12,7 @@ use anstyle::Style;
 use unicode_width::UnicodeWidthStr as _;
 
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::occurrence::Bound;
+use landfall_ir::analysis::occurrence::IndexBound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Diagnostic, Severity};
@@ -192,7 +192,7 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
     }
     if !light.bounds.is_empty() {
         let all: Vec<String> = light.bounds.iter().map(|bound| bound_text(*bound)).collect();
-        let style = match light.bounds.contains(&Bound::Count) {
+        let style = match light.bounds.contains(&IndexBound::Count) {
             true => CAUTION,
             false => PLAIN,
         };
@@ -211,14 +211,14 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
     text
 }
 
-fn bound_text(bound: Bound) -> String {
+fn bound_text(bound: IndexBound) -> String {
     match bound {
-        Bound::Fixed(index) => format!("constant {index}"),
-        Bound::Constant(n) => format!("loop to {n}"),
-        Bound::ClampedCount => "loop to the count, clamped to the array".to_string(),
-        Bound::Count => "loop to the count, not clamped to the array".to_string(),
-        Bound::Length => "loop to the array's length".to_string(),
-        Bound::Unknown => "not bounded by a loop".to_string(),
+        IndexBound::Fixed(index) => format!("constant {index}"),
+        IndexBound::Constant(n) => format!("loop to {n}"),
+        IndexBound::ClampedCount => "loop to the count, clamped to the array".to_string(),
+        IndexBound::Count => "loop to the count, not clamped to the array".to_string(),
+        IndexBound::Length => "loop to the array's length".to_string(),
+        IndexBound::Unknown => "not bounded by a loop".to_string(),
     }
 }
 

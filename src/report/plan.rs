@@ -66,7 +66,7 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             steps_of(checked.steps),
             number(checked.fragments)
         );
-        let kept = plan.keeps(checked);
+        let kept = plan.is_confirmed_by(checked);
         let line = if kept { line } else { paint.text(CAUTION, &line) };
         let _ = writeln!(text, "  {}  {line}", paint.text(HEADING, "checked"));
     }

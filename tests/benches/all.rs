@@ -19,7 +19,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 use encase::{ShaderType, UniformBuffer};
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Job};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::{Buffer, Language, Options, Source, Stage, layout};
@@ -324,7 +324,7 @@ fn mirrors(table: &mut Table) {
 
 /// An image of six lights, in processor time of all threads.
 fn evaluator(table: &mut Table) {
-    let Ok(mut gpu) = Gpu::open(&Choice::default()) else {
+    let Ok(mut gpu) = Gpu::open(&AdapterChoice::default()) else {
         return table.missing("the interpreter beside a Vulkan driver");
     };
     if !gpu.device().software {
@@ -337,7 +337,7 @@ fn evaluator(table: &mut Table) {
         for _ in 0..4 {
             backend.run(job).expect("the job runs");
         }
-        start.passed().time.as_secs_f64()
+        start.elapsed().time.as_secs_f64()
     };
     let mut pairs = Vec::new();
     for pair in 0..=LONG {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::verify::{Outcome, Subject, VerifyOptions, verify};
 use landfall_exec::interp::{Cpu, Settings};
@@ -72,7 +72,9 @@ fn backends() -> Vec<Measured> {
     let all: [Box<dyn Backend>; 3] = [
         Box::new(Cpu::new(Settings::default())),
         Box::new(Gl::open().unwrap_or_else(|failure| panic!("{failure}"))),
-        Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
+        Box::new(
+            Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}")),
+        ),
     ];
     let measured = all.map(|inner| {
         let (name, jobs) = (inner.device().backend.name(), Arc::new(AtomicUsize::new(0)));
@@ -217,7 +219,8 @@ fn image() {
     let module = Arc::new(scene::module());
     let mut cpu = Cpu::new(Settings::default());
     let mut single = Cpu::new(Settings { threads: 1, ..Settings::default() });
-    let mut gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let mut gpu =
+        Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     let mut backends: [(&str, &mut dyn Backend, Vec<[f64; 4]>); 3] = [
         ("evaluator, all threads", &mut cpu, Vec::new()),
         ("evaluator, one thread", &mut single, Vec::new()),

@@ -9,7 +9,7 @@ use std::hint::black_box;
 use glam::Vec3;
 use landfall_layout::Buffer;
 use landfall_light::culling;
-use landfall_light::culling::{Choice, Options, Plan};
+use landfall_light::culling::{Options, Plan, UploadChoice};
 use landfall_light::reference;
 use landfall_light::sample::texels;
 use landfall_light::shading_f32::{
@@ -248,9 +248,9 @@ fn uploads() {
             }
         });
         let chosen = match choice {
-            Choice::Nothing => "nothing".to_string(),
-            Choice::Ranges(ranges) => format!("{} ranges", ranges.len()),
-            Choice::Whole => "the whole block".to_string(),
+            UploadChoice::Nothing => "nothing".to_string(),
+            UploadChoice::Ranges(ranges) => format!("{} ranges", ranges.len()),
+            UploadChoice::Whole => "the whole block".to_string(),
         };
         println!(
             "{moved:4} positions moved: {:5.0} ns in ranges, {:5.0} ns whole; at {parts} bytes a call: {chosen}, {} bytes dirty",

@@ -610,10 +610,10 @@ fn the_processor_clock_counts_threads_that_ended() {
     };
     let start = Start::now();
     std::thread::spawn(work).join().unwrap();
-    let Elapsed { time: busy, clock } = start.passed();
+    let Elapsed { time: busy, clock } = start.elapsed();
     let start = Start::now();
     std::thread::sleep(Duration::from_millis(30));
-    let Elapsed { time: idle, .. } = start.passed();
+    let Elapsed { time: idle, .. } = start.elapsed();
     assert_eq!(clock, Clock::Processor);
     // Others may have had the processor for most of those 30 ms, and other tests run beside.
     assert!(busy > Duration::from_millis(1), "{busy:?} {idle:?}");

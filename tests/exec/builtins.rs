@@ -30,7 +30,7 @@ use draw::COUNT;
 use jobs::{bound, bytes, output, words};
 use known::known_faults;
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Device, Grid, ResourceKind, StageCode};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_ir::Module;
@@ -127,7 +127,9 @@ fn every_builtin_is_within_what_is_permitted() {
     let modules: Vec<Arc<Module>> = families.iter().map(module).collect();
     let mut backends: Vec<Box<dyn Backend>> = vec![
         Box::new(Cpu::new(Settings::default())),
-        Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
+        Box::new(
+            Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}")),
+        ),
         Box::new(Gl::open().unwrap_or_else(|failure| panic!("{failure}"))),
     ];
     let mut measured = Vec::new();

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Shaded};
 use landfall_exec::interp::Cpu;
 use landfall_layout::buffer::{Buffer, decode};
@@ -17,7 +17,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 
 fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
-    let gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let gpu = Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, Job, Resource, ResourceKind, StageCode};
 use landfall_exec::interp::Cpu;
 use landfall_ir::Module;
@@ -102,7 +102,7 @@ fn uploaded(name: &str, block: &str) -> Vec<u8> {
 /// All three; one that is missing fails the test.
 fn every_reader() -> [Box<dyn Backend>; 3] {
     let gl = Gl::open().expect("an OpenGL driver: apt-get install libegl1 libgl1-mesa-dri");
-    let gpu = Gpu::open(&Choice::default())
+    let gpu = Gpu::open(&AdapterChoice::default())
         .expect("a Vulkan driver: apt-get install libvulkan1 mesa-vulkan-drivers");
     [Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
 }

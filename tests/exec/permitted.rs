@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use interval::Interval;
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, ResourceKind};
 use landfall_exec::interp::{Call, Called, Precision, Program, Settings};
 use landfall_ir::Module;
@@ -147,7 +147,9 @@ layout(std430, binding = 1) buffer Got { float got[]; };\n",
         .collect();
     let mut backends: Vec<Box<dyn Backend>> = vec![
         Box::new(Gl::open().unwrap_or_else(|failure| panic!("{failure}"))),
-        Box::new(Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))),
+        Box::new(
+            Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}")),
+        ),
     ];
     for backend in &mut backends {
         let name = backend.device().backend.name();

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use jobs::{bound, bytes, counting, job, module, output, storage, uniform, words};
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{
     Backend as _, FailureKind, Grid, Job, ResourceKind, StageCode, Texel,
 };
@@ -21,7 +21,7 @@ use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 
 fn open() -> Gpu {
-    Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"))
+    Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"))
 }
 
 fn wgsl(text: &str) -> Arc<Module> {
@@ -291,12 +291,12 @@ fn what_is_no_spirv_does_not_get_to_the_driver() {
 
 #[test]
 fn an_adapter_that_is_not_there_is_missing_and_those_there_are_named() {
-    let choice = Choice { adapter: Some("voodoo".to_string()) };
+    let choice = AdapterChoice { adapter: Some("voodoo".to_string()) };
     let failure = Gpu::open(&choice).err().unwrap();
     assert_eq!(failure.kind, FailureKind::Missing);
     let start = "no GPU adapter matches `voodoo`; there are ";
     assert!(failure.message.starts_with(start) && failure.message.contains("vulkan"), "{failure}");
-    let choice = Choice { adapter: Some("VULKAN".to_string()) };
+    let choice = AdapterChoice { adapter: Some("VULKAN".to_string()) };
     assert!(Gpu::open(&choice).is_ok());
 }
 

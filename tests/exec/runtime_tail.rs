@@ -9,7 +9,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, StageCode};
 use landfall_ir::Module;
 use landfall_layout::codegen::c::{COptions, c};
@@ -104,7 +104,8 @@ fn opengl_counts_the_elements_that_a_glsl_buffer_is_made_for() {
 
 #[test]
 fn vulkan_counts_the_elements_that_a_wgsl_buffer_is_made_for() {
-    let mut gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let mut gpu =
+        Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     // The second number: how many elements fit into the least size, the structure's with one
     // element, rounded up to its alignment.
     for (name, members, least) in [

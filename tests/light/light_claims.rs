@@ -8,7 +8,7 @@ use landfall_exec::interp::{Cpu, Precision, Settings};
 use landfall_layout::{Options, Source};
 use landfall_light::bind::FragmentLights;
 use landfall_light::culling::{Claim, LightSet, Plan, parse};
-use landfall_light::render::truth::likely;
+use landfall_light::render::truth::likely_model;
 use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene::read_file;
 use landfall_light::shading_f32::Model;
@@ -159,7 +159,7 @@ fn nothing_is_called_exact_or_proven_that_all_lights_in_f64_contradict() {
             let source = Source::new("falloff.frag", text(falloff, facing));
             let renderer = Renderer::new(&source, &RenderOptions::default());
             let renderer = renderer.unwrap_or_else(|error| panic!("{name}: {error}"));
-            let model = Model::of(&likely(&renderer.map)).expect("a model with bounds");
+            let model = Model::of(&likely_model(&renderer.map)).expect("a model with bounds");
             assert!(model.windowed, "{name}: the names promise a window");
             for (parts, most) in [("tiles=4,always", 0.0), ("tiles=4,budget=0.5,always", 0.5)] {
                 let options = parse(parts).expect("good");
@@ -171,7 +171,7 @@ fn nothing_is_called_exact_or_proven_that_all_lights_in_f64_contradict() {
                     renderer.render_plan(&mut cpu, &work, &plan, &mut |_: &mut Cpu, _| {});
                 let rendered = rendered.expect("it runs");
                 let checked = renderer.check_plan(&mut cpu, &work, &plan, &rendered);
-                let shown = renderer.shows(&source, &Options::default(), &work, &plan);
+                let shown = renderer.proves_plan(&source, &Options::default(), &work, &plan);
                 let holds = plan.settle(checked.expect("it runs"), shown, made.all());
                 let brute = made.brute(&renderer, &before);
                 let row = format!("{name}{turned}, {parts}: {brute:.4} steps");

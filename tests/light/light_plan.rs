@@ -463,11 +463,11 @@ fn only_what_changed_is_uploaded_unless_all_is_cheaper() {
         landfall_layout::layout(&source, &landfall_layout::Options::default()).blocks.remove(0);
     let mut buffer = landfall_layout::Buffer::new(&block).expect("a fixed size");
     buffer.clear_dirty();
-    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Nothing);
+    assert_eq!(culling::choose(&buffer, 64).0, culling::UploadChoice::Nothing);
     let position = buffer.handle::<[f32; 3]>("data[].pos").expect("a vec3");
     buffer.set_at(&position, [3], [1.0; 3]).expect("in range");
     let (choice, upload) = culling::choose(&buffer, 64);
-    assert_eq!(choice, culling::Choice::Ranges(vec![144..156]));
+    assert_eq!(choice, culling::UploadChoice::Ranges(vec![144..156]));
     assert_eq!((upload.bytes, upload.whole), (12, 6160));
     // Every light moved: 128 calls of 12 bytes, or ranges run together, or all at once.
     for light in 0..128 {
@@ -475,12 +475,12 @@ fn only_what_changed_is_uploaded_unless_all_is_cheaper() {
     }
     assert_eq!(
         culling::choose(&buffer, 0).0,
-        culling::Choice::Ranges((0..128).map(|i| 48 * i..48 * i + 12).collect())
+        culling::UploadChoice::Ranges((0..128).map(|i| 48 * i..48 * i + 12).collect())
     );
     // Apart from the last light's other members and the count, all of it in one call either way.
-    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Ranges(vec![0..6108]));
+    assert_eq!(culling::choose(&buffer, 64).0, culling::UploadChoice::Ranges(vec![0..6108]));
     buffer.mark_all();
-    assert_eq!(culling::choose(&buffer, 64).0, culling::Choice::Whole);
+    assert_eq!(culling::choose(&buffer, 64).0, culling::UploadChoice::Whole);
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn renderer(shader: &str, options: Options) -> Renderer {
 }
 
 fn plan(renderer: &Renderer, made: &Made, parts: &str) -> Plan {
-    let model = landfall_light::render::truth::likely(&renderer.map);
+    let model = landfall_light::render::truth::likely_model(&renderer.map);
     let model = Model::of(&model).expect("known");
     renderer.plan(&made.work(), &model, &culling::parse(parts).expect(parts))
 }
@@ -169,7 +169,7 @@ fn a_plan_for_another_model_than_the_shader_has_is_found_out() {
         let mut cpu = Cpu::new(Settings::default());
         let checked = shader.check(&mut cpu, &made.work(), &found, 50).expect("it runs");
         assert!(checked.fragments >= 50 && checked.every > 1, "{checked:?}");
-        assert_eq!(plan.keeps(&checked), holds, "{checked:?}");
+        assert_eq!(plan.is_confirmed_by(&checked), holds, "{checked:?}");
         assert_eq!(checked.steps == 0.0, holds);
     }
 }

@@ -5,14 +5,14 @@ use std::time::Duration;
 
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::interp::Cpu;
 use landfall_layout::{Options, Source};
 use landfall_light::bind::{FragmentLights, OverflowPolicy};
 use landfall_light::picture::compare::{Compare, compare};
 use landfall_light::picture::{Comparison, Transfer};
 use landfall_light::reference::{Model, Window};
-use landfall_light::render::truth::{Truth, likely, nearest, truth};
+use landfall_light::render::truth::{Truth, likely_model, nearest, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Rendered, Renderer, Work};
 use landfall_light::scene::read_file;
 use landfall_light::{Frame, FrameOptions, Scene, Upload};
@@ -22,7 +22,7 @@ use crate::support::command::golden;
 
 fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().unwrap_or_else(|failure| panic!("{failure}"));
-    let gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let gpu = Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     vec![Box::new(Cpu::default()), Box::new(gl), Box::new(gpu)]
 }
 
@@ -102,7 +102,7 @@ fn six_lights_are_the_reference_to_a_step_on_every_reader() {
                 continue;
             }
             let rendered = made.render(&renderer, backend.as_mut());
-            let model = likely(&renderer.map);
+            let model = likely_model(&renderer.map);
             let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
             let held = held(&rendered, &made.truth(&model));
             assert_eq!(rendered.picture.non_finite(), 0, "{shader} on {who}");
@@ -163,7 +163,7 @@ fn every_scene_is_lit_as_its_reference_says() {
                     continue;
                 }
                 let rendered = made.render(&renderer, backend.as_mut());
-                let model = likely(&renderer.map);
+                let model = likely_model(&renderer.map);
                 let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
                 let held = held(&rendered, &made.truth(&model));
                 assert!(held.codes.max <= most, "{shader} on {who}: {:?} {model:?}", held.codes);
@@ -194,7 +194,7 @@ fn a_range_is_a_window_only_where_the_picture_has_one() {
         let renderer = Renderer::new(&source, &RenderOptions::default());
         let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
         let rendered = made.render(&renderer, &mut Cpu::default());
-        let infer = likely(&renderer.map);
+        let infer = likely_model(&renderer.map);
         assert_eq!(infer.window, Window::Quartic, "the guess goes by the member");
         let model = nearest(&infer, &made.upload, &made.frame, &rendered.picture);
         assert_eq!(model.window, wanted, "{added}");
@@ -246,12 +246,13 @@ fn a_shader_with_no_room_for_the_lights_refuses_the_scene() {
 #[test]
 fn a_thousand_lights_are_the_reference_whole_and_by_lists() {
     let made = Made::new("lights_1024_windowed.json", [64, 36]);
-    let gpu = &mut Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let gpu =
+        &mut Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     let mut pictures = Vec::new();
     for shader in ["many_lights/windowed_450.frag", "many_lights/windowed_listed_450.frag"] {
         let renderer = renderer(shader);
         let rendered = made.render(&renderer, gpu);
-        let model = likely(&renderer.map);
+        let model = likely_model(&renderer.map);
         let model = nearest(&model, &made.upload, &made.frame, &rendered.picture);
         let held = held(&rendered, &made.truth(&model));
         assert!(held.codes.max <= 1, "{shader}: {:?} {model:?}", held.codes);

@@ -6,7 +6,7 @@
 use fastrand::Rng;
 use landfall_layout::finding::Level;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
-use landfall_lint::digest::{BlockDigest, concerned, digest};
+use landfall_lint::digest::{BlockDigest, digest, shaders_to_compare};
 use landfall_lint::settings::{Figure, MirrorCopy, MirrorGroup, Table};
 use landfall_lint::{Settings, Subject, run};
 
@@ -85,9 +85,12 @@ fn lints_over_all_shaders_find_the_same_in_those_that_digests_pick() {
             .zip(&digests)
             .map(|(source, blocks)| (source.path.as_str(), blocks.as_slice()))
             .collect();
-        let picked = concerned(&digests, &settings);
+        let picked = shaders_to_compare(&digests, &settings);
         let picked: Vec<Subject<'_>> = picked.into_iter().map(|i| subjects[i]).collect();
-        let (all, some) = (run::ask_tree(&subjects, &settings), run::ask_tree(&picked, &settings));
+        let (all, some) = (
+            run::tree_unsuppressed(&subjects, &settings),
+            run::tree_unsuppressed(&picked, &settings),
+        );
         assert_eq!(all, some, "seed {seed}: {} of {} shaders", picked.len(), subjects.len());
     }
 }

@@ -20,7 +20,7 @@ pub fn with_readers<T>(ask: impl FnOnce(&mut [Box<dyn Backend>]) -> T) -> T {
 
 fn backends() -> Vec<Box<dyn Backend>> {
     let gl = Gl::open().expect("an OpenGL driver: apt-get install libegl1 libgl1-mesa-dri");
-    let gpu = Gpu::open(&landfall_exec::backend::wgpu::Choice::default())
+    let gpu = Gpu::open(&landfall_exec::backend::wgpu::AdapterChoice::default())
         .expect("a Vulkan driver: apt-get install libvulkan1 mesa-vulkan-drivers");
     vec![Box::new(Cpu::new(Default::default())), Box::new(gl), Box::new(gpu)]
 }

@@ -259,7 +259,7 @@ impl Failure {
 
 impl Failure {
     /// Returns the message and, on the same line, the first error in the log.
-    pub fn brief(&self) -> String {
+    pub fn summary(&self) -> String {
         let mut lines = self.log.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.clone().next();
         let wrong = lines.find(|line| line.to_ascii_lowercase().contains("error"));

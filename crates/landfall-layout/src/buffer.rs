@@ -341,6 +341,6 @@ fn wrong_type<T: Value>(block: &BlockLayout, path: &str, grid: &Grid) -> BufferE
         path: path.to_string(),
         shader: grid.spelled(language(block)),
         given: value::spelled::<T>(),
-        wanted: value::wanted(grid),
+        wanted: value::rust_type(grid),
     }
 }

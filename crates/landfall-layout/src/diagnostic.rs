@@ -87,11 +87,11 @@ impl<At, C> Diagnostic<At, C> {
     /// A diagnostic whose main place is `at`.
     pub fn new(code: C, severity: Severity, at: At, message: impl Into<String>) -> Self {
         let labels = vec![Label { at, text: String::new() }];
-        Diagnostic { labels, ..Diagnostic::bare(code, severity, message) }
+        Diagnostic { labels, ..Diagnostic::without_place(code, severity, message) }
     }
 
     /// A diagnostic without a place: about an option, or the run as a whole.
-    pub fn bare(code: C, severity: Severity, message: impl Into<String>) -> Self {
+    pub fn without_place(code: C, severity: Severity, message: impl Into<String>) -> Self {
         Diagnostic {
             code,
             severity,
@@ -163,7 +163,7 @@ impl Diagnostic {
         help: Option<String>,
         about: impl Into<String>,
     ) -> Diagnostic {
-        let bare = Diagnostic::bare(code, Severity::Error, message);
+        let bare = Diagnostic::without_place(code, Severity::Error, message);
         Diagnostic { path: Some(about.into()), help, ..bare }
     }
 }

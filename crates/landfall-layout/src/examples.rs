@@ -8,7 +8,7 @@ use crate::source::{Files, Language, Span};
 use crate::{ShaderLayout, Source};
 
 pub fn member(name: &str, ty: Type) -> Member {
-    Member::plain(name.into(), ty, Span::default())
+    Member::unqualified(name.into(), ty, Span::default())
 }
 
 pub fn float() -> Type {

@@ -147,11 +147,11 @@ pub fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         Format::Csv => csv::shader(shader, options),
         Format::Markdown => markdown::shader(shader, options),
     };
-    shown(text, options.paint)
+    escape_controls(text, options.paint)
 }
 
 /// Escapes control sequences in human-readable text, except landfall's own styles.
-pub fn shown(text: String, paint: Paint) -> String {
+pub fn escape_controls(text: String, paint: Paint) -> String {
     match escape::output(&text, paint.styles()) {
         Cow::Borrowed(_) => text,
         Cow::Owned(safe) => safe,

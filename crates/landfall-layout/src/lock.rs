@@ -80,7 +80,7 @@ impl Lock {
     }
 
     /// The lock's text without verified devices.
-    pub fn bare(&self) -> String {
+    pub fn text_without_devices(&self) -> String {
         write::document(&self.layout(), &[])
     }
 }

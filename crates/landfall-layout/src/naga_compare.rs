@@ -16,7 +16,7 @@ use crate::syntax::wgsl;
 
 /// Records naga's placement on every leaf where it differs. `bodies` are the insides of functions
 /// in the text, which naga need not parse.
-pub(crate) fn ask(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) {
+pub(crate) fn compare(source: &Source, bodies: &[Span], blocks: &mut [BlockLayout]) {
     if blocks.is_empty() {
         return;
     }
@@ -158,7 +158,7 @@ mod tests {
     use crate::shape::{Block, MatrixLayout, Member, Rules, Scalar, Struct, Type};
 
     fn member(name: &str, ty: Type) -> Member {
-        Member::plain(Arc::from(name), ty, Span::default())
+        Member::unqualified(Arc::from(name), ty, Span::default())
     }
 
     fn float() -> Type {
@@ -191,9 +191,9 @@ mod tests {
         let mut blocks = [lay_out(&block).expect("the block has a layout")];
         let body = text.find("broken").expect("a body") as u32;
         let body = Span { file: 0, start: body, end: body + 6 };
-        ask(&Source::new("a.frag", format!("#version 450\n{text}").as_str()), &[], &mut blocks);
+        compare(&Source::new("a.frag", format!("#version 450\n{text}").as_str()), &[], &mut blocks);
         assert!(blocks[0].leaves.iter().all(|leaf| leaf.naga.is_none()), "a body naga refuses");
-        ask(&Source::new("a.frag", text), &[body], &mut blocks);
+        compare(&Source::new("a.frag", text), &[body], &mut blocks);
         let [block] = blocks;
         block.leaves.into_iter().filter(|leaf| leaf.naga.is_some()).collect()
     }

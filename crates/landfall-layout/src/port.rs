@@ -247,7 +247,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         }
     }
 
-    let passed = interface::passed(&shader, source, stage, &options.read);
+    let passed = interface::inputs_and_outputs(&shader, source, stage, &options.read);
     let mut locations =
         interface::locate(stage, &passed, &partner.passed, &options.locations, &mut problems);
     interface::write(&shader, stage, &passed, &locations, &mut edits);

@@ -129,7 +129,7 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     #[cfg(feature = "naga")]
     // naga panics on some texts that are rejected here, so it only gets texts without errors.
     if options.naga && !shader.has_errors() {
-        crate::naga_compare::ask(source, &bodies, &mut shader.blocks);
+        crate::naga_compare::compare(source, &bodies, &mut shader.blocks);
     }
     #[cfg(not(feature = "naga"))]
     let _ = bodies;

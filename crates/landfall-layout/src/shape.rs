@@ -178,7 +178,7 @@ pub struct Member {
 
 impl Member {
     /// Creates a member with a name and a type but no qualifiers or attributes.
-    pub fn plain(name: Arc<str>, ty: Type, span: Span) -> Member {
+    pub fn unqualified(name: Arc<str>, ty: Type, span: Span) -> Member {
         Member {
             name,
             ty,

@@ -22,7 +22,7 @@ mod used;
 pub use cost::Costs;
 pub use measure::{brute, compare};
 pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse};
-pub use upload::{Choice, choose};
+pub use upload::{UploadChoice, choose};
 
 use std::collections::HashMap;
 
@@ -71,7 +71,7 @@ fn unmeasured(upload: &Upload, frame: &Frame, model: &Model, options: &Options) 
     let (lights, mut savings) = used::used(upload, frame, model, &all, options);
     let order: Vec<u32> = (0..lights.len() as u32).collect();
     let ambient = used::ambient(upload, model, options);
-    let whole = Plan::whole(frame.fragments.len(), set(&lights, &order, ambient));
+    let whole = Plan::all_lights(frame.fragments.len(), set(&lights, &order, ambient));
     let job = Job { upload, frame, model, options, lights: &lights, ambient };
     let mut plan = match (options.interpolate, options.division) {
         (Some(interpolate), _) => job.interpolated(interpolate, &whole, &mut savings),
@@ -104,7 +104,7 @@ impl Job<'_> {
         let fragments = frame.fragments.len() as u64;
         let costs = &options.costs;
         let choose = options.choose == Choose::Cheaper;
-        let plain = costs.of(whole, 0, 0);
+        let plain = costs.total(whole, 0, 0);
         // No division saves more than the whole cost.
         if choose && costs.sort * fragments as f64 >= plain * costs.worth {
             savings.steps.push(unused(option, costs.sort * fragments as f64, plain, 0));
@@ -116,7 +116,7 @@ impl Job<'_> {
         let Lists { of, tests, dropped } = cull::lists(&divided, lights, model, options.cull);
         let tiles = lists::tile_lists(frame, &divided, lights, &of, division);
         let mut plan = Plan { draws: self.draws(divided.cells, &of), tiles, ..Plan::default() };
-        let cost = costs.of(&plan, tests, fragments);
+        let cost = costs.total(&plan, tests, fragments);
         if choose && cost >= plain * costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;
@@ -184,8 +184,8 @@ impl Job<'_> {
         let Interpolate { diameters, nodes } = interpolate;
         let option = format!("interpolate={diameters}x{nodes}");
         let (plan, tests, sorted) = patch::patches(self, interpolate);
-        let plain = options.costs.of(whole, 0, 0);
-        let cost = options.costs.of(&plan, tests, sorted);
+        let plain = options.costs.total(whole, 0, 0);
+        let cost = options.costs.total(&plan, tests, sorted);
         if options.choose == Choose::Cheaper && cost >= plain * options.costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;

@@ -179,7 +179,7 @@ pub struct Measured {
 
 impl Plan {
     /// The plan of lighting all fragments with all of the lights.
-    pub fn whole(fragments: usize, lights: LightSet) -> Plan {
+    pub fn all_lights(fragments: usize, lights: LightSet) -> Plan {
         let draw = Draw { fragments: numbers(0..fragments), lights, grid: None };
         Plan { draws: vec![draw], ..Plan::default() }
     }
@@ -188,7 +188,7 @@ impl Plan {
     /// the plan's errors; if not, the shader computes another model than the plan assumes.
     ///
     /// Interpolation may differ by twice its measured error, on other samples or in another form.
-    pub fn keeps(&self, checked: &Measured) -> bool {
+    pub fn is_confirmed_by(&self, checked: &Measured) -> bool {
         let most = self.savings.steps.iter().map(|step| match &step.error {
             Claim::Exact(_) | Claim::Unused => 0.0,
             Claim::Proven { steps, .. } => *steps,
@@ -250,7 +250,7 @@ impl Plan {
                 compiled: Vec::new(),
                 ..std::mem::take(&mut self.savings)
             };
-            *self = Plan { savings, ..Plan::whole(fragments, all) };
+            *self = Plan { savings, ..Plan::all_lights(fragments, all) };
         }
         holds
     }

@@ -228,7 +228,7 @@ impl Renderer {
     }
 
     /// Returns the slots without a light that the shader evaluates anyway.
-    pub fn idle(&self, lit: &FragmentLights<'_>) -> u64 {
+    pub fn unused_slots(&self, lit: &FragmentLights<'_>) -> u64 {
         let lights = lit.directional.len() + lit.point.len() + lit.spot.len();
         self.evaluated(lit).saturating_sub(lights as u64)
     }

@@ -93,7 +93,7 @@ pub struct Lights {
 
 impl Camera {
     /// Returns the rotation from the scene's axes to the camera's: x right, y up, -z ahead.
-    pub fn turn(&self) -> glam::DMat3 {
+    pub fn rotation(&self) -> glam::DMat3 {
         let front = self.front.normalize();
         let right = front.cross(self.up).normalize();
         glam::DMat3::from_cols(right, right.cross(front), -front).transpose()
@@ -114,7 +114,7 @@ impl Space {
     pub fn axes(self, camera: &Camera) -> Axes {
         match self {
             Space::World => Axes { origin: DVec3::ZERO, turn: glam::DMat3::IDENTITY },
-            Space::View => Axes { origin: camera.position, turn: camera.turn() },
+            Space::View => Axes { origin: camera.position, turn: camera.rotation() },
             Space::CameraRelative => Axes { origin: camera.position, turn: glam::DMat3::IDENTITY },
         }
     }

@@ -32,7 +32,7 @@ pub fn digest(shader: &ShaderLayout) -> Vec<BlockDigest> {
 }
 
 /// Returns the indices of the shaders about which lints over all shaders may report something.
-pub fn concerned(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec<usize> {
+pub fn shaders_to_compare(shaders: &[(&str, &[BlockDigest])], settings: &Settings) -> Vec<usize> {
     let mut layouts: FxHashMap<u32, u64> = FxHashMap::default();
     let mut differing: FxHashSet<u32> = FxHashSet::default();
     for block in shaders.iter().flat_map(|(_, blocks)| *blocks) {
@@ -187,7 +187,7 @@ mod tests {
     fn concerned_of(shaders: &[Vec<BlockDigest>], settings: &Settings) -> Vec<usize> {
         let shaders: Vec<(&str, &[BlockDigest])> =
             shaders.iter().map(|blocks| ("a.frag", blocks.as_slice())).collect();
-        concerned(&shaders, settings)
+        shaders_to_compare(&shaders, settings)
     }
 
     // The values its authors publish for these texts.

@@ -31,7 +31,7 @@ pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec
         };
     };
     let mut found = compare(shader, &lock.layout(), None);
-    if found.is_empty() && lock.bare() != write(shader) {
+    if found.is_empty() && lock.text_without_devices() != write(shader) {
         let message = format!("`{lock_path}` records the same layout with other names");
         found.push(
             drifted(&shader.path, Place::file(&shader.path), message)
@@ -129,6 +129,6 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
             "allow it with `// landfall: allow(layout-drift)` until it is merged"
         }
     };
-    let beside = compared.beside(block, COLUMNS, Paint::Plain);
+    let beside = compared.side_by_side(block, COLUMNS, Paint::Plain);
     found.with_listing(beside).with_help(help)
 }

@@ -62,7 +62,7 @@ fn of_block(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         block.leaves.iter().filter_map(|leaf| Some((leaf, leaf.naga.as_ref()?))).collect();
     let (leaf, naga) = *differing.first()?;
     let files = &subject.shader.files;
-    let cause = cause::of(block, leaf, naga);
+    let cause = cause::find_cause(block, leaf, naga);
     let more = match differing.len() - 1 {
         0 => String::new(),
         1 => ", and 1 more member".to_string(),

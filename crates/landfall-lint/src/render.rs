@@ -20,9 +20,9 @@ use rustc_hash::FxHashSet;
 
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level};
+use landfall_layout::format::escape_controls;
 pub use landfall_layout::format::paint::Paint;
 use landfall_layout::format::phrases::counted;
-use landfall_layout::format::shown;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
@@ -87,8 +87,8 @@ pub struct ReportOptions<'a> {
 pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
     let findings = &unique(findings)[..];
     match format {
-        ReportFormat::Human => shown(human::report(findings, options), options.paint),
-        ReportFormat::Short => shown(short::report(findings), Paint::Plain),
+        ReportFormat::Human => escape_controls(human::report(findings, options), options.paint),
+        ReportFormat::Short => escape_controls(short::report(findings), Paint::Plain),
         ReportFormat::Json => json::report(findings, options.shaders),
         ReportFormat::Github => github::report(findings),
         ReportFormat::Sarif => sarif::report(findings, options.shaders),

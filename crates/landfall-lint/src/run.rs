@@ -11,14 +11,14 @@ use landfall_layout::finding::{Finding, Level};
 
 /// Returns the findings in one shader, without those that its comments allow.
 pub fn shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
-    let mut findings = ask_shader(subject, settings);
+    let mut findings = shader_unsuppressed(subject, settings);
     suppress(&mut findings, &mut allows(&subject.shader.files, subject.shader.language));
     findings
 }
 
 /// Returns the findings of lints over all shaders of a run, without those that comments allow.
 pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
-    let mut findings = ask_tree(subjects, settings);
+    let mut findings = tree_unsuppressed(subjects, settings);
     if findings.is_empty() {
         return findings;
     }
@@ -29,7 +29,7 @@ pub fn tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
 }
 
 /// Returns the findings in one shader, including those that comments allow.
-pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
+pub fn shader_unsuppressed(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
     let wanted = || LINTS.iter().filter(|lint| level(lint.code, settings) > Level::Allow);
     for lint in wanted().filter(|lint| lint.is_built()) {
@@ -49,7 +49,7 @@ pub fn ask_shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
 }
 
 /// Returns the findings of lints over all shaders, including those that comments allow.
-pub fn ask_tree(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
+pub fn tree_unsuppressed(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut findings = Vec::new();
     for lint in LINTS {
         match lint.check {

@@ -30,7 +30,7 @@ void main() { gl_Position = camera.view[0]; }
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let Some(touched) = touched(subject) else { return Vec::new() };
+    let Some(touched) = accessed_parts(subject) else { return Vec::new() };
     let shader = subject.shader;
     let mut findings = Vec::new();
     for (block, touched) in shader.blocks.iter().zip(touched) {
@@ -59,7 +59,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
 pub(super) type Used = FxHashSet<String>;
 
 /// Returns the parts of each block that functions access, where that is known.
-pub(super) fn touched(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
+pub(super) fn accessed_parts(subject: &Subject<'_>) -> Option<Vec<Option<Used>>> {
     let shader = subject.shader;
     // Another variant of the text may use what this one does not.
     let conditional = shader.language == Language::Glsl

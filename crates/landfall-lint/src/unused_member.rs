@@ -34,7 +34,7 @@ void main() { gl_Position = camera.view[0]; }
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let Some(touched) = super::unused_block::touched(subject) else { return Vec::new() };
+    let Some(touched) = super::unused_block::accessed_parts(subject) else { return Vec::new() };
     let mut members = Members::default();
     for (block, used) in subject.shader.blocks.iter().zip(&touched) {
         match used {

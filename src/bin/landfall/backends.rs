@@ -21,7 +21,7 @@ pub fn requested(names: &[BackendName]) -> Vec<BackendName> {
 pub fn open(names: &[BackendName], adapter: Option<&str>) -> Backends {
     let mut backends = Backends { here: Vec::new(), statuses: Vec::new() };
     for name in requested(names) {
-        match one(name, adapter) {
+        match open_one(name, adapter) {
             Ok(backend) => {
                 backends.statuses.push(BackendStatus::Here(backend.device().clone()));
                 backends.here.push(backend);
@@ -35,7 +35,7 @@ pub fn open(names: &[BackendName], adapter: Option<&str>) -> Backends {
 }
 
 /// Opens one backend.
-pub fn one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
+pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
     opened(name, adapter, Timing::Off)
 }
 

@@ -101,7 +101,7 @@ impl Entries<'_> {
             Ok(opened) => Some(Rc::new(RefCell::new(opened))),
             Err(failure) => {
                 self.missing.push(name);
-                self.fail(all, name.name(), failure.brief());
+                self.fail(all, name.name(), failure.summary());
                 None
             }
         }

@@ -135,7 +135,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     };
     let findings = match stopped {
         // Of an interrupted run, the findings of lints over all shaders are not all known.
-        true => tree::sorted(tree::alone(&pass)),
+        true => tree::sorted(tree::findings_in_shaders(&pass)),
         false => findings(args, &run, &mut pass, &mut cache, streams)?,
     };
     if has_cache && !stopped && is_new(args, &pass, &cache, before) {
@@ -221,7 +221,9 @@ fn findings(
     if args.shard.is_some() {
         let proofs = proofs(args, run, pass, streams);
         let proofs = tree::unless_allowed(proofs, pass, basis);
-        return Ok(tree::sorted(tree::alone(pass).into_iter().chain(proofs).collect()));
+        return Ok(tree::sorted(
+            tree::findings_in_shaders(pass).into_iter().chain(proofs).collect(),
+        ));
     }
     let mut outside = verified::findings(&args.verified, pass, basis, run.root)?;
     outside.extend(proofs(args, run, pass, streams));
@@ -439,8 +441,10 @@ fn diff(
     streams: &Streams,
 ) -> Result<Outcome, Failure> {
     let failures = pass.failures();
-    let failed: Vec<_> =
-        tree::alone(&pass).into_iter().filter(|f| landfall_lint::lint(&f.code).is_none()).collect();
+    let failed: Vec<_> = tree::findings_in_shaders(&pass)
+        .into_iter()
+        .filter(|f| landfall_lint::lint(&f.code).is_none())
+        .collect();
     let files = fix::preview(run, pass, &mut cache.tree, streams)?;
     streams.source(&fix::patch(&files))?;
     streams.finish()?;

@@ -31,7 +31,7 @@ use find::Found;
 use toml::{Document, Keys, Text};
 
 pub use find::NAMES;
-pub use root::{Root, absolute, current, repository, slashes, way};
+pub use root::{Root, absolute, current, relative_path, repository, slashes};
 
 /// The default directory of locks.
 const LOCKS: &str = "layouts";
@@ -335,7 +335,7 @@ pub fn missing(code: &str, level: Level) -> Option<Diagnostic> {
     is_missing.then(|| {
         let message =
             format!("the lint `{code}` is not in this build: it needs the feature `analysis`");
-        Diagnostic::bare(Code::UnknownLint, Severity::Error, message)
+        Diagnostic::without_place(Code::UnknownLint, Severity::Error, message)
             .with_help("cargo install landfall --features analysis")
     })
 }
@@ -344,7 +344,7 @@ pub fn missing(code: &str, level: Level) -> Option<Diagnostic> {
 pub fn unknown_code(code: &str) -> Diagnostic {
     let near = nearest(code, LINTS.iter().map(|lint| lint.code));
     let message = format!("there is no lint `{code}`");
-    Diagnostic::bare(Code::UnknownLint, Severity::Error, message).with_help(match near {
+    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(match near {
         Some(near) => format!("did you mean `{near}`?"),
         None => "`landfall rule` lists the lints".to_string(),
     })

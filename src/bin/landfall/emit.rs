@@ -47,7 +47,8 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::CouldNot);
     }
     if shaders.iter().all(|shader| shader.blocks.is_empty()) {
-        let what = Diagnostic::bare(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
+        let what =
+            Diagnostic::without_place(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
         report(&[what], &Files::default());
     }
     let (text, refused) = text(args, config.rename, &shaders);

@@ -15,7 +15,7 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if let Some(error) = reports::refused(&args.formats) {
         return Err(error);
     }
-    let mut whole = shard::together(&args.reports)?;
+    let mut whole = shard::merge_reports(&args.reports)?;
     whole.basis.read_rust_files()?;
     let basis = &whole.basis;
     let root = Root::new(Path::new(&basis.root))?;

@@ -157,7 +157,7 @@ fn picture(
         lights.point.truncate(kept[1].len());
         lights.spot.truncate(kept[2].len());
     }
-    let likely = || renderer.as_ref().map(|renderer| (truth::likely(&renderer.map), false));
+    let likely = || renderer.as_ref().map(|renderer| (truth::likely_model(&renderer.map), false));
     let model = request.model.map(|model| (model, true)).or_else(likely);
     let frame = Frame::new(scene, &request.frame);
     let limit = args.limit;
@@ -180,11 +180,11 @@ fn picture(
         let demanded = planned.as_ref().is_some_and(|planned| planned.demanded);
         report.plan = planned.map(|planned| planned.plan);
         if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
-            let keeps = plan.keeps(&checked);
+            let keeps = plan.is_confirmed_by(&checked);
             let [directional, point, spot] = made.numbers();
             let all = LightSet { ambient: true, directional, point, spot };
             let whole = made.renderer.as_ref();
-            let shown = whole.is_some_and(|whole| request.shows(whole, &made.work(), plan));
+            let shown = whole.is_some_and(|whole| request.proves_plan(whole, &made.work(), plan));
             let applied = plan.settle(checked, shown, all);
             if !keeps || !applied {
                 report.notes.push(plan::broken(&checked, made.model.as_ref(), applied));
@@ -239,7 +239,7 @@ fn own_model(
     let work = Work { upload, frame, background: request.scene.background, limit };
     let mut cpu = Cpu::new(Settings::default());
     let rendered = renderer.render(&mut cpu, &work, &draws, &mut |_: &mut Cpu, _| {})?;
-    let likely = truth::likely(&renderer.map);
+    let likely = truth::likely_model(&renderer.map);
     Ok(Some((truth::nearest(&likely, upload, frame, &rendered.picture), false)))
 }
 
@@ -313,7 +313,7 @@ impl PreparedScene<'_> {
             discarded: 0,
             lights: [lights.directional.len(), lights.point.len(), lights.spot.len()],
             evaluations: None,
-            idle: self.renderer.as_ref().map_or(0, |renderer| renderer.idle(&lit)),
+            idle: self.renderer.as_ref().map_or(0, |renderer| renderer.unused_slots(&lit)),
             uploaded: 0,
             time: Duration::ZERO,
             tally: None,
@@ -389,7 +389,7 @@ impl PreparedScene<'_> {
                 (rendered, cpu.device().clone(), Some(tally), time, checked)
             }
             BackendName::Gl | BackendName::Gpu => {
-                let opened = backends::one(name, args.adapter.as_deref());
+                let opened = backends::open_one(name, args.adapter.as_deref());
                 let mut backend = opened.map_err(|failure| {
                     Error::new(name.name(), format!("cannot render: {}", failure.message))
                         .with_help("`landfall devices` lists the backends; cpu needs no driver")

@@ -107,7 +107,7 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
 fn unknown(code: &str) -> Diagnostic {
     let near = nearest(code, Rule::all().iter().map(|rule| rule.code()));
     let message = format!("there is no lint or hazard `{code}`");
-    Diagnostic::bare(Code::UnknownLint, Severity::Error, message).with_help(match near {
+    Diagnostic::without_place(Code::UnknownLint, Severity::Error, message).with_help(match near {
         Some(near) => format!("did you mean `{near}`?"),
         None => "`landfall rule` lists the lints and hazards".to_string(),
     })

@@ -30,7 +30,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         // The interpreter always runs.
         BackendName::Cpu => None,
         BackendName::Gl | BackendName::Gpu => {
-            let opened = backends::one(args.backend, args.adapter.as_deref());
+            let opened = backends::open_one(args.backend, args.adapter.as_deref());
             Some(opened.map_err(|failure| {
                 let message = format!("cannot run the function: {}", failure.message);
                 Error::new(args.backend.name(), message).with_help(

@@ -138,7 +138,7 @@ fn open(args: &StressArgs) -> (Vec<Box<dyn Backend>>, Vec<BackendReport>) {
         if name == BackendName::Cpu || !args.backends.contains(&name) {
             continue;
         }
-        match backends::one(name, args.adapter.as_deref()) {
+        match backends::open_one(name, args.adapter.as_deref()) {
             Ok(backend) => here.push(backend),
             Err(failure) => missing.push(BackendReport::missing(name.kind(), &failure)),
         }

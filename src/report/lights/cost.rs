@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use landfall_ir::analysis::hazard::Hazard;
-use landfall_ir::analysis::occurrence::{Bound, Certainty};
-use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, held};
+use landfall_ir::analysis::occurrence::{Certainty, IndexBound};
+use landfall_ir::analysis::roles::{Form, Kind, LightBinding, Role, lights_in_blocks};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{AddressSpace, MatrixLayout, Rules, Type};
@@ -65,7 +65,7 @@ pub struct Light {
     /// The member that counts the slots in use.
     pub count: Option<CountMember>,
     /// The distinct bounds of the loops over it, as far as they were analysed.
-    pub bounds: Vec<Bound>,
+    pub bounds: Vec<IndexBound>,
     /// A smaller order of the structure's members, if there is one.
     pub reorder: Option<Reorder>,
     /// The span of its name in the source text.
@@ -122,7 +122,7 @@ pub struct LightHazard {
 
 /// Returns the cost of the lights of a shader whose layout has no errors.
 pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report {
-    let lights = held(&shader.blocks);
+    let lights = lights_in_blocks(&shader.blocks);
     let analysis = analyse(source, options, shader, &lights);
     let found = &analysis.found;
     let hazards = found.hazards.iter().map(|hazard| LightHazard {
@@ -134,7 +134,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     });
     let hazards = hazards.collect();
     let described = lights.iter().enumerate().map(|(number, light)| {
-        let mut bounds: Vec<Bound> = Vec::new();
+        let mut bounds: Vec<IndexBound> = Vec::new();
         for access in found.accesses.iter().filter(|access| access.light == number) {
             if !bounds.contains(&access.bound) {
                 bounds.push(access.bound);
@@ -150,7 +150,7 @@ pub fn cost(source: &Source, options: &Options, shader: &ShaderLayout) -> Report
     }
 }
 
-fn describe(light: &LightBinding<'_>, bounds: Vec<Bound>) -> Light {
+fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {
     let block = light.block;
     let (bytes, padding) = match light.member {
         Some(member) => sizes(member),

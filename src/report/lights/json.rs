@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::SCHEMA_VERSION;
 use crate::report::lights::cost::{Light, LightHazard, Report};
-use landfall_ir::analysis::occurrence::Bound;
+use landfall_ir::analysis::occurrence::IndexBound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::format::json::{Tool, to_lines};
@@ -160,14 +160,14 @@ impl LightObject<'_> {
 }
 
 impl BoundObject {
-    fn of(bound: Bound) -> BoundObject {
+    fn of(bound: IndexBound) -> BoundObject {
         let (kind, value) = match bound {
-            Bound::Fixed(index) => ("fixed", Some(index)),
-            Bound::Constant(n) => ("constant", Some(n)),
-            Bound::ClampedCount => ("clamped_count", None),
-            Bound::Count => ("count", None),
-            Bound::Length => ("length", None),
-            Bound::Unknown => ("unknown", None),
+            IndexBound::Fixed(index) => ("fixed", Some(index)),
+            IndexBound::Constant(n) => ("constant", Some(n)),
+            IndexBound::ClampedCount => ("clamped_count", None),
+            IndexBound::Count => ("count", None),
+            IndexBound::Length => ("length", None),
+            IndexBound::Unknown => ("unknown", None),
         };
         BoundObject { kind, value }
     }

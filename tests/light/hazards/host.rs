@@ -1,7 +1,7 @@
 //! Scenes that the host refuses, each at its place, and their twins that it takes; members that
 //! are given twice or never.
 
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::harness::call::{Request, call};
 use landfall_layout::buffer::{EncodeError, Missing, encode, read_json};
 use landfall_layout::{Options, Severity, Source, layout};
@@ -124,7 +124,7 @@ fn a_member_given_twice_or_never_is_named() {
 /// H22 where it cannot run: wgpu's own OpenGL has no 16-bit floats.
 #[test]
 fn an_adapter_without_16_bit_floats_refuses_them_by_name() {
-    let choice = Choice { adapter: Some("(gl)".to_string()) };
+    let choice = AdapterChoice { adapter: Some("(gl)".to_string()) };
     let mut gpu = Gpu::open(&choice).expect("Mesa's OpenGL, as wgpu takes it");
     let source = Source::read("tests/hazards/half.wgsl").expect("the shader is there");
     let request = Request {

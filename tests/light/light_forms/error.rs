@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use fastrand::Rng;
-use landfall_exec::backend::wgpu::{Choice, Gpu};
+use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend as _, Grid, Job, Resource, ResourceKind, StageCode};
 use landfall_exec::interp::{Call, Precision, Program, Settings, Words};
 use landfall_ir::Module;
@@ -312,7 +312,8 @@ fn error(pairs: impl Iterator<Item = (f64, f64)>) -> Error {
 
 #[test]
 fn the_robust_form_is_no_less_accurate() {
-    let mut gpu = Gpu::open(&Choice::default()).unwrap_or_else(|failure| panic!("{failure}"));
+    let mut gpu =
+        Gpu::open(&AdapterChoice::default()).unwrap_or_else(|failure| panic!("{failure}"));
     println!("steps of 1/255: most, 99.9 %; last places of numbers above 2^-10: most");
     for squarings in [5, 8, 10] {
         let forms = [

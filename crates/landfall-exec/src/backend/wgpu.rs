@@ -17,7 +17,7 @@ mod timing;
 
 use std::time::Duration;
 
-pub use adapter::Choice;
+pub use adapter::AdapterChoice;
 
 use super::devices::{BackendEntry, Limits};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
@@ -49,7 +49,7 @@ impl Gpu {
     ///
     /// # Errors
     /// [`FailureKind::Missing`] if no adapter matches.
-    pub fn open(choice: &Choice) -> Result<Gpu, Failure> {
+    pub fn open(choice: &AdapterChoice) -> Result<Gpu, Failure> {
         let adapter = adapter::choose(choice)?;
         Ok(Gpu {
             open: OpenDevice::new(&adapter)?,
@@ -88,7 +88,7 @@ impl Backend for Gpu {
         let Gpu { open, pipelines, limits, .. } = self;
         let answer = run::run(open, pipelines, limits, job, timestamps.as_ref());
         if let Some(timestamps) = &timestamps {
-            let passed = answer.as_ref().ok().and_then(|_| timestamps.passed());
+            let passed = answer.as_ref().ok().and_then(|_| timestamps.elapsed());
             self.timing = Timing::On(passed);
         }
         let timed_out = |failure: &Failure| failure.kind == FailureKind::TimedOut;
@@ -151,7 +151,7 @@ mod tests {
             grid: Grid::Groups([1, 1, 1]),
             limit: Duration::from_secs(60),
         };
-        let answer = Gpu::open(&Choice::default()).unwrap().run(&job).unwrap();
+        let answer = Gpu::open(&AdapterChoice::default()).unwrap().run(&job).unwrap();
         assert_eq!(answer.buffers[1].as_deref(), Some(&[3, 0, 0, 0, 9, 0, 0, 0][..]));
     }
 }

@@ -10,11 +10,15 @@ use landfall_layout::source::{Files, Language};
 
 /// Returns whether any member of a block may be written.
 pub(crate) fn writable(block: &BlockLayout, files: &Files, language: Language) -> bool {
-    of(block, files, language).iter().any(|access| access.write)
+    member_accesses(block, files, language).iter().any(|access| access.write)
 }
 
 /// Returns the access of each member of a block, in declaration order.
-pub(crate) fn of(block: &BlockLayout, files: &Files, language: Language) -> Vec<Access> {
+pub(crate) fn member_accesses(
+    block: &BlockLayout,
+    files: &Files,
+    language: Language,
+) -> Vec<Access> {
     let all = |access| vec![access; block.members.len()];
     let file = files.get(block.span.file);
     let Some(file) = file.filter(|_| block.space == AddressSpace::Storage) else {

@@ -32,7 +32,7 @@ pub(super) fn blocks(
             return Err(unknown(key, blocks));
         }
     }
-    let bytes = blocks.iter().map(|block| match given(data, block) {
+    let bytes = blocks.iter().map(|block| match values_for_block(data, block) {
         Some((key, values)) => encode(&block.layout, values, Missing::Zero)
             .map_err(|error| Box::new(finding(error.code(), format!("in `{key}`, {error}"), None))),
         None => Ok(other(&block.layout)),
@@ -41,7 +41,10 @@ pub(super) fn blocks(
 }
 
 /// Returns the key and values given for a block.
-pub(super) fn given<'d>(data: &'d Data, block: &ModuleBlock) -> Option<(&'d String, &'d Value)> {
+pub(super) fn values_for_block<'d>(
+    data: &'d Data,
+    block: &ModuleBlock,
+) -> Option<(&'d String, &'d Value)> {
     // The name of one buffer goes before that of the whole array.
     let exact = data.iter().find(|(key, _)| key.ends_with(']') && means(key, block));
     exact.or_else(|| data.iter().find(|(key, _)| means(key, block)))

@@ -210,7 +210,7 @@ impl Job<'_> {
         let counts = called.map(|called| called.notes.counts.operations());
         Ok(CallReport {
             path: source.path.clone(),
-            function: find::shown(found.info),
+            function: find::spelled_signature(found.info),
             backend: device,
             result,
             parameters,
@@ -270,7 +270,7 @@ impl Job<'_> {
         let blocks = module.blocks().iter().zip(&called.notes.read);
         let mut blank: Vec<String> = blocks
             .filter(|(block, read)| {
-                read.contains(&true) && bound::given(&request.data, block).is_none()
+                read.contains(&true) && bound::values_for_block(&request.data, block).is_none()
             })
             .map(|(block, _)| block.layout.name.to_string())
             .collect();
@@ -302,9 +302,10 @@ impl Job<'_> {
             let mut words = Vec::new();
             match given {
                 Some((_, value)) => {
-                    arguments::words(&parameter.ty, value, name, language, &mut words).map_err(
-                        |m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")),
-                    )?;
+                    arguments::append_words(&parameter.ty, value, name, language, &mut words)
+                        .map_err(|m| {
+                            Box::new(Diagnostic::about(m.code, m.message, m.help, "--input"))
+                        })?;
                 }
                 None => words.resize(parameter.ty.scalars().len(), 0),
             }

@@ -123,7 +123,7 @@ pub fn coverage(
                     let why = format!(
                         "`{}` with {} in its blocks: {failure}",
                         entry.name,
-                        filling.words()
+                        filling.description()
                     );
                     if !failures.contains(&why) {
                         failures.push(why);

@@ -27,7 +27,7 @@ pub use report::{
 pub use user_spirv::run_compiled;
 
 use verifier::Verifier;
-pub(super) use verifier::every;
+pub(super) use verifier::all_buffers;
 
 /// Options for verifying a shader.
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ pub fn verify(
             None => Some(block),
             Some(given) => given.iter().find(|other| other.name == block.name),
         };
-        let access = access::of(block, &shader.files, source.language);
+        let access = access::member_accesses(block, &shader.files, source.language);
         let is_given = expected.is_some();
         let expected = expected.unwrap_or(block);
         let blocks = &shader.blocks;

@@ -7,7 +7,7 @@ use super::numbers::{Numbers, Words};
 use super::permitted::Permitted;
 use super::program::{FunctionCode, Program};
 use super::real::{Real, Shadow};
-use super::stage::{Notes, Precision, Settings, bits, failure, mask, put, refused_for};
+use super::stage::{Notes, Precision, Settings, bits, failure, mask, refused_for, set_register};
 use crate::backend::{Failure, FailureKind, Resource};
 
 /// A call of a function.
@@ -102,7 +102,7 @@ impl Program {
             let lanes = LANES.min(call.lanes - from);
             for (argument, words) in code.arguments.iter().zip(&call.arguments) {
                 for (i, &reg) in argument.regs.iter().enumerate() {
-                    put(m, reg, words.get(i).map_or(&[], |w| &w[from..from + lanes]));
+                    set_register(m, reg, words.get(i).map_or(&[], |w| &w[from..from + lanes]));
                 }
             }
             if let Some(tracer) = m.watch.as_mut().and_then(|watch| watch.tracer.as_mut()) {

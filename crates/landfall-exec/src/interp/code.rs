@@ -341,12 +341,12 @@ impl Op {
 pub(super) struct Dynamic {
     /// Stride in registers of each class; in bytes for a buffer.
     pub strides: [u32; 3],
-    pub bound: Bound,
+    pub bound: ElementCount,
 }
 
 /// The number of elements.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Bound {
+pub(super) enum ElementCount {
     Known(u32),
     /// As many as fit in the buffer: elements from `offset` on, `stride` bytes each.
     Runtime {

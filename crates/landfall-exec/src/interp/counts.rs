@@ -81,7 +81,7 @@ impl Counts {
 }
 
 /// Returns the cost of an instruction.
-pub(super) fn price(inst: &Inst) -> InstructionCost {
+pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
     use Cost::{Arithmetic, Free, Load, Store, Texture, Transcendental};
     let (kind, each) = match inst.op {
         Op::F1(f) | Op::D1(f) => match f {

@@ -15,7 +15,9 @@ use super::numbers::Numbers;
 use super::pixels::{Triangle, row, tile};
 use super::program::{BufferSpace, Floats, Program};
 use super::real::{Real, Shadow};
-use super::stage::{Invocations, Notes, Precision, Settings, failure, mask, put, refused_for};
+use super::stage::{
+    Invocations, Notes, Precision, Settings, failure, mask, refused_for, set_register,
+};
 use crate::backend::{Backend, Device, Failure, FailureKind, Grid, Job, JobOutput, StageCode};
 use landfall_ir::Module;
 use landfall_layout::source::{Language, Stage, kind_of_path};
@@ -255,7 +257,7 @@ fn compute<R: Real>(
                         })
                     })
                     .collect();
-                put(m, reg, &words);
+                set_register(m, reg, &words);
             }
         }
         m.invoke(number, program.starts[number as usize], mask(lanes))
@@ -344,7 +346,7 @@ fn plain<R: Real>(m: &mut Machine<R>, inputs: &[InterfaceVariable], places: &[[u
                     }
                 }
                 Port::FrontFacing => *m.words_of(reg) = [1; LANES],
-                _ => put(m, reg, &[]),
+                _ => set_register(m, reg, &[]),
             }
         }
     }

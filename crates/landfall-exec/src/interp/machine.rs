@@ -26,7 +26,7 @@ use super::program::Program;
 use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
-pub(super) use integer::two;
+pub(super) use integer::binary;
 pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 
@@ -236,7 +236,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                     }
                 }
                 Op::Barrier => {
-                    if !self.barriers || !self.together() {
+                    if !self.barriers || !self.all_lanes_active() {
                         return Err(Stopped::Barrier(program.origins[this]));
                     }
                 }

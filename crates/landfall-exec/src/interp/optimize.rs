@@ -25,7 +25,7 @@ pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, Role)) {
     }
 }
 
-pub(super) fn tidy(body: &mut Body) {
+pub(super) fn optimize(body: &mut Body) {
     drop_unread(body);
 }
 

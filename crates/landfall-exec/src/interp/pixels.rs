@@ -5,7 +5,7 @@ use super::interface::{InterfaceVariable, Port};
 use super::machine::Machine;
 use super::numbers::Numbers;
 use super::real::Real;
-use super::stage::put;
+use super::stage::set_register;
 
 /// Returns the pixels of a tile of eight by eight, in quads: right and below are the next lanes.
 pub(super) fn tile(batch: usize, across: usize) -> [[u32; 2]; LANES] {
@@ -125,7 +125,7 @@ impl Triangle {
                     (_, Class::Real) => {
                         *m.reals_of(reg) = each(&|lane| sum(weights[lane], values));
                     }
-                    (_, Class::Word | Class::Wide) => put(m, reg, &words[..1]),
+                    (_, Class::Word | Class::Wide) => set_register(m, reg, &words[..1]),
                 }
             }
         }

@@ -157,7 +157,7 @@ impl Program {
                     let given = invocations.inputs.iter().find(|(port, _)| *port == plug.port);
                     for (i, &reg) in plug.regs.iter().enumerate() {
                         let words = given.and_then(|(_, words)| words.get(i));
-                        put(
+                        set_register(
                             m,
                             reg,
                             words.map_or(&[], |w| w.get(from..from + lanes).unwrap_or(&[])),
@@ -223,7 +223,7 @@ pub(super) fn mask(lanes: usize) -> u64 {
 }
 
 /// Sets a register to words; lanes without a word get the first lane's, or zero.
-pub(super) fn put<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
+pub(super) fn set_register<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64]) {
     let rest = words.first().copied().unwrap_or(0);
     let word = |lane: usize| words.get(lane).copied().unwrap_or(rest);
     match reg.class() {

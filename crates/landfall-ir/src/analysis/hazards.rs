@@ -18,7 +18,7 @@ mod verdict;
 mod walk;
 
 use super::hazard::Hazard;
-use super::occurrence::{Access, Bound, Certainty, HazardReport, Kind, Occurrence};
+use super::occurrence::{Access, Certainty, HazardReport, IndexBound, Kind, Occurrence};
 use super::roles::LightBinding;
 use landfall_layout::source::{Language, Source, Stage};
 use landfall_layout::{Diagnostic, Options};

@@ -38,7 +38,7 @@ const TOGETHER: &[&str] = &[
 ];
 
 /// The words of a name in lower case, in order; prefixes such as `u_` and numbers are left out.
-pub fn words(name: &str) -> Vec<String> {
+pub fn identifier_words(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut words = Vec::new();
     let mut word = String::new();
@@ -92,18 +92,18 @@ fn joined(words: Vec<String>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::words;
+    use super::identifier_words;
 
     #[test]
     fn names_in_every_fashion_come_apart() {
-        assert_eq!(words("outerCutOff"), ["outer", "cutoff"]);
-        assert_eq!(words("u_point_light_array"), ["point", "light", "array"]);
-        assert_eq!(words("NR_POINT_LIGHTS"), ["nr", "point", "lights"]);
-        assert_eq!(words("conedir"), ["cone", "dir"]);
-        assert_eq!(words("lightPositions2"), ["light", "positions"]);
-        assert_eq!(words("PBRLight"), ["pbr", "light"]);
-        assert_eq!(words("cutoff"), ["cutoff"]);
-        assert_eq!(words("direction"), ["direction"]);
-        assert_eq!(words("x"), ["x"]);
+        assert_eq!(identifier_words("outerCutOff"), ["outer", "cutoff"]);
+        assert_eq!(identifier_words("u_point_light_array"), ["point", "light", "array"]);
+        assert_eq!(identifier_words("NR_POINT_LIGHTS"), ["nr", "point", "lights"]);
+        assert_eq!(identifier_words("conedir"), ["cone", "dir"]);
+        assert_eq!(identifier_words("lightPositions2"), ["light", "positions"]);
+        assert_eq!(identifier_words("PBRLight"), ["pbr", "light"]);
+        assert_eq!(identifier_words("cutoff"), ["cutoff"]);
+        assert_eq!(identifier_words("direction"), ["direction"]);
+        assert_eq!(identifier_words("x"), ["x"]);
     }
 }

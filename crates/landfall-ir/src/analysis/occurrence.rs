@@ -127,7 +127,7 @@ pub struct Occurrence {
 
 /// The bound of the index in an access to an array of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bound {
+pub enum IndexBound {
     /// The index is a constant.
     Fixed(u64),
     /// A loop up to a constant.
@@ -148,7 +148,7 @@ pub struct Access {
     /// The index of the array among the lights of the analysis.
     pub light: usize,
     /// The bound of the index.
-    pub bound: Bound,
+    pub bound: IndexBound,
     /// The span of the access.
     pub span: Span,
 }

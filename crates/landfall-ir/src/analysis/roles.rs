@@ -15,7 +15,7 @@ use std::sync::Arc;
 use self::count::{count_of, counts};
 use self::evidence::{Evidence, RoleEvidence, classify};
 use self::names::{is_about_something_else, is_light};
-use super::identifier::words;
+use super::identifier::identifier_words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Struct, Type};
 use landfall_layout::source::Span;
@@ -253,7 +253,7 @@ pub fn of_struct(structure: &Struct) -> Option<Roles> {
 }
 
 /// Returns every light in those blocks, in order.
-pub fn held(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
+pub fn lights_in_blocks(blocks: &[BlockLayout]) -> Vec<LightBinding<'_>> {
     let mut all = Vec::new();
     for block in blocks {
         let before = all.len();
@@ -315,7 +315,7 @@ fn whole_block(block: &BlockLayout) -> Option<LightBinding<'_>> {
 /// Returns members of a block that belong to a light by their names.
 fn members_alone(block: &BlockLayout) -> Option<LightBinding<'_>> {
     let of_light = |m: &&MemberLayout| {
-        let words = words(&m.name);
+        let words = identifier_words(&m.name);
         is_light(&words) && !is_about_something_else(&words)
     };
     let mut members: Vec<&MemberLayout> = block.members.iter().filter(of_light).collect();

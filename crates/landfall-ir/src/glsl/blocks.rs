@@ -224,7 +224,7 @@ impl<'a> Lowerer<'a> {
                 let handle = self.private(name.text, &field.ty, name.span)?;
                 let path = format!("{}.{}", block.name.text, name.text);
                 let io = Io::new(&path, handle, field.ty.clone(), &member.qualifiers, output)
-                    .also(qualifiers)
+                    .with_block_qualifiers(qualifiers)
                     .at(location, None, name.span);
                 self.io.push(io);
                 let ty = field.ty;
@@ -239,7 +239,7 @@ impl<'a> Lowerer<'a> {
         for (index, (field, name, location, member)) in fields.into_iter().enumerate() {
             let path = format!("{}.{}", block.name.text, name.text);
             let io = Io::new(&path, handle, field.ty, &member.qualifiers, output)
-                .also(qualifiers)
+                .with_block_qualifiers(qualifiers)
                 .member(index as u32)
                 .at(location, None, name.span);
             self.io.push(io);

@@ -155,7 +155,7 @@ impl<'l, 'a> Body<'l, 'a> {
     }
 
     /// Resumes a block.
-    pub fn reopened(
+    pub fn resume_block(
         &mut self,
         block: naga::Block,
         fill: impl FnOnce(&mut Self) -> R<()>,

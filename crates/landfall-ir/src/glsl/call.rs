@@ -8,7 +8,7 @@ use super::body::{Body, Symbol, Val};
 use super::expression::Operand;
 use super::globals::Global;
 use super::lvalue::{HandlePath, Lvalue};
-use super::opaque::{HandleChoice, HandlePair, ways};
+use super::opaque::{HandleChoice, HandlePair, handles_by_path};
 use super::types::{Kind, Opaque, Ty, holds_values};
 use super::{Help, R, refuse};
 use crate::module::Direction;
@@ -367,7 +367,7 @@ impl<'a> Body<'_, 'a> {
                                 .refuse("a sampler or image is selected in two ways at once");
                         }
                         (HandleChoice::At(way, _), _) => {
-                            let all = ways(ty).into_iter();
+                            let all = handles_by_path(ty).into_iter();
                             all.map(|(rest, _)| self.handle(&format!("{}{rest}", way.text)))
                                 .collect::<R<_>>()?
                         }

@@ -144,7 +144,7 @@ impl<'a> Body<'_, 'a> {
         let local = self.local("", &ty)?;
         let pointer = self.local_pointer(local);
         let mut keep = |block, value: &Val| {
-            self.reopened(block, |this| {
+            self.resume_block(block, |this| {
                 let value = this.convert(value, &ty)?;
                 this.statement(naga::Statement::Store { pointer, value: value.expr });
                 Ok(())

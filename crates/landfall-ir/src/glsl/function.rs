@@ -10,7 +10,7 @@ use super::body::{Body, Symbol, Val};
 use super::globals::Global;
 use super::lvalue::{Lvalue, Mem};
 use super::name_usage::written;
-use super::opaque::{HandlePair, Source, image_type, ways};
+use super::opaque::{HandlePair, Source, handles_by_path, image_type};
 use super::types::{Opaque, Ty, holds_values};
 use super::{Lowerer, R, refuse};
 use crate::module::{Direction, FunctionInfo, Parameter as PublicParameter, SkippedFunction};
@@ -328,7 +328,7 @@ impl<'a> Body<'_, 'a> {
             return Ok(());
         }
         let root = format!("#{index}");
-        for (way, opaque) in ways(ty) {
+        for (way, opaque) in handles_by_path(ty) {
             let mut pair = HandlePair { opaque: opaque.clone(), image: None, sampler: None };
             for (inner, sampler) in handle_types(self, &opaque)? {
                 let handle = naga::Type { name: None, inner };

@@ -317,7 +317,10 @@ impl<'a> Lowerer<'a> {
                     Some(value) => (Some(value.clone()), Some(value)),
                     None => {
                         let known = self.constant(init).and_then(|value| Self::typed(value, &ty));
-                        (known.clone().and_then(|value| Self::settled(value, init, &ty)), known)
+                        (
+                            known.clone().and_then(|value| Self::exact_constant(value, init, &ty)),
+                            known,
+                        )
                     }
                 };
                 let declaration = declaration.clone();
@@ -418,7 +421,7 @@ impl<'a> Lowerer<'a> {
     }
 
     /// Returns a constant's value, unless it has to be computed in floats.
-    pub fn settled(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
+    pub fn exact_constant(value: Const, init: &Expr<'a>, ty: &Ty) -> Option<Const> {
         match ty {
             Ty::Scalar(Kind::Float) if !matches!(init.kind, ExprKind::Number(_)) => None,
             Ty::Scalar(Kind::Double | Kind::Half | Kind::Short | Kind::Ushort) => None,

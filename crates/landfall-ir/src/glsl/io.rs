@@ -70,7 +70,7 @@ impl Io {
     }
 
     /// Adds the qualifiers of the block.
-    pub fn also(mut self, qualifiers: &Qualifiers<'_>) -> Io {
+    pub fn with_block_qualifiers(mut self, qualifiers: &Qualifiers<'_>) -> Io {
         self.flat |= qualifiers.flat;
         self.noperspective |= qualifiers.noperspective;
         self.centroid |= qualifiers.centroid;

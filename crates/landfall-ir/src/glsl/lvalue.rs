@@ -94,7 +94,7 @@ pub fn selection(name: &str, size: usize) -> Option<Vec<u8>> {
 
 impl Address {
     /// Returns the address so many bytes further on; a pointer stays the same.
-    pub fn further(&self, bytes: u32) -> Address {
+    pub fn offset_by(&self, bytes: u32) -> Address {
         match self {
             Address::Words { block, fours, fixed, dynamic } => Address::Words {
                 block: *block,
@@ -119,7 +119,7 @@ impl Body<'_, '_> {
     pub fn step(&mut self, at: &Address, index: Index, stride: u32) -> Address {
         match (at, index) {
             (Address::Pointer(pointer), index) => Address::Pointer(self.at(*pointer, index)),
-            (Address::Words { .. }, Index::Fixed(i)) => at.further(i.saturating_mul(stride)),
+            (Address::Words { .. }, Index::Fixed(i)) => at.offset_by(i.saturating_mul(stride)),
             (Address::Words { block, fours, fixed, dynamic }, Index::Dynamic(index)) => {
                 let index = self.unsigned_index(index);
                 let stride = self.u32(stride);
@@ -175,7 +175,7 @@ impl Body<'_, '_> {
                         Address::Pointer(pointer) => {
                             Address::Pointer(self.part(*pointer, member.index))
                         }
-                        words @ Address::Words { .. } => words.further(member.offset),
+                        words @ Address::Words { .. } => words.offset_by(member.offset),
                     };
                     Mem::BlockType(at, member.block_type.clone())
                 }

@@ -185,7 +185,7 @@ impl Body<'_, '_> {
             ("floatBitsToUint", [x]) => self.bits(x, Kind::Float, Kind::Uint),
             ("intBitsToFloat", [x]) => self.bits(x, Kind::Int, Kind::Float),
             ("uintBitsToFloat", [x]) => self.bits(x, Kind::Uint, Kind::Float),
-            ("unpackDouble2x32", [x]) => self.halves(x, Kind::Double).map(Some),
+            ("unpackDouble2x32", [x]) => self.split_into_words(x, Kind::Double).map(Some),
             ("packDouble2x32", [x]) => self.joined(x, Kind::Double).map(Some),
             ("transpose", [x]) => {
                 let Ty::Matrix(kind, columns, rows) = x.ty else { return Ok(None) };
@@ -234,8 +234,10 @@ impl Body<'_, '_> {
             let ty = if scalar { Ty::Scalar(kind) } else { values[0].ty.clone() };
             return Ok(Some(Val { expr, ty }));
         }
-        let Some(mut values) =
-            self.alike(values, takes != Parameters::Numbers && takes != Parameters::Bits)?
+        let Some(mut values) = self.convert_to_common_type(
+            values,
+            takes != Parameters::Numbers && takes != Parameters::Bits,
+        )?
         else {
             return Ok(None);
         };
@@ -258,7 +260,7 @@ impl Body<'_, '_> {
     }
 
     /// Converts scalars and vectors to one size and kind; `None` if their sizes differ.
-    pub fn alike(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
+    pub fn convert_to_common_type(&mut self, values: &[Val], floats: bool) -> R<Option<Vec<Val>>> {
         let mut size = 1;
         let mut kind = if floats { Kind::Half } else { Kind::Short };
         let mut any = None;

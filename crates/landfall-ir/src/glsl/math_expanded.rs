@@ -12,7 +12,9 @@ impl<'a> Body<'_, 'a> {
     pub fn expanded_call(&mut self, name: &str, values: &[Val]) -> R<Option<Val>> {
         match (name, values) {
             ("mod", [_, _]) => {
-                let Some(values) = self.alike(values, true)? else { return Ok(None) };
+                let Some(values) = self.convert_to_common_type(values, true)? else {
+                    return Ok(None);
+                };
                 // GLSL 4.60 §8.3: x - y * floor(x / y).
                 let (x, y) = (values[0].expr, values[1].expr);
                 let quotient = self.binary(B::Divide, x, y);
@@ -27,7 +29,9 @@ impl<'a> Body<'_, 'a> {
                 self.select_value(t.expr, &b, &a).map(Some)
             }
             ("mix", [_, _, _]) => {
-                let Some(values) = self.alike(values, true)? else { return Ok(None) };
+                let Some(values) = self.convert_to_common_type(values, true)? else {
+                    return Ok(None);
+                };
                 let expr = self.math(M::Mix, &[values[0].expr, values[1].expr, values[2].expr]);
                 Ok(Some(Val { expr, ty: values[0].ty.clone() }))
             }
@@ -73,7 +77,9 @@ impl<'a> Body<'_, 'a> {
                 self.geometric_call("length", &[difference])
             }
             ("dot", [_, _]) => {
-                let Some(values) = self.alike(values, true)? else { return Ok(None) };
+                let Some(values) = self.convert_to_common_type(values, true)? else {
+                    return Ok(None);
+                };
                 self.dot(&values[0], &values[1]).map(Some)
             }
             ("normalize", [x]) => {
@@ -84,7 +90,9 @@ impl<'a> Body<'_, 'a> {
                 Ok(Some(Val { expr: self.math(M::Normalize, &[x.expr]), ty: x.ty }))
             }
             ("faceforward", [n, _, _]) => {
-                let Some(values) = self.alike(values, true)? else { return Ok(None) };
+                let Some(values) = self.convert_to_common_type(values, true)? else {
+                    return Ok(None);
+                };
                 let toward = self.dot(&values[2], &values[1])?;
                 let kind = n.ty.kind().filter(|k| k.is_float()).unwrap_or(Kind::Float);
                 let zero = self.number(kind, 0.0);
@@ -96,7 +104,9 @@ impl<'a> Body<'_, 'a> {
                 self.select_value(faces, &n, &away).map(Some)
             }
             ("reflect", [_, _]) => {
-                let Some(values) = self.alike(values, true)? else { return Ok(None) };
+                let Some(values) = self.convert_to_common_type(values, true)? else {
+                    return Ok(None);
+                };
                 let [i, n] = &values[..] else { return Ok(None) };
                 if !matches!(i.ty, Ty::Scalar(_)) {
                     let expr = self.math(M::Reflect, &[i.expr, n.expr]);
@@ -110,7 +120,7 @@ impl<'a> Body<'_, 'a> {
                 self.operate(Binary::Subtract, i, &along).map(Some)
             }
             ("refract", [i, n, eta]) => {
-                let Some(pair) = self.alike(&[i.clone(), n.clone()], true)? else {
+                let Some(pair) = self.convert_to_common_type(&[i.clone(), n.clone()], true)? else {
                     return Ok(None);
                 };
                 let kind = pair[0].ty.kind().unwrap_or(Kind::Float);
@@ -272,7 +282,7 @@ impl<'a> Body<'_, 'a> {
     }
 
     /// Returns the two words of a 64-bit number, the low one first.
-    pub(super) fn halves(&mut self, value: &Val, kind: Kind) -> R<Val> {
+    pub(super) fn split_into_words(&mut self, value: &Val, kind: Kind) -> R<Val> {
         let value = self.convert(value, &Ty::of(kind, 1))?;
         let uint = naga::ScalarKind::Uint;
         let bits = self.add(Expression::As { expr: value.expr, kind: uint, convert: None });

@@ -130,7 +130,7 @@ impl Body<'_, '_> {
                     };
                     let at = match at {
                         Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
-                        words @ Address::Words { .. } => words.further(member.offset),
+                        words @ Address::Words { .. } => words.offset_by(member.offset),
                     };
                     components.push(self.load_host(&at, &member.block_type)?.expr);
                 }
@@ -152,7 +152,7 @@ impl Body<'_, '_> {
             Address::Words { .. } if kind.scalar().width == 8 => {
                 let mut parts = Vec::new();
                 for i in 0..u32::from(size) {
-                    parts.push(self.load_wide(&at.further(8 * i), kind));
+                    parts.push(self.load_wide(&at.offset_by(8 * i), kind));
                 }
                 match &parts[..] {
                     [part] => *part,
@@ -162,7 +162,7 @@ impl Body<'_, '_> {
             Address::Words { .. } => {
                 let mut words = Vec::new();
                 for i in 0..u32::from(size) {
-                    let pointer = self.word(&at.further(4 * i));
+                    let pointer = self.word(&at.offset_by(4 * i));
                     words.push(self.add(Expression::Load { pointer }));
                 }
                 let words = match &words[..] {
@@ -192,7 +192,7 @@ impl Body<'_, '_> {
         let uint = naga::ScalarKind::Uint;
         let mut halves = Vec::new();
         for i in 0..2 {
-            let pointer = self.word(&at.further(4 * i));
+            let pointer = self.word(&at.offset_by(4 * i));
             let expr = self.add(Expression::Load { pointer });
             halves.push(self.add(Expression::As { expr, kind: uint, convert: Some(8) }));
         }
@@ -215,7 +215,7 @@ impl Body<'_, '_> {
         let high = self.binary(BinaryOperator::ShiftRight, bits, by);
         for (i, half) in [(0, bits), (1, high)] {
             let value = self.add(Expression::As { expr: half, kind: uint, convert: Some(4) });
-            let pointer = self.word(&at.further(4 * i));
+            let pointer = self.word(&at.offset_by(4 * i));
             self.statement(Statement::Store { pointer, value });
         }
     }
@@ -348,7 +348,7 @@ impl Body<'_, '_> {
                     };
                     let at = match at {
                         Address::Pointer(p) => Address::Pointer(self.part(*p, member.index)),
-                        words @ Address::Words { .. } => words.further(member.offset),
+                        words @ Address::Words { .. } => words.offset_by(member.offset),
                     };
                     let part = self.part(value, i);
                     self.store_host(&at, &member.block_type, part)?;
@@ -383,7 +383,7 @@ impl Body<'_, '_> {
             Address::Words { .. } if kind.scalar().width == 8 => {
                 for i in 0..size {
                     let part = if size == 1 { value } else { self.part(value, i.into()) };
-                    self.store_wide(&at.further(8 * u32::from(i)), kind, part);
+                    self.store_wide(&at.offset_by(8 * u32::from(i)), kind, part);
                 }
             }
             Address::Words { .. } => {
@@ -393,7 +393,7 @@ impl Body<'_, '_> {
                 }
                 for i in 0..size {
                     let word = if size == 1 { value } else { self.part(value, i.into()) };
-                    let pointer = self.word(&at.further(4 * u32::from(i)));
+                    let pointer = self.word(&at.offset_by(4 * u32::from(i)));
                     self.statement(Statement::Store { pointer, value: word });
                 }
             }

@@ -55,7 +55,7 @@ pub enum HandleChoice {
 }
 
 /// Returns every handle in a type, by its path.
-pub fn ways(ty: &Ty) -> Vec<(String, Opaque)> {
+pub fn handles_by_path(ty: &Ty) -> Vec<(String, Opaque)> {
     let mut found = Vec::new();
     collect(ty, String::new(), &mut found);
     found
@@ -113,7 +113,7 @@ impl<'a> Lowerer<'a> {
                 .help("write the number of elements in the brackets"));
             }
         }
-        let found = ways(ty);
+        let found = handles_by_path(ty);
         if self.handles.len() + found.len() > MOST_HANDLES {
             return Err(refuse(
                 span,

@@ -259,7 +259,7 @@ impl<'a> Body<'_, 'a> {
             true => self.constant(init).and_then(|value| Lowerer::typed(value, &ty)),
             false => None,
         };
-        let whole = known.clone().and_then(|value| Lowerer::settled(value, init, &ty));
+        let whole = known.clone().and_then(|value| Lowerer::exact_constant(value, init, &ty));
         let value = match whole.as_ref().and_then(|whole| self.value_of(whole)) {
             Some(value) => value,
             None => self.initial(init, &ty)?,

@@ -119,7 +119,7 @@ pub(crate) fn spelled<T: Value>() -> String {
 }
 
 /// Returns the Rust type that represents a leaf.
-pub(crate) fn wanted(grid: &Grid) -> String {
+pub(crate) fn rust_type(grid: &Grid) -> String {
     let narrow = match grid.scalar.kind {
         ScalarKind::Float => grid.scalar.width != 8,
         ScalarKind::Bfloat | ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3 => true,

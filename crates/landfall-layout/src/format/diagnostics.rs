@@ -3,9 +3,9 @@
 mod excerpt;
 pub mod render;
 
+use super::escape_controls;
 use super::paint::Paint;
 use super::place::Places;
-use super::shown;
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{Files, Location, Span};
 use crate::text::escape;
@@ -26,7 +26,7 @@ pub fn human(diagnostics: &[Diagnostic], files: &Files, paint: Paint) -> String 
         let path = files.get(0).map_or("the shader", |file| file.path.as_str());
         text.push_str(&format!("… and {more} more in {}\n\n", escape::name(path)));
     }
-    shown(text, paint)
+    escape_controls(text, paint)
 }
 
 /// The file of a diagnostic without labels, unless the message already begins with its path.

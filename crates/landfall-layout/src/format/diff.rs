@@ -18,7 +18,7 @@ use crate::diff::{BlockDiff, Change, Class, Policy};
 use crate::layout::BlockLayout;
 use crate::text::escape::{markdown_code, markdown_name, name};
 
-pub use beside::{Width, beside};
+pub use beside::{Width, side_by_side};
 
 /// The JSON Schema (draft 2020-12) of the JSON output of `diff`.
 pub const DIFF_SCHEMA: &str = include_str!("../../schema/diff.json");
@@ -77,10 +77,10 @@ impl<'a> Compared<'a> {
     }
 
     /// Both listings of a block, side by side.
-    pub fn beside(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
+    pub fn side_by_side(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
         let old = self.was(diff).map(|block| (block, self.old.language));
         let new = self.is(diff).map(|block| (block, self.new.language));
-        beside(old, new, width, paint)
+        side_by_side(old, new, width, paint)
     }
 }
 
@@ -106,7 +106,7 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
             }
         }
         text.push('\n');
-        for line in compared.beside(diff, width.less(2), paint).lines() {
+        for line in compared.side_by_side(diff, width.less(2), paint).lines() {
             let line = format!("  {line}");
             text.push_str(line.trim_end());
             text.push('\n');
@@ -183,7 +183,7 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
                 let message = cell(&change.message);
                 let _ = writeln!(text, "| {} | {message} | {field} |", change.class.name());
             }
-            let beside = compared.beside(diff, Width::Unified, Paint::Plain);
+            let beside = compared.side_by_side(diff, Width::Unified, Paint::Plain);
             // A fence longer than any run of backticks in the listing.
             let _ = writeln!(
                 text,

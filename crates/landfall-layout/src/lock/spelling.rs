@@ -34,7 +34,7 @@ pub(super) fn array_of(element: Type, dims: &[ArrayLen]) -> Type {
 }
 
 /// The scalar, vector or matrix spelled `name`.
-pub(super) fn plain(name: &str, language: Language) -> Option<Type> {
+pub(super) fn leaf_type(name: &str, language: Language) -> Option<Type> {
     static GLSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
     static WGSL: OnceLock<FxHashMap<String, Type>> = OnceLock::new();
     let table = match language {
@@ -120,7 +120,7 @@ mod tests {
 
     fn again(text: &str, language: Language) -> Option<String> {
         let spelling = take_apart(text, language)?;
-        let base = plain(&spelling.base, language)
+        let base = leaf_type(&spelling.base, language)
             .unwrap_or_else(|| Type::Address(Arc::from(spelling.base.as_str())));
         Some(array_of(base, &spelling.dims).spelled(language).to_string())
     }
@@ -149,7 +149,7 @@ mod tests {
         for text in ["array<f32", "array<f32, 4>>x", "array<>", "f32[4]"] {
             assert!(take_apart(text, Language::Wgsl).is_none(), "{text}");
         }
-        assert!(plain("vec5", Language::Glsl).is_none());
-        assert!(plain("vec3", Language::Wgsl).is_none());
+        assert!(leaf_type("vec5", Language::Glsl).is_none());
+        assert!(leaf_type("vec3", Language::Wgsl).is_none());
     }
 }

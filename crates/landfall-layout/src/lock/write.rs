@@ -21,7 +21,7 @@ pub fn write(shader: &ShaderLayout) -> String {
 pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
     let text = write(shader);
     match old {
-        Some(old) if !old.verified.is_empty() && old.bare() == text => {
+        Some(old) if !old.verified.is_empty() && old.text_without_devices() == text => {
             document(shader, &old.verified)
         }
         Some(_) | None => text,

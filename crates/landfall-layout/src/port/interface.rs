@@ -29,7 +29,7 @@ pub(super) struct InterfaceDeclaration {
 }
 
 /// The inputs and outputs of a shader, in source order.
-pub(super) fn passed(
+pub(super) fn inputs_and_outputs(
     shader: &Shader<'_>,
     source: &Source,
     stage: Stage,

@@ -32,7 +32,7 @@ impl Partner {
         let Some(theirs) = partner.stage.or_else(|| stage_of(&shader)) else {
             return Partner::default();
         };
-        let mut passed = interface::passed(&shader, partner, theirs, &options.read);
+        let mut passed = interface::inputs_and_outputs(&shader, partner, theirs, &options.read);
         for passed in &mut passed {
             passed.span = Span::default(); // the partner's text is not among the shader's files
         }

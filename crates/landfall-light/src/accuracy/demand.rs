@@ -295,7 +295,7 @@ fn limited(
     }
     let defined = shown(Demand::NoNan, proof, writer);
     match (bounded, defined) {
-        (Some(bound), Shown::Shown) if bound.by(measure) <= most => Shown::Shown,
+        (Some(bound), Shown::Shown) if bound.in_measure(measure) <= most => Shown::Shown,
         _ => Shown::Open,
     }
 }

@@ -211,7 +211,7 @@ fn around(
     (random, scratch): (&mut Random, &mut Scratch<'_>),
 ) -> Vec<Sample> {
     let mut starts: Vec<Sample> = Vec::new();
-    for middle in split.middles(nth as u32, 24) {
+    for middle in split.largest_midpoints(nth as u32, 24) {
         let words = middle.iter().enumerate().map(|(at, x)| space.word(at, *x));
         let mut sample: Sample = words.collect();
         if points::fits(space, &mut sample, random) {

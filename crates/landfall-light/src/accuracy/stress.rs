@@ -197,7 +197,7 @@ pub fn stress(
         .map(|(_, kept)| kept.sample.clone())
         .collect();
     let climbing =
-        || Plan { until: until.sooner(until.left().unwrap_or(more) / 4), ..plan.clone() };
+        || Plan { until: until.shortened_to(until.left().unwrap_or(more) / 4), ..plan.clone() };
     let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
     worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
     let exemplars = std::mem::take(&mut sampled.exemplars);
@@ -258,7 +258,7 @@ fn worst(
     let heights: [fn(&SampleError) -> f64; 2] = [|off| off.ulp, |off| off.steps];
     for (which, height) in heights.into_iter().enumerate() {
         let mut best: Option<(Sample, SampleError)> = None;
-        for start in sampled.starts(which) {
+        for start in sampled.climb_starts(which) {
             let found = climb::climb(
                 pure,
                 generator,
@@ -310,7 +310,7 @@ fn worst_on_drivers(
     };
     for driver in 0..climbs.drivers.len() {
         for why in [verdict::DriverKeepReason::Ulp, verdict::DriverKeepReason::Steps] {
-            for (start, from) in climbs.drivers.starts(driver, why) {
+            for (start, from) in climbs.drivers.climb_starts(driver, why) {
                 let up = (height(why), ClimbTarget::Driver(driver, from));
                 climb::climb(pure, generator, plan, &start, up, &mut random, climbs);
             }

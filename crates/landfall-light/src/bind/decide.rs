@@ -16,7 +16,7 @@ use landfall_exec::interp::{Cpu, Settings};
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
 use comparison::{ReadingComparison, compare};
-use reading::{BindingGroup, Reading, questions};
+use reading::{BindingGroup, Reading, binding_groups};
 
 pub use reading::Topic;
 
@@ -59,7 +59,7 @@ pub fn decide(
     given: &dyn Fn(&str) -> bool,
 ) -> Result<BindingMap, BindError> {
     let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
-    for question in questions(&map, given) {
+    for question in binding_groups(&map, given) {
         let decided = answer(shader, &map, &question, &mut cpu)?;
         if let (Some(reading), Outcome::Agrees) = (decided.0, &decided.1) {
             put(&mut map, &question, &question.readings[reading]);

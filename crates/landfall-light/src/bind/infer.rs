@@ -8,7 +8,7 @@
 use super::quantity::{Kind, LightPart, MaterialPart, Quantity, Slot, TilePart};
 use super::{BindError, BindingMap, BoundValue, Member, Source};
 use landfall_exec::harness::fragments::{FragmentShader, Input, PIXEL};
-use landfall_ir::analysis::identifier::words;
+use landfall_ir::analysis::identifier::identifier_words;
 use landfall_ir::analysis::roles;
 use landfall_ir::analysis::roles::{Form, LightBinding, Role};
 use landfall_layout::layout::{BlockLayout, Leaf};
@@ -75,7 +75,7 @@ pub fn members(shader: &FragmentShader) -> BindingMap {
 
 fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
     let mut singles = [0u32; 3];
-    for held in roles::held(blocks) {
+    for held in roles::lights_in_blocks(blocks) {
         let number = blocks.iter().position(|block| std::ptr::eq(block, held.block));
         let number = number.expect("lights are held by the blocks that were asked");
         let kind = match held.roles.kind {
@@ -191,7 +191,7 @@ fn set(map: &mut BindingMap, block: usize, path: &str, source: Source) {
 
 /// Returns the form of a range that its name tells.
 fn range(name: &str) -> LightPart {
-    let said = words(name);
+    let said = identifier_words(name);
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let squared = says(&["sq", "sqr", "square", "squared", "2"]) || name.ends_with('2');
     match (says(&["inv", "inverse", "rcp", "reciprocal", "one"]), squared) {
@@ -210,12 +210,12 @@ fn last(path: &str) -> &str {
 /// Returns the source of a leaf that does not belong to a light.
 fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
     let plain = |quantity| Some(Source::plain(quantity));
-    let own = words(last(&leaf.path));
+    let own = identifier_words(last(&leaf.path));
     let says = |any: &[&str]| own.iter().any(|word| any.contains(&word.as_str()));
-    let mut around: Vec<String> = leaf.path.split('.').flat_map(words).collect();
+    let mut around: Vec<String> = leaf.path.split('.').flat_map(identifier_words).collect();
     if leaf.path.split('.').count() < 2 {
-        around.extend(words(&block.name));
-        around.extend(block.instance.iter().flat_map(|instance| words(instance)));
+        around.extend(identifier_words(&block.name));
+        around.extend(block.instance.iter().flat_map(|instance| identifier_words(instance)));
     }
     let about = |any: &[&str]| around.iter().any(|word| any.contains(&word.as_str()));
     let tiles = about(&["tile", "tiles", "grid", "index", "indices", "list"]);
@@ -279,7 +279,7 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
 }
 
 fn texture(name: &str, textures: usize) -> Option<MaterialPart> {
-    let said = words(last(name));
+    let said = identifier_words(last(name));
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     if says(&["normal", "shadow", "depth", "height", "bump", "environment", "emission", "noise"]) {
         return None;
@@ -295,7 +295,7 @@ fn texture(name: &str, textures: usize) -> Option<MaterialPart> {
 }
 
 fn input(input: &Input) -> BoundValue {
-    let said = words(last(&input.name));
+    let said = identifier_words(last(&input.name));
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let quantity = match input.components {
         _ if input.name == PIXEL => Some(Quantity::Pixel),

@@ -50,7 +50,7 @@ impl Costs {
 
     /// Returns the costs of a shader on a backend. With light lists a region is an entry of a
     /// buffer, and all regions share one draw.
-    pub fn on(backend: BackendKind, lists: bool) -> Costs {
+    pub fn for_backend(backend: BackendKind, lists: bool) -> Costs {
         let costs = if backend.is_driver() { Costs::DRIVER } else { Costs::INTERPRETER };
         match lists {
             true => Costs { draw: Costs::CPU.draw, light: Costs::CPU.light, ..costs },
@@ -59,7 +59,7 @@ impl Costs {
     }
 
     /// Returns the estimated nanoseconds of planning and of lighting a frame by the plan.
-    pub fn of(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {
+    pub fn total(&self, plan: &Plan, tests: u64, sorted: u64) -> f64 {
         let mut nanoseconds = self.evaluation * plan.evaluations() as f64
             + self.test * tests as f64
             + self.sort * sorted as f64;

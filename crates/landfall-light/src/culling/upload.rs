@@ -10,7 +10,7 @@ use landfall_layout::buffer::Upload;
 
 /// The part of a buffer to upload.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum UploadChoice {
     /// Nothing changed.
     Nothing,
     /// These byte ranges, one call each.
@@ -21,14 +21,14 @@ pub enum Choice {
 
 /// Returns the cheaper choice, where a call costs as much as transferring `call` bytes, and the
 /// bytes of either.
-pub fn choose(buffer: &Buffer, call: usize) -> (Choice, Upload) {
+pub fn choose(buffer: &Buffer, call: usize) -> (UploadChoice, Upload) {
     let upload = buffer.upload(call);
     let choice = if upload.ranges == 0 {
-        Choice::Nothing
+        UploadChoice::Nothing
     } else if upload.whole_is_cheaper(call) {
-        Choice::Whole
+        UploadChoice::Whole
     } else {
-        Choice::Ranges(buffer.dirty(call).collect())
+        UploadChoice::Ranges(buffer.dirty(call).collect())
     };
     (choice, upload)
 }

@@ -51,7 +51,7 @@ pub fn flip(reference: &Codes, test: &Codes, per_degree: f64) -> Result<FlipMap,
     let redistribute = color::Redistribution::new();
     let errors = (0..wanted)
         .map(|i| {
-            let color = redistribute.of(color::distance(a.lab[i], b.lab[i]));
+            let color = redistribute.value_at(color::distance(a.lab[i], b.lab[i]));
             let edge = (a.features[i][0] - b.features[i][0]).abs();
             let point = (a.features[i][1] - b.features[i][1]).abs();
             let feature = f64::from(edge.max(point)) * std::f64::consts::FRAC_1_SQRT_2;

@@ -26,7 +26,7 @@ pub struct FragmentGroup {
 
 impl FragmentGroup {
     /// Returns every `stride`-th of its fragments from `first` on.
-    pub fn every(&self, first: usize, stride: usize) -> FragmentGroup {
+    pub fn step_by(&self, first: usize, stride: usize) -> FragmentGroup {
         let fragments: Vec<u32> =
             self.fragments.iter().copied().skip(first).step_by(stride.max(1)).collect();
         let some = |values: &Vec<[f32; 4]>| {
@@ -44,7 +44,7 @@ impl Renderer {
     ///
     /// # Errors
     /// More lights than slots.
-    pub fn lots(
+    pub fn fragment_groups(
         &self,
         work: &Work<'_>,
         draw: &Draw<'_>,
@@ -74,7 +74,8 @@ impl Renderer {
         plan: &Plan,
     ) -> Result<Vec<FragmentGroup>, RenderError> {
         if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
-            let mut lots = self.listed(work, plan, lists, |draw| self.lots(work, draw))?;
+            let mut lots =
+                self.listed(work, plan, lists, |draw| self.fragment_groups(work, draw))?;
             let mut listed = vec![0u64; work.frame.fragments.len()];
             for draw in &plan.draws {
                 let len = draw.lights.point.len() as u64;
@@ -95,7 +96,7 @@ impl Renderer {
         });
         let mut lots = Vec::new();
         for draw in draws {
-            lots.extend(self.lots(work, &draw)?);
+            lots.extend(self.fragment_groups(work, &draw)?);
         }
         Ok(lots)
     }
@@ -120,7 +121,7 @@ impl Renderer {
 
     /// Returns the costs on a backend by which a plan is applied or not.
     pub fn costs(&self, backend: BackendKind) -> Costs {
-        Costs::on(backend, self.asks_for_tiles())
+        Costs::for_backend(backend, self.asks_for_tiles())
     }
 
     /// Renders the picture by a plan. `after` receives the fragments or nodes done after each job.
@@ -189,7 +190,7 @@ impl Renderer {
         let draw = Draw { fragments: some, lights, tiles: None };
         let all = self.render(backend, work, &[draw], &mut |_: &mut R, _| {})?;
         // Slots without a light may divide by zero, which a plan may mend.
-        let mends = self.idle(&lights) > 0;
+        let mends = self.unused_slots(&lights) > 0;
         let color = |rendered: &Rendered, n: &u32| {
             let pixel = work.frame.fragments[*n as usize].pixel as usize;
             let [r, g, b, _] = rendered.picture.pixels[pixel];

@@ -33,7 +33,13 @@ struct SkippedFunction<'w> {
 impl Renderer {
     /// Whether every light that a plan leaves out at a fragment was shown to add exactly zero there.
     /// `source` and `options` are those the shader was made of. False where nothing is known.
-    pub fn shows(&self, source: &Source, options: &Options, work: &Work<'_>, plan: &Plan) -> bool {
+    pub fn proves_plan(
+        &self,
+        source: &Source,
+        options: &Options,
+        work: &Work<'_>,
+        plan: &Plan,
+    ) -> bool {
         let ambient = work.upload.lights.ambient.filter(|a| a.color * a.intensity != DVec3::ZERO);
         let kept = ambient.is_none() || plan.draws.iter().all(|draw| draw.lights.ambient);
         // A shader that reads lists, without any.
@@ -70,7 +76,7 @@ impl Renderer {
         }
         let source = Source { stage: source.stage.or(Some(Stage::Fragment)), ..source.clone() };
         let blocks = blocks(&self.shader);
-        let lights = roles::held(&blocks);
+        let lights = roles::lights_in_blocks(&blocks);
         let Ok(terms) = terms(&source, options, &lights, position) else { return false };
         left_out.iter().all(|light| self.vanishes(&terms, &lights, light))
     }
@@ -115,7 +121,7 @@ impl Renderer {
                 return false;
             }
             let of = |role| numbers(held, role);
-            terms.vanish(at, &Numbers { counts: &counts, lists: &lists, of: &of, distance })
+            terms.adds_zero(at, &Numbers { counts: &counts, lists: &lists, of: &of, distance })
         })
     }
 

@@ -139,7 +139,7 @@ fn kin(model: &Model) -> Vec<Model> {
 
 /// Returns the most likely family of a shader with these members. Members alone tell neither how a
 /// range ends the light nor the condition of a highlight: [`nearest`] compares pictures.
-pub fn likely(map: &BindingMap) -> Model {
+pub fn likely_model(map: &BindingMap) -> Model {
     let has = |wanted: &dyn Fn(Quantity) -> bool| {
         map.members.iter().any(|member| member.source.quantity().is_some_and(wanted))
     };

@@ -273,7 +273,7 @@ fn fov(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
         return None;
     }
     if fov <= std::f64::consts::FRAC_PI_2 {
-        let degrees = walk::tidy(fov.to_degrees());
+        let degrees = walk::round_to_four_digits(fov.to_degrees());
         walk.warning(Code::SuspiciousUnit, at, format!("is {fov} degrees, a very narrow view"))
             .help = Some(format!("if that is in radians, write {degrees}"));
     }

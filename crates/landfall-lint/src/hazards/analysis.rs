@@ -6,9 +6,9 @@
 use super::{finding, lint_of, mediump, prefilter};
 use crate::definition::Subject;
 use landfall_ir::analysis::hazards::find;
-use landfall_ir::analysis::identifier::words as words_of;
+use landfall_ir::analysis::identifier::identifier_words as words_of;
 use landfall_ir::analysis::occurrence::{Certainty, HazardReport, Kind, Occurrence};
-use landfall_ir::analysis::roles::{LightBinding, held};
+use landfall_ir::analysis::roles::{LightBinding, lights_in_blocks};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
@@ -50,7 +50,7 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     if let (Language::Wgsl, Some(excess)) = (shader.language, excess(&subject.source.text)) {
         return vec![not_analysed(shader, &format!("the shader {excess}"))];
     }
-    let lights = held(&shader.blocks);
+    let lights = lights_in_blocks(&shader.blocks);
     // Vertex shaders transform normals without declaring lights.
     let dark = [Kind::Vec4Normalise];
     let candidates = if lights.is_empty() { &dark[..] } else { kinds };

@@ -4,7 +4,7 @@
 //! hazard lints run only where the tokens they depend on occur. The scan may err in one direction
 //! only: it may pass a shader that has no hazard.
 
-use landfall_ir::analysis::identifier::words;
+use landfall_ir::analysis::identifier::identifier_words;
 use landfall_ir::analysis::occurrence::Kind;
 use landfall_ir::analysis::roles::LightBinding;
 use landfall_layout::ShaderLayout;
@@ -174,7 +174,8 @@ impl TokenScan<'_> {
             seen.push(name);
             let normal = ["normal", "normals", "norm", "nrm"];
             seen.len() > MOST_NAMES
-                || (words(name).iter().any(|w| normal.contains(&w.as_str())) && self.is_input(name))
+                || (identifier_words(name).iter().any(|w| normal.contains(&w.as_str()))
+                    && self.is_input(name))
         })
     }
 

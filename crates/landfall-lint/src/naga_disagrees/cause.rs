@@ -21,7 +21,7 @@ pub(super) struct Cause {
 }
 
 /// The construct that explains the first leaf that differs.
-pub(super) fn of(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
+pub(super) fn find_cause(block: &BlockLayout, leaf: &Leaf, naga: &NagaPlace) -> Cause {
     let before: Vec<&MemberLayout> = up_to(block, leaf);
     if swapped(leaf, naga) {
         return Cause {

@@ -146,7 +146,7 @@ fn physical(place: &Place) -> Value {
 }
 
 fn artifact(path: &str) -> Value {
-    match uri::of(path) {
+    match uri::from_path(path) {
         uri::Uri::Relative(uri) => json!({"uri": uri, "uriBaseId": "%SRCROOT%"}),
         uri::Uri::Absolute(uri) => json!({"uri": uri}),
     }

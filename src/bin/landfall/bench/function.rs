@@ -108,7 +108,7 @@ pub fn bench(
             variant.map_err(|reason| wrong(&one.name, format!("does not fit: {reason}")))?;
         variants.push(PreparedVariant {
             made: one,
-            evaluated: variant.judged(),
+            evaluated: variant.measure_errors(),
             permitted: variant.permitted(one.floats),
             variant,
         });
@@ -206,8 +206,8 @@ fn on_driver<'a>(
             continue;
         }
         let ran = DriverVariant::new(variant, Rc::clone(&shared))
-            .map_err(|failure| failure.brief())
-            .and_then(|driven| Ok((driven.judged()?, driven)));
+            .map_err(|failure| failure.summary())
+            .and_then(|driven| Ok((driven.measure_errors()?, driven)));
         match ran {
             Ok((errors, driven)) => entries.measured.push(Entry {
                 variant: made.name.clone(),

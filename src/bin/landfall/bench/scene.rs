@@ -104,7 +104,8 @@ pub fn bench(
             VariantKind::Rust(..) | VariantKind::Plan(_) => None,
         });
     }
-    let likely = || renderers.iter().flatten().next().map(|renderer| truth::likely(&renderer.map));
+    let likely =
+        || renderers.iter().flatten().next().map(|renderer| truth::likely_model(&renderer.map));
     let model: Model = own.model.or_else(likely).unwrap_or_default();
     let plans = variants.iter().any(|(_, what)| what.is_planned());
     let most = if plans { u64::MAX } else { args.most };
@@ -259,7 +260,7 @@ fn entries<'a>(
         };
         match made {
             Ok(compiled) => {
-                let (errors, work) = compiled.judged();
+                let (errors, work) = compiled.measure_errors();
                 let (variant, workload) = (name.clone(), Box::new(compiled));
                 let (runner, permitted) = (rust(), None);
                 let entry = Entry { variant, runner, workload, errors, permitted, work };
@@ -327,7 +328,7 @@ fn on_backend<'a>(
             }
         };
         let mut shader = Shader::new(uploaded, shared);
-        match shader.judged() {
+        match shader.measure_errors() {
             Ok(errors) => entries.measured.push(Entry {
                 variant: (*variant).to_string(),
                 runner: runner.clone(),

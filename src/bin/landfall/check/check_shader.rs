@@ -156,7 +156,7 @@ impl Fresh {
 }
 
 impl Job<'_> {
-    pub fn one(&self, input: Result<Input, Error>) -> Done {
+    pub fn check(&self, input: Result<Input, Error>) -> Done {
         let path = match input {
             Ok(input) => input.path,
             Err(error) => {
@@ -335,7 +335,7 @@ impl Job<'_> {
                 }
             }
             findings = levels::at_levels(findings, settings);
-            findings.extend(run::ask_shader(&subject, settings));
+            findings.extend(run::shader_unsuppressed(&subject, settings));
         } else {
             findings = levels::at_levels(findings, settings);
             failed.extend(errors.iter().take(MOST_ERRORS).map(|d| d.located(&shader.files)));

@@ -128,7 +128,7 @@ impl Run<'_> {
             Inputs::new(self.paths.clone()).filter(|input| self.is_ours(input)),
             self.jobs,
             |input| {
-                let done = job.one(input);
+                let done = job.check(input);
                 self.so_far.lock().unwrap_or_else(PoisonError::into_inner).add(&done, &known);
                 done
             },

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use landfall_layout::finding::{Finding, Place};
 
-use crate::config::{absolute, current, repository, slashes, way};
+use crate::config::{absolute, current, relative_path, repository, slashes};
 
 /// Environment variables in which CI systems name the directory of the checkout: GitHub, GitLab,
 /// Azure, Bitbucket, Buildkite, Woodpecker, Travis, AppVeyor and Jenkins.
@@ -54,7 +54,8 @@ impl ReportRoot {
 
     fn rebase(&self, at: &mut Place) {
         if !at.path.is_empty() {
-            at.path = slashes(&way(&self.root, &absolute(&self.current, Path::new(&at.path))));
+            at.path =
+                slashes(&relative_path(&self.root, &absolute(&self.current, Path::new(&at.path))));
         }
     }
 }

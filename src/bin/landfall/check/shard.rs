@@ -56,7 +56,7 @@ pub struct MergedCheck {
 }
 
 /// Reads and merges the reports of all shards.
-pub fn together(paths: &[impl AsRef<Path>]) -> Result<MergedCheck, Error> {
+pub fn merge_reports(paths: &[impl AsRef<Path>]) -> Result<MergedCheck, Error> {
     let mut parts: Vec<(String, Part, Vec<Finding>)> = Vec::new();
     for path in paths {
         let (shown, text) = (read::shown(path.as_ref()), read::text(path.as_ref())?);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
-use landfall_lint::digest::{BlockDigest, concerned};
+use landfall_lint::digest::{BlockDigest, shaders_to_compare};
 use landfall_lint::settings::Proof;
 use landfall_lint::{Check, Subject, levels, lint, not_proved, run};
 
@@ -53,7 +53,7 @@ pub fn findings(
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
     more.extend(unused(&allows, &basis.settings, |code| is_asked(code, basis)));
-    more.extend(alone(pass));
+    more.extend(findings_in_shaders(pass));
     sorted(more)
 }
 
@@ -67,7 +67,7 @@ pub fn unless_allowed(found: Vec<Finding>, pass: &Pass, basis: &Basis) -> Vec<Fi
 }
 
 /// The findings in single shaders.
-pub fn alone(pass: &Pass) -> Vec<Finding> {
+pub fn findings_in_shaders(pass: &Pass) -> Vec<Finding> {
     let each = pass.checked.iter().flat_map(|checked| checked.findings.iter().cloned());
     each.chain(pass.no_input.iter().cloned()).collect()
 }
@@ -108,7 +108,7 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     let checked = pass.checked.iter();
     let blocks: Vec<(&str, &[BlockDigest])> =
         checked.map(|c| (c.path.as_str(), c.blocks.as_slice())).collect();
-    let numbers = concerned(&blocks, &basis.settings);
+    let numbers = shaders_to_compare(&blocks, &basis.settings);
     let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
     for number in numbers {
         let laid_out = pass.laid_out.remove(&number).or_else(|| {
@@ -120,7 +120,7 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     }
     let subjects: Vec<Subject<'_>> =
         subjects.iter().map(|(source, shader)| Subject { source, options, shader }).collect();
-    run::ask_tree(&subjects, &basis.settings)
+    run::tree_unsuppressed(&subjects, &basis.settings)
 }
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.

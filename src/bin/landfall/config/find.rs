@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use landfall_layout::Error;
 
 use super::LOCKS;
-use super::root::{absolute, current, repository, way};
+use super::root::{absolute, current, relative_path, repository};
 use crate::locks::{holds_lock, locks_below};
 use crate::read::is_stdin;
 
@@ -54,13 +54,13 @@ pub fn find(paths: &[PathBuf]) -> Result<Found, Error> {
     // The locks of the current directory precede those of a directory below it.
     let here = start.starts_with(&current).then_some(current.as_path());
     let locked = here.into_iter().chain(folders).find(|folder| holds_locks(&folder.join(LOCKS)));
-    Ok(Found::Root(locked.map_or_else(PathBuf::new, |folder| way(&current, folder))))
+    Ok(Found::Root(locked.map_or_else(PathBuf::new, |folder| relative_path(&current, folder))))
 }
 
 /// The configuration file of a directory, from the current one.
 fn config(folder: &Path, current: &Path) -> Result<Option<PathBuf>, Error> {
     let held: Vec<&str> = NAMES.into_iter().filter(|name| holds(&folder.join(name))).collect();
-    let shown = |name: &str| way(current, folder).join(name);
+    let shown = |name: &str| relative_path(current, folder).join(name);
     match held.as_slice() {
         [] => Ok(None),
         [name] => {

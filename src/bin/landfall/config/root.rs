@@ -100,7 +100,7 @@ pub fn absolute(current: &Path, path: &Path) -> PathBuf {
 }
 
 /// The way from one directory to another, both from the root of the file system.
-pub fn way(from: &Path, to: &Path) -> PathBuf {
+pub fn relative_path(from: &Path, to: &Path) -> PathBuf {
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     if common == 0 {
         return to.to_path_buf();
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_way_goes_up_and_down() {
-        let way = |from, to| way(Path::new(from), Path::new(to)).display().to_string();
+        let way = |from, to| relative_path(Path::new(from), Path::new(to)).display().to_string();
         assert_eq!(way("/p/sub/x", "/p"), "../..");
         assert_eq!(way("/p", "/p/sub"), "sub");
         assert_eq!(way("/p/a", "/p/b/c"), "../b/c");

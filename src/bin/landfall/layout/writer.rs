@@ -174,12 +174,15 @@ impl<'a> Writer<'a> {
         let message = format!("no block named `{name}` {}", self.among());
         let help =
             (!self.others.is_empty()).then(|| format!("available: `{}`", self.others.join("`, `")));
-        Diagnostic { help, ..Diagnostic::bare(Code::UnknownBlock, Severity::Error, message) }
+        Diagnostic {
+            help,
+            ..Diagnostic::without_place(Code::UnknownBlock, Severity::Error, message)
+        }
     }
 
     fn no_blocks(&self) -> Diagnostic {
         let message = format!("no blocks and no loose uniforms {}", self.among());
-        Diagnostic::bare(Code::NoBlocks, Severity::Warning, message)
+        Diagnostic::without_place(Code::NoBlocks, Severity::Warning, message)
     }
 
     fn among(&self) -> String {

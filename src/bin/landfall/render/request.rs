@@ -235,9 +235,9 @@ impl RenderRequest {
     }
 
     /// Whether the shader was shown to give nothing for the lights that a plan leaves out.
-    pub fn shows(&self, renderer: &Renderer, work: &Work<'_>, plan: &Plan) -> bool {
+    pub fn proves_plan(&self, renderer: &Renderer, work: &Work<'_>, plan: &Plan) -> bool {
         let shader = self.shader.as_ref();
-        shader.is_some_and(|shader| renderer.shows(shader, &self.options, work, plan))
+        shader.is_some_and(|shader| renderer.proves_plan(shader, &self.options, work, plan))
     }
 
     /// The constants that a plan sets in the shader, except those already set.

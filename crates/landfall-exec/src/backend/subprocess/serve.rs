@@ -179,7 +179,7 @@ fn open(driver_kind: &DriverKind, timed: bool) -> Result<Driver, Failure> {
         DriverKind::Gl => Err(absent(BackendKind::Gl)),
         #[cfg(feature = "gpu")]
         DriverKind::Gpu(adapter) => {
-            let choice = crate::backend::wgpu::Choice { adapter: adapter.clone() };
+            let choice = crate::backend::wgpu::AdapterChoice { adapter: adapter.clone() };
             let gpu = crate::backend::wgpu::Gpu::open(&choice)?;
             Ok(Driver::Gpu(Box::new(if timed { gpu.timed() } else { gpu })))
         }

@@ -8,7 +8,7 @@ use crate::backend::{Device, Failure};
 
 /// Selects an adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Choice {
+pub struct AdapterChoice {
     /// Part of the adapter's or its API's name, in any case. If `None`, hardware is preferred to
     /// software, and OpenGL is excluded: wgpu's OpenGL goes through GLSL text, which loses offsets.
     pub adapter: Option<String>,
@@ -29,7 +29,7 @@ pub(super) const WANTED: Features = Features::SHADER_F64
     .union(Features::SUBGROUP);
 
 /// Returns the adapter that matches.
-pub(super) fn choose(choice: &Choice) -> Result<Adapter, Failure> {
+pub(super) fn choose(choice: &AdapterChoice) -> Result<Adapter, Failure> {
     let backends = if choice.adapter.is_some() { Backends::all() } else { DIRECT };
     let mut adapters = enumerate(backends);
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));

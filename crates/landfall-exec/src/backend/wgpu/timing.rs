@@ -74,7 +74,7 @@ impl Timestamps {
     }
 
     /// Returns the duration of the pass; `None` if the device counts backwards or returns nothing.
-    pub(super) fn passed(&self) -> Option<Duration> {
+    pub(super) fn elapsed(&self) -> Option<Duration> {
         let bytes = self.back.get_mapped_range(..).ok()?;
         let count = |at: usize| {
             bytes.get(at..at + 8).and_then(|b| b.try_into().ok()).map(u64::from_le_bytes)

@@ -27,7 +27,7 @@ impl ArgumentError {
 }
 
 /// Appends the words of a value, one per scalar, each the bits of 32 or 64.
-pub(super) fn words(
+pub(super) fn append_words(
     ty: &ValueType,
     value: &Value,
     at: &str,
@@ -72,7 +72,7 @@ pub(super) fn words(
                         help: Some(format!("add a value of type `{}`", spelled(ty, language))),
                     });
                 };
-                words(ty, value, &format!("{at}.{name}"), language, to)?;
+                append_words(ty, value, &format!("{at}.{name}"), language, to)?;
             }
             let known = |key: &str| members.iter().any(|(name, _)| name == key);
             match map.keys().find(|key| !known(key)) {
@@ -106,7 +106,7 @@ fn each(
     to: &mut Vec<u64>,
 ) -> Result<(), ArgumentError> {
     for (index, item) in items.iter().enumerate() {
-        words(ty, item, &format!("{at}[{index}]"), language, to)?;
+        append_words(ty, item, &format!("{at}[{index}]"), language, to)?;
     }
     Ok(())
 }
@@ -251,7 +251,7 @@ mod tests {
     fn read(json: &str) -> Result<Vec<u64>, String> {
         let mut to = Vec::new();
         let value = landfall_layout::buffer::read_json(json).expect("it is JSON");
-        let read = words(&light(), &value, "args[1]", Language::Glsl, &mut to);
+        let read = append_words(&light(), &value, "args[1]", Language::Glsl, &mut to);
         read.map(|()| to).map_err(|misfit| misfit.message)
     }
 

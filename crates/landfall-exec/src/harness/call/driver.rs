@@ -3,8 +3,8 @@
 //! The interpreter needs no such form.
 
 use super::Request;
-use super::arguments::words;
-use super::find::{Target, shown};
+use super::arguments::append_words;
+use super::find::{Target, spelled_signature};
 use super::kernel;
 use super::kernel::KernelResult;
 use super::pure::{Origin, PureFunction, PureRequest, Purpose};
@@ -32,7 +32,7 @@ pub(super) fn run(
     backend: &mut dyn Backend,
 ) -> Result<DriverWords, Failure> {
     let wanted = PureRequest {
-        function: shown(found.info),
+        function: spelled_signature(found.info),
         data: request.data.clone(),
         textures: request.textures.clone(),
         floats: Floats::AsWritten,
@@ -82,7 +82,7 @@ fn input(
         return Ok(None);
     };
     let mut flat = Vec::new();
-    words(ty, value, name, source.language, &mut flat)
+    append_words(ty, value, name, source.language, &mut flat)
         .map_err(|m| Box::new(Diagnostic::about(m.code, m.message, m.help, "--input")))?;
     Ok(Some(flat.into_iter().map(|word| vec![word]).collect()))
 }

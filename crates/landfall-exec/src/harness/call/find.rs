@@ -3,7 +3,7 @@
 use landfall_layout::diagnostic::Code;
 use serde_json::Value;
 
-use super::arguments::{ArgumentError, words};
+use super::arguments::{ArgumentError, append_words};
 use crate::interp::{FunctionSignature, Program, Words};
 use landfall_ir::Module;
 use landfall_ir::module::{Direction, FunctionInfo, Parameter, SkippedFunction};
@@ -70,11 +70,11 @@ fn taken<'m>(
 ) -> Result<Target<'m>, ArgumentError> {
     let cannot = |message: String| ArgumentError { code: Code::CannotCall, message, help: None };
     let signature = program.signature(info.handle.index()).map_err(|what| {
-        let shown = shown(info);
+        let shown = spelled_signature(info);
         cannot(format!("`{shown}` cannot be called: the interpreter does not support {what}"))
     })?;
     let Some(signature) = signature else {
-        let (shown, which) = (shown(info), opaque(info));
+        let (shown, which) = (spelled_signature(info), opaque(info));
         return Err(cannot(format!("`{shown}` cannot be called: {which}"))
             .with_help("call the function that calls it"));
     };
@@ -92,7 +92,7 @@ fn taken<'m>(
             code: Code::WrongCount,
             message: format!(
                 "`{}` takes {}, but {} given",
-                shown(info),
+                spelled_signature(info),
                 match all {
                     1 => "1 argument".to_string(),
                     _ => format!("{all} arguments"),
@@ -111,7 +111,7 @@ fn taken<'m>(
         let value = value.filter(|value| !(is_out(&at) && value.is_null()));
         let mut flat = Vec::new();
         if let Some(value) = value {
-            words(&parameter.ty, value, &format!("args[{at}]"), language, &mut flat)?;
+            append_words(&parameter.ty, value, &format!("args[{at}]"), language, &mut flat)?;
         } else {
             flat.resize(parameter.ty.scalars().len(), 0);
         }
@@ -130,7 +130,10 @@ pub(super) fn opaque(info: &FunctionInfo) -> String {
 }
 
 /// Finds a function by name, whatever its arguments; an entry point of WGSL as a function.
-pub(super) fn alone(module: &mut Module, meant: &str) -> Result<FunctionInfo, ArgumentError> {
+pub(super) fn find_by_name(
+    module: &mut Module,
+    meant: &str,
+) -> Result<FunctionInfo, ArgumentError> {
     let Candidates { name, named, fitting } = Candidates::of(module, meant);
     match (&fitting[..], named.len()) {
         ([one], _) => Ok((*one).clone()),
@@ -178,7 +181,7 @@ fn no_such_parameters(name: &str, named: &[&FunctionInfo]) -> ArgumentError {
 }
 
 fn all_of(named: &[&FunctionInfo]) -> String {
-    named.iter().map(|info| format!("`{}`", shown(info))).collect::<Vec<_>>().join(", ")
+    named.iter().map(|info| format!("`{}`", spelled_signature(info))).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns an entry point of WGSL as a function of its stage's inputs, added to the module.
@@ -215,7 +218,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
     let entries = || module.ir.entry_points.iter().map(|entry| entry.name.as_str());
     let names =
         || module.functions().iter().map(|function| function.name.as_str()).chain(entries());
-    let functions = module.functions().iter().filter(|f| f.name != "main").map(shown);
+    let functions = module.functions().iter().filter(|f| f.name != "main").map(spelled_signature);
     let entries = entries().filter(|entry| *entry != "main").map(str::to_string);
     let all: Vec<String> = functions.chain(entries).collect();
     let list = match all.is_empty() {
@@ -233,7 +236,7 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
 }
 
 /// Returns `phong(vec3, Light)`.
-pub(super) fn shown(info: &FunctionInfo) -> String {
+pub(super) fn spelled_signature(info: &FunctionInfo) -> String {
     format!("{}({})", info.name, listed(info))
 }
 

@@ -12,7 +12,7 @@ use super::arguments::ArgumentError;
 use super::caller;
 use super::caller::{Caller, CallerInput};
 use super::effects::{Effects, effects_of, through_initialisers, written};
-use super::find::{alone, opaque, shown};
+use super::find::{find_by_name, opaque, spelled_signature};
 use super::globals::{Sampled, SampledMember, through_arguments};
 use super::parameters::{CallerParameters, PublicParameters, list};
 use super::pure::{PureFunction, PureRequest, Purpose};
@@ -73,8 +73,8 @@ fn make(
 ) -> Result<PureFunction, Box<Diagnostic>> {
     let (language, path) = (source.language, source.path.as_str());
     let refuse = |m: ArgumentError| Box::new(Diagnostic::about(m.code, m.message, m.help, path));
-    let info = alone(&mut module, &request.function).map_err(refuse)?;
-    let shown = shown(&info);
+    let info = find_by_name(&mut module, &request.function).map_err(refuse)?;
+    let shown = spelled_signature(&info);
     let cannot = |Obstacle { what, help }: Obstacle| {
         let done = match purpose {
             Purpose::Pure => "sampled",
@@ -216,7 +216,7 @@ fn sampled(
         if !reached.contains(&variable) || !shared.insert(variable) {
             continue;
         }
-        if bound::given(data, block).is_some() {
+        if bound::values_for_block(data, block).is_some() {
             continue;
         }
         let name = &block.layout.name;

@@ -22,7 +22,7 @@ pub(crate) enum Filling {
 impl Filling {
     pub const ALL: [Filling; 3] = [Filling::Zeros, Filling::Counts, Filling::Ones];
 
-    pub fn words(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             Filling::Zeros => "zeros",
             Filling::Counts => "small numbers and the lengths of arrays",

@@ -10,7 +10,7 @@ use crate::backend::{
 };
 use crate::harness::access;
 use crate::harness::bindings as bound;
-use crate::harness::verify::{code, every};
+use crate::harness::verify::{all_buffers, code};
 use landfall_ir::Module;
 use landfall_ir::module::HandleKind;
 use landfall_layout::buffer::decode;
@@ -175,7 +175,7 @@ impl FragmentShader {
     fn for_gl(&self, batch: &Batch<'_>) -> Vec<Resource> {
         let mut resources = Vec::new();
         for (block, bytes) in self.blocks().iter().zip(batch.blocks) {
-            let elements = every(&block.layout.count);
+            let elements = all_buffers(&block.layout.count);
             let nth = block.element.and_then(|nth| elements.get(nth as usize));
             let name = code::gl_name(&block.layout.name, nth.map_or(&[], |nth| nth.as_slice()));
             let kind = match self.is_loose(&block.layout) {

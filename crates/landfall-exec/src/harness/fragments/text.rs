@@ -137,7 +137,7 @@ pub(super) fn text(
         let _ = writeln!(out, "    {name};");
     }
     out.push_str("}\n");
-    code::without(&out, "set")
+    code::without_qualifier(&out, "set")
 }
 
 /// Returns a statement that makes the first output white.

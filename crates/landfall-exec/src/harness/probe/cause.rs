@@ -181,7 +181,7 @@ fn known(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Option<St
 fn under(block: &BlockLayout, rules: Rules) -> Option<BlockLayout> {
     let members = block.members.iter().map(|member| Member {
         matrix_layout: member.row_major.then_some(MatrixLayout::Row),
-        ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
+        ..Member::unqualified(member.name.clone(), member.ty.clone(), member.span)
     });
     lay_out(&Block {
         name: block.name.clone(),

@@ -25,13 +25,13 @@ pub(crate) fn text(
     stage: ExecutableStage,
 ) -> String {
     let head = Head::of(&source.text);
-    let mut text = aside(source, &head);
+    let mut text = with_main_renamed(source, &head);
     append(&mut text, source, block, element, plan, stage, &head);
     text
 }
 
 /// Returns the user's text with its `main` renamed.
-pub(crate) fn aside(source: &Source, head: &Head) -> String {
+pub(crate) fn with_main_renamed(source: &Source, head: &Head) -> String {
     let mut text = String::with_capacity(source.text.len() + 4096);
     text.push_str(&source.text[..head.end]);
     if head.end > 0 && !text.ends_with('\n') {

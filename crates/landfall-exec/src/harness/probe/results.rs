@@ -17,7 +17,7 @@ pub struct ProbeResult {
 
 impl ProbeResult {
     /// Returns whether it reached the expected byte.
-    pub fn lands(&self) -> bool {
+    pub fn is_expected(&self) -> bool {
         self.got == ProbedLocation::Byte(self.read.byte)
     }
 }

@@ -3,7 +3,7 @@
 //! A word is a small integer as a 32-bit float: neither zero, NaN nor subnormal, so it survives as
 //! float, int, uint, and as half of 64 bits. A bool keeps one bit of it only and needs [`passes`],
 //! one per bit of the position. Values of 8 and 16 bits are fewer than the positions of a buffer:
-//! several [`grains`] of it tell some bits of each position at a time.
+//! several [`sentinel_buffer`] of it tell some bits of each position at a time.
 
 /// The word at position 0; position `i` holds `BASE + i`.
 const BASE: u32 = 1_000;
@@ -105,7 +105,7 @@ impl Grain {
 }
 
 /// Returns the buffer of a pass: each unit tells some bits of its position, counted from 1.
-pub fn grains(bytes: u64, grain: Grain, pass: u32) -> Vec<u8> {
+pub fn sentinel_buffer(bytes: u64, grain: Grain, pass: u32) -> Vec<u8> {
     let told = grain.told();
     let bits = |place: u64| (((place + 1) >> (told * pass)) & ((1 << told) - 1)) as u32;
     let units = 0..bytes / grain.size();
@@ -188,7 +188,7 @@ mod tests {
             [(Grain::Byte, false), (Grain::Half, false), (Grain::Half, true), (Grain::Double, true)]
         {
             let buffers: Vec<_> =
-                (0..grain.passes(bytes)).map(|pass| grains(bytes, grain, pass)).collect();
+                (0..grain.passes(bytes)).map(|pass| sentinel_buffer(bytes, grain, pass)).collect();
             let units = bytes / grain.size();
             let size = grain.size() as usize;
             let word = |unit: &[u8]| match (grain, float) {

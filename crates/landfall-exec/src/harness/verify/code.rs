@@ -147,14 +147,14 @@ fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
 }
 
 /// Returns the user's text for OpenGL's compiler, without a probe.
-pub(super) fn bare(source: &Source, options: &VerifyOptions) -> String {
-    without(&opened(source, &options.layout.read).text, "set")
+pub(super) fn text_without_probe(source: &Source, options: &VerifyOptions) -> String {
+    without_qualifier(&opened(source, &options.layout.read).text, "set")
 }
 
 fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
     let name = gl_name(&need.block.name, need.element);
     let text = bound_apart(need, source, text);
-    let probe = stage_code(need.stage.into(), "main", None, Some(without(&text, "set")));
+    let probe = stage_code(need.stage.into(), "main", None, Some(without_qualifier(&text, "set")));
     let stages = match need.stage {
         ExecutableStage::Vertex => vec![probe, fragment(need, source)?],
         ExecutableStage::Fragment => {
@@ -297,7 +297,7 @@ fn refused(what: &str, found: &[Diagnostic]) -> Failure {
 }
 
 /// Removes `WORD = N` from layout qualifiers; OpenGL has no descriptor sets.
-pub(crate) fn without(text: &str, word: &str) -> String {
+pub(crate) fn without_qualifier(text: &str, word: &str) -> String {
     let mut result = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find(word) {
@@ -351,7 +351,7 @@ mod tests {
             ("int offset = 3; f(set = 4);", "int offset = 3; f(set = 4);"),
             ("int reset; layout(offset = 16) float x;", "int reset; layout(offset = 16) float x;"),
         ] {
-            assert_eq!(without(before, "set"), after, "{before}");
+            assert_eq!(without_qualifier(before, "set"), after, "{before}");
         }
     }
 }

@@ -96,7 +96,7 @@ impl Verifier<'_> {
         };
         self.blocks
             .iter()
-            .flat_map(|block| every(&block.count).into_iter().map(move |at| (block, at)))
+            .flat_map(|block| all_buffers(&block.count).into_iter().map(move |at| (block, at)))
             .filter_map(resource)
             .collect()
     }
@@ -180,7 +180,7 @@ impl Verifier<'_> {
         if report.form != Form::Original {
             return;
         }
-        let text = code::bare(self.source, self.options);
+        let text = code::text_without_probe(self.source, self.options);
         let Some(Ok(reflection)) = backend.reflect(&[(stage, &text)], self.options.limit) else {
             return;
         };
@@ -211,7 +211,7 @@ impl Verifier<'_> {
         if failure.kind != FailureKind::Refused || report.form != Form::Original {
             return;
         }
-        let text = code::bare(self.source, self.options);
+        let text = code::text_without_probe(self.source, self.options);
         let alone = backend.reflect(&[(stage, &text)], self.options.limit);
         if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
             report.outcome = Outcome::Skipped;
@@ -249,7 +249,7 @@ impl Verifier<'_> {
                 return Ok(results::written_grains(plan, &ask(vec![0; buffer as usize])?.block));
             }
             let passes = (0..plan.grain.passes(buffer))
-                .map(|pass| Ok(ask(sentinel::grains(buffer, plan.grain, pass))?.words));
+                .map(|pass| Ok(ask(sentinel::sentinel_buffer(buffer, plan.grain, pass))?.words));
             let passes = passes.collect::<Result<Vec<_>, Failure>>()?;
             return Ok(results::read_grains(plan, buffer, &passes));
         }
@@ -318,7 +318,7 @@ impl Verifier<'_> {
         let mut wrong: BTreeMap<usize, Vec<&ProbeResult>> = BTreeMap::new();
         for probe_result in probe_results {
             report.reads.push(element_report(self.block, probe_result));
-            if !probe_result.lands() {
+            if !probe_result.is_expected() {
                 wrong.entry(probe_result.read.leaf).or_default();
             }
         }
@@ -402,7 +402,7 @@ fn elements(count: &[ArrayLen]) -> Vec<Vec<u32>> {
 }
 
 /// Returns the indices of every buffer of an array of blocks.
-pub(crate) fn every(count: &[ArrayLen]) -> Vec<Vec<u32>> {
+pub(crate) fn all_buffers(count: &[ArrayLen]) -> Vec<Vec<u32>> {
     combined(count, |length| (0..length.min(MOST_BUFFERS)).collect())
 }
 

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 
 use super::super::body::{Body, Compiled};
 use super::super::code::{Access, Class, Inst, LANES, Op, Origin, Reg, Region, Values};
-use super::super::counts::price;
+use super::super::counts::instruction_cost;
 use super::super::flatten::{Types, class};
 use super::super::interface::interface;
 use super::super::optimize;
@@ -193,13 +193,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Returns the index of the next instruction.
-    pub fn here(&self) -> u32 {
+    pub fn next_index(&self) -> u32 {
         self.body.code.len() as u32
     }
 
     /// Sets the target of a jump to the next instruction.
-    pub fn land(&mut self, jump: u32) {
-        let here = self.here();
+    pub fn patch_jump(&mut self, jump: u32) {
+        let here = self.next_index();
         if let Some(target) = self.body.code.get_mut(jump as usize).and_then(|i| i.op.target()) {
             *target = here;
         }
@@ -218,7 +218,7 @@ impl<'a> Builder<'a> {
     ) -> FunctionCode {
         let mut body = std::mem::take(&mut self.body);
         let compiled = compiled.and_then(|compiled| {
-            optimize::tidy(&mut body);
+            optimize::optimize(&mut body);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
             if body.overflow || sum > MOST_REGISTERS {
                 return Err(format!("values of more than {MOST_REGISTERS} scalars"));
@@ -333,7 +333,7 @@ impl<'a> Builder<'a> {
         debug_assert_eq!(LANES, 64);
         let starts = functions.iter().map(|f| *f.state.as_ref().unwrap_or(&0)).collect();
         Program {
-            costs: self.code.iter().map(price).collect(),
+            costs: self.code.iter().map(instruction_cost).collect(),
             starts,
             code: self.code,
             origins: self.origins,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use naga::{AddressSpace, Expression, Handle, Literal, ScalarKind, TypeInner};
 
-use super::super::code::{Access, Axis, Bound, Class, Dynamic, Op, Reg};
+use super::super::code::{Access, Axis, Class, Dynamic, ElementCount, Op, Reg};
 use super::super::flatten::class;
 use super::super::program::Floats;
 use super::Global;
@@ -20,7 +20,7 @@ impl Function<'_, '_> {
         let value = self.unrounded(handle);
         self.b.rounds = outer;
         match value? {
-            Value::Regs(regs) if rounds => Ok(Value::Regs(self.halves(&regs))),
+            Value::Regs(regs) if rounds => Ok(Value::Regs(self.round_to_half(&regs))),
             value => Ok(value),
         }
     }
@@ -177,7 +177,7 @@ impl Function<'_, '_> {
         else {
             return Err("the length of anything but an array in a buffer".into());
         };
-        let bound = Bound::Runtime { offset: pointer.bytes, stride: *stride };
+        let bound = ElementCount::Runtime { offset: pointer.bytes, stride: *stride };
         let dynamics = vec![Dynamic { strides: [0; 3], bound }];
         let access = self.b.access(Access { buffer: *number, dynamics, change: None });
         let to = self.b.temporary(Class::Word);

@@ -183,7 +183,7 @@ impl<'f, 'a> Function<'f, 'a> {
         match self.value(handle)? {
             // The operands of a rounded operation are rounded too, literals included.
             Value::Regs(regs) if self.b.rounds && self.b.floats == Floats::Mediump => {
-                Ok(self.halves(&regs))
+                Ok(self.round_to_half(&regs))
             }
             Value::Regs(regs) => Ok(regs),
             Value::View(pointer) => self.load_all(&pointer),

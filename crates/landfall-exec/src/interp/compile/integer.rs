@@ -76,17 +76,17 @@ impl Function<'_, '_> {
                 self.b.push(Op::Insert, &[], &operands);
                 to.into()
             }
-            M::Pack4xI8 | M::Pack4xU8 => self.together(a, 8),
+            M::Pack4xI8 | M::Pack4xU8 => self.pack_fields(a, 8),
             M::Pack4xI8Clamp => {
                 let (low, high) = (self.b.word(-128i32 as u32), self.b.word(127));
                 let above = self.i2(I2::MaxSint, scalar, a, &[low]);
                 let clamped = self.i2(I2::MinSint, scalar, &above, &[high]);
-                self.together(&clamped, 8)
+                self.pack_fields(&clamped, 8)
             }
             M::Pack4xU8Clamp => {
                 let high = self.b.word(255);
                 let clamped = self.i2(I2::MinUint, scalar, a, &[high]);
-                self.together(&clamped, 8)
+                self.pack_fields(&clamped, 8)
             }
             M::Unpack4xI8 => self.apart(a[0], 8, true),
             M::Unpack4xU8 => self.apart(a[0], 8, false),

@@ -184,7 +184,7 @@ impl Function<'_, '_> {
             M::Pack2x16unorm => self.pack(a, 16, 0.0, 65535.0, true),
             M::Pack2x16float => {
                 let bits = self.each1(Op::Cast(Cast::HalfToBits), Class::Word, a);
-                self.together(&bits, 16)
+                self.pack_fields(&bits, 16)
             }
             _ => return None,
         })
@@ -291,11 +291,11 @@ impl Function<'_, '_> {
         self.b.rounds = rounds;
         let cast = if unsigned { Cast::RealToUint } else { Cast::RealToSint };
         let fields = self.each1(Op::Cast(cast), Class::Word, &floored);
-        self.together(&fields, bits)
+        self.pack_fields(&fields, bits)
     }
 
     /// Combines fields into a word, the first in the lowest bits.
-    pub fn together(&mut self, fields: &[Reg], bits: u32) -> Rc<[Reg]> {
+    pub fn pack_fields(&mut self, fields: &[Reg], bits: u32) -> Rc<[Reg]> {
         let mask = self.b.word(u32::MAX >> (32 - bits));
         let kept = self.each2(Op::I2(I2::And), Class::Word, fields, &[mask]);
         let mut word = kept[0];

@@ -55,7 +55,7 @@ impl Function<'_, '_> {
     }
 
     /// Rounds floats of 16 or 32 bits to the nearest `f16`.
-    pub fn halves(&mut self, regs: &[Reg]) -> Rc<[Reg]> {
+    pub fn round_to_half(&mut self, regs: &[Reg]) -> Rc<[Reg]> {
         let half = |this: &mut Self, reg: &Reg| match reg.class() {
             Class::Real => this.each1(Op::Cast(Cast::RoundHalf), Class::Real, &[*reg])[0],
             Class::Word | Class::Wide => *reg,

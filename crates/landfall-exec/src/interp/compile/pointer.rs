@@ -6,7 +6,7 @@ use std::rc::Rc;
 use naga::proc::TypeResolution;
 use naga::{Expression, Handle, TypeInner};
 
-use super::super::code::{Access, Bound, Class, Dynamic, Op, Reg, Region};
+use super::super::code::{Access, Class, Dynamic, ElementCount, Op, Reg, Region};
 use super::super::flatten::{class, stored};
 use super::function::Function;
 use super::value::{Pointer, Root, Value};
@@ -55,8 +55,8 @@ impl Function<'_, '_> {
             Root::Buffer { .. } => [element.bytes; 3],
         };
         let bound = match bound {
-            Some(len) => Bound::Known(len),
-            None => Bound::Runtime { offset: from.bytes, stride: element.bytes },
+            Some(len) => ElementCount::Known(len),
+            None => ElementCount::Runtime { offset: from.bytes, stride: element.bytes },
         };
         let mut indices = from.indices.clone();
         indices.push((index, Dynamic { strides, bound }));

@@ -18,7 +18,7 @@ impl Function<'_, '_> {
             self.at(*span);
             skips.extend(self.statement(statement)?);
         }
-        skips.into_iter().for_each(|skip| self.b.land(skip));
+        skips.into_iter().for_each(|skip| self.b.patch_jump(skip));
         Ok(())
     }
 
@@ -117,11 +117,11 @@ impl Function<'_, '_> {
         let condition = self.scalar(condition)?;
         let branch = self.b.push(Op::If(0), &[condition], &[]);
         self.block(accept)?;
-        self.b.land(branch);
+        self.b.patch_jump(branch);
         if !reject.is_empty() {
             let branch = self.b.push(Op::Else(0), &[], &[]);
             self.block(reject)?;
-            self.b.land(branch);
+            self.b.patch_jump(branch);
         }
         Ok(self.b.push(Op::EndIf(0), &[], &[]))
     }
@@ -134,7 +134,7 @@ impl Function<'_, '_> {
         break_if: Option<Handle<Expression>>,
     ) -> Result<u32, String> {
         self.b.push(Op::Loop, &[], &[]);
-        let head = self.b.here();
+        let head = self.b.next_index();
         let origin = self.b.body.origin;
         self.block(body)?;
         let leave = self.b.push(Op::Continuing(0), &[], &[]);
@@ -146,7 +146,7 @@ impl Function<'_, '_> {
         // The origin is the loop's, which an endless loop is reported by.
         self.b.body.origin = origin;
         self.b.push(Op::Again(head), &[], &[]);
-        self.b.land(leave);
+        self.b.patch_jump(leave);
         Ok(self.b.push(Op::LoopEnd(0), &[], &[]))
     }
 
@@ -176,7 +176,7 @@ impl Function<'_, '_> {
             self.b.push(Op::Case(table), &[selector], &[]);
             let skip = self.b.push(Op::CaseSkip(0), &[], &[]);
             self.block(&case.body)?;
-            self.b.land(skip);
+            self.b.patch_jump(skip);
             if !case.fall_through {
                 self.b.push(Op::CaseEnd, &[], &[]);
             }
@@ -217,7 +217,7 @@ impl Function<'_, '_> {
                 to.push(self.b.temporary(reg.class()));
             }
             self.copy(Op::Move, &to, &callee.result);
-            let rounded = self.is_rounded(result).then(|| self.halves(&to));
+            let rounded = self.is_rounded(result).then(|| self.round_to_half(&to));
             self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(to.into())));
         }
         Ok(())

@@ -4,7 +4,7 @@ use super::super::code::{F1, F2, F3};
 use super::super::interval::{ANY, Interval};
 use super::super::machine::frexp;
 use super::super::undefined::UndefinedKind as K;
-use super::exact::{self, between, contains, hull, is_empty, meet, point, size};
+use super::exact::{self, between, contains, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
 use super::value::{Applied, Arithmetic};
 
@@ -41,7 +41,7 @@ fn settle(how: Arithmetic, exact: Interval, permitted: impl FnOnce() -> Interval
                     |x: f64, by: f64| x + by * (x.abs() * COARSE + f64::from(f32::MIN_POSITIVE));
                 let value = between(wide(exact.low, -1.0), wide(exact.high, 1.0));
                 let faults = Faults::when(true, K::BornInfinite);
-                Applied { value: meet(value, between(-MOST, MOST)), faults }
+                Applied { value: intersection(value, between(-MOST, MOST)), faults }
             }
             value => plain(value),
         },
@@ -137,7 +137,7 @@ fn fraction(how: Arithmetic, x: Interval) -> Applied {
         return plain(between(0.0, 1.0));
     }
     let whole = settle(how, exact::sub(x, floor), || x.sub(floor));
-    Applied { value: meet(whole.value, between(0.0, 1.0)), ..whole }
+    Applied { value: intersection(whole.value, between(0.0, 1.0)), ..whole }
 }
 
 /// Roots and logarithms.
@@ -176,7 +176,7 @@ fn arc(how: Arithmetic, f: F1, x: Interval) -> Applied {
         F1::Atanh => between(-below_one, below_one),
         _ => between(-1.0, 1.0),
     };
-    let within = meet(x, inside);
+    let within = intersection(x, inside);
     let outside = x.low < inside.low || x.high > inside.high;
     if is_empty(within) {
         return empty(K::ArcOutOfRange);
@@ -308,7 +308,7 @@ fn remainder(how: Arithmetic, a: Interval, b: Interval) -> Applied {
         Arithmetic::Permitted => match a.rem(b) {
             any if any.is_any() => {
                 let wide = 2.0 * most + size(a) * COARSE;
-                meet(between(-wide, wide), between(-MOST, MOST))
+                intersection(between(-wide, wide), between(-MOST, MOST))
             }
             value => value,
         },
@@ -353,7 +353,7 @@ pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool)
             let error = size(ends) * 2f64.powi(-20) + f64::from(f32::MIN_POSITIVE);
             let inside = between(ends.low - error, ends.high + error);
             match c.low >= 0.0 && c.high <= 1.0 && !found.faults.has(OVERFLOW) {
-                true => Applied { value: meet(found.value, inside), ..found },
+                true => Applied { value: intersection(found.value, inside), ..found },
                 false => found,
             }
         }

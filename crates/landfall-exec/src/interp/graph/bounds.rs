@@ -6,7 +6,7 @@ use super::super::undefined::UndefinedKind as K;
 use super::affine::Affine;
 use super::arithmetic;
 use super::cast::converted;
-use super::exact::{self, between, hull, is_empty, meet, point, size};
+use super::exact::{self, between, hull, intersection, is_empty, point, size};
 use super::fault::{Fault, Faults};
 use super::guard::{Context, Reached};
 use super::node::{GuardId, Node, NodeId, NodeOp};
@@ -91,7 +91,10 @@ impl Bounds {
     /// Returns the largest absolute value of an operand.
     fn largest_operand(&self, graph: &Graph, id: NodeId) -> f64 {
         let node = &graph.nodes[id as usize];
-        let sizes = graph.operands(node).iter().map(|&id| size(self.seen(graph, node.guard, id)));
+        let sizes = graph
+            .operands(node)
+            .iter()
+            .map(|&id| size(self.enclosure_under(graph, node.guard, id)));
         sizes.fold(0.0, f64::max)
     }
 
@@ -104,7 +107,7 @@ impl Bounds {
     pub fn operand(&self, graph: &Graph, site: &Site, nth: usize) -> Option<Range> {
         let node = &graph.nodes[site.node as usize];
         let id = graph.operands(node).get(nth)?;
-        Some(self.seen(graph, node.guard, *id).into())
+        Some(self.enclosure_under(graph, node.guard, *id).into())
     }
 
     /// Whether all code that is reached in the box was followed.
@@ -128,7 +131,7 @@ impl Bounds {
         let node = &graph.nodes[id as usize];
         let ids = graph.operands(node);
         let how = self.arithmetic;
-        let of = |nth: usize| self.seen(graph, guard, ids[nth]);
+        let of = |nth: usize| self.enclosure_under(graph, guard, ids[nth]);
         let plain = |value: Interval| Applied { value, faults: Faults::NONE };
         match node.act {
             NodeOp::Input(n) => plain(self.input(n as usize, node.class)),
@@ -163,8 +166,8 @@ impl Bounds {
             | NodeOp::Distance
             | NodeOp::Normalize(_)
             | NodeOp::Cross(_) => self.vector(graph, node, guard),
-            NodeOp::I1(f) => plain(word::one(f, of(0))),
-            NodeOp::I2(f) => word::two(f, of(0), of(1)),
+            NodeOp::I1(f) => plain(word::unary(f, of(0))),
+            NodeOp::I2(f) => word::binary(f, of(0), of(1)),
             NodeOp::CompareWords(cmp, signed) => {
                 plain(word::compare(cmp, word::signed(of(0), signed), word::signed(of(1), signed)))
             }
@@ -188,7 +191,7 @@ impl Bounds {
     fn size_of(&self, graph: &Graph, guard: GuardId, id: NodeId) -> f64 {
         // The absolute value may be computed later.
         let earlier = graph.absolute.get(&id).filter(|&&size| (size as usize) < self.values.len());
-        let known = earlier.map(|&size| self.seen(graph, guard, size).low);
+        let known = earlier.map(|&size| self.enclosure_under(graph, guard, size).low);
         known.filter(|size| size.is_finite()).unwrap_or(0.0).max(0.0)
     }
 
@@ -202,8 +205,8 @@ impl Bounds {
 
     /// Returns the values of one side or both, each as its condition narrows it.
     fn select(&self, graph: &Graph, ids: &[NodeId], guard: GuardId) -> Interval {
-        let condition = self.seen(graph, guard, ids[0]);
-        let [yes, no] = [1, 2].map(|nth| self.seen(graph, guard, ids[nth]));
+        let condition = self.enclosure_under(graph, guard, ids[0]);
+        let [yes, no] = [1, 2].map(|nth| self.enclosure_under(graph, guard, ids[nth]));
         if condition == point(0.0) {
             return no;
         }
@@ -217,8 +220,8 @@ impl Bounds {
         };
         let side = |value: Interval, id: NodeId, truth: bool| {
             let (other, turned) = match (id == *a, id == *b) {
-                (true, false) => (self.seen(graph, guard, *b), false),
-                (false, true) => (self.seen(graph, guard, *a), true),
+                (true, false) => (self.enclosure_under(graph, guard, *b), false),
+                (false, true) => (self.enclosure_under(graph, guard, *a), true),
                 _ => return value,
             };
             let low = match cmp {
@@ -227,8 +230,8 @@ impl Bounds {
                 Cmp::Eq | Cmp::Ne => return value,
             };
             match low {
-                true => meet(value, between(other.low, f64::INFINITY)),
-                false => meet(value, between(f64::NEG_INFINITY, other.high)),
+                true => intersection(value, between(other.low, f64::INFINITY)),
+                false => intersection(value, between(f64::NEG_INFINITY, other.high)),
             }
         };
         hull(side(yes, ids[1], true), side(no, ids[2], false))
@@ -249,7 +252,7 @@ impl Applied {
     fn checked(self) -> Applied {
         let most = f64::from(f32::MAX);
         let over = Faults::when(size(self.value) > most, K::BornInfinite);
-        let value = meet(self.value, between(-most, most));
+        let value = intersection(self.value, between(-most, most));
         Applied { value, faults: self.faults.and(over) }
     }
 }

@@ -3,7 +3,7 @@
 use super::super::code::{Cmp, F1, F2, I1, I2};
 use super::super::interval::Interval;
 use super::bounds::Bounds;
-use super::exact::{self, is_empty, meet};
+use super::exact::{self, intersection, is_empty};
 use super::guard::{ALWAYS, Guard, Reached};
 use super::node::{GuardId, NodeId, NodeOp};
 use super::value::Arithmetic;
@@ -80,7 +80,12 @@ impl Graph {
 
 impl Bounds {
     /// Returns the enclosure of a value as it is known under a guard.
-    pub(super) fn seen(&self, graph: &Graph, mut guard: GuardId, id: NodeId) -> Interval {
+    pub(super) fn enclosure_under(
+        &self,
+        graph: &Graph,
+        mut guard: GuardId,
+        id: NodeId,
+    ) -> Interval {
         while guard != ALWAYS {
             let narrowed = &self.contexts[guard as usize].narrowed;
             if let Some((_, value)) = narrowed.iter().rev().find(|(known, _)| *known == id) {
@@ -109,8 +114,8 @@ impl Bounds {
         self.contexts[guard as usize].state = if reached { Reached::Maybe } else { Reached::Never };
         if reached && !self.contexts[guard as usize].narrowed.is_empty() {
             for &id in &graph.guards[guard as usize].affected {
-                let before = self.seen(graph, guard, id);
-                let after = meet(self.apply(graph, id, guard).value, before);
+                let before = self.enclosure_under(graph, guard, id);
+                let after = intersection(self.apply(graph, id, guard).value, before);
                 if !is_empty(after) && (after.low > before.low || after.high < before.high) {
                     self.contexts[guard as usize].narrowed.push((id, after));
                 }
@@ -122,7 +127,7 @@ impl Bounds {
     /// Narrows values under a guard by a condition; `None` if it cannot hold.
     fn assume(&mut self, graph: &Graph, guard: GuardId, cond: NodeId, truth: bool) -> Option<()> {
         let node = &graph.nodes[cond as usize];
-        let known = self.seen(graph, guard, cond);
+        let known = self.enclosure_under(graph, guard, cond);
         if is_empty(known) || known == exact::point(f64::from(u8::from(!truth))) {
             return None;
         }
@@ -130,7 +135,8 @@ impl Bounds {
         match (node.act, truth) {
             (NodeOp::Compare(cmp), _) => {
                 let (a, b) = (operands[0], operands[1]);
-                let values = [self.seen(graph, guard, a), self.seen(graph, guard, b)];
+                let values =
+                    [self.enclosure_under(graph, guard, a), self.enclosure_under(graph, guard, b)];
                 let next = match self.arithmetic {
                     Arithmetic::Exact => |x: f64| x,
                     Arithmetic::Permitted | Arithmetic::Nearest => after as fn(f64) -> f64,
@@ -141,13 +147,13 @@ impl Bounds {
             }
             (NodeOp::CompareWords(cmp, signed), _) => {
                 let (a, b) = (operands[0], operands[1]);
-                let of = |id| word::signed(self.seen(graph, guard, id), signed);
+                let of = |id| word::signed(self.enclosure_under(graph, guard, id), signed);
                 let values = [of(a), of(b)];
                 let next = |x: f64| x + 1.0;
                 let found = compared(if truth { cmp } else { opposite(cmp) }, values, next)?;
                 for ((id, value), narrowed) in [a, b].into_iter().zip(values).zip(found) {
                     // Words known by numbers of the other sign stay as they are.
-                    if self.seen(graph, guard, id) == value {
+                    if self.enclosure_under(graph, guard, id) == value {
                         self.narrow(graph, guard, id, narrowed, 0)?;
                     }
                 }
@@ -161,11 +167,11 @@ impl Bounds {
             (NodeOp::Select, _) => {
                 let [c, a, b] = [operands[0], operands[1], operands[2]];
                 let against = exact::point(f64::from(u8::from(!truth)));
-                if self.seen(graph, guard, b) == against {
+                if self.enclosure_under(graph, guard, b) == against {
                     self.assume(graph, guard, c, true)?;
                     return self.assume(graph, guard, a, truth);
                 }
-                if self.seen(graph, guard, a) == against {
+                if self.enclosure_under(graph, guard, a) == against {
                     self.assume(graph, guard, c, false)?;
                     return self.assume(graph, guard, b, truth);
                 }
@@ -184,8 +190,8 @@ impl Bounds {
         to: Interval,
         depth: u32,
     ) -> Option<()> {
-        let before = self.seen(graph, guard, id);
-        let after = meet(before, to);
+        let before = self.enclosure_under(graph, guard, id);
+        let after = intersection(before, to);
         if is_empty(after) {
             return None;
         }
@@ -211,7 +217,7 @@ impl Bounds {
                 self.narrow(graph, guard, operands[0], square, depth - 1)
             }
             NodeOp::F2(f @ (F2::Add | F2::Sub)) if operands[0] != operands[1] => {
-                let [a, b] = [0, 1].map(|i| self.seen(graph, guard, operands[i]));
+                let [a, b] = [0, 1].map(|i| self.enclosure_under(graph, guard, operands[i]));
                 // An error of the sum is relative to the sum.
                 let sum = slack(after);
                 let (x, y) = match f {
@@ -253,12 +259,12 @@ fn compared(
     let previous = |x: f64| -next(-x);
     let below = |a: Interval, b: Interval, high: f64, low: f64| {
         [
-            meet(a, exact::between(f64::NEG_INFINITY, high)),
-            meet(b, exact::between(low, f64::INFINITY)),
+            intersection(a, exact::between(f64::NEG_INFINITY, high)),
+            intersection(b, exact::between(low, f64::INFINITY)),
         ]
     };
     let all = match cmp {
-        Cmp::Eq => [meet(a, b), meet(a, b)],
+        Cmp::Eq => [intersection(a, b), intersection(a, b)],
         Cmp::Ne => {
             let without = |x: Interval, y: Interval| match y.low == y.high {
                 true if x.low == y.low => exact::between(next(x.low), x.high),

@@ -83,7 +83,7 @@ impl GraphBuilder<'_> {
 
     /// Returns the value of a condition over the whole box, if it has only one.
     fn decided(&self, condition: NodeId) -> Option<bool> {
-        let value = self.bounds.seen(&self.graph, self.guard, condition);
+        let value = self.bounds.enclosure_under(&self.graph, self.guard, condition);
         match value {
             x if x == exact::point(0.0) => Some(false),
             x if x.low >= 1.0 && !exact::is_empty(x) => Some(true),

@@ -5,7 +5,7 @@ use super::super::interval::Interval;
 use super::affine::{Affine, Need, VALUE, halves};
 use super::bounds::Bounds;
 use super::error::{Rounding, slope_of};
-use super::exact::{between, is_empty, meet, point};
+use super::exact::{between, intersection, is_empty, point};
 use super::node::{Node, NodeId, NodeOp};
 use super::value::Arithmetic;
 use super::{Graph, arithmetic};
@@ -91,7 +91,7 @@ impl Bounds {
             found.map(|form| if need == Need::Often { form.named(VALUE | id) } else { form });
         let form = form.or_else(|| Affine::symbol(VALUE | id, value));
         if let Some(form) = &form {
-            let narrower = meet(value, form.interval());
+            let narrower = intersection(value, form.interval());
             if !is_empty(narrower) {
                 self.values[id as usize] = narrower;
             }
@@ -103,7 +103,7 @@ impl Bounds {
     fn form(&self, graph: &Graph, node: &Node, id: NodeId, value: Interval) -> Option<Affine> {
         let ids = graph.operands(node);
         let of = |nth: usize| self.forms[ids[nth] as usize].as_ref();
-        let seen = |nth: usize| self.seen(graph, node.guard, ids[nth]);
+        let seen = |nth: usize| self.enclosure_under(graph, node.guard, ids[nth]);
         let product = |i: usize, j: usize| match ids[i] == ids[j] {
             true => Some(of(i)?.squared()),
             false => Some(of(i)?.product(of(j)?)),
@@ -127,7 +127,7 @@ impl Bounds {
             NodeOp::F2(F2::Div) => {
                 let divisor = seen(1);
                 let normal = between(-f64::from(f32::MIN_POSITIVE), f64::from(f32::MIN_POSITIVE));
-                if !is_empty(meet(divisor, normal)) {
+                if !is_empty(intersection(divisor, normal)) {
                     return None;
                 }
                 of(0)?.quotient(of(1)?, divisor)?
@@ -163,7 +163,7 @@ impl Bounds {
     fn piece(&self, graph: &Graph, node: &Node) -> Option<Affine> {
         let ids = graph.operands(node);
         let of = |nth: usize| self.forms[ids[nth] as usize].clone();
-        let seen = |nth: usize| self.seen(graph, node.guard, ids[nth]);
+        let seen = |nth: usize| self.enclosure_under(graph, node.guard, ids[nth]);
         let below = |a: usize, b: usize| seen(a).high <= seen(b).low;
         match node.act {
             NodeOp::F1(F1::Abs) if seen(0).low >= 0.0 => of(0),

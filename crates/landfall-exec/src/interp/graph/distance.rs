@@ -41,7 +41,7 @@ impl Bounds {
         let node = &graph.nodes[site.node as usize];
         let ids = graph.operands(node);
         let of = |nth: usize| {
-            let value = self.seen(graph, node.guard, ids[nth]);
+            let value = self.enclosure_under(graph, node.guard, ids[nth]);
             (!is_empty(value)).then_some(value.low / 2.0 + value.high / 2.0)
         };
         let result = self.values[site.node as usize];
@@ -88,7 +88,8 @@ impl Bounds {
             (K::IntegerDivisionByZero, _) => Distance::Zero(of(1)?),
             (K::RemainderOfNegative, _) => Distance::Below(of(0)?.min(of(1)?) + 1.0),
             (K::IndexOutOfBounds, NodeOp::Index(len)) => {
-                let index = word::signed(self.seen(graph, node.guard, ids[0]), false).high;
+                let index =
+                    word::signed(self.enclosure_under(graph, node.guard, ids[0]), false).high;
                 Distance::Below(f64::from(len) - 1.0 - index)
             }
             (K::ShiftTooFar, NodeOp::I2(I2::Shl | I2::ShrSint | I2::ShrUint)) => {

@@ -10,7 +10,7 @@ use super::super::code::{Cast, Class, F1, F2, F3};
 use super::super::interval::Interval;
 use super::Graph;
 use super::bounds::Bounds;
-use super::exact::{self, between, contains, is_empty, meet, point, size};
+use super::exact::{self, between, contains, intersection, is_empty, point, size};
 use super::node::{Node, NodeId, NodeOp};
 use super::value::{Arithmetic, Range};
 
@@ -120,7 +120,7 @@ impl Graph {
         id: NodeId,
         nth: usize,
     ) -> Interval {
-        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let of = |nth: usize| bounds.enclosure_under(self, node.guard, ids[nth]);
         let value = bounds.values[id as usize];
         match node.act {
             NodeOp::F1(f) => slope_of(f, of(0), value),
@@ -176,7 +176,7 @@ impl Graph {
                     _ => point(0.0),
                 }
             }
-            NodeOp::Select => match bounds.seen(self, node.guard, ids[0]) {
+            NodeOp::Select => match bounds.enclosure_under(self, node.guard, ids[0]) {
                 x if x == point(0.0) => point(f64::from(u8::from(nth == 2))),
                 x if x.low >= 1.0 => point(f64::from(u8::from(nth == 1))),
                 _ => between(0.0, 1.0),
@@ -196,7 +196,7 @@ impl Graph {
             return 0.0;
         }
         let ids = self.operands(node);
-        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let of = |nth: usize| bounds.enclosure_under(self, node.guard, ids[nth]);
         let whole = rounding.rounded(size(value));
         let product = |a: Interval, b: Interval| size(exact::mul(a, b));
         match node.act {
@@ -264,7 +264,7 @@ impl Graph {
     /// Returns how far the permitted values lie outside of the exact ones.
     fn excess(&self, bounds: &Bounds, node: &Node) -> f64 {
         let ids = self.operands(node);
-        let of = |nth: usize| bounds.seen(self, node.guard, ids[nth]);
+        let of = |nth: usize| bounds.enclosure_under(self, node.guard, ids[nth]);
         let over = |how: Arithmetic| match node.act {
             NodeOp::F1(f) => super::arithmetic::f1(how, f, of(0)).value,
             NodeOp::F2(f) => {
@@ -292,7 +292,7 @@ fn sum_error(rounding: Rounding, terms: &[f64]) -> f64 {
 /// Returns a component over the length of its vector.
 fn unit_slope(x: Interval, length: Interval) -> Interval {
     match length.low > 0.0 {
-        true => meet(exact::div(x, length), between(-1.0, 1.0)),
+        true => intersection(exact::div(x, length), between(-1.0, 1.0)),
         false => between(-1.0, 1.0),
     }
 }
@@ -329,7 +329,8 @@ pub(super) fn slope_of(f: F1, x: Interval, value: Interval) -> Interval {
         F1::Cos => exact::neg(exact::sin(x)),
         F1::Tan => exact::add(one, exact::squared(value)),
         F1::Asin | F1::Acos => {
-            let root = exact::sqrt(exact::sub(one, exact::squared(meet(x, between(-1.0, 1.0)))));
+            let root =
+                exact::sqrt(exact::sub(one, exact::squared(intersection(x, between(-1.0, 1.0)))));
             let slope = over(root);
             if f == F1::Asin { slope } else { exact::neg(slope) }
         }

@@ -45,7 +45,7 @@ pub(super) fn hull(a: Interval, b: Interval) -> Interval {
     }
 }
 
-pub(super) fn meet(a: Interval, b: Interval) -> Interval {
+pub(super) fn intersection(a: Interval, b: Interval) -> Interval {
     between(a.low.max(b.low), a.high.min(b.high))
 }
 
@@ -192,7 +192,7 @@ fn wave(x: Interval, f: impl Fn(f64) -> f64, shift: f64) -> Interval {
         all = hull(all, point(if at.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 }));
         at += 1.0;
     }
-    meet(all, between(-1.0, 1.0))
+    intersection(all, between(-1.0, 1.0))
 }
 
 pub(super) fn sin(x: Interval) -> Interval {

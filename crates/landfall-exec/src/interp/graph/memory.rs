@@ -1,6 +1,6 @@
 //! Loads, stores and texture reads while a function is followed.
 
-use super::super::code::{Access, Bound, Class, Cmp, Stored};
+use super::super::code::{Access, Class, Cmp, ElementCount, Stored};
 use super::exact;
 use super::function::{Followed, GraphBuilder, TooLarge};
 use super::node::{NodeId, NodeOp};
@@ -25,8 +25,8 @@ impl GraphBuilder<'_> {
             let index = self.get(Class::Word, reg);
             let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.len());
             let len = match dynamic.bound {
-                Bound::Known(len) => len,
-                Bound::Runtime { offset, stride } => {
+                ElementCount::Known(len) => len,
+                ElementCount::Runtime { offset, stride } => {
                     (bytes.saturating_sub(offset as usize) / (stride as usize).max(1)) as u32
                 }
             };

@@ -8,7 +8,7 @@ use super::super::undefined::UndefinedKind as K;
 use super::Graph;
 use super::arithmetic;
 use super::bounds::Bounds;
-use super::exact::{self, between, contains, is_empty, meet, size};
+use super::exact::{self, between, contains, intersection, is_empty, size};
 use super::fault::{Fault, Faults};
 use super::node::{GuardId, Node, NodeId, NodeOp};
 use super::value::{Applied, Arithmetic};
@@ -58,7 +58,8 @@ impl Bounds {
     pub(super) fn vector(&self, graph: &Graph, node: &Node, guard: GuardId) -> Applied {
         let how = self.arithmetic;
         let ids = graph.operands(node);
-        let all: Vec<Interval> = ids.iter().map(|&id| self.seen(graph, guard, id)).collect();
+        let all: Vec<Interval> =
+            ids.iter().map(|&id| self.enclosure_under(graph, guard, id)).collect();
         if all.iter().any(|x| is_empty(*x)) {
             return Applied { value: exact::EMPTY, faults: Faults::NONE };
         }
@@ -82,7 +83,7 @@ impl Bounds {
                 let Some(b) = unit(&ids[half..]) else { return found };
                 let most = a.high * b.high + PRODUCTS;
                 let least = if same { a.low * a.low - PRODUCTS } else { -most };
-                let value = meet(found.value, between(least, most));
+                let value = intersection(found.value, between(least, most));
                 Applied { value: if is_empty(value) { found.value } else { value }, ..found }
             }
             NodeOp::Cross(i) => {
@@ -99,7 +100,7 @@ impl Bounds {
                     return Applied { faults, ..found };
                 };
                 let most = a.high * b.high + PRODUCTS;
-                Applied { value: meet(found.value, between(-most, most)), faults }
+                Applied { value: intersection(found.value, between(-most, most)), faults }
             }
             NodeOp::Length | NodeOp::Distance => {
                 let terms: Vec<Applied> = match node.act {
@@ -121,7 +122,7 @@ impl Bounds {
                     _ => None,
                 };
                 let value = known.map_or(root, |unit| {
-                    meet(root, between(unit.low - UNIT_COMPUTED, unit.high + UNIT_COMPUTED))
+                    intersection(root, between(unit.low - UNIT_COMPUTED, unit.high + UNIT_COMPUTED))
                 });
                 Applied { value: if is_empty(value) { root } else { value }, faults }
             }
@@ -156,7 +157,7 @@ impl Bounds {
                 let mul = F2::Mul;
                 let product = arithmetic::f2(how, mul, x, over, false, [false; 2]).value;
                 let slack = size(product) * UNIT_COMPUTED;
-                meet(between(product.low - slack, product.high + slack), one)
+                intersection(between(product.low - slack, product.high + slack), one)
             }
         };
         Applied { value: if is_empty(value) { one } else { value }, faults }

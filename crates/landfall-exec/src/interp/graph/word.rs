@@ -44,7 +44,7 @@ fn bit(x: bool) -> Interval {
     point(f64::from(u8::from(x)))
 }
 
-pub(super) fn one(f: I1, x: Interval) -> Interval {
+pub(super) fn unary(f: I1, x: Interval) -> Interval {
     if is_empty(x) {
         return x;
     }
@@ -68,7 +68,7 @@ fn ones(x: f64) -> f64 {
     ((1u64 << bits) - 1) as f64
 }
 
-pub(super) fn two(f: I2, a: Interval, b: Interval) -> Applied {
+pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     // A condition that is never evaluated does not hold.
     if f == I2::And && (is_empty(a) || is_empty(b)) {
         return plain(point(0.0));
@@ -94,7 +94,7 @@ pub(super) fn two(f: I2, a: Interval, b: Interval) -> Applied {
     let divides = matches!(f, I2::DivSint | I2::DivUint | I2::RemSint | I2::RemUint);
     if exactly && !shifts && !divides {
         let [a, b] = [a.low, b.low].map(|x| x as i64 as u32);
-        let word = super::super::machine::two(f, a, b);
+        let word = super::super::machine::binary(f, a, b);
         return plain(point(match is_signed {
             true => f64::from(word as i32),
             false => f64::from(word),

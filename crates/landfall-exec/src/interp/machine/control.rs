@@ -160,7 +160,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Returns whether all remaining lanes of the batch are active.
-    pub(super) fn together(&self) -> bool {
+    pub(super) fn all_lanes_active(&self) -> bool {
         self.frames.iter().all(|frame| match frame.kind {
             Kind::If => frame.first | frame.second == 0,
             Kind::Loop => frame.first | frame.second == 0,

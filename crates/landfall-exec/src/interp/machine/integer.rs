@@ -6,7 +6,7 @@ use super::super::real::Real;
 use super::kernel::{blend, map1, map2};
 use super::{Machine, column, take};
 
-pub(super) fn one(f: I1, x: u32) -> u32 {
+pub(super) fn unary(f: I1, x: u32) -> u32 {
     match f {
         I1::Neg => x.wrapping_neg(),
         I1::Not => !x,
@@ -34,7 +34,7 @@ pub(super) fn one(f: I1, x: u32) -> u32 {
     }
 }
 
-pub(in crate::interp) fn two(f: I2, a: u32, b: u32) -> u32 {
+pub(in crate::interp) fn binary(f: I2, a: u32, b: u32) -> u32 {
     let (x, y) = (a as i32, b as i32);
     match f {
         I2::Add => a.wrapping_add(b),
@@ -96,7 +96,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 I1::LogicalNot => map1(&mut to, a, |x| x ^ 1),
                 I1::Neg => map1(&mut to, a, u32::wrapping_neg),
                 I1::Not => map1(&mut to, a, |x: u32| !x),
-                _ => map1(&mut to, a, |x| one(f, x)),
+                _ => map1(&mut to, a, |x| unary(f, x)),
             }
             self.words[group[0] as usize] = Some(to);
         }
@@ -113,7 +113,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 I2::And => map2(&mut to, a, b, |a: u32, b: u32| a & b),
                 I2::Or => map2(&mut to, a, b, |a: u32, b: u32| a | b),
                 I2::Xor => map2(&mut to, a, b, |a: u32, b: u32| a ^ b),
-                _ => map2(&mut to, a, b, |a, b| two(f, a, b)),
+                _ => map2(&mut to, a, b, |a, b| binary(f, a, b)),
             }
             self.words[group[0] as usize] = Some(to);
         }

@@ -3,16 +3,16 @@
 //! An index past the end is clamped to the last element; bytes outside a buffer read as zero and
 //! are not written (WGSL §2.2 leaves the choice).
 
-use super::super::code::{Access, Bound, Change, Class, Dynamic, LANES, Stored};
+use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
 use super::super::real::Real;
-use super::integer::two;
+use super::integer::binary;
 use super::{HELD, Machine, column, take};
 
 /// Returns the number of elements that an index is limited to.
-pub(super) fn elements(bound: Bound, bytes: usize) -> u32 {
+pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
     match bound {
-        Bound::Known(len) => len,
-        Bound::Runtime { offset, stride } => {
+        ElementCount::Known(len) => len,
+        ElementCount::Runtime { offset, stride } => {
             let room = bytes.saturating_sub(offset as usize);
             let stride = (stride as usize).max(1);
             u32::try_from(room / stride).unwrap_or(u32::MAX)
@@ -22,7 +22,13 @@ pub(super) fn elements(bound: Bound, bytes: usize) -> u32 {
 
 impl<R: Real> Machine<'_, '_, R> {
     /// Returns the offset that the indices of a lane add up to.
-    pub(super) fn way(&self, access: &Access, head: &[u32], lane: usize, class: usize) -> usize {
+    pub(super) fn computed_offset(
+        &self,
+        access: &Access,
+        head: &[u32],
+        lane: usize,
+        class: usize,
+    ) -> usize {
         let bytes = self.buffers.get(access.buffer as usize).map_or(0, |b| b.bytes.len());
         let step = |(reg, dynamic): (&u32, &Dynamic)| {
             let index = column(&self.words, *reg)[lane];
@@ -48,7 +54,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let access = &self.program.accesses[access as usize];
         let buffer = access.buffer as usize;
         if let Some(first) = self.agreed(head) {
-            let way = self.way(access, head, first, 0);
+            let way = self.computed_offset(access, head, first, 0);
             for group in operands.chunks_exact(3) {
                 let stored = Stored::ALL[group[2] as usize];
                 let at = group[1] as usize + way;
@@ -76,7 +82,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let mut rest = self.active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
-            ways[lane] = self.way(access, head, lane, 0);
+            ways[lane] = self.computed_offset(access, head, lane, 0);
             rest &= rest - 1;
         }
         for group in operands.chunks_exact(3) {
@@ -141,7 +147,7 @@ impl<R: Real> Machine<'_, '_, R> {
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let way = self.way(access, head, lane, 0);
+            let way = self.computed_offset(access, head, lane, 0);
             for group in operands.chunks_exact(3) {
                 let stored = Stored::ALL[group[2] as usize];
                 let bits = match stored {
@@ -178,14 +184,16 @@ impl<R: Real> Machine<'_, '_, R> {
                 for group in operands.chunks_exact(2) {
                     let mut to = take(&mut self.$file, group[0]);
                     if let Some(first) = agreed {
-                        let reg = group[1] + self.way(access, head, first, class as usize) as u32;
+                        let reg = group[1]
+                            + self.computed_offset(access, head, first, class as usize) as u32;
                         *to = *column(&self.$file, reg);
                     } else {
                         let mut rest = self.active;
                         while rest != 0 {
                             let lane = rest.trailing_zeros() as usize;
                             rest &= rest - 1;
-                            let way = self.way(access, head, lane, class as usize) as u32;
+                            let way =
+                                self.computed_offset(access, head, lane, class as usize) as u32;
                             to[lane] = column(&self.$file, group[1] + way)[lane];
                         }
                     }
@@ -206,7 +214,7 @@ impl<R: Real> Machine<'_, '_, R> {
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let way = self.way(access, head, lane, class as usize);
+            let way = self.computed_offset(access, head, lane, class as usize);
             macro_rules! into {
                 ($file:ident) => {
                     for group in operands.chunks_exact(2) {
@@ -240,7 +248,7 @@ impl<R: Real> Machine<'_, '_, R> {
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let at = offset as usize + self.way(access, head, lane, 0);
+            let at = offset as usize + self.computed_offset(access, head, lane, 0);
             let before = self.fetch(buffer, at, Stored::B32) as u32;
             if WATCH {
                 self.mark(buffer, at, Stored::B32);
@@ -248,7 +256,7 @@ impl<R: Real> Machine<'_, '_, R> {
             let value = column(&self.words, value)[lane];
             let same = column(&self.words, compare)[lane] == before;
             let after = match access.change {
-                Some(Change::Int(f)) => two(f, before, value),
+                Some(Change::Int(f)) => binary(f, before, value),
                 Some(Change::CompareExchange) if !same => before,
                 Some(Change::Exchange | Change::CompareExchange) | None => value,
             };

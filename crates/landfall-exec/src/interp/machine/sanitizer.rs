@@ -116,7 +116,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     for group in operands.chunks_exact(shape.len()) {
                         let [offset, stored] = [group[shape.len() - 2], group[shape.len() - 1]];
                         let width = Stored::ALL[stored as usize].width();
-                        let at = offset as usize + self.way(access, head, lane, 0);
+                        let at = offset as usize + self.computed_offset(access, head, lane, 0);
                         if at + width > bytes {
                             let kind = UndefinedKind::PastEndOfBuffer;
                             watch.see((pc, lane), kind, || vec![at as f64, bytes as f64]);

@@ -91,7 +91,7 @@ impl<R: Real> Machine<'_, '_, R> {
     fn trace_group(&self, t: &mut Tracer, pc: usize, op: Op, head: &[u32], group: &[u32]) {
         let way = |access: u32, class: Class| {
             let access = &self.program.accesses[access as usize];
-            self.way(access, head, 0, class as usize) as u32
+            self.computed_offset(access, head, 0, class as usize) as u32
         };
         // Copies pass on their source.
         match op {

@@ -74,7 +74,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Scatter(Class::Real, access) if !unset.lanes.is_empty() => {
                 let access = &self.program.accesses[access as usize];
                 for lane in (0..64).filter(|lane| active >> lane & 1 == 1) {
-                    let way = self.way(access, head, lane, Class::Real as usize) as u32;
+                    let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
                     for group in operands.chunks_exact(2) {
                         let to = group[1] + way;
                         unset.put(to, unset.of(to) & !(1 << lane));
@@ -84,7 +84,7 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::Gather(Class::Real, access) if !unset.lanes.is_empty() => {
                 let access = &self.program.accesses[access as usize];
                 for lane in (0..64).filter(|lane| active >> lane & 1 == 1) {
-                    let way = self.way(access, head, lane, Class::Real as usize) as u32;
+                    let way = self.computed_offset(access, head, lane, Class::Real as usize) as u32;
                     for group in operands.chunks_exact(2) {
                         let from = unset.of(group[1] + way) & 1 << lane;
                         unset.put(group[0], unset.of(group[0]) & !(1 << lane) | from);

@@ -92,7 +92,7 @@ impl<'g> Query<'g> {
         Query { graph, assumed, settled, memo: FxHashMap::default(), left: 400 }
     }
 
-    pub fn of(&mut self, id: Id) -> Facts {
+    pub fn facts_of(&mut self, id: Id) -> Facts {
         if let Some(known) = self.memo.get(&id) {
             return *known;
         }
@@ -120,24 +120,24 @@ impl<'g> Query<'g> {
                 _ => Facts::NOTHING,
             },
             (Op::Joined(_), args) if !args.is_empty() => {
-                let all: Vec<Facts> = args.iter().map(|&arg| self.of(arg)).collect();
+                let all: Vec<Facts> = args.iter().map(|&arg| self.facts_of(arg)).collect();
                 all.into_iter().reduce(Facts::or).unwrap_or(Facts::NOTHING)
             }
-            (Op::Chosen, &[_, accept, reject]) => self.of(accept).or(self.of(reject)),
+            (Op::Chosen, &[_, accept, reject]) => self.facts_of(accept).or(self.facts_of(reject)),
             (Op::Part(_) | Op::Swizzle(_) | Op::Element, &[of, ..]) => {
-                let of = self.of(of);
+                let of = self.facts_of(of);
                 let constant = of.low == of.high;
                 Facts { nonzero: constant && of.nonzero, unit: false, ..of }.settled()
             }
             (Op::Compose, args) if !args.is_empty() => {
-                let all: Vec<Facts> = args.iter().map(|&arg| self.of(arg)).collect();
+                let all: Vec<Facts> = args.iter().map(|&arg| self.facts_of(arg)).collect();
                 let nonzero = all.iter().any(|facts| facts.nonzero);
                 let whole = all.into_iter().reduce(Facts::or).unwrap_or(Facts::NOTHING);
                 Facts { nonzero, unit: false, ..whole }
             }
-            (Op::Convert, &[of]) => self.of(of),
+            (Op::Convert, &[of]) => self.facts_of(of),
             (Op::Negate, &[of]) => {
-                let of = self.of(of);
+                let of = self.facts_of(of);
                 Facts { low: -of.high, high: -of.low, ..of }
             }
             (Op::Binary(op), &[a, b]) => self.binary(op, a, b),
@@ -147,7 +147,7 @@ impl<'g> Query<'g> {
     }
 
     fn binary(&mut self, op: B, a: Id, b: Id) -> Facts {
-        let (x, y) = (self.of(a), self.of(b));
+        let (x, y) = (self.facts_of(a), self.facts_of(b));
         match op {
             B::Add => {
                 let positive = x.low >= 0.0 && y.low >= 0.0 && (x.nonzero || y.nonzero);
@@ -204,29 +204,29 @@ impl<'g> Query<'g> {
     fn math(&mut self, fun: M, args: &[Id]) -> Facts {
         match (fun, args) {
             (M::Abs, &[x]) => {
-                let x = self.of(x);
+                let x = self.facts_of(x);
                 let low = if x.low > 0.0 { x.low } else { (-x.high).max(0.0) };
                 let most = x.low.abs().max(x.high.abs());
                 Facts { nonzero: x.nonzero, ..Facts::between(low, most) }
             }
             (M::Max, &[a, b]) => {
-                let (a, b) = (self.of(a), self.of(b));
+                let (a, b) = (self.facts_of(a), self.facts_of(b));
                 let whole = Facts::between(a.low.max(b.low), a.high.max(b.high));
                 whole.nonzero_if(a.is_positive() || b.is_positive())
             }
             (M::Min, &[a, b]) => {
-                let (a, b) = (self.of(a), self.of(b));
+                let (a, b) = (self.facts_of(a), self.facts_of(b));
                 let whole = Facts::between(a.low.min(b.low), a.high.min(b.high));
                 whole.nonzero_if(a.is_positive() && b.is_positive())
             }
             (M::Clamp, &[x, low, high]) => {
-                let (x, low, high) = (self.of(x), self.of(low), self.of(high));
+                let (x, low, high) = (self.facts_of(x), self.facts_of(low), self.facts_of(high));
                 let positive = (x.is_positive() || low.is_positive()) && high.is_positive();
                 let low = x.low.max(low.low).min(high.high);
                 Facts::between(low, x.high.min(high.high).max(low)).nonzero_if(positive)
             }
             (M::Saturate, &[x]) => {
-                let x = self.of(x);
+                let x = self.facts_of(x);
                 let whole = Facts::between(x.low.clamp(0.0, 1.0), x.high.clamp(0.0, 1.0));
                 whole.nonzero_if(x.is_positive())
             }
@@ -235,42 +235,42 @@ impl<'g> Query<'g> {
             (M::Sin | M::Cos, _) => Facts::between(-1.0, 1.0),
             (M::Exp | M::Exp2, _) => Facts { nonzero: true, ..Facts::at_least(0.0) },
             (M::Sqrt, &[x]) => {
-                let x = self.of(x);
+                let x = self.facts_of(x);
                 let low = x.low.max(0.0).sqrt();
                 Facts { nonzero: x.nonzero, ..Facts::between(low, x.high.max(0.0).sqrt()) }
             }
             (M::InverseSqrt, _) => Facts { nonzero: true, ..Facts::at_least(0.0) },
             (M::Length | M::Distance, args) => {
-                let nonzero = fun == M::Length && self.of(args[0]).nonzero;
+                let nonzero = fun == M::Length && self.facts_of(args[0]).nonzero;
                 Facts { nonzero, ..Facts::at_least(0.0) }
             }
             (M::Dot, &[a, b]) if a == b => {
-                let v = self.of(a);
+                let v = self.facts_of(a);
                 let high = if v.unit { 1.0 + ROUNDING } else { f64::INFINITY };
                 Facts { nonzero: v.nonzero, ..Facts::between(0.0, high) }
             }
-            (M::Dot, &[a, b]) => match self.of(a).unit && self.of(b).unit {
+            (M::Dot, &[a, b]) => match self.facts_of(a).unit && self.facts_of(b).unit {
                 true => Facts::between(-1.0 - ROUNDING, 1.0 + ROUNDING),
                 false => Facts::NOTHING,
             },
             (M::Normalize, _) => Facts { unit: true, nonzero: true, ..Facts::between(-1.0, 1.0) }
                 .within_a_unit_vector(),
             (M::Reflect, &[i, n]) => {
-                let unit = self.of(i).unit && self.of(n).unit;
+                let unit = self.facts_of(i).unit && self.facts_of(n).unit;
                 Facts { unit, ..Facts::NOTHING }
             }
             (M::FaceForward, &[n, ..]) => {
-                let n = self.of(n);
+                let n = self.facts_of(n);
                 Facts { unit: n.unit, nonzero: n.nonzero, ..Facts::NOTHING }
             }
             (M::Pow, &[x, _]) => {
-                let x = self.of(x);
+                let x = self.facts_of(x);
                 if x.low >= 0.0 { Facts::at_least(0.0) } else { Facts::NOTHING }
             }
             (M::Mix, &[a, b, t]) => {
-                let t = self.of(t);
+                let t = self.facts_of(t);
                 let inside = t.low >= 0.0 && t.high <= 1.0;
-                let both = self.of(a).or(self.of(b));
+                let both = self.facts_of(a).or(self.facts_of(b));
                 if inside {
                     Facts { unit: false, nonzero: false, ..both }.settled()
                 } else {
@@ -278,7 +278,7 @@ impl<'g> Query<'g> {
                 }
             }
             (M::Radians | M::Degrees, &[x]) => {
-                let x = self.of(x);
+                let x = self.facts_of(x);
                 let scale = if fun == M::Radians { 1f64.to_radians() } else { 1f64.to_degrees() };
                 Facts { low: x.low * scale, high: x.high * scale, nonzero: x.nonzero, unit: false }
             }

@@ -25,7 +25,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// Creates a hazard that no selection rules out.
-    pub fn plain(hazard: Occurrence) -> Candidate {
+    pub fn unconditional(hazard: Occurrence) -> Candidate {
         Candidate { hazard, node: 0, need: None }
     }
 }
@@ -49,7 +49,7 @@ impl<'m> Walk<'m> {
         about: String,
     ) -> &mut Candidate {
         let found = Occurrence { kind, hazard, certainty, span, about, number: None };
-        self.candidates.push(Candidate::plain(found));
+        self.candidates.push(Candidate::unconditional(found));
         self.candidates.last_mut().expect("just pushed")
     }
 
@@ -210,10 +210,10 @@ impl<'m> Walk<'m> {
     /// Returns the hazard and the path of a point if a vector is the difference of two points of
     /// which one is a light or the camera.
     fn difference(&self, v: Id) -> Option<(Hazard, String)> {
-        let (a, b) = self.graph.binary(self.graph.bare(v), B::Subtract)?;
+        let (a, b) = self.graph.binary(self.graph.underlying_value(v), B::Subtract)?;
         let position = |leaf: &Leaf| leaf.role == Some(Role::Position);
         let camera = |leaf: &Leaf| {
-            let said = identifier::words(&leaf.name);
+            let said = identifier::identifier_words(&leaf.name);
             let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
             leaf.origin != Origin::Interpolated && says(&["view", "camera", "cam", "eye"])
         };
@@ -409,7 +409,7 @@ impl<'m> Walk<'m> {
         if leaf.origin != Origin::Interpolated {
             return;
         }
-        let said = identifier::words(&leaf.name);
+        let said = identifier::identifier_words(&leaf.name);
         if said.iter().any(|word| ["normal", "normals", "norm", "nrm"].contains(&word.as_str())) {
             let about = leaf.path.clone();
             self.report(Kind::UnnormalisedNormal, Hazard::UnnormalisedNormal, sure, span, about);

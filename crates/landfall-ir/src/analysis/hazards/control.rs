@@ -42,11 +42,11 @@ impl<'m> Walk<'m> {
             }
             (Flow::Falls, _) => {
                 self.cells = accepted;
-                self.recall(&when_true);
+                self.restore(&when_true);
                 Flow::Falls
             }
             (_, Flow::Falls) => {
-                self.recall(&when_false);
+                self.restore(&when_false);
                 Flow::Falls
             }
             (Flow::Breaks, _) | (_, Flow::Breaks) => Flow::Breaks,

@@ -83,7 +83,7 @@ pub fn terms(
 impl Terms {
     /// Whether an element of an array of lights, by its index among those followed, adds exactly
     /// zero to every output if it has those numbers.
-    pub fn vanish(&self, light: usize, numbers: &Numbers<'_>) -> bool {
+    pub fn adds_zero(&self, light: usize, numbers: &Numbers<'_>) -> bool {
         if self.cut_short || self.outputs.is_empty() {
             return false;
         }
@@ -286,11 +286,11 @@ impl Proof<'_> {
         let Some((a, b)) = self.terms.graph.binary(id, B::Subtract) else { return false };
         let graph = &self.terms.graph;
         let place = |id: Id| {
-            let id = graph.bare(id);
+            let id = graph.underlying_value(id);
             self.is_of_light(id) && self.leaf(id).is_some_and(|l| l.role == Some(Role::Position))
         };
         let here = |id: Id| {
-            let leaf = self.leaf(graph.bare(id));
+            let leaf = self.leaf(graph.underlying_value(id));
             leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
         };
         // `bare` looks through signs, parts and other orders of the components.

@@ -165,7 +165,7 @@ impl Graph {
     }
 
     /// Returns the value below parts, signs and conversions.
-    pub fn bare(&self, mut id: Id) -> Id {
+    pub fn underlying_value(&self, mut id: Id) -> Id {
         loop {
             id = match (self.op(id), self.args(id)) {
                 (Op::Part(_) | Op::Swizzle(_) | Op::Negate | Op::Convert, &[of]) => of,
@@ -187,7 +187,7 @@ impl Graph {
 
     /// Returns the leaf that a value is, or is a part of.
     pub fn bare_leaf(&self, id: Id) -> Option<&Leaf> {
-        self.as_leaf(self.bare(id))
+        self.as_leaf(self.underlying_value(id))
     }
 
     /// Returns whether a predicate holds for a node or one below it; the number of nodes visited is

@@ -4,7 +4,7 @@ use naga::{Handle, TypeInner};
 
 use super::graph::{Id, Leaf, Op, Origin};
 use super::walk::Walk;
-use super::{Access, Bound};
+use super::{Access, IndexBound};
 use landfall_layout::source::Span;
 
 /// A value, or the path to a variable.
@@ -176,9 +176,9 @@ impl Walk<'_> {
         self.accesses.push((index, Access { light, bound, span }));
     }
 
-    fn bound(&self, light: usize, index: Id) -> Bound {
+    fn bound(&self, light: usize, index: Id) -> IndexBound {
         if let Some(number) = self.graph.value(index) {
-            return Bound::Fixed(number.max(0.0) as u64);
+            return IndexBound::Fixed(number.max(0.0) as u64);
         }
         let index = self.through(index);
         let (mut constant, mut count, mut clamped, mut length) = (None, false, false, false);
@@ -201,12 +201,12 @@ impl Walk<'_> {
             }
         }
         match (count, constant) {
-            (true, Some(_)) => Bound::ClampedCount,
-            (true, None) if clamped => Bound::ClampedCount,
-            (true, None) => Bound::Count,
-            (false, Some(number)) => Bound::Constant(number),
-            (false, None) if length => Bound::Length,
-            (false, None) => Bound::Unknown,
+            (true, Some(_)) => IndexBound::ClampedCount,
+            (true, None) if clamped => IndexBound::ClampedCount,
+            (true, None) => IndexBound::Count,
+            (false, Some(number)) => IndexBound::Constant(number),
+            (false, None) if length => IndexBound::Length,
+            (false, None) => IndexBound::Unknown,
         }
     }
 

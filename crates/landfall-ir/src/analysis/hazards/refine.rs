@@ -25,7 +25,7 @@ pub struct Tail {
 
 impl Walk<'_> {
     pub fn facts(&self, id: Id) -> Facts {
-        Query::new(&self.graph, &self.assumed, &self.settled).of(id)
+        Query::new(&self.graph, &self.assumed, &self.settled).facts_of(id)
     }
 
     pub fn mark(&self) -> Mark {
@@ -39,7 +39,7 @@ impl Walk<'_> {
         }
     }
 
-    pub fn recall(&mut self, tail: &Tail) {
+    pub fn restore(&mut self, tail: &Tail) {
         self.assumed.extend(&tail.facts);
         self.relations.extend(&tail.relations);
     }
@@ -47,7 +47,7 @@ impl Walk<'_> {
     /// Returns the facts about a value under additional assumptions.
     pub fn facts_with(&mut self, id: Id, tail: &Tail) -> Facts {
         let mark = self.mark();
-        self.recall(tail);
+        self.restore(tail);
         let facts = self.facts(id);
         self.forget(mark);
         facts

@@ -87,7 +87,7 @@ impl Walk<'_> {
             let (kind, hazard) = (Kind::UngatedSpecular, Hazard::HighlightFromBehind);
             let (certainty, span, about) = (Certainty::Possible, power.span, String::new());
             let found = Occurrence { kind, hazard, certainty, span, about, number: None };
-            self.candidates.push(Candidate::plain(found));
+            self.candidates.push(Candidate::unconditional(found));
         }
     }
 

@@ -6,13 +6,13 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::checks::Candidate;
 use super::graph::{Id, Leaf};
 use super::walk::Walk;
-use super::{Access, Bound, Certainty, Hazard, HazardReport, Kind, Occurrence};
+use super::{Access, Certainty, Hazard, HazardReport, IndexBound, Kind, Occurrence};
 use crate::analysis::roles::Role;
 use landfall_layout::source::Span;
 
 impl Walk<'_> {
     /// Returns all hazards and accesses, each place once.
-    pub fn judged(mut self) -> HazardReport {
+    pub fn into_report(mut self) -> HazardReport {
         self.look_at_specular();
         self.look_at_accesses();
         let cut_short = self.is_cut_short();
@@ -46,11 +46,11 @@ impl Walk<'_> {
             let (Some(slots), Some(count)) = (light.slots(), &light.count) else { continue };
             let counted = accesses.iter().any(|other| {
                 other.light == access.light
-                    && matches!(other.bound, Bound::Count | Bound::ClampedCount)
+                    && matches!(other.bound, IndexBound::Count | IndexBound::ClampedCount)
             });
             let name = format!("{about} {}", count.member.name);
             match access.bound {
-                Bound::Constant(n) if !counted && n > 1 => {
+                IndexBound::Constant(n) if !counted && n > 1 => {
                     // A slot that is switched off may be multiplied away.
                     let switched = |leaf: &Leaf| {
                         leaf.light.as_ref().is_some_and(|(own, _)| *own == access.light)
@@ -69,7 +69,7 @@ impl Walk<'_> {
                     );
                     found.hazard.number = Some(n as f64);
                 }
-                Bound::Count => {
+                IndexBound::Count => {
                     let kind = Kind::UnclampedCount;
                     let found = self.report(
                         kind,
@@ -80,11 +80,11 @@ impl Walk<'_> {
                     );
                     found.hazard.number = Some(slots as f64);
                 }
-                Bound::Constant(_)
-                | Bound::Fixed(_)
-                | Bound::ClampedCount
-                | Bound::Length
-                | Bound::Unknown => {}
+                IndexBound::Constant(_)
+                | IndexBound::Fixed(_)
+                | IndexBound::ClampedCount
+                | IndexBound::Length
+                | IndexBound::Unknown => {}
             }
         }
         for leaf in self.graph.leaves.clone() {

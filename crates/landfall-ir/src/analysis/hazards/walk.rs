@@ -118,7 +118,7 @@ pub fn follow(module: &Module, lights: &[LightBinding<'_>], setting: Setting) ->
             }
         }
     }
-    walk.judged()
+    walk.into_report()
 }
 
 impl<'m> Walk<'m> {

@@ -2,7 +2,7 @@
 
 use super::names::is_light;
 use super::{Count, LightBinding};
-use crate::analysis::identifier::words;
+use crate::analysis::identifier::identifier_words;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ScalarKind, Type};
 
@@ -17,7 +17,7 @@ pub(super) fn counts(blocks: &[BlockLayout]) -> Vec<Candidate<'_>> {
     let mut all = Vec::new();
     for block in blocks {
         for member in block.members.iter().filter(|m| is_whole_number(m)) {
-            let said = words(&member.name);
+            let said = identifier_words(&member.name);
             if says_count(&said) && all.len() < MOST_COUNTS {
                 all.push(Candidate { count: Count { block, member }, said });
             }
@@ -38,7 +38,8 @@ pub(super) fn count_of<'a>(
     if light.dims.is_empty() {
         return None;
     }
-    let own = [light.roles.name.as_ref(), &light.path, light.block.name.as_ref()].map(words);
+    let own =
+        [light.roles.name.as_ref(), &light.path, light.block.name.as_ref()].map(identifier_words);
     let is_own = |word: &String| own.iter().flatten().any(|o| same_word(o, word));
     let kinds = ["point", "spot", "directional", "dir", "area"];
     let mut best: Option<(usize, Count<'a>)> = None;

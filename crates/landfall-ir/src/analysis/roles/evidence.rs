@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::names::{is_about_something_else, is_light};
 use super::{Kind, Part, Role, Roles, of_struct, role};
-use crate::analysis::identifier::words;
+use crate::analysis::identifier::identifier_words;
 use landfall_layout::shape::Type;
 use landfall_layout::source::Span;
 
@@ -73,7 +73,7 @@ pub(super) fn classify(
     span: Span,
     evidence: Evidence,
 ) -> Option<Roles> {
-    let said = words(name);
+    let said = identifier_words(name);
     if evidence != Evidence::Members && is_about_something_else(&said) {
         return None;
     }

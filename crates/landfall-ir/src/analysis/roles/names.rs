@@ -3,12 +3,12 @@
 //! Splits names with [`identifier`](crate::analysis::identifier); used by [`roles`](super).
 
 use super::Role;
-use crate::analysis::identifier::words;
+use crate::analysis::identifier::identifier_words;
 use landfall_layout::shape::{ScalarKind, Type};
 
 /// Returns the role of a member by its name and type.
 pub fn role(name: &str, ty: &Type) -> Option<Role> {
-    let said = words(name);
+    let said = identifier_words(name);
     let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
     let elsewhere = ["view", "camera", "cam", "eye", "map", "matrix", "space", "texture", "uv"];
     if says(&elsewhere) || says(&["shadow", "index", "pad", "padding", "bias"]) {

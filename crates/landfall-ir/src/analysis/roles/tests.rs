@@ -7,7 +7,7 @@ use landfall_layout::{Options, Source, layout};
 fn lights(name: &str, text: &str) -> Vec<String> {
     let shader = layout(&Source::new(name, text), &Options::default());
     assert!(shader.diagnostics.is_empty(), "{:?}", shader.diagnostics);
-    let all = held(&shader.blocks);
+    let all = lights_in_blocks(&shader.blocks);
     let line = |light: &LightBinding<'_>| {
         let parts = light.roles.parts.iter().map(|p| format!("{}={}", p.path, p.role.name()));
         let count = light.count.map(|c| format!(" count {}", c.member.name));

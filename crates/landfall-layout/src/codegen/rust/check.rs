@@ -9,7 +9,7 @@ use super::print::{Printer, Text, call};
 use super::types::GeneratedType;
 
 pub(super) fn checks(out: &Printer<'_>, text: &mut Text) {
-    for (id, made) in out.made() {
+    for (id, made) in out.generated_types() {
         let name = out.name(id);
         match made {
             GeneratedType::Bits(_) => {}

@@ -121,7 +121,7 @@ impl<'a> File<'a> {
             "`{name}` of {input} is named `{}`: `{}` is another item of its module",
             one.given, one.wanted
         );
-        Diagnostic::bare(Code::NumberedName, Severity::Warning, message)
+        Diagnostic::without_place(Code::NumberedName, Severity::Warning, message)
             .with_help(format!("give it a name: `--rename {input}:{name}=NAME`"))
     }
 
@@ -262,7 +262,7 @@ fn shader_module(
     if given != usual {
         let message = format!("the module of {input} is named `{given}`: another is `{usual}`");
         found.push(
-            Diagnostic::bare(Code::NumberedName, Severity::Warning, message)
+            Diagnostic::without_place(Code::NumberedName, Severity::Warning, message)
                 .with_help(format!("give it a name: `--rename {input}=NAME`")),
         );
     }

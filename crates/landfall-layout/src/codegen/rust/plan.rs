@@ -127,7 +127,8 @@ impl<'a> Plan<'a> {
             }
             Entry::Vacant(free) => {
                 free.insert(self.blocks.len());
-                let name = self.renames.of(input, &layout.name).unwrap_or(&layout.name).to_string();
+                let name =
+                    self.renames.new_name(input, &layout.name).unwrap_or(&layout.name).to_string();
                 let modules = vec![module];
                 self.blocks.push(PlannedBlock { layout, shader, input, name, modules });
             }
@@ -137,7 +138,7 @@ impl<'a> Plan<'a> {
     /// The name that the configuration gives a structure or block of the shader at hand, or `usual`.
     fn renamed(&self, name: &str, usual: impl Fn(&str) -> String) -> String {
         let input = self.origin.map_or("", |origin| origin.input);
-        self.renames.of(input, name).map_or_else(|| usual(name), str::to_string)
+        self.renames.new_name(input, name).map_or_else(|| usual(name), str::to_string)
     }
 
     /// Whether all shaders are in one module.

@@ -83,7 +83,9 @@ impl Printer<'_> {
     }
 
     /// The generated types of this module, each after those it contains.
-    pub(super) fn made(&self) -> impl Iterator<Item = (GeneratedTypeId, &GeneratedType)> {
+    pub(super) fn generated_types(
+        &self,
+    ) -> impl Iterator<Item = (GeneratedTypeId, &GeneratedType)> {
         let all = self.plan.types_in(self.module).into_iter();
         all.filter(|id| self.plan.module_of(*id) == self.module).map(|id| (id, self.plan.get(id)))
     }

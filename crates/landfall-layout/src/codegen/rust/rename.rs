@@ -29,7 +29,7 @@ impl Renames {
         let (good, bad): (Vec<_>, Vec<_>) = all.partition(|(_, new)| names::is_identifier(new));
         let bad = bad.into_iter().map(|(old, new)| {
             let message = format!("`{old}` cannot be renamed `{new}`: it is no name in Rust");
-            Diagnostic::bare(Code::BadName, Severity::Error, message)
+            Diagnostic::without_place(Code::BadName, Severity::Error, message)
                 .with_help("a name has ASCII letters, digits and underscores, and is no keyword")
         });
         let needed = good.len().min(options.rename.len());
@@ -37,7 +37,7 @@ impl Renames {
     }
 
     /// The new name of a structure or block of a shader: of `lights.frag:Light`, or of `Light`.
-    pub(super) fn of(&self, input: &str, name: &str) -> Option<&str> {
+    pub(super) fn new_name(&self, input: &str, name: &str) -> Option<&str> {
         let qualified = |old: &str| {
             let (file, of) = old.rsplit_once(':')?;
             Some(of == name && is_file(file, input))
@@ -69,7 +69,8 @@ impl Renames {
         unused
             .map(|(_, (old, _))| {
                 let message = format!("the rename of `{old}` has no effect: nothing has that name");
-                let found = Diagnostic::bare(Code::UnusedOption, Severity::Warning, message);
+                let found =
+                    Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);
                 match nearest(old, known.iter().copied()) {
                     Some(near) => found.with_help(format!("did you mean `{near}`?")),
                     None => found.with_help(

@@ -9,7 +9,7 @@ use super::types::{Bits, Component, GeneratedType, LeafType, Shape, component};
 use super::{Vectors, leaf, strided};
 
 pub(super) fn small_types(out: &Printer<'_>, text: &mut Text) {
-    for (id, made) in out.made() {
+    for (id, made) in out.generated_types() {
         let name = out.name(id);
         match made {
             GeneratedType::Mirror(_) => {}

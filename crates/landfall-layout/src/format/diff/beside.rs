@@ -45,7 +45,7 @@ struct Row {
 }
 
 /// Renders two blocks side by side, with unchanged rows only near changes.
-pub fn beside(
+pub fn side_by_side(
     old: Option<(&BlockLayout, Language)>,
     new: Option<(&BlockLayout, Language)>,
     width: Width,

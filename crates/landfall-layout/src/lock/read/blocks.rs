@@ -293,7 +293,8 @@ impl BlockReader<'_> {
             Some(node) => Some(self.members(place.list(node, "members")?, within, &path)?),
             None => None,
         };
-        let base = match (members.as_deref(), spelling::plain(&spelling.base, within.language)) {
+        let base = match (members.as_deref(), spelling::leaf_type(&spelling.base, within.language))
+        {
             (Some(members), _) => structure(&spelling.base, members, span(name_node)),
             (None, Some(plain)) => plain,
             // The output of `layout` marks a structure of samplers only by its lack of leaves.
@@ -434,7 +435,7 @@ fn structure(name: &str, members: &[MemberLayout], span: Span) -> Type {
     let name = if name == "struct" { "" } else { name };
     let declared = |member: &MemberLayout| Member {
         matrix_layout: member.row_major.then_some(MatrixLayout::Row),
-        ..Member::plain(member.name.clone(), member.ty.clone(), member.span)
+        ..Member::unqualified(member.name.clone(), member.ty.clone(), member.span)
     };
     let members = members.iter().map(declared).collect();
     Type::Struct(Arc::new(Struct::new(Arc::from(name), members, Vec::new(), span)))

@@ -372,7 +372,7 @@ impl<'a> DeclarationReader<'a> {
             match self.array(name, data, dims, &declaration.ty.dims, OpenLength::Runtime) {
                 Ok(ty) => self.loose.push(Member {
                     comment: comment.clone(),
-                    ..Member::plain(name.text.into(), ty, name.span)
+                    ..Member::unqualified(name.text.into(), ty, name.span)
                 }),
                 Err(diagnostic) => problems.push(diagnostic),
             }

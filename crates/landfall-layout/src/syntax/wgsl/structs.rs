@@ -124,7 +124,7 @@ fn member<'a>(
                 align: attributes.align,
                 size: attributes.size,
                 comment,
-                ..Member::plain(Arc::from(text), ty, span)
+                ..Member::unqualified(Arc::from(text), ty, span)
             });
         }
         Meaning::Opaque | Meaning::Bindings(..) => {
@@ -203,7 +203,7 @@ fn nested_runtime(inner: &str, at: Span, runtime: Span) -> Diagnostic {
 
 /// Returns naga's predeclared `RayDesc`.
 pub(super) fn ray_desc() -> Type {
-    let member = |name: &str, ty: Type| Member::plain(Arc::from(name), ty, Span::default());
+    let member = |name: &str, ty: Type| Member::unqualified(Arc::from(name), ty, Span::default());
     let vector = Type::Vector { scalar: Scalar::F32, rows: 3 };
     let members = vec![
         member("flags", Type::Scalar(Scalar::U32)),

@@ -64,7 +64,7 @@ fn made(
     let (name, instance, members) = match ty {
         Type::Struct(s) => (s.name.clone(), Some(variable), s.members.clone()),
         ty => {
-            let member = Member::plain(variable.clone(), ty, item.name_span);
+            let member = Member::unqualified(variable.clone(), ty, item.name_span);
             (variable, None, vec![member])
         }
     };

@@ -39,7 +39,7 @@ impl<'a> Variant<'a> {
         first: &PureFunction,
         pure: &'a PureFunction,
     ) -> Result<Variant<'a>, String> {
-        let columns = calls.given(first, pure)?;
+        let columns = calls.columns_for(first, pure)?;
         let kinds = Kinds::of(pure);
         if let Some(truth) = calls.truth().iter().flatten().next() {
             let given = [kinds.floats.len(), kinds.wholes.len()];
@@ -81,7 +81,7 @@ impl<'a> Variant<'a> {
     }
 
     /// Returns the words of each scalar, the calls of a run and the time limit of a job.
-    pub(super) fn given(&self) -> (&[Vec<u64>], usize, Duration) {
+    pub(super) fn call_inputs(&self) -> (&[Vec<u64>], usize, Duration) {
         (&self.columns, self.calls.count(), self.calls.limit())
     }
 
@@ -89,11 +89,11 @@ impl<'a> Variant<'a> {
     ///
     /// # Errors
     /// A call that does not terminate, or code that the interpreter does not support.
-    pub fn judged(&self) -> Result<(Errors, Work), String> {
+    pub fn measure_errors(&self) -> Result<(Errors, Work), String> {
         let Variant { calls, pure, kinds, columns, .. } = self;
         let settings = calls.settings(Precision::Single);
         let called =
-            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.brief())?;
+            pure.call(columns, calls.count(), &settings).map_err(|failure| failure.summary())?;
         let each =
             calls.truth().iter().enumerate().map(|(lane, truth)| {
                 (kinds.results(&called, lane, Precision::Single), truth.clone())
@@ -170,7 +170,7 @@ impl Workload for InterpreterVariant<'_> {
         };
         let settings = calls.settings(Precision::Single);
         let called = pure.call(black_box(columns), calls.count(), &settings);
-        black_box(called.map_err(|failure| failure.brief())?);
+        black_box(called.map_err(|failure| failure.summary())?);
         Ok(None)
     }
 }

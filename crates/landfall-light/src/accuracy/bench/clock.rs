@@ -57,7 +57,7 @@ impl<'r> Stopwatch<'r> {
 
     /// Returns the time of all jobs so far; `None` for a backend in this process, whose own clock
     /// counts it.
-    pub fn took(&self) -> Option<Elapsed> {
+    pub fn elapsed(&self) -> Option<Elapsed> {
         sum(self.took.iter().copied())
     }
 }
@@ -108,7 +108,7 @@ impl Start {
     }
 
     /// Returns the time used since.
-    pub fn passed(&self) -> Elapsed {
+    pub fn elapsed(&self) -> Elapsed {
         match (self.processor, processor::time()) {
             (Some(before), Some(now)) => {
                 Elapsed { time: now.saturating_sub(before), clock: Clock::Processor }

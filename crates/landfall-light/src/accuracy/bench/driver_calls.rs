@@ -35,7 +35,7 @@ impl<'a> DriverVariant<'a> {
     ///
     /// # Errors
     /// A failure of the backend.
-    pub fn judged(&self) -> Result<Errors, String> {
+    pub fn measure_errors(&self) -> Result<Errors, String> {
         let called = self.call(&self.whole)?.0;
         let kinds = self.variant.kinds();
         let each = self.variant.truth().iter().enumerate().map(|(lane, truth)| {
@@ -52,11 +52,11 @@ impl<'a> DriverVariant<'a> {
     }
 
     fn call(&self, driven: &Kernel<'_>) -> Result<(KernelResult, Option<Elapsed>), String> {
-        let (columns, lanes, limit) = self.variant.given();
+        let (columns, lanes, limit) = self.variant.call_inputs();
         let mut backend = self.backend.borrow_mut();
         let mut watched = Stopwatch::new(backend.as_mut());
         let called = driven.call(&mut watched, columns, lanes, limit);
-        Ok((called.map_err(|failure| failure.brief())?, watched.took()))
+        Ok((called.map_err(|failure| failure.summary())?, watched.elapsed()))
     }
 }
 

@@ -86,10 +86,10 @@ impl Calls {
             truth: Vec::new(),
             inputs,
         };
-        let given = calls.given(pure, truth).map_err(&failed)?;
+        let given = calls.columns_for(pure, truth).map_err(&failed)?;
         let called = truth
             .call(&given, calls.lanes, &calls.settings(Precision::Double))
-            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.brief())))?;
+            .map_err(|failure| failed(format!("`{}`: {}", truth.shown, failure.summary())))?;
         let kinds = Kinds::of(truth);
         let each = (0..calls.lanes).map(|lane| {
             let results = kinds.results(&called, lane, Precision::Double);
@@ -107,7 +107,7 @@ impl Calls {
 
     /// Returns the columns in the parameter order of another function, zeros for others. Where the
     /// order is the same it is the same memory, so that it does not affect times.
-    pub(super) fn given(
+    pub(super) fn columns_for(
         &self,
         first: &PureFunction,
         other: &PureFunction,

@@ -44,7 +44,7 @@ impl<'a> Compiled<'a> {
     }
 
     /// Returns the errors of its colours against the reference, and its work.
-    pub fn judged(&self) -> (Errors, Work) {
+    pub fn measure_errors(&self) -> (Errors, Work) {
         let Shaded { colors, tally } = self.shade::<shading_f32::Work>(&self.lights);
         let colors: Vec<[f32; 3]> = colors.iter().map(Vec3::to_array).collect();
         let fragments = colors.len().max(1) as f64;

@@ -226,6 +226,6 @@ fn timed(workload: &mut dyn Workload, part: Part, repeat: u32) -> Result<(f64, C
     for _ in 0..repeat {
         own.push(workload.run(part)?);
     }
-    let Elapsed { time, clock } = clock::sum(own).unwrap_or_else(|| start.passed());
+    let Elapsed { time, clock } = clock::sum(own).unwrap_or_else(|| start.elapsed());
     Ok((time.as_secs_f64() / f64::from(repeat), clock))
 }

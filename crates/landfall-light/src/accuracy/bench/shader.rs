@@ -43,16 +43,16 @@ impl<'a> Shader<'a> {
     ///
     /// # Errors
     /// A failure of the backend, or more lights than its driver loops over.
-    pub fn judged(&mut self) -> Result<Errors, String> {
+    pub fn measure_errors(&mut self) -> Result<Errors, String> {
         let Uploaded { stage, renderer, limit, whole, .. } = self.uploaded;
         let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
         for FragmentGroup { fragments, prepared, walked, .. } in whole {
             let mut backend = self.backend.borrow_mut();
-            within_turns(backend.device(), *walked).map_err(|failure| failure.brief())?;
+            within_turns(backend.device(), *walked).map_err(|failure| failure.summary())?;
             let shaded = renderer
                 .shader
                 .run(backend.as_mut(), &prepared.batch(*limit), |_, _| {})
-                .map_err(|failure| failure.brief())?;
+                .map_err(|failure| failure.summary())?;
             for (at, [r, g, b, _]) in fragments.iter().zip(&shaded.colors) {
                 colors[*at as usize] = [*r, *g, *b];
             }
@@ -88,9 +88,9 @@ impl Workload for Shader<'_> {
         for prepared in prepared {
             shader
                 .run(&mut watched, &prepared.batch(*limit), |_, _| {})
-                .map_err(|failure| failure.brief())?;
+                .map_err(|failure| failure.summary())?;
         }
-        Ok(watched.took())
+        Ok(watched.elapsed())
     }
 }
 

@@ -46,7 +46,7 @@ impl<'a> Uploaded<'a> {
         let numbers: Vec<u32> = (0..stage.frame.fragments.len() as u32).collect();
         let lots = |lights: FragmentLights<'_>| {
             let draw = Draw { fragments: &numbers, lights, tiles: None };
-            renderer.lots(&work, &draw).map_err(wrong)
+            renderer.fragment_groups(&work, &draw).map_err(wrong)
         };
         let whole = lots(all)?;
         let unlit = match renderer.evaluated(&none) {
@@ -85,7 +85,7 @@ impl<'a> Uploaded<'a> {
         let each = self.whole.iter().map(|lot| {
             let first = (stride - before % stride) % stride;
             before += lot.fragments.len();
-            lot.every(first, stride)
+            lot.step_by(first, stride)
         });
         each.filter(|lot| !lot.fragments.is_empty()).collect()
     }

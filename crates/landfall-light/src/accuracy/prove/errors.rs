@@ -32,7 +32,7 @@ pub(in crate::accuracy) enum Measure {
 }
 
 impl ErrorBound {
-    pub(in crate::accuracy) fn by(self, measure: Measure) -> f64 {
+    pub(in crate::accuracy) fn in_measure(self, measure: Measure) -> f64 {
         match measure {
             Measure::Absolute => self.absolute,
             Measure::Ulp => self.ulp,
@@ -112,7 +112,7 @@ pub(in crate::accuracy) fn bound(
         if space.cut(&mut ranges) {
             let bound = of(&ranges);
             made += 1;
-            parts.push(Part { height: bound.by(measure), bound, ranges, number: made });
+            parts.push(Part { height: bound.in_measure(measure), bound, ranges, number: made });
         }
     };
     push(space.root.clone(), &mut parts);
@@ -130,7 +130,7 @@ pub(in crate::accuracy) fn bound(
         let widest = widest.max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, at, end, begin)) = widest else {
             done = done.or(part.bound);
-            if done.by(measure) > enough {
+            if done.in_measure(measure) > enough {
                 parts.push(part);
                 break;
             }

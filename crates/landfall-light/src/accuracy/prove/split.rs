@@ -183,7 +183,7 @@ impl<'a> Split<'a> {
     }
 
     /// Returns the middles of the largest parts of a goal, as starting points.
-    pub fn middles(&self, goal: u32, most: usize) -> Vec<Vec<f64>> {
+    pub fn largest_midpoints(&self, goal: u32, most: usize) -> Vec<Vec<f64>> {
         let parts = self.parts.iter().filter(|part| part.goals.contains(&goal));
         let all = parts.map(|part| &part.ranges);
         let left = self.left.iter().filter(|(_, goals)| goals.contains(&goal));

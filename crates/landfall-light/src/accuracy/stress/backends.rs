@@ -12,7 +12,7 @@ use super::measure::{Outcome, SampleError, floats};
 use super::permitted::{PermittedAt, Verdict, permitted, verdict};
 use super::plan::{Plan, columns, settings};
 use super::shrink::plausible;
-use super::verdict::{Answered, DriverKeepReason, DriverOutcome, DriverRecord, came};
+use super::verdict::{Answered, DriverKeepReason, DriverOutcome, DriverRecord, driver_outcome};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::{Device, Failure};
 use landfall_exec::harness::call::pure::PureFunction;
@@ -104,7 +104,7 @@ impl BackendReport {
     }
 
     /// Returns the findings on this driver alone: the worst sample of each kind.
-    pub(super) fn odd(&self) -> impl Iterator<Item = (Hazard, &DriverCase, u64)> {
+    pub(super) fn driver_findings(&self) -> impl Iterator<Item = (Hazard, &DriverCase, u64)> {
         let kinds: [(Hazard, &Disagreement); 2] =
             [(Hazard::DriverNotFinite, &self.not_finite), (Hazard::DriverApart, &self.apart)];
         kinds.into_iter().filter_map(|(hazard, odd)| {
@@ -117,7 +117,7 @@ impl BackendReport {
 /// Returns the reports of all drivers.
 pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<BackendReport> {
     let mut reports = Vec::new();
-    for seen in drivers.seen() {
+    for seen in drivers.records() {
         let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
             written(writing, &seen.device, sample, results)
@@ -183,7 +183,7 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
         let (result, at) = floats[nth];
         truth.as_ref().map_or(f64::NAN, |truth| truth.results[result].doubles[at][0])
     };
-    let outcome = came(floats.len(), |nth| (results[nth], double(nth)));
+    let outcome = driver_outcome(floats.len(), |nth| (results[nth], double(nth)));
     let mut case = case(&Writing { floats: Floats::AsWritten, ..*writing }, sample);
     case.arguments.extend(["--backend".to_string(), device.backend.to_string()]);
     DriverCase {
@@ -237,9 +237,9 @@ pub(super) fn on_a_driver(
 }
 
 /// Runs the input of each finding on all drivers.
-pub(super) fn ask(drivers: &mut Drivers<'_>, findings: &mut [StressFinding]) {
+pub(super) fn run_findings_on_drivers(drivers: &mut Drivers<'_>, findings: &mut [StressFinding]) {
     let samples: Vec<Sample> = findings.iter().map(|found| found.case.words.clone()).collect();
-    for (backend, given) in drivers.ask(&samples) {
+    for (backend, given) in drivers.run_samples(&samples) {
         for (nth, found) in findings.iter_mut().enumerate() {
             found.backends.push(match &given {
                 Ok(given) => BackendResult { backend, results: given[nth].clone(), failure: None },

@@ -65,7 +65,7 @@ impl<'a> Graph<'a> {
     }
 
     /// Returns the step that introduced a result's error; `None` if an input did.
-    pub fn guilty(&self, result: Source) -> Option<usize> {
+    pub fn error_source(&self, result: Source) -> Option<usize> {
         let mut at = result;
         let mut guilty = None;
         // The graph has no cycles; the bound guards against a broken one.

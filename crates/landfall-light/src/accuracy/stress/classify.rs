@@ -20,7 +20,7 @@ use landfall_exec::interp::{
 };
 use landfall_ir::analysis::hazard::Hazard;
 
-use look::Look;
+use look::TracedSample;
 
 /// A hazard found in a sample.
 #[derive(Clone, Debug)]
@@ -83,7 +83,7 @@ pub(super) fn examine(
     let floats = floats(pure);
     let outcome = outcome(&called, &floats, 0);
     let graph = Graph { pure, trace: &trace, inputs };
-    let look = Look { graph, sample };
+    let look = TracedSample { graph, sample };
     let mut candidates = Vec::new();
     for step in &trace.steps {
         if let Some(kind) = undefined(step) {

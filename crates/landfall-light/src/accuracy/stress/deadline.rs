@@ -32,7 +32,7 @@ impl Deadline {
     }
 
     /// Returns the deadline, moved to at most that time from now.
-    pub fn sooner(&self, time: Duration) -> Deadline {
+    pub fn shortened_to(&self, time: Duration) -> Deadline {
         // A time beyond the clock's range is not sooner.
         let new = Instant::now().checked_add(time);
         Deadline { at: [self.at, new].into_iter().flatten().min(), ..self.clone() }
@@ -87,15 +87,21 @@ mod tests {
         stop.store(true, Ordering::Relaxed);
         assert!(sampling.is_over() && !writing.is_over());
         assert!(writing.left().is_some_and(|left| left <= hour / 2));
-        assert!(writing.sooner(Duration::ZERO).is_over());
+        assert!(writing.shortened_to(Duration::ZERO).is_over());
     }
 
     #[test]
     fn what_no_clock_reaches_is_no_end() {
         let stop = Arc::default();
-        let never = Deadline::after(Some(Duration::MAX), &stop).sooner(Duration::MAX);
+        let never = Deadline::after(Some(Duration::MAX), &stop).shortened_to(Duration::MAX);
         assert_eq!((never.end(), never.is_over()), (None, false));
         let hour = Duration::from_secs(3600);
-        assert!(never.sooner(hour).sooner(Duration::MAX).left().is_some_and(|left| left <= hour));
+        assert!(
+            never
+                .shortened_to(hour)
+                .shortened_to(Duration::MAX)
+                .left()
+                .is_some_and(|left| left <= hour)
+        );
     }
 }

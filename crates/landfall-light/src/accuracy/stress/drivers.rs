@@ -93,7 +93,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Whether no driver is left to run samples.
-    pub fn idle(&self) -> bool {
+    pub fn all_failed(&self) -> bool {
         self.seats.iter().all(|seat| seat.seen.failure.is_some())
     }
 
@@ -105,7 +105,7 @@ impl<'r> Drivers<'r> {
     /// Runs a batch on each driver if there is time.
     pub fn take(&mut self, batch: &Batch) {
         match self.until.is_over() {
-            true => self.cut |= !self.idle(),
+            true => self.cut |= !self.all_failed(),
             false => drop(self.run(batch)),
         }
     }
@@ -129,14 +129,14 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns the samples to climb from on a driver, with their severity.
-    pub fn starts(&self, driver: usize, why: DriverKeepReason) -> Vec<(Sample, f64)> {
+    pub fn climb_starts(&self, driver: usize, why: DriverKeepReason) -> Vec<(Sample, f64)> {
         let tops = &self.seats[driver].seen.tops[why as usize];
         tops.iter().map(|kept| (kept.sample.0.clone(), kept.severity)).collect()
     }
 
     /// Queues the samples of a climb.
     pub fn add(&mut self, batch: Batch) {
-        if self.idle() {
+        if self.all_failed() {
             return;
         }
         self.waiting.append(batch);
@@ -154,7 +154,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns each driver's floats for samples, or the reason there are none.
-    pub fn ask(&mut self, samples: &[Sample]) -> Vec<DriverFloats> {
+    pub fn run_samples(&mut self, samples: &[Sample]) -> Vec<DriverFloats> {
         let floats = &self.judge.floats;
         let each = self.seats.iter_mut().map(|seat| {
             let columns = columns(samples);
@@ -171,7 +171,7 @@ impl<'r> Drivers<'r> {
     }
 
     /// Returns the records so far.
-    pub fn seen(&self) -> Vec<DriverRecord> {
+    pub fn records(&self) -> Vec<DriverRecord> {
         self.seats.iter().map(|seat| seat.seen.clone()).collect()
     }
 }

@@ -8,7 +8,7 @@ use landfall_layout::shape::ScalarKind;
 
 /// All combinations of a function's inputs.
 #[derive(Clone, Debug)]
-pub(super) struct Every {
+pub(super) struct ExhaustiveInputs {
     values: Vec<Values>,
     /// The number of scalars of a sample.
     scalars: usize,
@@ -26,10 +26,10 @@ struct Values {
     word: fn(i64) -> u64,
 }
 
-impl Every {
+impl ExhaustiveInputs {
     /// Returns all inputs of a domain, if there are at most `most` and each scalar has an
     /// independent range.
-    pub fn of(inputs: &Inputs, domain: &Domain, most: u64) -> Option<Every> {
+    pub fn of(inputs: &Inputs, domain: &Domain, most: u64) -> Option<ExhaustiveInputs> {
         if !domain.apart.is_empty() {
             return None;
         }
@@ -44,7 +44,7 @@ impl Every {
         // Steps of the golden section leave neighbours for late.
         let first = (count as f64 * 0.618) as u64;
         let stride = (first.max(1)..).find(|stride| divisor(*stride, count) == 1)?;
-        Some(Every { values, scalars: inputs.scalars, count, stride })
+        Some(ExhaustiveInputs { values, scalars: inputs.scalars, count, stride })
     }
 
     /// Returns the number of inputs.
@@ -127,7 +127,7 @@ mod tests {
     use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
     use landfall_layout::{Options, Source};
 
-    fn every(parameters: &str, json: &str, most: u64) -> Option<Every> {
+    fn every(parameters: &str, json: &str, most: u64) -> Option<ExhaustiveInputs> {
         let text =
             format!("#version 450\nfloat f({parameters}) {{ return 1.0; }}\nvoid main() {{}}\n");
         let source = Source::new("f.frag", text);
@@ -137,7 +137,7 @@ mod tests {
         let mut domain = Domain::any(&inputs);
         let json = serde_json::from_str(json).expect("it is JSON");
         domain.add_json(&json, &inputs).expect("it has something in it");
-        Every::of(&inputs, &domain, most)
+        ExhaustiveInputs::of(&inputs, &domain, most)
     }
 
     #[test]

@@ -22,7 +22,7 @@ use landfall_layout::finding::Level;
 
 /// A finding before it is reported.
 #[derive(Clone, Debug)]
-pub(super) struct Raw {
+pub(super) struct UnreportedFinding {
     pub candidate: Candidate,
     pub outcome: Outcome,
     /// The simplest sample.
@@ -40,7 +40,7 @@ type Exemplar = ((u32, KeepReason), Kept);
 type Key = (&'static str, u32, u32);
 
 struct Group {
-    best: Raw,
+    best: UnreportedFinding,
     seen: usize,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn findings(
     plan: &Plan,
     exemplars: Exemplars,
     climbs: &mut Climbs<'_, '_>,
-) -> Vec<Raw> {
+) -> Vec<UnreportedFinding> {
     let inputs = generator.inputs;
     let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
     let mut random = Random::new(7, 7);
@@ -71,8 +71,8 @@ pub(super) fn findings(
     let losses =
         ordered.iter().filter(|(key, _)| matches!(key.1, KeepReason::Above | KeepReason::Below));
     let left = plan.until.left().unwrap_or(UNHURRIED);
-    let looking = plan.until.sooner(left / 2);
-    let plan_of_climbs = &Plan { until: plan.until.sooner(left / 4), ..plan.clone() };
+    let looking = plan.until.shortened_to(left / 2);
+    let plan_of_climbs = &Plan { until: plan.until.shortened_to(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
         let steps = |off: &super::measure::SampleError| off.steps;
         climbed.push(
@@ -106,9 +106,9 @@ pub(super) fn findings(
             look(&kept.sample, &mut groups);
         }
     }
-    let mut all: Vec<(Key, Raw)> = groups
+    let mut all: Vec<(Key, UnreportedFinding)> = groups
         .into_iter()
-        .map(|(key, group)| (key, Raw { seen: group.seen, ..group.best }))
+        .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
     let left = plan.until.left().unwrap_or(UNHURRIED);
@@ -118,7 +118,7 @@ pub(super) fn findings(
         // Each finding gets its share of the remaining time.
         let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
         let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
-        let share = plan.until.sooner(each.saturating_mul(2));
+        let share = plan.until.shortened_to(each.saturating_mul(2));
         let loss = raw.candidate.kind.is_none();
         let apart = raw.candidate.hazard == Hazard::BranchDivergence;
         let was = raw.plausible;
@@ -145,13 +145,17 @@ pub(super) fn findings(
 }
 
 /// Returns the findings whose hazard and line are not among others.
-pub(super) fn unknown(pure: &PureFunction, known: &[Raw], more: Vec<Raw>) -> Vec<Raw> {
+pub(super) fn unknown(
+    pure: &PureFunction,
+    known: &[UnreportedFinding],
+    more: Vec<UnreportedFinding>,
+) -> Vec<UnreportedFinding> {
     let keys: Vec<Key> = known.iter().map(|raw| raw.candidate.key(pure)).collect();
     more.into_iter().filter(|raw| !keys.contains(&raw.candidate.key(pure))).collect()
 }
 
 /// Returns the sort key: findings with plausible inputs first, then by level.
-fn order_of(raw: &Raw) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
+fn order_of(raw: &UnreportedFinding) -> (bool, std::cmp::Reverse<Level>, bool, Hazard) {
     let hazard = raw.candidate.hazard;
     let level = std::cmp::Reverse(hazard.info().level);
     (!raw.plausible, level, hazard.is_arithmetic(), hazard)
@@ -210,7 +214,7 @@ fn sort(
             (Hazard::BranchDivergence, Some(off)) => off.steps,
             _ => severity,
         };
-        let raw = || Raw {
+        let raw = || UnreportedFinding {
             candidate: candidate.clone(),
             outcome: examined.outcome,
             sample: sample.clone(),

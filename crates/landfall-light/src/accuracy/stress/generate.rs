@@ -4,7 +4,7 @@
 //! Used by [`sample`](super::sample).
 
 use super::domain::{Domain, ValueRange};
-use super::exhaustive::Every;
+use super::exhaustive::ExhaustiveInputs;
 use super::input::{Inputs, Sample, float};
 use super::mutations::{Change, Mutation, mutations, some};
 use super::random::Random;
@@ -65,7 +65,7 @@ pub(super) struct Generator<'a> {
     mutations: Vec<Mutation>,
     seed: u64,
     /// All inputs, if there are few.
-    every: Option<Every>,
+    every: Option<ExhaustiveInputs>,
 }
 
 /// Samples of one family.
@@ -96,12 +96,12 @@ impl<'a> Generator<'a> {
 
     /// Switches to every input once, if there are at most `most`.
     pub fn or_every(self, most: u64) -> Generator<'a> {
-        Generator { every: Every::of(self.inputs, self.domain, most), ..self }
+        Generator { every: ExhaustiveInputs::of(self.inputs, self.domain, most), ..self }
     }
 
     /// Returns the number of inputs, if each is run once.
     pub fn all(&self) -> Option<u64> {
-        self.every.as_ref().map(Every::count)
+        self.every.as_ref().map(ExhaustiveInputs::count)
     }
 
     /// Returns the scenes to which each mutation is applied in the first pass.

@@ -110,7 +110,7 @@ impl Sampled {
     }
 
     /// Returns the samples to climb from: 0 for units of the last place, 1 for steps.
-    pub fn starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
+    pub fn climb_starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
         self.tops[which].iter().map(|kept| &kept.sample)
     }
 }
@@ -136,7 +136,12 @@ pub(super) fn top<T>(
 
 /// Keeps a sample if there is none of its kind or only a less severe one; adds new kinds up to
 /// `most`.
-pub(super) fn keep(all: &mut Exemplars, key: (u32, KeepReason), new: Kept, most: usize) {
+pub(super) fn keep_most_severe(
+    all: &mut Exemplars,
+    key: (u32, KeepReason),
+    new: Kept,
+    most: usize,
+) {
     let room = all.len() < most;
     match all.get_mut(&key) {
         Some(known) => {

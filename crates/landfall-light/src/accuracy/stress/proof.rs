@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::Request;
 use super::climb::Climbs;
 use super::deadline::Deadline;
-use super::find::{self, Raw};
+use super::find::{self, UnreportedFinding};
 use super::generate::Generator;
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::plan::Plan;
@@ -39,7 +39,7 @@ pub(super) fn findings(
     mut exemplars: Exemplars,
     climbs: &mut Climbs<'_, '_>,
     request: &Request,
-) -> (Vec<Raw>, Proof) {
+) -> (Vec<UnreportedFinding>, Proof) {
     let proof = proof(pure, generator.inputs, generator.domain, request, &plan.until);
     let lost = witnesses(&proof.goals, &mut exemplars);
     let mut raws = find::findings(pure, generator, plan, exemplars, climbs);

@@ -4,13 +4,13 @@
 
 use super::Request;
 use super::advice::Advised;
-use super::backends::{BackendReport, ask, on_a_driver, reports};
+use super::backends::{BackendReport, on_a_driver, reports, run_findings_on_drivers};
 use super::case::{Writer, Writing, case, command, fixed};
 use super::classify::examine;
 use super::condition::condition;
 use super::domain::Domain;
 use super::drivers::Drivers;
-use super::find::Raw;
+use super::find::UnreportedFinding;
 use super::found::{Against, StressFinding, Worst};
 use super::generate::Family;
 use super::input::{Input, Inputs, Sample};
@@ -82,7 +82,7 @@ pub(super) struct ReportParts<'a> {
     /// own.
     pub against: Option<(&'a PureFunction, Vec<Option<usize>>)>,
     pub families: Vec<(Family, Tally)>,
-    pub raws: Vec<Raw>,
+    pub raws: Vec<UnreportedFinding>,
     pub proof: Proof,
     pub worst: Vec<(Sample, SampleError)>,
     pub drivers: Drivers<'a>,
@@ -141,10 +141,10 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         notes.push(format!("{code} also occurs in {count} further lines"));
     }
     for backend in &backends {
-        let odd = backend.odd();
+        let odd = backend.driver_findings();
         findings.extend(odd.map(|odd| on_a_driver(pure, plan, backend.backend, odd)));
     }
-    ask(&mut made.drivers, &mut findings);
+    run_findings_on_drivers(&mut made.drivers, &mut findings);
     // Drivers do not run inputs that may not terminate.
     findings.extend(made.endless.first().map(|sample| endless(&writing, sample)));
     if made.request.pure.floats != Floats::AsWritten && !backends.is_empty() {
@@ -183,7 +183,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
 }
 
-fn found(writing: &Writing<'_>, raw: Raw) -> StressFinding {
+fn found(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
     let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
     let semantic = [

@@ -10,7 +10,7 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use super::batch::Batch;
 use super::drivers::Drivers;
 use super::generate::Generator;
-use super::kept::{Sampled, keep, top};
+use super::kept::{Sampled, keep_most_severe, top};
 use super::plan::Plan;
 use super::worker::Worker;
 use landfall_exec::backend::Failure;
@@ -56,7 +56,7 @@ pub(super) fn run(
         Ok(mine.sampled)
     };
     let threads = plan.threads.max(1);
-    let alone = drivers.idle();
+    let alone = drivers.all_failed();
     let parts: Vec<Result<Sampled, Failure>> = if threads == 1 && alone {
         vec![work(None)]
     } else {
@@ -88,7 +88,7 @@ pub(super) fn run(
             }
         }
         for (key, kept) in part.exemplars {
-            keep(&mut all.exemplars, key, kept, usize::MAX);
+            keep_most_severe(&mut all.exemplars, key, kept, usize::MAX);
         }
     }
     Ok(all)

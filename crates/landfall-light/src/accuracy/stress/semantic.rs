@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::blame::Graph;
 use super::classify::{Candidate, Examined, Performed, examine};
 use super::domain::ValueRange;
-use super::find::Raw;
+use super::find::UnreportedFinding;
 use super::generate::Generator;
 use super::input::{Input, Inputs, Sample, float};
 use super::measure::{Outcome, SampleError, floats};
@@ -35,7 +35,7 @@ pub(super) fn findings(
     generator: &Generator<'_>,
     plan: &Plan,
     seed: u64,
-) -> Vec<Raw> {
+) -> Vec<UnreportedFinding> {
     let check = Check { pure, generator, plan, end: plan.until.end_with(LEAST) };
     let mut random = Random::new(seed, 1 << 40);
     let mut all = Vec::new();
@@ -96,7 +96,7 @@ impl Check<'_> {
         sample: &Sample,
         about: Vec<usize>,
         change: f64,
-    ) -> Raw {
+    ) -> UnreportedFinding {
         let operation = Performed {
             operation: step.operation,
             operands: step.operands.iter().map(|o| o.number).collect(),
@@ -106,7 +106,7 @@ impl Check<'_> {
         let place = graph.pure.place_of(step);
         let candidate = Candidate { hazard, place, operation: Some(operation), about, kind: None };
         let off = SampleError { ulp: 0.0, relative: 0.0, steps: 255.0 * change };
-        Raw {
+        UnreportedFinding {
             candidate,
             outcome: Outcome::Finite(off, false),
             sample: sample.clone(),
@@ -117,7 +117,7 @@ impl Check<'_> {
     }
 
     /// Tests that a light below the horizon has no highlight.
-    fn behind(&self, random: &mut Random) -> Option<Raw> {
+    fn behind(&self, random: &mut Random) -> Option<UnreportedFinding> {
         for _ in 0..SCENES {
             let Some(sample) = self.scene(Geometry::Behind, random) else { continue };
             let Some(examined) = self.examine(&sample) else { continue };
@@ -150,7 +150,7 @@ impl Check<'_> {
         sample: &Sample,
         values: &[f64],
         random: &mut Random,
-    ) -> Option<Raw> {
+    ) -> Option<UnreportedFinding> {
         for step in &graph.trace.steps {
             let shines = step.operation == Operation::Pow && step.results[0].double > 1.0e-2;
             if !shines {
@@ -185,12 +185,12 @@ impl Check<'_> {
     }
 
     /// Tests that the length of a normal has no effect.
-    fn normals(&self, random: &mut Random) -> Option<Raw> {
+    fn normals(&self, random: &mut Random) -> Option<UnreportedFinding> {
         let domain = &self.generator.domain.within;
         let free = |at: &usize| matches!(domain[*at], ValueRange::Any | ValueRange::Range(..));
         let normals = self.of(|i| i.role == Role::Normal && i.is_vector());
         let normals: Vec<usize> = normals.into_iter().filter(free).collect();
-        let mut worst: Option<Raw> = None;
+        let mut worst: Option<UnreportedFinding> = None;
         for &normal in &normals {
             for scene in 0..SCENES {
                 let geometry = if scene % 2 == 0 { Geometry::Mirror } else { Geometry::Ordinary };
@@ -262,7 +262,7 @@ impl Check<'_> {
     }
 
     /// Tests that a cut-off in degrees and its cosine light the same points.
-    fn cones(&self, random: &mut Random) -> Option<Raw> {
+    fn cones(&self, random: &mut Random) -> Option<UnreportedFinding> {
         let domain = &self.generator.domain.within;
         let wide = |at: &usize| domain[*at].bounds().1 >= 17.5;
         let cones = self.of(|i| i.role.is_cone() && i.is_number());
@@ -282,7 +282,7 @@ impl Check<'_> {
         None
     }
 
-    fn cone(&self, cones: &[usize], random: &mut Random) -> Option<Raw> {
+    fn cone(&self, cones: &[usize], random: &mut Random) -> Option<UnreportedFinding> {
         let setting = Setting { geometry: Geometry::OnAxis, cone: 0, shine: 0 };
         let lit = scene::sample(self.inputs(), setting, random);
         let owner = &self.inputs()[cones[0]].owner;

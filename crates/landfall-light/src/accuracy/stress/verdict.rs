@@ -97,7 +97,7 @@ fn single(called: &KernelResult, (result, at): (usize, usize), lane: usize) -> f
 }
 
 /// Returns the outcome of `count` floats of a driver, each paired with its expected value.
-pub(super) fn came(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> DriverOutcome {
+pub(super) fn driver_outcome(count: usize, pair: impl Fn(usize) -> (f32, f64)) -> DriverOutcome {
     let singles = || (0..count).map(|nth| pair(nth).0);
     if singles().any(f32::is_nan) {
         return DriverOutcome::NotANumber;
@@ -172,7 +172,7 @@ impl DriverRecord {
                     self.keep(DriverKeepReason::NotFinite, severity, at, sample);
                 }
             };
-            match came(floats.len(), pair) {
+            match driver_outcome(floats.len(), pair) {
                 DriverOutcome::NotANumber => not_finite(Outcome::NotANumber, 2.0),
                 DriverOutcome::Infinite => not_finite(Outcome::Infinite, 1.0),
                 DriverOutcome::Finite(off) => {

@@ -7,7 +7,7 @@ use std::sync::mpsc::SyncSender;
 
 use super::batch::Batch;
 use super::generate::{Chunk, Family, TAG_BITS};
-use super::kept::{KeepReason, Kept, Sampled, Tally, keep, top};
+use super::kept::{KeepReason, Kept, Sampled, Tally, keep_most_severe, top};
 use super::measure::{Outcome, floats, outcome, outcome_beside};
 use super::plan::{Plan, columns, settings};
 use landfall_exec::backend::{Failure, FailureKind};
@@ -87,7 +87,12 @@ impl<'a> Worker<'a> {
                         severity: 1.0,
                         at: (number, lanes.start),
                     };
-                    keep(&mut self.sampled.exemplars, (0, KeepReason::Endless), kept, KEPT);
+                    keep_most_severe(
+                        &mut self.sampled.exemplars,
+                        (0, KeepReason::Endless),
+                        kept,
+                        KEPT,
+                    );
                     return Ok(());
                 }
                 let middle = lanes.start + lanes.len() / 2;
@@ -213,6 +218,6 @@ impl<'a> Worker<'a> {
             return;
         }
         let kept = Kept { sample: chunk.samples[nth].clone(), severity, at: (number, nth) };
-        keep(&mut self.sampled.exemplars, key, kept, KEPT);
+        keep_most_severe(&mut self.sampled.exemplars, key, kept, KEPT);
     }
 }

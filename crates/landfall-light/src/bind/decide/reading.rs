@@ -93,7 +93,7 @@ pub(super) struct Reading {
 
 /// Returns the questions about the lights of a map. Members whose keys `given` accepts keep their
 /// sources.
-pub(super) fn questions(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<BindingGroup> {
+pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<BindingGroup> {
     let mut lights: Vec<(Kind, Slot)> = Vec::new();
     for member in &map.members {
         if let Some(Quantity::Light { kind, slot, .. }) = member.source.quantity() {

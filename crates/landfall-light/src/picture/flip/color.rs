@@ -60,7 +60,7 @@ impl Redistribution {
     }
 
     /// Returns the colour difference of a distance.
-    pub fn of(&self, distance: f64) -> f64 {
+    pub fn value_at(&self, distance: f64) -> f64 {
         let difference = distance.powf(EXPONENT);
         let knee = KNEE * self.most;
         match difference < knee {

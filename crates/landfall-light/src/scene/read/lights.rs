@@ -3,7 +3,7 @@
 use glam::DVec3;
 use landfall_layout::diagnostic::Code;
 
-use super::walk::{At, Object, Walk, tidy};
+use super::walk::{At, Object, Walk, round_to_four_digits};
 use crate::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, PointLight, SpotLight,
 };
@@ -180,7 +180,7 @@ fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
     }
     let what = format!(
         "is {constant} without other coefficients: at every distance the light is {} times as bright",
-        tidy(1.0 / constant)
+        round_to_four_digits(1.0 / constant)
     );
     walk.warning(Code::LoneConstant, at, what).help =
         Some("add `linear` and `quadratic`; to only brighten or dim, use `intensity`".to_string());
@@ -285,8 +285,8 @@ fn degrees(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
     } else if outer < 1.0 {
         narrow(walk, outer_at, outer).help = Some(format!(
             "if these are radians, write `\"inner_degrees\": {}, \"outer_degrees\": {}`",
-            tidy(inner.to_degrees()),
-            tidy(outer.to_degrees()),
+            round_to_four_digits(inner.to_degrees()),
+            round_to_four_digits(outer.to_degrees()),
         ));
     }
     Some(Cone { inner_cos: cos(inner), outer_cos: cos(outer), degrees: Some([inner, outer]) })
@@ -296,7 +296,7 @@ fn half(walk: &mut Walk, at: &At<'_>) -> Option<Cone> {
     let half = angle(walk, at)?;
     wide_enough(walk, at, half)?;
     if half < 1.0 {
-        let degrees = tidy(half.acos().to_degrees());
+        let degrees = round_to_four_digits(half.acos().to_degrees());
         narrow(walk, at, half).help =
             Some(format!("if that is a cosine, write `\"half_degrees\": {degrees}`"));
     }
@@ -332,8 +332,8 @@ fn cosines(walk: &mut Walk, at: &At<'_>, inner_at: &At<'_>, outer_at: &At<'_>) -
         walk.error(Code::SwappedCone, at, what).help = Some(format!(
             "write `\"inner_cos\": {outer}, \"outer_cos\": {inner}`; if these are radians, write \
              `\"inner_degrees\": {}, \"outer_degrees\": {}`",
-            tidy(inner.to_degrees()),
-            tidy(outer.to_degrees()),
+            round_to_four_digits(inner.to_degrees()),
+            round_to_four_digits(outer.to_degrees()),
         ));
         return None;
     }
@@ -366,7 +366,7 @@ fn cosine(walk: &mut Walk, at: &At<'_>) -> Option<f64> {
         let member = if at.path.ends_with("inner_cos") { "inner" } else { "outer" };
         found.help = Some(format!(
             "if that is an angle, write `\"{member}_degrees\": {cosine}`, or its cosine, {}",
-            tidy(cos(cosine))
+            round_to_four_digits(cos(cosine))
         ));
     }
     None

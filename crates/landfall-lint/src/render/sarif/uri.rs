@@ -10,7 +10,7 @@ pub(super) enum Uri {
 }
 
 /// The URI of a path whose parts are separated by `/`.
-pub(super) fn of(path: &str) -> Uri {
+pub(super) fn from_path(path: &str) -> Uri {
     let bytes = path.as_bytes();
     let drive = bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/";
     match path.strip_prefix('/') {
@@ -42,10 +42,10 @@ mod tests {
     fn nothing_in_a_path_is_taken_for_a_scheme_a_query_or_a_host() {
         let relative = |uri: &str| Uri::Relative(uri.to_string());
         let absolute = |uri: &str| Uri::Absolute(uri.to_string());
-        assert_eq!(of("a b/c:d,e.frag"), relative("a%20b/c%3Ad%2Ce.frag"));
-        assert_eq!(of("http:/x?y#z%20"), relative("http%3A/x%3Fy%23z%2520"));
-        assert_eq!(of("./é/漢"), relative("%C3%A9/%E6%BC%A2"));
-        assert_eq!(of("/tmp/a b"), absolute("file:///tmp/a%20b"));
-        assert_eq!(of("C:/a:b"), absolute("file:///C:/a%3Ab"));
+        assert_eq!(from_path("a b/c:d,e.frag"), relative("a%20b/c%3Ad%2Ce.frag"));
+        assert_eq!(from_path("http:/x?y#z%20"), relative("http%3A/x%3Fy%23z%2520"));
+        assert_eq!(from_path("./é/漢"), relative("%C3%A9/%E6%BC%A2"));
+        assert_eq!(from_path("/tmp/a b"), absolute("file:///tmp/a%20b"));
+        assert_eq!(from_path("C:/a:b"), absolute("file:///C:/a%3Ab"));
     }
 }

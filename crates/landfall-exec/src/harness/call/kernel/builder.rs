@@ -59,7 +59,7 @@ impl<'m> Builder<'m> {
     }
 
     /// Adds an expression that is evaluated before the body.
-    pub fn given(&mut self, expression: Expression) -> Handle<Expression> {
+    pub fn add_before_body(&mut self, expression: Expression) -> Handle<Expression> {
         self.flush();
         self.function.expressions.append(expression, Span::UNDEFINED)
     }
@@ -91,11 +91,11 @@ impl<'m> Builder<'m> {
 
     /// Adds the result of a call statement.
     pub fn call_result(&mut self, function: Handle<Function>) -> Handle<Expression> {
-        self.given(Expression::CallResult(function))
+        self.add_before_body(Expression::CallResult(function))
     }
 
     pub fn number(&mut self, number: u32) -> Handle<Expression> {
-        self.given(Expression::Literal(Literal::U32(number)))
+        self.add_before_body(Expression::Literal(Literal::U32(number)))
     }
 
     pub fn binary(
@@ -115,7 +115,7 @@ impl<'m> Builder<'m> {
     pub fn local(&mut self, ty: Handle<Type>) -> Handle<Expression> {
         let local = LocalVariable { name: None, ty, init: None };
         let local = self.function.local_variables.append(local, Span::UNDEFINED);
-        self.given(Expression::LocalVariable(local))
+        self.add_before_body(Expression::LocalVariable(local))
     }
 
     pub fn ty(&mut self, inner: TypeInner) -> Handle<Type> {
@@ -378,20 +378,20 @@ impl<'m> Builder<'m> {
             (ScalarKind::AbstractInt | ScalarKind::AbstractFloat, _) => return None,
         };
         if scalar.width != 8 {
-            self.put(word, at);
+            self.store_word(word, at);
             return Some(());
         }
         let low = self.cast(word, ScalarKind::Uint, Some(4));
-        self.put(low, at);
+        self.store_word(low, at);
         let half = self.number(32);
         let high = self.binary(BinaryOperator::ShiftRight, word, half);
         let high = self.cast(high, ScalarKind::Uint, Some(4));
-        self.put(high, at.on(1));
+        self.store_word(high, at.on(1));
         Some(())
     }
 
     /// Stores a word.
-    pub fn put(&mut self, value: Handle<Expression>, at: At) {
+    pub fn store_word(&mut self, value: Handle<Expression>, at: At) {
         let pointer = self.word(at);
         self.statement(Statement::Store { pointer, value });
     }

@@ -154,7 +154,8 @@ fn entry(
     };
     let from = new.number(places.words_in);
     let to = new.number(places.words_out);
-    let [inputs, outputs] = [inputs, outputs].map(|v| new.given(Expression::GlobalVariable(v)));
+    let [inputs, outputs] =
+        [inputs, outputs].map(|v| new.add_before_body(Expression::GlobalVariable(v)));
     new.count_by_length(outputs);
     let base = new.binary(BinaryOperator::Multiply, lane, from);
     let from = At { buffer: inputs, base, offset: 0 };
@@ -163,7 +164,7 @@ fn entry(
     let mut arguments = Vec::with_capacity(parameters.len());
     for (nth, (ty, slot)) in parameters.iter().zip(&pure.slots).enumerate() {
         if let Some((_, block)) = blocks.iter().find(|(at, _)| *at == nth) {
-            let pointer = new.given(Expression::GlobalVariable(*block));
+            let pointer = new.add_before_body(Expression::GlobalVariable(*block));
             new.load_into(pointer, *ty, At { offset: places.slot(slot)?, ..from })?;
             arguments.push(None);
             continue;
@@ -178,7 +179,7 @@ fn entry(
         };
         arguments.push(Some(match (pointed, first) {
             (None, Some(at)) => new.load(*ty, at)?,
-            (None, None) => new.given(Expression::ZeroValue(*ty)),
+            (None, None) => new.add_before_body(Expression::ZeroValue(*ty)),
             (Some(ty), Some(at)) => {
                 let pointer = new.local(ty);
                 new.load_into(pointer, ty, at)?;
@@ -211,7 +212,7 @@ fn entry(
         }
     }
     let one = new.number(1);
-    new.put(one, At { offset: places.done, ..to });
+    new.store_word(one, At { offset: places.done, ..to });
     new.statement(Statement::Return { value: None });
     let mut function = new.finish();
     function.name = Some(ENTRY.to_string());
@@ -273,7 +274,7 @@ fn lane(new: &mut Builder<'_>, stage: ShaderStage) -> Handle<Expression> {
     let ty = new.ty(inner);
     let binding = Some(Binding::BuiltIn(builtin));
     new.function.arguments.push(FunctionArgument { name: None, ty, binding });
-    let place = new.given(Expression::FunctionArgument(0));
+    let place = new.add_before_body(Expression::FunctionArgument(0));
     let x = new.index(place, 0);
     if compute {
         return x;

@@ -26,7 +26,7 @@ pub(super) const ONE: &str = "landfall_one";
 const ROWS: [&str; 4] = ["x", "y", "z", "w"];
 
 /// Returns the pieces of a value of a plain type.
-pub(super) fn plain(ty: &ValueType, new: &dyn Fn(&str) -> String) -> Vec<Piece> {
+pub(super) fn value_pieces(ty: &ValueType, new: &dyn Fn(&str) -> String) -> Vec<Piece> {
     pieces(ty, None, new).expect("a call of more words has no places")
 }
 

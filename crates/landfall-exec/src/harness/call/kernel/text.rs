@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::packing::Places;
-use super::pieces::{ONE, Piece, WordDirection, member, moves, plain};
+use super::pieces::{ONE, Piece, WordDirection, member, moves, value_pieces};
 use super::{Code, Lanes, ROW, buffer, refused};
 use crate::backend::{Failure, Resource, StageCode};
 use crate::harness::access;
@@ -17,7 +17,7 @@ use crate::harness::bindings as bound;
 use crate::harness::call::pure::{Origin, PureFunction, Purpose, Slot};
 use crate::harness::probe::glsl::is_sized;
 use crate::harness::rewrite::{Builtin, RewriteTargets, Rewritten, rewritten, root};
-use crate::harness::verify::{code as texts, every, partner};
+use crate::harness::verify::{all_buffers, code as texts, partner};
 use crate::interp::ValueType;
 use landfall_layout::layout;
 use landfall_layout::layout::BlockLayout;
@@ -45,7 +45,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
     let source = &pure.source;
     for block in pure.module.blocks() {
         let pushed = block.layout.space == AddressSpace::PushConstant;
-        if pushed && bound::given(&pure.data, block).is_some() {
+        if pushed && bound::values_for_block(&pure.data, block).is_some() {
             let name = &block.layout.name;
             let message = format!("OpenGL has no push constants to hold the values of `{name}`");
             return Err(Failure::refused(message, ""));
@@ -64,7 +64,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         spirv: None,
     };
     // OpenGL has neither; a specialisation constant keeps its default.
-    let text = texts::without(&texts::without(&text, "set"), "constant_id");
+    let text = texts::without_qualifier(&texts::without_qualifier(&text, "set"), "constant_id");
     let mut stages = vec![part(stage.into(), text)];
     if stage == ExecutableStage::Vertex {
         stages.push(part(
@@ -79,7 +79,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         if wanted.blocks.contains(&user.block_name(source, &block.layout)) {
             continue;
         }
-        let elements = every(&block.layout.count);
+        let elements = all_buffers(&block.layout.count);
         let nth = block.element.and_then(|nth| elements.get(nth as usize));
         let name = user.block_name(source, &block.layout);
         let name = texts::gl_name(&name, nth.map_or(&[], |nth| nth.as_slice()));
@@ -249,11 +249,11 @@ impl<'p> User<'p> {
                     }
                     Some(_) => {
                         let name = parameter.path.replacen("gl_", "landfall_", 1);
-                        (name, plain(&parameter.ty, &new))
+                        (name, value_pieces(&parameter.ty, &new))
                     }
                     None => {
                         let path = rewritten.renamed(&self.new_path(&parameter.path));
-                        (path, plain(&parameter.ty, &new))
+                        (path, value_pieces(&parameter.ty, &new))
                     }
                 },
                 Origin::Block(name, member_name) => {
@@ -261,7 +261,7 @@ impl<'p> User<'p> {
                     let found = block.and_then(|block| {
                         let mut members = block.layout.members.iter();
                         let layout = members.find(|m| *m.name == **member_name)?;
-                        let elements = every(&block.layout.count);
+                        let elements = all_buffers(&block.layout.count);
                         let nth = block.element.and_then(|nth| elements.get(nth as usize));
                         let subscripts: String =
                             nth.into_iter().flatten().map(|i| format!("[{i}]")).collect();
@@ -296,7 +296,7 @@ impl<'p> User<'p> {
             let _ = writeln!(text, "    {};", declared(&self.new_type(&info.ty), &name));
             if let Some(Slot::Given(given)) = pure.slots.get(base + nth) {
                 for &parameter in given {
-                    let pieces = plain(&pure.parameters[parameter].ty, &new);
+                    let pieces = value_pieces(&pure.parameters[parameter].ty, &new);
                     load(text, &name, places.parameters[parameter], &pieces);
                 }
             }
@@ -322,7 +322,7 @@ impl<'p> User<'p> {
                     None => self.output(&result.name),
                 },
             };
-            let pieces = plain(&result.ty, &new);
+            let pieces = value_pieces(&result.ty, &new);
             let from = format!("{TO} + {first}u");
             moves(text, &pieces, WordDirection::Store, (&name, OUTPUTS[1], &from));
         }

@@ -41,7 +41,7 @@ FragColor = vec4(sum * other, 1.0);
     let options = Options::default();
     let module = Module::new(&source, &options).unwrap_or_else(|found| panic!("{found:?}"));
     let blocks: Vec<_> = module.blocks.iter().map(|block| block.layout.clone()).collect();
-    let lights = roles::held(&blocks);
+    let lights = roles::lights_in_blocks(&blocks);
     assert_eq!(lights.len(), 1);
     let terms = terms(&source, &options, &lights, "FragPos");
     let terms = terms.unwrap_or_else(|found| panic!("{found:?}"));
@@ -51,7 +51,8 @@ FragColor = vec4(sum * other, 1.0);
         _ => None,
     };
     let counts = ["pointCount".to_string(), "lights.length()".to_string()];
-    terms.vanish(0, &Numbers { counts: &counts, lists: &[], of: &of, distance: [distance, 1e19] })
+    terms
+        .adds_zero(0, &Numbers { counts: &counts, lists: &[], of: &of, distance: [distance, 1e19] })
 }
 
 #[test]

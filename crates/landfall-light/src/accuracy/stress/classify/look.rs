@@ -14,12 +14,12 @@ use landfall_ir::analysis::hazard::threshold::{
 };
 
 /// A sample with the graph of its operations.
-pub(super) struct Look<'a> {
+pub(super) struct TracedSample<'a> {
     pub graph: Graph<'a>,
     pub sample: &'a Sample,
 }
 
-impl Look<'_> {
+impl TracedSample<'_> {
     fn candidate(
         &self,
         step: &TracedOperation,
@@ -296,7 +296,7 @@ impl Look<'_> {
                 }
             }
         }
-        let guilty = self.graph.guilty(worst?.1)?;
+        let guilty = self.graph.error_source(worst?.1)?;
         let step = &self.graph.trace.steps[guilty];
         // An undefined value is a finding of its own.
         if undefined(step).is_some() {
