@@ -78,6 +78,20 @@ fn tree(seed: u64, outside: &Path) -> Place {
             }
         }
     }
+    let mut name = || {
+        let folder = random.choice(&folders).unwrap();
+        let extension = random.choice(["", ".json", ".txt"]).unwrap();
+        format!("{folder}{}{extension}", random.choice(&NAMES).unwrap())
+    };
+    let (texture, mesh) = (name(), name());
+    let scene = serde_json::json!({
+        "size": [4, 4], "model": "multi",
+        "camera": {"position": [0, 1, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 60},
+        "lights": {"point": [{"position": [0, 3, 3], "color": [9, 9, 9]}]},
+        "materials": [{"name": "m", "diffuse": {"png": texture}}],
+        "objects": [{"mesh": {"obj": mesh}, "material": "m"}, {"mesh": "plane", "material": "m"}],
+    });
+    place.write("scene.json", scene.to_string());
     if random.bool() {
         let config = random.choice(["cache-dir = \"o\"\n", "locks = \"s\"\n", "\u{0}", "["]);
         place.write("landfall.toml", config.unwrap());
@@ -85,7 +99,7 @@ fn tree(seed: u64, outside: &Path) -> Place {
     place
 }
 
-const COMMANDS: [&[&str]; 12] = [
+const COMMANDS: [&[&str]; 14] = [
     &["layout", "."],
     &["layout", "s", "-f", "json", "--out", "o"],
     &["layout", ".", "-f", "md", "--out", "o", "--force"],
@@ -96,6 +110,8 @@ const COMMANDS: [&[&str]; 12] = [
     &["check", "--fix", "-W", "all"],
     &["diff", "layouts", "s"],
     &["lights", "."],
+    &["render", "scene.json", "--reference", "-o", "o/p.png"],
+    &["bench", "scene.json", "--backend", "cpu", "--rounds", "3", "--plot", "o/p.svg"],
     &["verify", ".", "--backend", "cpu", "--record"],
     &["emit", "*.frag", "s", "--lang", "c", "-o", "o/h.h"],
 ];

@@ -131,6 +131,72 @@ fn options_that_others_leave_without_effect_are_warned_of() {
 }
 
 #[test]
+fn a_stage_of_wgsl_and_the_gathering_of_no_uniforms_are_warned_of() {
+    let place = project("stage");
+    let wgsl = "@group(0) @binding(0) var<uniform> u: vec4f;\n";
+    let loose =
+        "#version 330\nuniform vec3 tint;\nout vec4 o;\nvoid main() { o = vec4(tint, 1); }\n";
+    place.write("a.wgsl", wgsl).write("loose.frag", loose).write("w.txt", wgsl);
+    let stage = "`--stage fragment` has no effect: WGSL states the stages of its functions";
+    let gather = "`--gather` has no effect: no shader has a uniform outside blocks";
+    let block = "`--block Mine` has no effect: no uniform is outside blocks";
+    for (command, said) in [
+        ("layout a.wgsl --stage fragment", Some(stage)),
+        ("layout w.txt --language wgsl --stage fragment", Some(stage)),
+        ("check a.wgsl --stage fragment", Some(stage)),
+        ("check a.wgsl --stage fragment --cache-dir c", Some(stage)),
+        ("check a.wgsl --stage fragment --cache-dir c", Some(stage)),
+        ("layout a.wgsl a.frag --stage fragment", None),
+        ("check a.frag --stage fragment --cache-dir c", None),
+        ("check a.frag --stage fragment --cache-dir c", None),
+        ("layout a.frag --gather", Some(gather)),
+        ("emit a.frag --lang c --gather", Some(gather)),
+        ("lock a.frag --gather", Some(gather)),
+        ("check a.frag --gather --cache-dir c", Some(gather)),
+        ("check a.frag --gather --cache-dir c", Some(gather)),
+        ("verify a.frag --backend cpu --gather", Some(gather)),
+        ("layout a.frag loose.frag --gather", None),
+        ("check loose.frag --gather --cache-dir c", None),
+        ("check loose.frag --gather --cache-dir c", None),
+        ("port a.frag --block Mine", Some(block)),
+        ("port loose.frag --block Mine", None),
+        (
+            "port loose.frag --gather",
+            Some(
+                "`--gather` has no effect on `port`, which always gathers uniforms outside blocks",
+            ),
+        ),
+    ] {
+        let said: Vec<&str> = said.into_iter().collect();
+        assert_eq!(unused(&place.run(&split(command))), said, "{command}");
+    }
+}
+
+/// Nothing is silent where an API was assumed: not where values are printed, nor where code runs.
+#[test]
+fn the_assumed_target_is_said_where_code_is_executed() {
+    let place = Place::new("names-target");
+    let text = "#version 330\n#ifdef VULKAN\n\
+                layout(set = 0, binding = 0, std140) uniform U { vec4 a; } u;\n#else\n\
+                layout(std140) uniform U { float scale; vec4 a; } u;\n#endif\nout vec4 o;\n\
+                float f(float x) { return x * u.a.x; }\nvoid main() { o = u.a; }\n";
+    place.write("b.frag", text);
+    let said = "read for OpenGL: the shader tests `VULKAN` and is valid for both APIs";
+    for command in [
+        "run b.frag --fn f --args [1]",
+        "run b.frag --fn f --args [1] -f json",
+        "prove b.frag --fn f",
+        "prove b.frag --fn f -f json",
+        "stress b.frag --fn f --samples 50 --time 1",
+    ] {
+        let ran = place.run(&split(command));
+        assert!(ran.code < 2 && ran.err.contains(said), "{command}: {}", ran.err);
+        let ran = place.run(&split(&format!("{command} --target opengl")));
+        assert!(!ran.err.contains(said), "{command}: {}", ran.err);
+    }
+}
+
+#[test]
 fn standard_input_with_the_name_of_another_language_is_refused() {
     let place = project("stdin");
     let command = ["layout", "-", "--stdin-filename", "a.slang"];

@@ -413,3 +413,36 @@ warning[odd-bool]: `on` at byte 16 is a bool, but neither 0 nor 1: 2
         assert_eq!(with(values).err, "");
     }
 }
+
+/// A shader that no lint could follow has no finding, but that says nothing of it.
+#[test]
+fn functions_that_are_too_large_to_analyse_are_reported() {
+    let place = Place::new("nothing-analysed");
+    let statements = "    x = x + 1.0;\n".repeat(60_000);
+    let wgsl = format!(
+        "@group(0) @binding(0) var<uniform> u: vec4f;\n\
+         @fragment fn main() -> @location(0) vec4f {{\n    var x = u.x;\n{statements}\
+         return vec4f(x);\n}}\n"
+    );
+    let glsl = format!(
+        "#version 450\nlayout(std140, binding = 0) uniform U {{ vec4 a; }} u;\n\
+         layout(location = 0) out vec4 o;\nvoid main() {{\n    float x = u.a.x;\n{statements}\
+         o = vec4(x);\n}}\n"
+    );
+    place.write("a.wgsl", wgsl).write("a.frag", glsl);
+    place.run(&["check", "a.wgsl"]).code(0).stdout_eq(str![[r#"
+warning[not-analysed]: functions are not analysed: the shader has 60003 statements, members and bodies, more than the 4000 that naga is given
+ --> a.wgsl:1:1
+  |
+1 | @group(0) @binding(0) var<uniform> u: vec4f;
+  | ^
+  |
+  = note: lints that follow code cannot find anything in this shader
+
+
+"#]]);
+    assert_eq!(place.run(&["check", "a.wgsl", "-D", "warnings"]).code, 1);
+    // The front end of Landfall itself has no such limit.
+    let ran = place.run(&["check", "a.frag"]);
+    assert!(ran.code == 0 && !ran.out.contains("not-analysed"), "{}", ran.out);
+}

@@ -185,6 +185,44 @@ error[output]: `a.png` is an input of this command, and would be overwritten
     assert!(unchanged("scene.pfm") && unchanged("a.png"));
 }
 
+/// Meshes and textures that a scene names, and the scene, by their names and through links.
+#[test]
+fn nothing_is_drawn_over_the_files_of_a_scene() {
+    let place = project("scene");
+    for (kind, command) in [
+        ("png", "render scene.png --reference -o"),
+        ("svg", "bench scene.svg --backend cpu --rounds 3 --samples 4 --plot"),
+    ] {
+        let name = |name: &str| format!("{name}.{kind}");
+        let mut scene: serde_json::Value = serde_json::from_str(&scene()).unwrap();
+        scene["size"] = serde_json::json!([4, 4]);
+        scene["model"] = "multi".into();
+        place.write("plain.json", scene.to_string());
+        let drawn = ["render", "plain.json", "--reference", "-o", "t.png"];
+        assert_eq!(place.run(&drawn).code, 0);
+        fs::copy(place.0.join("t.png"), place.0.join(name("texture"))).unwrap();
+        place.write(&name("mesh"), "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+        let material = serde_json::json!({"name": "m", "diffuse": {"png": name("texture")}});
+        scene["materials"].as_array_mut().unwrap().push(material);
+        let object = serde_json::json!({"mesh": {"obj": name("mesh")}, "material": "m"});
+        scene["objects"].as_array_mut().unwrap().push(object);
+        place.write(&name("scene"), scene.to_string());
+        for input in ["scene", "mesh", "texture"].map(name) {
+            let link = name("link");
+            symlink(&input, place.0.join(&link)).unwrap();
+            let before = files(&place.0);
+            for target in [&input, &link, &format!("/proc/self/cwd/{input}")] {
+                let command: Vec<&str> = command.split(' ').chain([target.as_str()]).collect();
+                let ran = place.run(&command);
+                let said = format!("`{target}` is an input of this command");
+                assert!(ran.code == 2 && ran.err.contains(&said), "{command:?}: {}", ran.err);
+                assert!(files(&place.0) == before, "{command:?} changed a file");
+            }
+            fs::remove_file(place.0.join(link)).unwrap();
+        }
+    }
+}
+
 #[test]
 fn two_reports_of_one_file_by_two_names_are_refused() {
     let place = Place::new("writers-twice");

@@ -131,6 +131,64 @@ fn half_floats_hold_positions_as_the_lint_states() {
     states(code, &format!("step of {step} at 300"));
 }
 
+/// A number type: its rounding of a result.
+type Round = fn(f64) -> f64;
+
+fn half_of(x: f64) -> f64 {
+    half::f16::from_f64(x).to_f64()
+}
+
+/// Shades a fragment at `at` with the normal `n`: each result of the geometry rounded by `g`, of
+/// the attenuation and the sum by `c`.
+fn shaded([g, c]: [Round; 2], vectors: [[f64; 3]; 4]) -> f64 {
+    let [at, n, light, eye] = vectors.map(|v| v.map(g));
+    let dot = |a: [f64; 3], b: [f64; 3]| g(g(g(a[0] * b[0]) + g(a[1] * b[1])) + g(a[2] * b[2]));
+    let zip =
+        |a: [f64; 3], b: [f64; 3], f: fn(f64, f64) -> f64| [0, 1, 2].map(|k| g(f(a[k], b[k])));
+    let unit = |v: [f64; 3]| v.map(|x| g(x * g(1.0 / g(dot(v, v).sqrt()))));
+    let to_light = zip(light, at, |x, y| x - y);
+    let (n, l, v) = (unit(n), unit(to_light), unit(zip(eye, at, |x, y| x - y)));
+    let power = (0..5).fold(dot(n, unit(zip(l, v, |x, y| x + y))).max(0.0), |x, _| g(x * x));
+    let d = c(g(dot(to_light, to_light).sqrt()));
+    let attenuation = c(1.0 / c(1.0 + c(d * c(c(0.09) + c(d * c(0.032))))));
+    c(c(c(dot(n, l).max(0.0)) + c(power)) * attenuation).min(1.0)
+}
+
+/// The error in 8-bit steps that one of a hundred fragments exceeds, and the largest, for fragments
+/// up to `far` from the origin on each axis, 1 to 4 from their light and 2 to 10 from the camera.
+fn errors_of_halves(far: f64, rounds: [Round; 2]) -> [f64; 2] {
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut errors: Vec<f64> = (0..100_000)
+        .map(|_| {
+            let at = [(); 3].map(|()| far * (2.0 * random.f64() - 1.0));
+            let (n, mut l, v) =
+                (direction(&mut random), direction(&mut random), direction(&mut random));
+            if n.iter().zip(l).map(|(x, y)| x * y).sum::<f64>() < 0.0 {
+                l = l.map(|x| -x);
+            }
+            let away = [1.0 + 3.0 * random.f64(), 2.0 + 8.0 * random.f64()];
+            let beyond = |v: [f64; 3], by: f64| [0, 1, 2].map(|k| at[k] + by * v[k]);
+            let vectors = [at, n, beyond(l, away[0]), beyond(v, away[1])];
+            255.0 * (shaded(rounds, vectors) - shaded([|x| x; 2], vectors)).abs()
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    [errors[errors.len() * 99 / 100], errors[errors.len() - 1]]
+}
+
+#[test]
+fn shading_in_halves_is_off_as_the_lint_states() {
+    let code = "mediump-position";
+    let near = errors_of_halves(10.0, [half_of; 2])[0];
+    let far = errors_of_halves(100.0, [half_of; 2])[0];
+    states(code, &format!("off by {near:.1} 8-bit steps or more in one of a hundred fragments"));
+    states(code, &format!("within 10 of the origin, and by {far:.0} within 100"));
+    let single: Round = |x| f64::from(x as f32);
+    let colours = errors_of_halves(10.0, [single, half_of])[1];
+    assert!(colours < 1.0, "{colours}");
+    states(code, "Colours and attenuation lose less than a step");
+}
+
 /// What the texts of a hazard state: its effect, its threshold and its source.
 fn stated(hazard: Hazard) -> String {
     let info = hazard.info();

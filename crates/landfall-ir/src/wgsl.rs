@@ -74,11 +74,8 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         });
         vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
-    if !naga_front::is_bounded(text) {
-        return Err(refused(
-            None,
-            "the shader is too long or nested too deeply for naga".to_string(),
-        ));
+    if let Some(excess) = naga_front::excess(text) {
+        return Err(refused(None, format!("the shader {excess}")));
     }
     let result = naga_front::caught(|| match source.language {
         Language::Wgsl => naga::front::wgsl::parse_str(text).map_err(|error| {

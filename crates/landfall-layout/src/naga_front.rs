@@ -10,28 +10,29 @@ use rustc_hash::FxHashMap;
 use crate::source::{ExecutableStage, Stage};
 
 /// The limit on nested brackets: naga recurses on them without a bound of its own.
-const DEEPEST_BRACKETS: u32 = 64;
+const DEEPEST_BRACKETS: u64 = 64;
 
 /// The limit on chained operators with nested operands: `1 + 1 + 1 + …`, `a ? b : c ? …`.
-const LONGEST_CHAIN: u32 = 200;
+const LONGEST_CHAIN: u64 = 200;
 
 /// The limit on declarations, which may depend on each other, and on functions, which naga compares
 /// with all others of their name.
-const MOST_STATEMENTS: usize = 4_000;
+const MOST_STATEMENTS: u64 = 4_000;
 
 /// The limit on members of nested structures: naga 30.0.1 visits every member of every member when
 /// it lays out a GLSL structure, and when it validates one of either language.
 const MOST_NESTED_MEMBERS: u64 = 1 << 16;
 
-/// The limit on the words of a WGSL function, squared and added for all functions: naga 30.0.1 walks
-/// over all expressions of a function for each of them.
-const MOST_SQUARED_WORDS: u64 = 16_000 * 16_000;
+/// The limit on the words of a WGSL function, and on the root of the sum of their squares for all
+/// functions: naga 30.0.1 walks over all expressions of a function for each of them. At the limit it
+/// takes 0.12 s of processor time in a release build, and four times the words take 1.6 s.
+const MOST_WORDS: u64 = 16_000;
 
 /// The limit on line continuations in a row: naga's preprocessor recurses on them.
-const MOST_CONTINUATIONS: usize = 1_000;
+const MOST_CONTINUATIONS: u64 = 1_000;
 
 /// The limit on the length of a text in bytes.
-const LONGEST_TEXT: usize = 1 << 20;
+const LONGEST_TEXT: u64 = 1 << 20;
 
 /// Returns the number of elements of the named array type in a WGSL text, if naga accepts the text.
 pub fn array_length(text: &str, name: &str) -> Option<u32> {
@@ -71,13 +72,32 @@ pub(crate) fn glsl_whole(
 
 /// Whether a text is within the limits for naga.
 pub fn is_bounded(text: &str) -> bool {
-    text.len() <= LONGEST_TEXT
-        && nesting(text) <= DEEPEST_BRACKETS
-        && longest_chain(text) <= LONGEST_CHAIN
-        && text.bytes().filter(|byte| b";{".contains(byte)).count() <= MOST_STATEMENTS
-        && nested_members(text) <= MOST_NESTED_MEMBERS
-        && squared_words(text) <= MOST_SQUARED_WORDS
-        && continuations(text) <= MOST_CONTINUATIONS
+    excess(text).is_none()
+}
+
+/// Returns what in a text is beyond a limit for naga, with the limit: `has functions of 20000 words,
+/// more than the 16000 that naga is given`.
+pub fn excess(text: &str) -> Option<String> {
+    let beyond = |count: u64, most: u64, what: &str| {
+        (count > most).then(|| format!("{what}, more than the {most} that naga is given"))
+    };
+    let statements = || text.bytes().filter(|byte| b";{".contains(byte)).count() as u64;
+    let words = || squared_words(text).isqrt();
+    let of =
+        |count: u64, most: u64, what: &str| beyond(count, most, &format!("has {count} {what}"));
+    of(text.len() as u64, LONGEST_TEXT, "bytes")
+        .or_else(|| {
+            of(nesting(text), DEEPEST_BRACKETS, "brackets or prefix operators in each other")
+        })
+        .or_else(|| of(longest_chain(text), LONGEST_CHAIN, "operators in one expression"))
+        .or_else(|| of(statements(), MOST_STATEMENTS, "statements, members and bodies"))
+        .or_else(|| of(nested_members(text), MOST_NESTED_MEMBERS, "members in nested structures"))
+        .or_else(|| {
+            let words = words();
+            let what = format!("has a function of {words} words, or several of as much work");
+            beyond(words, MOST_WORDS, &what)
+        })
+        .or_else(|| of(continuations(text), MOST_CONTINUATIONS, "joined lines in a row"))
 }
 
 /// Estimates the number of members of a text's structures, counting the members of nested
@@ -157,8 +177,8 @@ pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
 }
 
 /// Returns the greatest nesting of brackets; a run of prefix operators counts as nesting.
-fn nesting(text: &str) -> u32 {
-    let (mut open, mut deepest, mut prefixes) = (0u32, 0u32, 0u32);
+fn nesting(text: &str) -> u64 {
+    let (mut open, mut deepest, mut prefixes) = (0u64, 0u64, 0u64);
     for byte in text.bytes() {
         match byte {
             b'(' | b'[' | b'{' | b'<' => open += 1,
@@ -175,7 +195,7 @@ fn nesting(text: &str) -> u32 {
 }
 
 /// Returns the longest run of backslashes and line breaks, counted in backslashes.
-fn continuations(text: &str) -> usize {
+fn continuations(text: &str) -> u64 {
     let (mut run, mut longest) = (0, 0);
     for byte in text.bytes() {
         match byte {
@@ -190,8 +210,8 @@ fn continuations(text: &str) -> usize {
 
 /// Returns the longest run of operators without a comma or semicolon; naga recurses on their
 /// operands.
-fn longest_chain(text: &str) -> u32 {
-    let (mut chain, mut longest) = (0u32, 0u32);
+fn longest_chain(text: &str) -> u64 {
+    let (mut chain, mut longest) = (0u64, 0u64);
     for line in text.lines() {
         // Lines of symbols in comments are not operators.
         let code = line.split("//").next().unwrap_or(line);
@@ -227,7 +247,11 @@ mod tests {
         assert_eq!(squared_words(&function.repeat(2)), 2 * (5 + 4 * 3_900u64).pow(2));
         assert!(wgsl_module(&format!("var<private> u: vec2f; {function}")).is_some());
         let longer = function.replace("x + u.y;", "x + u.y + u.y + u.y;");
-        assert!(wgsl_module(&format!("var<private> u: vec2f; {longer}")).is_none());
+        let longer = format!("var<private> u: vec2f; {longer}");
+        assert!(wgsl_module(&longer).is_none());
+        let said = "has a function of 31205 words, or several of as much work, more than the 16000 \
+                    that naga is given";
+        assert_eq!(excess(&longer).as_deref(), Some(said));
         for line in ["\\\n", "\\\r\n"] {
             let continued = format!("{}void main() {{}}", line.repeat(400_000));
             assert!(glsl_module(&continued, Some(Stage::Fragment)).is_none());

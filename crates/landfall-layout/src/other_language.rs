@@ -62,7 +62,20 @@ const WORDS: &[(&str, &[&str])] = &[
     ),
     ("Slang", &["import", "ParameterBlock", "interface", "extension", "__include", "module"]),
     ("Metal", &["using", "kernel", "constant", "fragment", "vertex"]),
-    ("WGSL", &["fn", "var", "@", "override", "requires", "enable"]),
+    (
+        "WGSL",
+        &[
+            "fn",
+            "var",
+            "@",
+            "override",
+            "requires",
+            "enable",
+            "alias",
+            "diagnostic",
+            "const_assert",
+        ],
+    ),
     ("ShaderLab", &["Shader"]),
 ];
 
@@ -98,6 +111,18 @@ pub(crate) fn may_begin(first: &str) -> bool {
     WORDS.iter().any(|row| row.1.contains(&first))
 }
 
+/// Returns the language of a declaration that begins with `struct` or `const`, if the tokens after it
+/// do not occur in GLSL: `const N: u32`, `struct S { a: f32`, `struct S { float4 a : POSITION`.
+pub(crate) fn of_members(first: &str, after: [&str; 5]) -> Option<&'static str> {
+    match (first, after) {
+        ("const", [_, ":", ..]) | ("struct", [_, "{", "@", ..] | [_, "{", _, ":", _]) => {
+            Some("WGSL")
+        }
+        ("struct", [_, "{", _, _, ":"]) => Some("HLSL"),
+        _ => None,
+    }
+}
+
 /// Returns the language in which a declaration may begin with the tokens `first` and `next`.
 ///
 /// Most of these words are valid names in GLSL, so the next token must fit as well.
@@ -107,6 +132,7 @@ pub(crate) fn of_words(first: &str, next: &str) -> Option<&'static str> {
     let fits = match (row.0, first) {
         ("ShaderLab", _) => next.starts_with('"'),
         ("WGSL", "var") => next == "<" || name,
+        ("WGSL", "diagnostic") => next == "(",
         ("Metal", "using") => next == "namespace",
         ("HLSL", "ConstantBuffer" | "StructuredBuffer" | "RWStructuredBuffer")
         | ("Slang", "ParameterBlock") => next == "<",

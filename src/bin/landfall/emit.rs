@@ -28,7 +28,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match source {
             Ok(source) => {
                 let shader = landfall_layout::layout(&source, &read::options(&args.read));
-                given::record(&shader.files);
+                given::record_of(&shader);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);

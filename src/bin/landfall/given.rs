@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use landfall_layout::diagnostic::Code;
-use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Severity};
+use landfall_layout::source::{File, Files};
+use landfall_layout::{Diagnostic, Error, Language, Severity, ShaderLayout};
 
 use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
@@ -21,7 +21,12 @@ enum Kind {
     Constant,
     Macro,
     Precision,
+    Stage,
+    Gather,
 }
+
+/// The name in caches of shaders with loose uniforms that were gathered.
+const GATHER: &str = "#gather";
 
 /// A name that has no effect unless a shader has it.
 #[derive(Clone, Debug)]
@@ -39,14 +44,24 @@ impl Given {
             Kind::Constant => self.name.clone(),
             Kind::Macro => format!("#{}", self.name),
             Kind::Precision => "#es".to_string(),
+            Kind::Stage => "#stage".to_string(),
+            Kind::Gather => GATHER.to_string(),
         }
     }
 
-    fn is_in(&self, text: &str) -> bool {
+    fn is_in(&self, file: &File) -> bool {
+        let text = &*file.text;
         match self.kind {
             Kind::Constant => has_constant(text, &self.name),
             Kind::Macro => has_word(text, &self.name),
             Kind::Precision => is_es(text) && (has_word(text, "mediump") || has_word(text, "lowp")),
+            // The name is that of `--language`.
+            Kind::Stage => match self.name.as_str() {
+                "" => !Path::new(&file.path).extension().is_some_and(|end| end == "wgsl"),
+                language => language != Language::Wgsl.name(),
+            },
+            // Recorded with the layout.
+            Kind::Gather => false,
         }
     }
 
@@ -60,6 +75,14 @@ impl Given {
             }
             Kind::Macro => {
                 let what = "has no effect: no shader contains this name";
+                (Code::UnusedOption, Error::new(&*self.option, what))
+            }
+            Kind::Stage => {
+                let what = "has no effect: WGSL states the stages of its functions";
+                (Code::UnusedOption, Error::new(&*self.option, what))
+            }
+            Kind::Gather => {
+                let what = "has no effect: no shader has a uniform outside blocks";
                 (Code::UnusedOption, Error::new(&*self.option, what))
             }
             Kind::Precision => {
@@ -107,6 +130,14 @@ pub fn begin(command: &Command, streams: &Streams) {
         let option = "--mediump".to_string();
         all.push(Given { kind: Kind::Precision, name: String::new(), option });
     }
+    if let Some(stage) = text.stage {
+        let language = text.language.map(|language| language.language().name());
+        let name = language.unwrap_or_default().to_string();
+        all.push(Given { kind: Kind::Stage, name, option: format!("--stage {}", stage.name()) });
+    }
+    if text.gather && unused::lays_out(command) {
+        all.push(Given { kind: Kind::Gather, name: String::new(), option: "--gather".to_string() });
+    }
     names().given = all;
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
 }
@@ -137,9 +168,14 @@ pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
 /// Warns about an option with a pattern that excludes nothing, unless only some shaders are read.
 pub fn excludes_nothing(option: String, streams: &Streams) {
     if !names().is_part {
-        let error = Error::new(option, "has no effect: no shader matches it");
-        warn(Code::UnusedOption, error, streams);
+        without_effect(option, "no shader matches it", streams);
     }
+}
+
+/// Warns about an option that has no effect.
+pub fn without_effect(option: String, why: &str, streams: &Streams) {
+    let error = Error::new(option, format!("has no effect: {why}"));
+    warn(Code::UnusedOption, error, streams);
 }
 
 /// Warns about include directories that are none.
@@ -154,19 +190,29 @@ pub fn include_dirs(folders: &[PathBuf], help: &str, streams: &Streams) {
     }
 }
 
-/// The names given that a shader has.
-pub fn known(files: &Files) -> Vec<String> {
+/// The names given that a shader's text has.
+fn known(files: &Files) -> Vec<String> {
     let given = names().given.clone();
     // Macros of the command line are files, too: `-D NAME`.
-    let texts: Vec<&str> =
-        files.iter().filter(|file| !file.path.starts_with("-D ")).map(|file| &*file.text).collect();
-    let known = |given: &&Given| texts.iter().any(|text| given.is_in(text));
+    let files: Vec<&File> = files.iter().filter(|file| !file.path.starts_with("-D ")).collect();
+    let known = |given: &&Given| files.iter().any(|file| given.is_in(file));
     given.iter().filter(known).map(Given::key).collect()
 }
 
-/// Records the names of a shader.
+/// The names given that a shader has.
+pub fn known_of(shader: &ShaderLayout) -> Vec<String> {
+    let gathered = shader.blocks.iter().any(|block| block.gathered);
+    known(&shader.files).into_iter().chain(gathered.then(|| GATHER.to_string())).collect()
+}
+
+/// Records the names of a shader's text.
 pub fn record(files: &Files) {
     record_names(&known(files));
+}
+
+/// Records the names of a shader.
+pub fn record_of(shader: &ShaderLayout) {
+    record_names(&known_of(shader));
 }
 
 /// Records the names of a cached shader.

@@ -129,7 +129,7 @@ impl Job<'_> {
     }
 
     fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
-        given::record(&shader.files);
+        given::record_of(&shader);
         let mut others = Vec::new();
         if let Some(name) = &self.args.block {
             let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));

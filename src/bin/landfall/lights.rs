@@ -37,7 +37,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let options = read::options(&args.read);
         let work = || {
             let shader = layout(&source, &options);
-            given::record(&shader.files);
+            given::record_of(&shader);
             // Analysis needs a layout.
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)

@@ -142,7 +142,7 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
-        given::record(&shader.files);
+        given::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let mut judged = Judged::default();
         let text = if shader.has_errors() {

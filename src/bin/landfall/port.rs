@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::port::{Dialect, PortOptions, Ported, port};
+use landfall_layout::shape::DEFAULT_BLOCK;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Severity, Source};
 
@@ -57,6 +58,10 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(&ported.warnings, &files_of(&source));
     }
     streams.notes(&notes(&ported));
+    if ported.block.is_none() && args.block != DEFAULT_BLOCK {
+        let option = format!("--block {}", args.block);
+        given::without_effect(option, "no uniform is outside blocks", streams);
+    }
     for (name, _) in &args.locations {
         if !ported.locations.iter().any(|location| location.name == *name) {
             let message = format!("`--location {name}` has no effect: nothing has this name");

@@ -13,7 +13,7 @@ use landfall_light::accuracy::demand::{Demand, ProveRequest, prove};
 
 use crate::args::{ProveArgs, ProveFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::{data, given, read, watch, write};
+use crate::{data, read, shader, watch};
 
 pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -32,7 +32,7 @@ pub fn run(args: &ProveArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let stop = watch::flag();
     request.stop = Arc::clone(&stop);
     let options = read::options(&args.read);
-    given::record(&write::files_of(&source, &options));
+    shader::record(&source, &options, streams, style);
     let proved = match prove(&source, &options, &request) {
         Ok(proved) => proved,
         Err(refusal) => {

@@ -27,7 +27,7 @@ use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{backends, given, write};
+use crate::{backends, given, shader, write};
 use plan::Planned;
 use request::{RenderArguments, RenderRequest};
 
@@ -45,6 +45,9 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Clean);
     }
     request.files_read().iter().for_each(given::record);
+    if let Some(source) = &request.shader {
+        shader::record(source, &request.options, streams, style);
+    }
     if args.print_bind {
         return print_bind(args, &request, streams, &style);
     }

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::args::{BackendName, RunArgs, RunFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::{backends, data, given, read, write};
+use crate::{backends, data, read, shader};
 
 pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // In JSON, findings are part of the result.
@@ -40,7 +40,7 @@ pub fn run(args: &RunArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    given::record(&write::files_of(&source, &options));
+    shader::record(&source, &options, streams, style);
     let called = match &mut backend {
         Some(backend) => call(&source, &options, &request, Some(backend.as_mut())),
         None => call(&source, &options, &request, None),

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use landfall_layout::source::Files;
 use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
+#[cfg(feature = "exec")]
+use landfall_layout::{Options, Source};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
@@ -29,10 +31,21 @@ pub fn laid_out(
         }
     };
     let shader = landfall_layout::layout(&source, &read::options(args));
-    given::record(&shader.files);
+    given::record_of(&shader);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)
+}
+
+/// Records the names of a shader that is executed, and warns of blocks whose layout depends on the
+/// API that was assumed.
+#[cfg(feature = "exec")]
+pub fn record(source: &Source, options: &Options, streams: &Streams, style: FindingStyle) {
+    let shader = landfall_layout::layout(source, options);
+    given::record_of(&shader);
+    let mut found = shader.diagnostics;
+    found.retain(|found| found.code == Code::TargetChangesLayout);
+    streams.report(&style.text(&found, &shader.files));
 }
 
 /// The block with this name, or the only block that has bytes.

@@ -18,7 +18,7 @@ use landfall_light::accuracy::stress::{BackendReport, MapRequest, Request, error
 
 use crate::args::{BackendName, StressArgs, StressFormat};
 use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::{backends, data, given, read, watch, write};
+use crate::{backends, data, read, shader, watch, write};
 
 pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let form = match args.format {
@@ -52,7 +52,7 @@ pub fn run(args: &StressArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     };
     let options = read::options(&args.read);
-    given::record(&write::files_of(&source, &options));
+    shader::record(&source, &options, streams, style);
     let (mut backends, missing) = open(args);
     let stressed = stress(&source, &options, &request, &mut backends, &progress);
     if shows {

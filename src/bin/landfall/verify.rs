@@ -147,7 +147,7 @@ impl Run<'_> {
                 return Ok(());
             }
         };
-        given::record(&subject.layout().files);
+        given::record_of(subject.layout());
         let mut report = verify(&subject, &self.options, &mut backends.here);
         if let Some(words) = &self.spirv {
             hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;

@@ -1,6 +1,7 @@
 //! Files that Landfall did not write, where locks, layouts and caches go: they stay.
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
 
 use snapbox::str;
@@ -164,4 +165,57 @@ fn what_a_killed_process_left_is_removed_and_nothing_else() {
     assert_eq!(place.run(&["lock"]).code, 0);
     assert!(!place.has(&left) && place.has(&alive));
     assert!(others.iter().all(|other| place.has(other)));
+}
+
+/// The summary of a step and the key of caches, in whose places something else may be.
+#[test]
+fn what_the_environment_names_is_written_as_other_files_are() {
+    let place = Place::new("writers-environment");
+    place.write("a.frag", CLEAN);
+    let pipe = |path: &str| {
+        let made = Command::new("mkfifo").arg(place.path(path)).status();
+        assert!(made.is_ok_and(|made| made.success()));
+    };
+    let check = |summary: &str| {
+        let mut command = place.command(&["check", "a.frag", "-f", "github"]);
+        Ran::of(command.env("GITHUB_STEP_SUMMARY", summary).output().unwrap())
+    };
+    place.write("summary.md", "earlier\n");
+    assert_eq!(check("summary.md").code, 0);
+    assert!(
+        place.read("summary.md").starts_with("earlier\n") && place.read("summary.md").len() > 8
+    );
+    assert_eq!(check("/dev/null").code, 0);
+    pipe("pipe");
+    let ran = check("pipe");
+    assert_eq!(
+        (ran.code, ran.err.contains("`pipe` is not a regular file")),
+        (2, true),
+        "{}",
+        ran.err
+    );
+    let ran = check("a.frag");
+    assert!(ran.code == 2 && ran.err.contains("is an input of this command"), "{}", ran.err);
+
+    let cached = || {
+        let mut command = place.command(&["check", "a.frag", "--cache-dir", "c"]);
+        command.env_remove("LANDFALL_CACHE_KEY").env("XDG_STATE_HOME", place.path("state"));
+        Ran::of(command.output().unwrap())
+    };
+    assert_eq!(cached().code, 0);
+    let folder = place.0.join("state/landfall");
+    let names = || fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names().collect::<Vec<_>>(), ["cache-key"]);
+    let key = folder.join("cache-key");
+    assert_eq!(fs::metadata(&key).unwrap().permissions().mode() & 0o777, 0o600);
+    assert_eq!(fs::read(&key).unwrap().len(), 64);
+    fs::remove_file(&key).unwrap();
+    pipe("state/landfall/cache-key");
+    // What a process left that was killed while it wrote.
+    fs::write(folder.join(".landfall-4194304999-00000000-0.partial"), "half").unwrap();
+    let ran = cached();
+    assert!(ran.code == 2 && ran.err.contains("cache-key"), "{}", ran.err);
+    fs::remove_file(&key).unwrap();
+    assert_eq!(cached().code, 0);
+    assert_eq!(names().collect::<Vec<_>>(), ["cache-key"]);
 }

@@ -104,6 +104,7 @@ codes! {
     NotANumber = "not-a-number";
     NotAStructure = "not-a-structure";
     NotAnArray = "not-an-array";
+    NotAnalysed = "not-analysed";
     NotFinite = "not-finite";
     NotHostShareable = "not-host-shareable";
     NotMirrored = "not-mirrored";

@@ -18,6 +18,10 @@ use std::time::Duration;
 use super::reason;
 use crate::error::Error;
 
+mod private;
+
+pub use private::create_private;
+
 /// The start of temporary file names: `.landfall-PID-TOKEN-N.partial`.
 const PARTIAL_START: &str = ".landfall-";
 const PARTIAL_END: &str = ".partial";
@@ -170,6 +174,30 @@ impl FileWriter {
         replace(target, folder, bytes, there).map(|()| Written::Changed).map_err(failed)
     }
 
+    /// Appends to a file, which is created if it does not exist. If the bytes cannot be written as a
+    /// whole, the file keeps its old length.
+    ///
+    /// # Errors
+    /// The file is an input, a pipe or a socket, lies behind a symbolic link out of the tree, or
+    /// cannot be written.
+    pub fn append(&self, path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
+        self.allows(path)?;
+        if fs::metadata(path).is_ok_and(|found| !found.is_file() && !is_character_device(&found)) {
+            return Err(Error::new(path.display().to_string(), "is not a regular file"));
+        }
+        let add = |file: &mut fs::File| {
+            let old = file.metadata()?.len();
+            file.write_all(bytes.as_ref()).inspect_err(|_| {
+                let _ = file.set_len(old);
+            })
+        };
+        let file = OpenOptions::new().create(true).append(true).open(path);
+        file.and_then(|mut file| add(&mut file)).map_err(|cause| {
+            let message = format!("cannot be written: {}", reason(&cause));
+            Error::new(path.display().to_string(), message)
+        })
+    }
+
     /// Removes a file.
     ///
     /// # Errors
@@ -250,6 +278,17 @@ fn is_pipe(found: &Metadata) -> bool {
 
 #[cfg(not(unix))]
 fn is_pipe(_: &Metadata) -> bool {
+    false
+}
+
+#[cfg(unix)]
+fn is_character_device(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_char_device()
+}
+
+#[cfg(not(unix))]
+fn is_character_device(_: &Metadata) -> bool {
     false
 }
 

@@ -8,7 +8,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use super::shader::Shader;
 use super::uniformity::{Operation, non_uniform};
-use crate::naga_front::{caught, is_bounded};
+use crate::naga_front::{caught, excess};
 use crate::shape::Type;
 use crate::source::{Language, Source, Span, Stage};
 use crate::syntax::glsl::types::{Builtin, builtin};
@@ -211,9 +211,8 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
             return Err(vec![refused(reason, Span::default())]);
         }
     };
-    if !is_bounded(&source.text) {
-        let reason = "it is too long, or nested too deeply, for naga";
-        return Err(vec![refused(reason, Span::default())]);
+    if let Some(excess) = excess(&source.text) {
+        return Err(vec![refused(&format!("it {excess}"), Span::default())]);
     }
     let read = || {
         let options = naga::front::glsl::Options::from(stage);

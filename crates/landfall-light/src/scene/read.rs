@@ -39,7 +39,7 @@ pub type FileOpener<'a> = dyn Fn(&str) -> Result<Vec<u8>, Error> + 'a;
 pub struct Reading {
     /// The scene, if there are no errors.
     pub scene: Option<Scene>,
-    /// The scene's own text, then the meshes it names.
+    /// The scene's own text, then the meshes it names, and its textures without their bytes.
     pub files: Files,
     /// The errors and warnings.
     pub diagnostics: Vec<Diagnostic>,

@@ -9,9 +9,11 @@ use landfall_ir::analysis::hazards::find;
 use landfall_ir::analysis::identifier::words as words_of;
 use landfall_ir::analysis::occurrence::{Certainty, HazardReport, Kind, Occurrence};
 use landfall_ir::analysis::roles::{LightBinding, held};
-use landfall_layout::finding::{Finding, Level};
+use landfall_layout::diagnostic::Code;
+use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
-use landfall_layout::{Diagnostic, Options, ShaderLayout, Source};
+use landfall_layout::naga_front::excess;
+use landfall_layout::{Diagnostic, Language, Options, ShaderLayout, Source, Span};
 
 /// The hazards of a shader's lights.
 #[derive(Debug, Default)]
@@ -45,6 +47,9 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         return Vec::new();
     }
     let shader = subject.shader;
+    if let (Language::Wgsl, Some(excess)) = (shader.language, excess(&subject.source.text)) {
+        return vec![not_analysed(shader, &format!("the shader {excess}"))];
+    }
     let lights = held(&shader.blocks);
     // Vertex shaders transform normals without declaring lights.
     let dark = [Kind::Vec4Normalise];
@@ -67,7 +72,17 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         };
         candidates.contains(&hazard.kind) && hazard.certainty >= least
     });
-    reported.map(|hazard| finding(hazard, &shader.files, shader.language)).collect()
+    let reported = reported.map(|hazard| finding(hazard, &shader.files, shader.language));
+    let refused = analysis.unfollowed.first().map(|why| not_analysed(shader, &why.message));
+    refused.into_iter().chain(reported).collect()
+}
+
+/// Says that lints that follow code found nothing because they could not look.
+fn not_analysed(shader: &ShaderLayout, why: &str) -> Finding {
+    let message = format!("functions are not analysed: {why}");
+    let place = Place::of(&shader.files, Span::default());
+    Finding::of(Code::NotAnalysed.name(), &*shader.path, place, message)
+        .with_note("lints that follow code cannot find anything in this shader")
 }
 
 /// Returns whether names and comments confirm a hazard, and adjusts its certainty.

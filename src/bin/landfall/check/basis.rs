@@ -43,6 +43,12 @@ pub struct Basis {
     rust_files: Vec<(String, Hash)>,
 }
 
+/// The version of landfall, and whether the build lacks the lints that follow code.
+pub const VERSION: &str = match cfg!(feature = "analysis") {
+    true => env!("CARGO_PKG_VERSION"),
+    false => concat!(env!("CARGO_PKG_VERSION"), " without analysis"),
+};
+
 /// The scope of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
@@ -66,10 +72,7 @@ impl Basis {
         let rust_files =
             rust_files.map(|file| (file.path.clone(), Hash::of(file.text.as_bytes()))).collect();
         Basis {
-            version: match cfg!(feature = "analysis") {
-                true => env!("CARGO_PKG_VERSION").to_string(),
-                false => concat!(env!("CARGO_PKG_VERSION"), " without analysis").to_string(),
-            },
+            version: VERSION.to_string(),
             root: scope.root,
             locks: scope.locks,
             against: scope.against,

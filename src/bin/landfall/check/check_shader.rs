@@ -49,7 +49,7 @@ pub struct Checked {
     /// The stamps of the shader, its includes and its lock; none if one of them is not settled.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stamps: Vec<Stamp>,
-    /// The names of `-O` that it has constants for.
+    /// The names of the command line that it has.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constants: Vec<String>,
     /// Whether errors prevented the lints.
@@ -299,7 +299,7 @@ impl Job<'_> {
             Language::Wgsl => &self.options[1],
         };
         let shader = landfall_layout::layout(&source, options);
-        let constants = given::known(&shader.files);
+        let constants = given::known_of(&shader);
         given::record_names(&constants);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =

@@ -3,13 +3,12 @@
 //! It is generated per user on first use, or taken from `LANDFALL_CACHE_KEY` for machines that
 //! share a cache.
 
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::hash::{BuildHasher, RandomState};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use landfall_layout::Error;
-use landfall_layout::file::{read_whole, reason};
+use landfall_layout::file::{create_private, read_whole, reason};
 
 use super::hash::Hash;
 
@@ -56,7 +55,7 @@ pub fn key() -> Result<Vec<u8>, Error> {
             Err(_) => {}
         }
         // Of two processes that create the key, the first wins.
-        match make(&file) {
+        match create_private(&file, random().as_bytes()) {
             Err(cause) if cause.kind() != std::io::ErrorKind::AlreadyExists => {
                 return Err(failed(cause));
             }
@@ -76,24 +75,6 @@ fn place() -> Option<PathBuf> {
         .or_else(|| Some(folder("HOME")?.join(".local/state")))?;
     Some(state.join("landfall").join("cache-key"))
 }
-
-fn make(file: &Path) -> Result<(), std::io::Error> {
-    fs::create_dir_all(file.parent().unwrap_or(Path::new(".")))?;
-    let mut options = OpenOptions::new();
-    options.write(true).create_new(true);
-    for_user_only(&mut options);
-    options.open(file)?.write_all(random().as_bytes())
-}
-
-#[cfg(unix)]
-fn for_user_only(options: &mut OpenOptions) {
-    use std::os::unix::fs::OpenOptionsExt;
-    options.mode(0o600);
-}
-
-/// Windows closes the files of `LOCALAPPDATA` to other users.
-#[cfg(not(unix))]
-fn for_user_only(_: &mut OpenOptions) {}
 
 /// A random key of 64 characters, from the hash seeds that the standard library takes from the
 /// operating system.

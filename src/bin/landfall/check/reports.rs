@@ -3,12 +3,11 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use landfall_layout::Error;
-use landfall_layout::file::{FileWriter, reason};
+use landfall_layout::file::FileWriter;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::Paint;
 use landfall_layout::format::phrases::counted;
@@ -106,14 +105,9 @@ pub fn write(
     if formats.iter().any(|requested| requested.format == ReportFormat::Github) {
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
         {
-            writer.allows(Path::new(&path))?;
-            let text = github_summary(from_root, &options(Paint::Plain));
             // Earlier commands of the step may have written to the file.
-            let file = std::fs::OpenOptions::new().create(true).append(true).open(&path);
-            file.and_then(|mut file| file.write_all(text.as_bytes())).map_err(|cause| {
-                let message = format!("cannot be written: {}", reason(&cause));
-                Error::new(path.to_string_lossy(), message)
-            })?;
+            let text = github_summary(from_root, &options(Paint::Plain));
+            writer.append(Path::new(&path), text)?;
         }
     }
     if let Some(requested) = formats.iter().find(|requested| requested.file.is_none()) {

@@ -10,7 +10,7 @@ use landfall_layout::finding::Finding;
 use landfall_lint::render::read_json;
 use serde::{Deserialize, Serialize};
 
-use super::basis::Basis;
+use super::basis::{Basis, VERSION};
 use super::check_shader::Checked;
 use super::hash::Hash;
 use super::pass::Pass;
@@ -101,9 +101,8 @@ fn part_of(shown: &str, text: &str) -> Result<Part, Error> {
             .with_help("only reports of `landfall check --shard I/N` are merged"));
     };
     let version = shard["basis"]["version"].as_str().unwrap_or("an unknown version").to_string();
-    if version != env!("CARGO_PKG_VERSION") {
-        let message =
-            format!("was written by landfall {version}, and this is {}", env!("CARGO_PKG_VERSION"));
+    if version != VERSION {
+        let message = format!("was written by landfall {version}, and this is {VERSION}");
         return Err(Error::new(shown, message)
             .with_help("check and merge with the same version of landfall"));
     }
@@ -159,4 +158,25 @@ fn unchanged(pass: &Pass) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use landfall_layout::Options;
+    use landfall_lint::Settings;
+
+    use super::super::basis::Scope;
+    use super::*;
+
+    #[test]
+    fn a_build_reads_the_shards_that_it_writes() {
+        let options = Options::default();
+        let basis = Basis::new(Scope::default(), &options, None, None, Settings::default());
+        let shard = part(Shard { index: 1, count: 1 }, &basis, &Pass::default());
+        let read = part_of("r.json", &format!("{{\"shard\":{shard}}}")).expect("its own shard");
+        assert_eq!(read.basis, basis);
+        let other = shard.replace(VERSION, "0.0.1");
+        let refused = part_of("r.json", &format!("{{\"shard\":{other}}}"));
+        assert!(refused.is_err_and(|error| error.to_string().contains("by landfall 0.0.1")));
+    }
 }

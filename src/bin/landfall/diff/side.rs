@@ -128,7 +128,7 @@ impl Reading<'_> {
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
         let layout = landfall_layout::layout(&source, &options);
-        given::record(&layout.files);
+        given::record_of(&layout);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
         if layout.has_errors() {

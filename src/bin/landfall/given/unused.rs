@@ -24,6 +24,11 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
         add("--stdin-filename", "without the input `-`");
     }
+    if let Command::Port(args) = command {
+        if args.read.text.gather {
+            add("--gather", "on `port`, which always gathers uniforms outside blocks");
+        }
+    }
     #[cfg(feature = "exec")]
     of_execution(command, &mut add);
     for (option, why) in unused {
@@ -103,6 +108,23 @@ fn unused_adapter(command: &Command) -> Option<&str> {
         _ => return None,
     };
     adapter.as_deref().filter(|_| !is_used)
+}
+
+/// Whether a command prints or compares layouts of blocks.
+pub fn lays_out(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Layout(_)
+            | Command::Explain(_)
+            | Command::Emit(_)
+            | Command::Encode(_)
+            | Command::Decode(_)
+            | Command::Lights(_)
+            | Command::Verify(_)
+            | Command::Lock(_)
+            | Command::Diff(_)
+            | Command::Check(_)
+    )
 }
 
 /// Whether a command rounds what OpenGL ES declares `mediump` or `lowp`.

@@ -26,7 +26,7 @@ pub struct RenderRequest {
     pub frame: FrameOptions,
     reading: Reading,
     path: String,
-    options: Options,
+    pub options: Options,
     entry: Option<String>,
     /// The bindings from the command line.
     bind: Vec<(String, Map<String, Value>)>,

@@ -2,6 +2,8 @@
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -217,6 +219,9 @@ fn png(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Image> {
             return None;
         }
     };
+    // Without its bytes, which are no text: the file is an input, as meshes are.
+    let scene = walk.files.get(0).map(|file| Path::new(&file.path).with_file_name(name));
+    walk.files.add(scene.unwrap_or_default().display().to_string(), Arc::from(""));
     match decode_png(&bytes) {
         Ok(image) => Some(image),
         Err(why) => {

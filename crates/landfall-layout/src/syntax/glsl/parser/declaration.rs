@@ -83,17 +83,30 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// The other shading language that the next declaration is in.
+    fn other_language(&mut self, first: &Token<'a>) -> Option<&'static str> {
+        if first.definition.is_some() {
+            return None;
+        }
+        if matches!(first.text, "struct" | "const") {
+            let after = [1, 2, 3, 4, 5].map(|count| self.ahead(count).text);
+            return other_language::of_members(first.text, after);
+        }
+        if self.structures.contains(first.text) || !other_language::may_begin(first.text) {
+            return None;
+        }
+        other_language::of_words(first.text, self.ahead(1).text)
+    }
+
     /// Rejects a shader whose next declaration is in another shading language.
     fn is_other_language(&mut self) -> bool {
         let first = *self.token();
-        let known = self.structures.contains(first.text);
-        if first.definition.is_some() || known || !other_language::may_begin(first.text) {
-            return false;
-        }
-        let next = *self.ahead(1);
-        let Some(language) = other_language::of_words(first.text, next.text) else { return false };
+        let Some(language) = self.other_language(&first) else { return false };
         let Some(preprocessor) = &mut self.preprocessor else { return false };
-        let message = format!("`{}` begins a declaration in {language}, not GLSL", first.text);
+        let message = match first.text {
+            "struct" | "const" => format!("this declaration is in {language}, not GLSL"),
+            word => format!("`{word}` begins a declaration in {language}, not GLSL"),
+        };
         let help = match language {
             "WGSL" => "name the file `.wgsl`, or pass `--language wgsl`",
             _ => "landfall reads GLSL and WGSL",
