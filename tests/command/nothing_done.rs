@@ -431,7 +431,7 @@ fn functions_that_are_too_large_to_analyse_are_reported() {
     );
     place.write("a.wgsl", wgsl).write("a.frag", glsl);
     place.run(&["check", "a.wgsl"]).code(0).stdout_eq(str![[r#"
-warning[not-analysed]: functions are not analysed: the shader has 60003 statements, members and bodies, more than the 4000 that naga is given
+warning[not-analysed]: functions are not analysed: the shader has 60004 statements, members and bodies, more than the 4000 that naga is given
  --> a.wgsl:1:1
   |
 1 | @group(0) @binding(0) var<uniform> u: vec4f;
@@ -439,6 +439,7 @@ warning[not-analysed]: functions are not analysed: the shader has 60003 statemen
   |
   = note: lints that follow code cannot find anything in this shader
 
+1 shader: 1 warning
 
 "#]]);
     assert_eq!(place.run(&["check", "a.wgsl", "-D", "warnings"]).code, 1);

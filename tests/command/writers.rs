@@ -203,8 +203,8 @@ fn nothing_is_drawn_over_the_files_of_a_scene() {
         fs::copy(place.0.join("t.png"), place.0.join(name("texture"))).unwrap();
         place.write(&name("mesh"), "v 0 0 0\nv 2 0 0\nv 0 2 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
         let material = serde_json::json!({"name": "m", "diffuse": {"png": name("texture")}});
-        scene["materials"].as_array_mut().unwrap().push(material);
-        let object = serde_json::json!({"mesh": {"obj": name("mesh")}, "material": "m"});
+        scene["materials"] = serde_json::json!([material]);
+        let object = serde_json::json!({"mesh": {"obj": name("mesh")}});
         scene["objects"].as_array_mut().unwrap().push(object);
         place.write(&name("scene"), scene.to_string());
         for input in ["scene", "mesh", "texture"].map(name) {

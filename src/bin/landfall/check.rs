@@ -38,7 +38,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
 use landfall_lint::{LINTS, Settings};
 
-use crate::args::{CheckArgs, ReadArgs};
+use crate::args::{CheckArgs, ReadArgs, Report};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{read, watch, write};
@@ -339,7 +339,9 @@ fn lock_of(run: &Run<'_>, checked: &Checked) -> Option<PathBuf> {
 
 /// A writer that does not overwrite inputs of the check.
 fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
-    if args.formats.iter().all(|report| report.file.is_none()) && !args.write_baseline {
+    // The summary of a step is a file, too.
+    let writes = |report: &Report| report.file.is_some() || report.format == ReportFormat::Github;
+    if !args.formats.iter().any(writes) && !args.write_baseline {
         return FileWriter::default();
     }
     let shaders = pass.checked.iter().flat_map(Checked::files);
