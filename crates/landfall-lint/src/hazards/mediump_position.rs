@@ -10,8 +10,8 @@ pub(crate) const LINT: Lint = Lint {
     level: Level::Allow,
     what: "the position of a light in `mediump` or `lowp`, which may be 16 bits wide",
     why: "In 16 bits, squaring a distance overflows at 256, and a light is off by a step of 0.25 at \
-          300. Shading with a highlight of exponent 32, computed entirely in 16 bits, is off by 1.6 \
-          8-bit steps or more in one of a hundred fragments within 10 of the origin, and by 12 within \
+          300. Shading with a highlight of exponent 32, computed entirely in 16 bits, is off by 1.7 \
+          8-bit steps or more in one of a hundred fragments within 10 of the origin, and by 7 within \
           100, where the light is 1 to 4 away. Colours and attenuation lose less than a step. Allowed \
           by default, because many drivers compute `mediump` in 32 bits.",
     example: "\
