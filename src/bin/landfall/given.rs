@@ -57,7 +57,7 @@ impl Given {
             Kind::Precision => is_es(text) && (has_word(text, "mediump") || has_word(text, "lowp")),
             // The name is that of `--language`.
             Kind::Stage => match self.name.as_str() {
-                "" => !Path::new(&file.path).extension().is_some_and(|end| end == "wgsl"),
+                "" => Path::new(&file.path).extension().is_none_or(|end| end != "wgsl"),
                 language => language != Language::Wgsl.name(),
             },
             // Recorded with the layout.
