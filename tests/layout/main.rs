@@ -15,6 +15,7 @@ mod mirror_text;
 mod mirrors;
 mod oracles;
 mod port;
+mod port_compiles;
 mod port_naga;
 mod port_tint;
 mod properties;

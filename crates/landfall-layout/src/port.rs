@@ -10,13 +10,17 @@
 //! Clip space stays as it is: a vertex shader written for OpenGL's depth range and upward y
 //! still writes those.
 
+mod check;
 mod edits;
 mod environment;
 mod hoist;
 mod interface;
+mod later_functions;
 #[cfg(feature = "naga")]
 mod origin;
 mod outline;
+mod partner;
+mod ported;
 mod reserved;
 #[cfg(feature = "naga")]
 mod separate;
@@ -28,20 +32,24 @@ mod uniforms;
 #[cfg(feature = "naga")]
 mod wgsl;
 
+#[cfg(feature = "naga")]
+use crate::Options;
 use crate::diagnostic::Code;
 use crate::shape::{AddressSpace, DEFAULT_BLOCK};
 use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::glsl::ast::Item;
 use crate::syntax::glsl::raw;
-use crate::{BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
+use crate::{Diagnostic, Severity};
 use edits::Edits;
 use hoist::Handles;
 pub use interface::Direction;
 #[cfg(feature = "naga")]
 use origin::Origin;
+use partner::Partner;
+pub use ported::{Binding, InitialValue, Location, Ported};
 use rustc_hash::FxHashSet;
 use shader::Shader;
-use uniforms::{Bindings, Gathered};
+use uniforms::Bindings;
 
 /// The target language of a ported shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,78 +98,6 @@ impl Default for PortOptions {
     }
 }
 
-/// A ported shader, and the changes that matter to its host program.
-#[derive(Clone, Debug)]
-pub struct Ported {
-    /// The new text.
-    pub source: Source,
-    /// The name of the block of loose uniforms, if there were any.
-    pub block: Option<String>,
-    /// Sets and bindings, that of the block of loose uniforms first.
-    pub bindings: Vec<Binding>,
-    /// The locations of inputs and outputs.
-    pub locations: Vec<Location>,
-    /// Initial values, as of `uniform float x = 2.0;`, which the host must now upload.
-    pub values: Vec<InitialValue>,
-    /// Renames as old and new names: keywords, and handles moved out of structures.
-    pub renamed: Vec<(String, String)>,
-    /// What the user should know of the result, at the lines of the original.
-    pub warnings: Vec<Diagnostic>,
-}
-
-impl Ported {
-    /// The new path of a member of the block (`sample.rate` may become `sample_.rate`) or of a
-    /// sampler in a structure (`materials[2].diffuse` becomes `materials_diffuse[2]`).
-    pub fn new_path(&self, path: &str) -> String {
-        fn split(part: &str) -> (&str, &str) {
-            part.split_at(part.find('[').unwrap_or(part.len()))
-        }
-        let (names, brackets): (Vec<&str>, Vec<&str>) = path.split('.').map(split).unzip();
-        let renamed = |name: &str| {
-            let row = self.renamed.iter().find(|(old, _)| old == name);
-            row.map(|(_, new)| new.as_str())
-        };
-        if let Some(own) = renamed(&names.join(".")).filter(|_| names.len() > 1) {
-            return format!("{own}{}", brackets.concat());
-        }
-        let parts = names.iter().zip(brackets);
-        let parts =
-            parts.map(|(name, brackets)| format!("{}{brackets}", renamed(name).unwrap_or(name)));
-        parts.collect::<Vec<_>>().join(".")
-    }
-}
-
-/// A binding of a block or variable.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Binding {
-    /// The name of the block or variable.
-    pub name: String,
-    /// The descriptor set.
-    pub set: u32,
-    /// The binding.
-    pub binding: u32,
-}
-
-/// The location of an input or output.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Location {
-    /// The variable's or block's name.
-    pub name: String,
-    /// The direction.
-    pub direction: Direction,
-    /// The first location.
-    pub location: u32,
-}
-
-/// The initial value of a loose uniform.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InitialValue {
-    /// The uniform's name.
-    pub name: String,
-    /// The expression as written.
-    pub value: String,
-}
-
 /// Ports a GLSL shader to GLSL 4.50 for Vulkan.
 ///
 /// # Errors
@@ -171,7 +107,7 @@ pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagno
     let mut options = options.clone();
     options.read.target = options.read.target.or_else(|| target_of(source));
     let (ported, edits) = edit(source, &options)?;
-    verify(source, &options, &ported)?;
+    check::check(source, &options, &ported)?;
     match options.dialect {
         Dialect::Vulkan => Ok(ported),
         Dialect::Naga | Dialect::Wgsl => through_naga(source, ported, &edits, &options),
@@ -223,8 +159,13 @@ fn through_naga(
     };
     wgsl::check(&separated, &layouts).map_err(back)?;
     let mut warnings = Vec::new();
+    let lines = further.lines(&before.text);
+    ported.lines = lines.iter().map(|line| ported.lines[*line as usize - 1]).collect();
     let made = match options.dialect {
-        Dialect::Wgsl => wgsl::write(&separated, &layouts, &mut warnings).map_err(back)?,
+        Dialect::Wgsl => {
+            ported.lines.clear();
+            wgsl::write(&separated, &layouts, &mut warnings).map_err(back)?
+        }
         Dialect::Vulkan | Dialect::Naga => separated,
     };
     ported.warnings = back(warnings);
@@ -265,24 +206,30 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
     let handles = Handles::new(&shader);
     handles.strip(&mut edits);
     handles.rewrite(&mut edits, &mut problems);
-    let gathered = uniforms::gather(&shader, &handles, &mut edits, &mut problems);
+    let partner = Partner::new(source, options, stage);
+    let gathered = uniforms::gather(&shader, &handles, &partner.shared, &mut edits, &mut problems);
     for name in gathered.names.clone() {
         for (own, path) in handles.of_global(&name) {
-            renamed.push((format!("{name}.{}", path.fields.join(".")), own.to_string()));
+            renamed.names.push((format!("{name}.{}", path.fields.join(".")), own.to_string()));
         }
     }
 
-    let first = options.first_binding + taken_by_partner(source, options, stage);
-    let mut bindings = Bindings::new(&shader, options.set, first);
+    let mut bindings = Bindings::new(&shader, options.set, options.first_binding, &partner);
+    let shared = (!gathered.shared.is_empty()).then(|| shader.unused(&options.block));
     let block = (!gathered.members.is_empty()).then(|| block_name(&shader, options, stage));
     let mut text = String::new();
+    if let Some(block) = &shared {
+        let place = bindings.shared(block, partner.block);
+        text.push_str(&block_text(&shader, block, &gathered.shared_members(), place));
+    }
     if let Some(block) = &block {
-        text.push_str(&block_text(&shader, block, &gathered, &mut bindings));
+        let place = bindings.give(block);
+        text.push_str(&block_text(&shader, block, &gathered.members, place));
     }
     uniforms::bind(&shader, &mut bindings, &mut edits, &mut problems);
     for (ty, declared) in &gathered.handles {
         let name = declared.split('[').next().unwrap_or("");
-        let (set, binding) = bindings.give(name);
+        let (set, binding) = bindings.known_or_new(name);
         text.push_str(&format!(
             "layout(set = {set}, binding = {binding}) uniform {ty} {declared};\n"
         ));
@@ -301,10 +248,8 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
     }
 
     let passed = interface::passed(&shader, source, stage, &options.read);
-    let partner =
-        options.partner.as_ref().map_or(Vec::new(), |partner| partner_passed(partner, options));
     let mut locations =
-        interface::locate(stage, &passed, &partner, &options.locations, &mut problems);
+        interface::locate(stage, &passed, &partner.passed, &options.locations, &mut problems);
     interface::write(&shader, stage, &passed, &locations, &mut edits);
     locations.extend(output.map(|(_, location)| location));
     if !problems.is_empty() {
@@ -312,12 +257,15 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
     }
     let text = edits.render(&source.text, 0..source.text.len());
     let ported = Ported {
+        lines: edits.lines(&source.text),
         source: Source { text: text.into(), stage: Some(stage), ..source.clone() },
         block,
+        shared,
         bindings: bindings.given,
         locations,
         values: gathered.values,
-        renamed,
+        renamed: renamed.names,
+        functions: renamed.functions,
         warnings: Vec::new(),
     };
     Ok((ported, edits))
@@ -408,71 +356,13 @@ fn block_name(shader: &Shader<'_>, options: &PortOptions, stage: Stage) -> Strin
 fn block_text(
     shader: &Shader<'_>,
     block: &str,
-    gathered: &Gathered,
-    bindings: &mut Bindings,
+    members: &str,
+    (set, binding): (u32, u32),
 ) -> String {
-    let (set, binding) = bindings.give(block);
     // A default `row_major` for blocks never applied to loose uniforms.
     let row_major = shader.code.iter().any(|token| token.text == "row_major");
     let major = if row_major { ", column_major" } else { "" };
     format!(
-        "layout(set = {set}, binding = {binding}, std140{major}) uniform {block} {{\n{}}};\n",
-        gathered.members
+        "layout(set = {set}, binding = {binding}, std140{major}) uniform {block} {{\n{members}}};\n"
     )
-}
-
-/// The number of bindings of the preceding stage, so that both fit one pipeline.
-fn taken_by_partner(source: &Source, options: &PortOptions, stage: Stage) -> u32 {
-    let Some(partner) = options.partner.as_ref().filter(|_| stage != Stage::Vertex) else {
-        return 0;
-    };
-    let alone = PortOptions { partner: None, ..options.clone() };
-    if partner.path == source.path {
-        return 0;
-    }
-    let bindings = edit(partner, &alone).map_or(Vec::new(), |(ported, _)| ported.bindings);
-    let last = bindings.iter().map(|binding| binding.binding + 1).max().unwrap_or(0);
-    last.saturating_sub(options.first_binding)
-}
-
-fn partner_passed(partner: &Source, options: &PortOptions) -> Vec<interface::InterfaceDeclaration> {
-    let shader = Shader::new(partner, &options.read);
-    let stage = partner.stage.or_else(|| stage_of(&shader));
-    let Some(stage) = stage else { return Vec::new() };
-    let mut passed = interface::passed(&shader, partner, stage, &options.read);
-    for passed in &mut passed {
-        passed.span = Span::default(); // the partner's text is not among the shader's files
-    }
-    passed
-}
-
-/// Checks that the gathered uniforms have the layout of the original's, and that no loose uniform
-/// is left.
-fn verify(source: &Source, options: &PortOptions, ported: &Ported) -> Result<(), Vec<Diagnostic>> {
-    let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
-    let before = layout(source, &read(true));
-    let after = layout(&ported.source, &read(false));
-    let mut problems = after.diagnostics;
-    problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
-    let leaves = |block: Option<&BlockLayout>, name: &dyn Fn(&str) -> String| {
-        let leaves = block.map_or(&[][..], |block| &block.leaves);
-        let row = |l: &Leaf| format!("{} {:?} {:?} {:?}", name(&l.path), l.ty, l.offset, l.strides);
-        let mut rows: Vec<String> = leaves.iter().map(row).collect();
-        rows.sort();
-        rows
-    };
-    let gathered =
-        leaves(before.blocks.iter().rfind(|block| block.gathered), &|path| ported.new_path(path));
-    let block = after.blocks.iter().find(|b| Some(&*b.name) == ported.block.as_deref());
-    let moved = leaves(block, &str::to_string);
-    let loose = after.blocks.iter().any(|block| block.space == AddressSpace::Default);
-    if problems.is_empty() && (gathered != moved || loose) {
-        let message =
-            "the ported shader lacks uniforms of the original, or lays them out differently";
-        problems.push(
-            Diagnostic::error(Code::NotPortable, Span::default(), message)
-                .with_note("this is a limitation of landfall, not an error in the shader"),
-        );
-    }
-    if problems.is_empty() { Ok(()) } else { Err(problems) }
 }

@@ -47,6 +47,14 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     parsed
 }
 
+/// Returns the first syntax error of a GLSL shader, function bodies included.
+pub fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic> {
+    match source.language {
+        Language::Glsl => glsl::syntax_error(source, options),
+        Language::Wgsl => None,
+    }
+}
+
 /// Returns a text without its line continuations, which WGSL does not have.
 pub fn joined_lines(text: &str, language: Language) -> Cow<'_, str> {
     match language {

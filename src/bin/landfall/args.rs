@@ -312,7 +312,11 @@ pub struct PortArgs {
     /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Shader of the stage before or after, whose locations are matched
+    /// Do not compile the result with glslangValidator, which happens where it is installed
+    #[arg(long)]
+    pub no_compiler: bool,
+    /// Shader of the stage before or after; locations are matched, and what both share has one
+    /// binding
     #[arg(help_heading = "Locations and bindings", long, value_name = "FILE")]
     pub partner: Option<PathBuf>,
     /// Location of an input or output

@@ -1,13 +1,17 @@
 //! `landfall port`: rewrites legacy GLSL for Vulkan, naga or WGSL.
 
+mod compiler;
+
 use std::fmt::Write as _;
 
 use landfall_layout::diagnostic::Code;
 use landfall_layout::port::{Dialect, PortOptions, Ported, port};
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, Span};
 use landfall_layout::{Diagnostic, Severity, Source};
 
 use crate::args::{PortArgs, PortTo};
+use compiler::Verdict;
+
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::shader::finding;
 use crate::{given, read, write};
@@ -16,7 +20,10 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
         streams.report(&streams.style(FindingForm::Human).text(found, files));
     };
-    let partner = args.partner.as_ref().map(|path| read::source(path, &args.read)).transpose();
+    // `--stage` is that of the shader alone.
+    let mut beside = args.read.clone();
+    beside.text.stage = None;
+    let partner = args.partner.as_ref().map(|path| read::source(path, &beside)).transpose();
     let sources = read::source(&args.file, &args.read).and_then(|s| Ok((s, partner?)));
     let (source, partner) = match sources {
         Ok(sources) => sources,
@@ -45,6 +52,21 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
+    let mut warnings = ported.warnings.clone();
+    if !args.no_compiler && args.to != PortTo::Wgsl {
+        match compiler::verdict(&source, &ported, &args.read) {
+            Verdict::Accepted | Verdict::NotCompiled => {}
+            Verdict::Refused { message, line } => {
+                report(&[refused(&source, &message, line)], &files_of(&source));
+                return Ok(Outcome::CouldNot);
+            }
+            Verdict::Failed(reason) => {
+                let message =
+                    format!("{} cannot tell whether the result compiles: {reason}", compiler::NAME);
+                warnings.push(Diagnostic::warning(Code::NotPortable, Span::default(), message));
+            }
+        }
+    }
     match &args.out {
         Some(out) => {
             let files = landfall_layout::layout(&source, &read::options(&args.read)).files;
@@ -53,10 +75,10 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
         None => streams.source(&ported.source.text)?,
     }
-    if !ported.warnings.is_empty() {
-        report(&ported.warnings, &files_of(&source));
+    if !warnings.is_empty() {
+        report(&warnings, &files_of(&source));
     }
-    streams.notes(&notes(&ported));
+    streams.notes(&notes(&ported, args));
     for (name, _) in &args.locations {
         if !ported.locations.iter().any(|location| location.name == *name) {
             let message = format!("`--location {name}` has no effect: nothing has this name");
@@ -68,6 +90,21 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
+/// The error for a result that the compiler refuses, at the line of the original.
+fn refused(source: &Source, message: &str, line: Option<u32>) -> Diagnostic {
+    let starts = source.text.match_indices('\n').map(|(at, _)| at + 1);
+    let start = line.and_then(|line| std::iter::once(0).chain(starts).nth(line as usize - 1));
+    let span = start.map_or(Span::default(), |start| {
+        let text = source.text[start..].lines().next().unwrap_or("");
+        let indent = text.len() - text.trim_start().len();
+        let end = start + text.trim_end().len();
+        Span { file: 0, start: (start + indent).min(end) as u32, end: end as u32 }
+    });
+    let message = format!("{} refuses the ported shader: {message}", compiler::NAME);
+    Diagnostic::error(Code::NotPortable, span, message)
+        .with_help("mend the shader, or pass `--no-compiler` to write the result as it is")
+}
+
 /// The source files of findings in a shader read on its own.
 fn files_of(source: &Source) -> Files {
     let mut files = Files::default();
@@ -76,8 +113,11 @@ fn files_of(source: &Source) -> Files {
 }
 
 /// The changes that the program using the shader must follow, one per line.
-fn notes(ported: &Ported) -> String {
+fn notes(ported: &Ported, args: &PortArgs) -> String {
     let mut text = String::new();
+    if let (Some(shared), Some(partner)) = (&ported.shared, &args.partner) {
+        let _ = writeln!(text, "shared with {}: {shared}", partner.display());
+    }
     for binding in &ported.bindings {
         let _ = writeln!(text, "set {} binding {}: {}", binding.set, binding.binding, binding.name);
     }
@@ -88,7 +128,7 @@ fn notes(ported: &Ported) -> String {
     for value in &ported.values {
         let _ = writeln!(text, "upload: {} = {}", value.name, value.value);
     }
-    for (old, new) in &ported.renamed {
+    for (old, new) in ported.renamed.iter().chain(&ported.functions) {
         let _ = writeln!(text, "renamed: {old} to {new}");
     }
     text

@@ -49,6 +49,30 @@ impl Edits {
         result
     }
 
+    /// The line of the text, counted from 1, that each line of its rendering comes from.
+    pub fn lines(&self, text: &str) -> Vec<u32> {
+        let newlines = |from: usize, to: usize| text[from..to].matches('\n').count() as u32;
+        let (mut from, mut line, mut lines) = (0, 1, vec![1]);
+        for edit in self.applied(text, &(0..text.len())) {
+            for _ in 0..newlines(from, edit.range.start) {
+                line += 1;
+                lines.push(line);
+            }
+            lines.extend(edit.text.matches('\n').map(|_| line));
+            line += newlines(edit.range.start, edit.range.end);
+            from = edit.range.end;
+            let is_start = text[..from].ends_with('\n');
+            if is_start && (edit.text.is_empty() || edit.text.ends_with('\n')) {
+                // Whole lines went; this one begins after them.
+                lines.pop();
+                lines.push(line);
+            }
+        }
+        let rest = newlines(from, text.len());
+        lines.extend((1..=rest).map(|more| line + more));
+        lines
+    }
+
     /// The byte of the text that byte `at` of its rendering comes from, or the place of the
     /// insertion that contains it.
     #[cfg(feature = "naga")]
@@ -120,6 +144,18 @@ mod tests {
         edits.insert(3, "lost");
         assert_eq!(edits.render("abcdefgh", 0..8), "ab<>gh");
         assert_eq!(edits.render("abcdefgh", 3..6), "lostdXf");
+    }
+
+    #[test]
+    fn each_line_of_the_result_has_its_line() {
+        let mut edits = Edits::default();
+        edits.insert_lines(2, "new\n");
+        edits.delete(4..8);
+        edits.replace(9..10, "x\ny");
+        let text = "a\nb\nc\nd\ne\nf";
+        let rendered = edits.render(text, 0..text.len());
+        assert_eq!(rendered, "a\nnew\nb\nex\nyf");
+        assert_eq!(edits.lines(text), [1, 2, 2, 5, 5]);
     }
 
     #[cfg(feature = "naga")]

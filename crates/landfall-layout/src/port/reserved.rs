@@ -5,10 +5,12 @@ use crate::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::edits::Edits;
+use super::later_functions::is_later;
 use super::shader::Shader;
 use crate::Diagnostic;
 use crate::source::{Span, Target};
 use crate::syntax::glsl::lexer::Kind;
+use crate::syntax::glsl::types::builtin;
 
 /// Function names before GLSL 1.30 and ES 3.00, with their names since.
 const FUNCTIONS: &[(&str, &str)] = &[
@@ -117,11 +119,22 @@ const KEYWORDS: &[(&str, u32, u32)] = &[
     ("subpassInput", NEVER, NEVER),
 ];
 
+/// Renames of the shader's own names: old and new names.
+#[derive(Debug, Default)]
+pub(super) struct Renamed {
+    pub names: Vec<(String, String)>,
+    /// Functions only: a member of the same name keeps it.
+    pub functions: Vec<(String, String)>,
+}
+
 /// Renames identifiers; returns the renamed names of the shader itself.
-pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Vec<(String, String)> {
+pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Renamed {
     let defined = own_functions(shader);
     let own = own_names(shader);
-    let mut renamed: Vec<(String, String)> = Vec::new();
+    let later = |name: &&&str| is_later(name, shader.raw.version, shader.raw.es);
+    let clashing: FxHashSet<&str> = defined.iter().filter(later).copied().collect();
+    let redefined = Redefined::new(shader, &clashing);
+    let mut renamed = Renamed::default();
     let words: Vec<usize> = shader.words().collect();
     for &at in &words {
         let token = &shader.raw.tokens[at];
@@ -144,15 +157,81 @@ pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Vec<(String, Str
                 edits.insert(close, ")");
             }
         } else if own.contains(word) && !(called && word == "texture") && !shader.in_layout(at) {
-            let known = renamed.iter().find(|(old, _)| old == word);
-            let new = known.map_or_else(|| shader.unused(&format!("{word}_")), |row| row.1.clone());
-            if known.is_none() {
-                renamed.push((word.to_string(), new.clone()));
-            }
-            edits.replace(range, new);
+            edits.replace(range, new_name(shader, word, &mut renamed.names));
+        } else if (clashing.contains(word) || redefined.is_own(shader, at))
+            && (called || token.directive.is_some())
+            && !(at > 0 && shader.word(at - 1) == ".")
+        {
+            edits.replace(range, new_name(shader, word, &mut renamed.functions));
         }
     }
     renamed
+}
+
+/// Functions on matrices that no conversion of their arguments makes ambiguous.
+const OF_MATRICES: &[&str] =
+    &["determinant", "inverse", "matrixCompMult", "outerProduct", "transpose"];
+
+/// A shader's own functions that have the name of a built-in one of its version. Which one a call
+/// means depends on its first argument.
+struct Redefined<'a> {
+    /// The type of the first parameter of each of those functions.
+    parameters: Vec<(&'a str, &'a str)>,
+    /// Names and the types they are declared with anywhere.
+    declared: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Redefined<'a> {
+    fn new(shader: &Shader<'a>, later: &FxHashSet<&str>) -> Redefined<'a> {
+        let is_own = |name: &str| OF_MATRICES.contains(&name) && !later.contains(name);
+        let functions = shader.functions().filter(|function| is_own(function.name.text));
+        let parameters: Vec<_> = functions
+            .filter_map(|function| {
+                let first = function.parameters.first()?;
+                Some((function.name.text, shader.type_word(&first.ty)))
+            })
+            .collect();
+        let pairs = shader.code.windows(2).filter(|_| !parameters.is_empty());
+        let declared = pairs
+            .filter(|pair| pair[1].kind == Kind::Name && builtin(pair[0].text).is_some())
+            .map(|pair| (pair[1].text, pair[0].text))
+            .collect();
+        Redefined { parameters, declared }
+    }
+
+    /// Whether a word names one of them: it does unless the argument has another type.
+    fn is_own(&self, shader: &Shader<'_>, at: usize) -> bool {
+        let word = shader.word(at);
+        let own = || self.parameters.iter().filter(|(name, _)| *name == word).map(|(_, ty)| *ty);
+        if own().next().is_none() {
+            return false;
+        }
+        let text = |ahead: usize| match shader.raw.tokens.get(at + ahead) {
+            Some(token) => &shader.text[token.start..token.end],
+            None => "",
+        };
+        let (argument, after) = (text(2), text(3));
+        let types: Vec<&str> = match after {
+            // A constructor.
+            "(" if builtin(argument).is_some() => vec![argument],
+            "," | ")" => {
+                let of = self.declared.iter().filter(|(name, _)| *name == argument);
+                of.map(|(_, ty)| *ty).collect()
+            }
+            _ => Vec::new(),
+        };
+        types.is_empty() || types.iter().any(|ty| own().any(|own| own == *ty))
+    }
+}
+
+/// The new name of a word, added to `renamed` at its first use.
+fn new_name(shader: &Shader<'_>, word: &str, renamed: &mut Vec<(String, String)>) -> String {
+    if let Some((_, new)) = renamed.iter().find(|(old, _)| old == word) {
+        return new.clone();
+    }
+    let new = shader.unused(&format!("{word}_"));
+    renamed.push((word.to_string(), new.clone()));
+    new
 }
 
 fn function(table: &[(&str, &'static str)], word: &str) -> Option<&'static str> {

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use super::edits::Edits;
 use super::hoist::Handles;
 use super::outline::layouts;
+use super::partner::Partner;
 use super::shader::{Shader, is_opaque, structure};
 use super::{Binding, InitialValue};
 use crate::Diagnostic;
@@ -18,6 +19,8 @@ use crate::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifi
 pub(super) struct Gathered {
     /// The block's members, one line each, with their comments.
     pub members: String,
+    /// The members of the block shared with the partner: the place of each there, and its lines.
+    pub shared: Vec<(usize, String)>,
     /// The handles moved out of structures: type, and name with dimensions.
     pub handles: Vec<(String, String)>,
     /// The names that must be declared before their use.
@@ -29,10 +32,20 @@ pub(super) struct Gathered {
     pub after: usize,
 }
 
-/// Removes the loose uniforms from the text.
+impl Gathered {
+    /// The members of the shared block in their order.
+    pub fn shared_members(&self) -> String {
+        let mut members = self.shared.clone();
+        members.sort();
+        members.into_iter().map(|(_, text)| text).collect()
+    }
+}
+
+/// Removes the loose uniforms from the text; those named in `shared` go into the shared block.
 pub(super) fn gather(
     shader: &Shader<'_>,
     handles: &Handles<'_, '_>,
+    shared: &[String],
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
 ) -> Gathered {
@@ -65,7 +78,7 @@ pub(super) fn gather(
                     .push(InitialValue { name: name.to_string(), value: text.to_string() });
             }
         }
-        take(shader, variables, &ty, handles.has_data(&ty), edits, &mut gathered);
+        take(shader, variables, &ty, (handles.has_data(&ty), shared), edits, &mut gathered);
     }
     gathered.after = types_end(shader, &gathered);
     gathered
@@ -98,7 +111,7 @@ fn take(
     shader: &Shader<'_>,
     variables: &Declaration<'_>,
     ty: &str,
-    has_data: bool,
+    (has_data, shared): (bool, &[String]),
     edits: &mut Edits,
     gathered: &mut Gathered,
 ) {
@@ -117,14 +130,37 @@ fn take(
         Some(structure) => shader.bytes(&structure.tokens).end,
         None => shader.code[variables.ty.at].end,
     };
-    let declared = edits.render(shader.text, type_end..all.end);
     if has_data {
-        for line in taken.before.lines() {
-            gathered.members.push_str(&format!("    {}\n", line.trim()));
-        }
+        let lines = taken.before.lines();
+        let before: String = lines.map(|line| format!("    {}\n", line.trim())).collect();
         let after =
             if taken.after.is_empty() { String::new() } else { format!(" {}", taken.after) };
-        gathered.members.push_str(&format!("    {precision}{ty}{declared}{after}\n"));
+        let place = |declarator: &Declarator<'_>| {
+            shared.iter().position(|name| name == declarator.name.text)
+        };
+        let names = &variables.names;
+        if names.iter().all(|declarator| place(declarator).is_none()) {
+            let declared = edits.render(shader.text, type_end..all.end);
+            let text = format!("{before}    {precision}{ty}{declared}{after}\n");
+            gathered.members.push_str(&text);
+        } else {
+            let dims = edits.render(shader.text, type_end..first);
+            for (index, declarator) in names.iter().enumerate() {
+                let start = shader.code[declarator.name.at].start;
+                let end = match names.get(index + 1) {
+                    Some(next) => shader.code[next.name.at - 1].start,
+                    None => all.end - 1,
+                };
+                let declared = edits.render(shader.text, start..end);
+                let before = if index == 0 { &*before } else { "" };
+                let after = if index + 1 == names.len() { &*after } else { "" };
+                let text = format!("{before}    {precision}{ty}{dims}{declared};{after}\n");
+                match place(declarator) {
+                    Some(place) => gathered.shared.push((place, text)),
+                    None => gathered.members.push_str(&text),
+                }
+            }
+        }
     }
     match structure(&variables.ty) {
         None => edits.delete(taken.bytes),
@@ -143,7 +179,9 @@ fn take(
 /// The end of the last declaration that the members' types and sizes use.
 fn types_end(shader: &Shader<'_>, gathered: &Gathered) -> usize {
     let of_handles = gathered.handles.iter().flat_map(|(_, text)| words(text));
-    let used: FxHashSet<&str> = words(&gathered.members).chain(of_handles).collect();
+    let of_shared = gathered.shared.iter().flat_map(|(_, text)| words(text));
+    let used: FxHashSet<&str> =
+        words(&gathered.members).chain(of_shared).chain(of_handles).collect();
     let uses = |name: &str| used.contains(name);
     let mut end = 0;
     for item in &shader.items {
@@ -170,23 +208,34 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
 }
 
-/// Assigns binding numbers, skipping those written in the text.
+/// Assigns binding numbers, skipping those written in the text and those of the partner.
 pub(super) struct Bindings {
     set: u32,
     next: u32,
     taken: BTreeSet<u32>,
+    /// The numbers that declarations have so far.
+    used: BTreeSet<u32>,
+    /// Bindings by name that the partner determines.
+    partners: Vec<Binding>,
+    /// Whether the partner is the earlier stage, whose bindings are settled.
+    is_later: bool,
     pub given: Vec<Binding>,
 }
 
 impl Bindings {
-    pub fn new(shader: &Shader<'_>, set: u32, first: u32) -> Bindings {
-        let mut taken = BTreeSet::new();
-        for item in &shader.items {
-            if let Some(binding) = qualifiers(item).and_then(|q| number(shader, q, "binding")) {
-                taken.insert(binding);
-            }
+    pub fn new(shader: &Shader<'_>, set: u32, first: u32, partner: &Partner) -> Bindings {
+        let own = explicit(shader, set).into_iter().map(|binding| binding.binding);
+        let is_later = partner.next > 0;
+        let used = if is_later { partner.taken.clone() } else { BTreeSet::new() };
+        Bindings {
+            set,
+            next: first.max(partner.next),
+            taken: own.chain(partner.taken.iter().copied()).collect(),
+            used,
+            partners: partner.bindings.clone(),
+            is_later,
+            given: Vec::new(),
         }
-        Bindings { set, next: first, taken, given: Vec::new() }
     }
 
     /// Assigns the next free binding; returns set and binding.
@@ -198,10 +247,45 @@ impl Bindings {
         self.note(name, self.next - 1)
     }
 
+    /// Assigns the partner's binding of that name, or the next free one.
+    pub fn known_or_new(&mut self, name: &str) -> (u32, u32) {
+        match self.partners.iter().find(|binding| binding.name == name) {
+            Some(known) => self.note(name, known.binding),
+            None => self.give(name),
+        }
+    }
+
+    /// Assigns the binding of the shared block: that of the earlier stage, if that is the partner.
+    pub fn shared(&mut self, name: &str, known: Option<u32>) -> (u32, u32) {
+        match known {
+            Some(binding) => self.note(name, binding),
+            None => self.give(name),
+        }
+    }
+
     fn note(&mut self, name: &str, binding: u32) -> (u32, u32) {
         self.given.push(Binding { name: name.to_string(), set: self.set, binding });
         (self.set, binding)
     }
+}
+
+/// The bindings written in a text, by the names of blocks and variables.
+pub(super) fn explicit(shader: &Shader<'_>, set: u32) -> Vec<Binding> {
+    let mut written = Vec::new();
+    for item in &shader.items {
+        let Some(binding) = qualifiers(item).and_then(|q| number(shader, q, "binding")) else {
+            continue;
+        };
+        let mut add = |name: &str| written.push(Binding { name: name.to_string(), set, binding });
+        match item {
+            Item::Block(block) | Item::Interface(block) => add(block.name.text),
+            Item::Variables(variables) => {
+                variables.names.iter().for_each(|declarator| add(declarator.name.text));
+            }
+            _ => {}
+        }
+    }
+    written
 }
 
 fn qualifiers<'i, 'a>(item: &'i Item<'a>) -> Option<&'i Qualifiers<'a>> {
@@ -226,33 +310,38 @@ pub(super) fn bind(
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
 ) {
-    let mut used = BTreeSet::new();
     for item in &shader.items {
         match item {
             Item::Block(block) | Item::Interface(block) => {
-                bind_block(shader, block, bindings, &mut used, edits)
+                bind_block(shader, block, bindings, edits)
             }
             Item::Variables(variables)
                 if !variables.names.is_empty()
                     && shader.has_word(&variables.qualifiers, "uniform")
                     && is_opaque(shader.type_word(&variables.ty)) =>
             {
-                bind_handles(shader, variables, bindings, &mut used, edits, problems);
+                bind_handles(shader, variables, bindings, edits, problems);
             }
             _ => {}
         }
     }
 }
 
-/// The binding written in the text, or a new one if there is none or it is already used.
+/// The partner's binding of that name, or the one written in the text, or a new one if there is
+/// none or it is already used.
 fn binding_for(
     shader: &Shader<'_>,
     qualifiers: &Qualifiers<'_>,
     name: &str,
     bindings: &mut Bindings,
-    used: &mut BTreeSet<u32>,
 ) -> (u32, u32) {
-    match number(shader, qualifiers, "binding").filter(|binding| used.insert(*binding)) {
+    let known = bindings.partners.iter().find(|binding| binding.name == name);
+    let known = known.map(|known| known.binding);
+    if let Some(known) = known.filter(|_| bindings.is_later) {
+        return bindings.note(name, known);
+    }
+    let written = number(shader, qualifiers, "binding").or(known);
+    match written.filter(|binding| bindings.used.insert(*binding)) {
         Some(binding) => bindings.note(name, binding),
         None => bindings.give(name),
     }
@@ -262,7 +351,6 @@ fn bind_block(
     shader: &Shader<'_>,
     block: &BlockDecl<'_>,
     bindings: &mut Bindings,
-    used: &mut BTreeSet<u32>,
     edits: &mut Edits,
 ) {
     let word = |word: &str| shader.has_word(&block.qualifiers, word);
@@ -271,7 +359,7 @@ fn bind_block(
     if !(uniform || buffer) || has("push_constant") || has("buffer_reference") {
         return;
     }
-    let (set, binding) = binding_for(shader, &block.qualifiers, block.name.text, bindings, used);
+    let (set, binding) = binding_for(shader, &block.qualifiers, block.name.text, bindings);
     let set = number(shader, &block.qualifiers, "set").unwrap_or(set);
     let mut add = vec![format!("set = {set}"), format!("binding = {binding}")];
     if !has("std140") && !has("std430") && !has("scalar") {
@@ -285,7 +373,6 @@ fn bind_handles(
     shader: &Shader<'_>,
     variables: &Declaration<'_>,
     bindings: &mut Bindings,
-    used: &mut BTreeSet<u32>,
     edits: &mut Edits,
     problems: &mut Vec<Diagnostic>,
 ) {
@@ -296,7 +383,7 @@ fn bind_handles(
         .iter()
         .map(|declarator| {
             let name = declarator.name.text;
-            let (set, binding) = binding_for(shader, &variables.qualifiers, name, bindings, used);
+            let (set, binding) = binding_for(shader, &variables.qualifiers, name, bindings);
             vec![format!("set = {set}"), format!("binding = {binding}")]
         })
         .collect();

@@ -126,6 +126,14 @@ pub fn parse<'a>(
     Shader { items, parser: reader.parser, parsed }
 }
 
+/// Returns the first syntax error of a shader, function bodies included.
+pub(super) fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic> {
+    let texts = Texts::new();
+    let mut shader = parse(source, options, &texts, false);
+    let error = shader.parser.complete(&mut shader.items, source.stage).err();
+    error.map(|error| *error.diagnostic())
+}
+
 /// Returns the values of `KEY = N` in the layout qualifiers of global declarations, by the first
 /// byte of each key in the shader's own text.
 pub(crate) fn layout_numbers(source: &Source, options: &ReadOptions) -> FxHashMap<u32, u32> {

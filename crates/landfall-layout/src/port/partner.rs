@@ -1,0 +1,115 @@
+//! The other stage of a program: locations, bindings and loose uniforms that both stages share.
+//!
+//! The earlier stage decides. The later one takes over the binding of everything that has the same
+//! name in both, and numbers the rest after it. Loose uniforms that both declare alike go into one
+//! block, declared in both, in the order of the earlier stage.
+
+use std::collections::BTreeSet;
+
+use super::interface::{self, InterfaceDeclaration};
+use super::shader::Shader;
+use super::uniforms::explicit;
+use super::{Binding, PortOptions, Ported, edit, stage_of};
+use crate::source::{Source, Span, Stage};
+use crate::{BlockLayout, Options, layout};
+
+/// What porting a stage needs to know of the other one.
+#[derive(Debug, Default)]
+pub(super) struct Partner {
+    /// Its inputs and outputs.
+    pub passed: Vec<InterfaceDeclaration>,
+    /// The loose uniforms that go into the shared block, in their order there.
+    pub shared: Vec<String>,
+    /// The binding of the shared block, if the partner is the earlier stage.
+    pub block: Option<u32>,
+    /// Bindings by name that the partner determines.
+    pub bindings: Vec<Binding>,
+    /// Binding numbers that the partner uses.
+    pub taken: BTreeSet<u32>,
+    /// The first binding after those of an earlier stage.
+    pub next: u32,
+}
+
+impl Partner {
+    /// Reads the partner of a shader of `stage`.
+    pub fn new(source: &Source, options: &PortOptions, stage: Stage) -> Partner {
+        let Some(partner) = &options.partner else { return Partner::default() };
+        let shader = Shader::new(partner, &options.read);
+        let Some(theirs) = partner.stage.or_else(|| stage_of(&shader)) else {
+            return Partner::default();
+        };
+        let mut passed = interface::passed(&shader, partner, theirs, &options.read);
+        for passed in &mut passed {
+            passed.span = Span::default(); // the partner's text is not among the shader's files
+        }
+        let written: Vec<Binding> = explicit(&shader, options.set);
+        let taken = written.iter().map(|binding| binding.binding).collect();
+        let mut read = Partner { passed, bindings: written, taken, ..Partner::default() };
+        if partner.path == source.path || order(theirs) == order(stage) {
+            return read;
+        }
+        let is_earlier = order(theirs) < order(stage);
+        let (first, second) = if is_earlier { (partner, source) } else { (source, partner) };
+        read.shared = shared(first, second, options);
+        if is_earlier {
+            let beside = PortOptions { partner: Some(source.clone()), ..options.clone() };
+            if let Ok((ported, _)) = edit(partner, &beside) {
+                read.follow(ported);
+            }
+        }
+        read
+    }
+
+    /// Takes over the bindings of the earlier stage.
+    fn follow(&mut self, earlier: Ported) {
+        self.next = earlier.bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
+        self.taken.extend(earlier.bindings.iter().map(|binding| binding.binding));
+        let of = |name: &str| earlier.bindings.iter().find(|binding| binding.name == name);
+        self.block = earlier.shared.as_deref().and_then(of).map(|binding| binding.binding);
+        let own = [&earlier.block, &earlier.shared];
+        self.bindings = earlier.bindings;
+        self.bindings.retain(|b| own.iter().all(|own| own.as_ref() != Some(&b.name)));
+    }
+}
+
+/// The place of a stage in the pipeline.
+fn order(stage: Stage) -> u32 {
+    match stage {
+        Stage::Vertex => 0,
+        Stage::TessellationControl => 1,
+        Stage::TessellationEvaluation => 2,
+        Stage::Geometry => 3,
+        Stage::Fragment => 4,
+        _ => 5,
+    }
+}
+
+/// The loose uniforms that two stages lay out alike, in the order of the first.
+fn shared(first: &Source, second: &Source, options: &PortOptions) -> Vec<String> {
+    let gather = Options { read: options.read.clone(), gather: true, ..Options::default() };
+    let [first, second] = [first, second].map(|source| layout(source, &gather));
+    let loose = |block: &&BlockLayout| block.gathered;
+    let (Some(first), Some(second)) =
+        (first.blocks.iter().rfind(loose), second.blocks.iter().rfind(loose))
+    else {
+        return Vec::new();
+    };
+    let names = first.members.iter().map(|member| member.name.to_string());
+    let alike = |name: &String| {
+        let rows = member_rows(first, name);
+        !rows.is_empty() && rows == member_rows(second, name)
+    };
+    names.filter(alike).collect()
+}
+
+/// The leaves of a member, with offsets from its first one.
+fn member_rows(block: &BlockLayout, name: &str) -> Vec<String> {
+    let of_member = |path: &str| path.split(['.', '[']).next() == Some(name);
+    let leaves: Vec<_> = block.leaves.iter().filter(|leaf| of_member(&leaf.path)).collect();
+    let start = leaves.first().and_then(|leaf| leaf.offset).unwrap_or(0);
+    let row = |leaf: &&crate::Leaf| {
+        let offset = leaf.offset.map(|offset| offset - start);
+        format!("{} {:?} {:?} {:?} {offset:?}", leaf.path, leaf.ty, leaf.dims, leaf.strides)
+    };
+    leaves.iter().map(row).collect()
+}

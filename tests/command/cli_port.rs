@@ -1,0 +1,92 @@
+//! `landfall port` writes nothing that an installed compiler refuses.
+
+use snapbox::str;
+
+use crate::support::command::Place;
+
+/// A conversion that no version has, on line 5.
+const WRONG: &str = "#version 330\nuniform float a;\n// One too many.\nout vec4 c;\nvoid main() { c = vec4(a).xyz; }\n";
+
+const RIGHT: &str = "#version 330\nuniform float a;\nout vec4 c;\nvoid main() { c = vec4(a); }\n";
+
+#[test]
+fn a_result_that_the_compiler_refuses_is_not_written() {
+    let place = Place::new("port_refused");
+    place.write("a.frag", WRONG);
+    place.write("old.frag", "kept");
+    for arguments in [["port", "a.frag", "--out", "old.frag"], ["port", "a.frag", "--to", "naga"]] {
+        let ran = place.run(&arguments);
+        ran.code(2).stdout_eq("");
+        assert_eq!(place.read("old.frag"), "kept");
+    }
+    place.run(&["port", "a.frag"]).code(2).stderr_eq(str![[r#"
+error[not-portable]: glslangValidator refuses the ported shader: 'assign' : cannot convert from ' temp 3-component vector of float' to 'layout( location=0) out highp 4-component vector of float'
+ --> a.frag:5:1
+  |
+5 | void main() { c = vec4(a).xyz; }
+  | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+  |
+  = help: mend the shader, or pass `--no-compiler` to write the result as it is
+
+
+"#]]);
+    let ran = place.run(&["port", "a.frag", "--no-compiler", "-q"]);
+    ran.code(0).stderr_eq("");
+    assert!(ran.out.contains("c = vec4(a).xyz;"), "{}", ran.out);
+}
+
+#[test]
+fn a_missing_compiler_is_no_error() {
+    let place = Place::new("port_no_compiler");
+    place.write("a.frag", WRONG);
+    let mut command = place.command(&["port", "a.frag", "-q"]);
+    let output = command.env("PATH", &place.0).output().expect("it runs");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// A compiler that breaks down says nothing about the shader.
+#[cfg(unix)]
+#[test]
+fn a_broken_compiler_is_a_warning() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let place = Place::new("port_broken_compiler");
+    place.write("a.frag", RIGHT);
+    place.write("bin/glslangValidator", "#!/bin/sh\nexit 1\n");
+    let tool = place.0.join("bin/glslangValidator");
+    std::fs::set_permissions(tool, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
+    let mut command = place.command(&["port", "a.frag"]);
+    let output = command.env("PATH", place.0.join("bin")).output().expect("it runs");
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("warning[not-portable]: glslangValidator cannot tell"), "{said}");
+}
+
+#[test]
+fn includes_and_macros_of_the_command_line_reach_the_compiler() {
+    let place = Place::new("port_includes");
+    place.write("lib/tone.glsl", "float tone(float x) { return x * SCALE; }\n");
+    place.write("near.glsl", "const float NEAR = 0.5;\n");
+    let text = "#version 330\n#include \"tone.glsl\"\n#include \"near.glsl\"\nuniform float a;\n\
+                out vec4 c;\nvoid main() { c = vec4(tone(a) + NEAR); }\n";
+    place.write("a.frag", text);
+    let arguments = ["port", "a.frag", "-I", "lib", "-D", "SCALE=2.0", "-q"];
+    place.run(&arguments).code(0).stderr_eq("");
+    place.write("a.frag", text.replace("tone(a)", "tone(a, a)"));
+    let ran = place.run(&arguments);
+    ran.code(2);
+    assert!(ran.err.contains("a.frag:6:"), "{}", ran.err);
+}
+
+#[test]
+fn the_partner_keeps_its_stage_and_shares_its_uniforms() {
+    let place = Place::new("port_partner");
+    place.write("a.vs", "#version 330\nuniform vec4 a;\nvoid main() { gl_Position = a; }\n");
+    place.write("a.fs", "#version 330\nuniform vec4 a;\nout vec4 c;\nvoid main() { c = a; }\n");
+    let ran = place.run(&["port", "a.fs", "--stage", "fragment", "--partner", "a.vs"]);
+    ran.code(0).stderr_eq(str![[r#"
+shared with a.vs: DefaultBlock
+set 0 binding 0: DefaultBlock
+location 0 out: c
+
+"#]]);
+}
