@@ -42,11 +42,10 @@ use crate::syntax::glsl::raw;
 use crate::{Diagnostic, Severity};
 use edits::Edits;
 use hoist::Handles;
-pub use interface::Direction;
 #[cfg(feature = "naga")]
 use origin::Origin;
 use partner::Partner;
-pub use ported::{Binding, InitialValue, Location, Ported};
+pub use ported::{Binding, Direction, InitialValue, Location, Ported};
 use rustc_hash::FxHashSet;
 use shader::Shader;
 use uniforms::Bindings;
@@ -214,7 +213,8 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
         }
     }
 
-    let mut bindings = Bindings::new(&shader, options.set, options.first_binding, &partner);
+    let mut bindings =
+        Bindings::new(&shader, options.set, options.first_binding, &partner.bindings);
     let shared = (!gathered.shared.is_empty()).then(|| shader.unused(&options.block));
     let block = (!gathered.members.is_empty()).then(|| block_name(&shader, options, stage));
     let mut text = String::new();

@@ -4,8 +4,8 @@
 use crate::diagnostic::Code;
 use std::collections::BTreeMap;
 
-use super::Location;
 use super::edits::Edits;
+use super::ported::{Direction, Location};
 use super::shader::Shader;
 use super::uniforms::{number, qualify};
 use crate::Diagnostic;
@@ -13,25 +13,6 @@ use crate::shape::{ArrayLen, Type};
 use crate::source::{ReadOptions, Source, Span, Stage};
 use crate::syntax::glsl::ast::{Declaration, Dim, Item, Name, Qualifiers};
 use crate::syntax::parse;
-
-/// The direction of an interface variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Direction {
-    /// Into the stage.
-    In,
-    /// Out of the stage.
-    Out,
-}
-
-impl Direction {
-    /// The GLSL keyword: `in` or `out`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Direction::In => "in",
-            Direction::Out => "out",
-        }
-    }
-}
 
 /// An input or output as declared.
 #[derive(Clone, Debug)]

@@ -4,12 +4,11 @@
 //! name in both, and numbers the rest after it. Loose uniforms that both declare alike go into one
 //! block, declared in both, in the order of the earlier stage.
 
-use std::collections::BTreeSet;
-
 use super::interface::{self, InterfaceDeclaration};
+use super::ported::{Binding, Ported};
 use super::shader::Shader;
-use super::uniforms::explicit;
-use super::{Binding, PortOptions, Ported, edit, stage_of};
+use super::uniforms::{PartnerBindings, explicit};
+use super::{PortOptions, edit, stage_of};
 use crate::source::{Source, Span, Stage};
 use crate::{BlockLayout, Options, layout};
 
@@ -22,12 +21,7 @@ pub(super) struct Partner {
     pub shared: Vec<String>,
     /// The binding of the shared block, if the partner is the earlier stage.
     pub block: Option<u32>,
-    /// Bindings by name that the partner determines.
-    pub bindings: Vec<Binding>,
-    /// Binding numbers that the partner uses.
-    pub taken: BTreeSet<u32>,
-    /// The first binding after those of an earlier stage.
-    pub next: u32,
+    pub bindings: PartnerBindings,
 }
 
 impl Partner {
@@ -44,7 +38,8 @@ impl Partner {
         }
         let written: Vec<Binding> = explicit(&shader, options.set);
         let taken = written.iter().map(|binding| binding.binding).collect();
-        let mut read = Partner { passed, bindings: written, taken, ..Partner::default() };
+        let bindings = PartnerBindings { by_name: written, taken, next: 0 };
+        let mut read = Partner { passed, bindings, ..Partner::default() };
         if partner.path == source.path || order(theirs) == order(stage) {
             return read;
         }
@@ -62,13 +57,13 @@ impl Partner {
 
     /// Takes over the bindings of the earlier stage.
     fn follow(&mut self, earlier: Ported) {
-        self.next = earlier.bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
-        self.taken.extend(earlier.bindings.iter().map(|binding| binding.binding));
+        self.bindings.next = earlier.bindings.iter().map(|b| b.binding + 1).max().unwrap_or(0);
+        self.bindings.taken.extend(earlier.bindings.iter().map(|binding| binding.binding));
         let of = |name: &str| earlier.bindings.iter().find(|binding| binding.name == name);
         self.block = earlier.shared.as_deref().and_then(of).map(|binding| binding.binding);
         let own = [&earlier.block, &earlier.shared];
-        self.bindings = earlier.bindings;
-        self.bindings.retain(|b| own.iter().all(|own| own.as_ref() != Some(&b.name)));
+        self.bindings.by_name = earlier.bindings;
+        self.bindings.by_name.retain(|b| own.iter().all(|own| own.as_ref() != Some(&b.name)));
     }
 }
 

@@ -1,6 +1,5 @@
 //! The result of a port.
 
-use super::interface::Direction;
 use crate::{Diagnostic, Source};
 
 /// A ported shader, and the changes that matter to its host program.
@@ -61,6 +60,25 @@ pub struct Binding {
     pub set: u32,
     /// The binding.
     pub binding: u32,
+}
+
+/// The direction of an interface variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Direction {
+    /// Into the stage.
+    In,
+    /// Out of the stage.
+    Out,
+}
+
+impl Direction {
+    /// The GLSL keyword: `in` or `out`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Direction::In => "in",
+            Direction::Out => "out",
+        }
+    }
 }
 
 /// The location of an input or output.

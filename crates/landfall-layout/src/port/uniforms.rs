@@ -8,9 +8,8 @@ use std::collections::BTreeSet;
 use super::edits::Edits;
 use super::hoist::Handles;
 use super::outline::layouts;
-use super::partner::Partner;
+use super::ported::{Binding, InitialValue};
 use super::shader::{Shader, is_opaque, structure};
-use super::{Binding, InitialValue};
 use crate::Diagnostic;
 use crate::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifiers};
 
@@ -208,6 +207,17 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
 }
 
+/// The bindings of the partner.
+#[derive(Debug, Default)]
+pub(super) struct PartnerBindings {
+    /// Bindings by name that the partner determines.
+    pub by_name: Vec<Binding>,
+    /// Binding numbers that the partner uses.
+    pub taken: BTreeSet<u32>,
+    /// The first binding after those of an earlier stage.
+    pub next: u32,
+}
+
 /// Assigns binding numbers, skipping those written in the text and those of the partner.
 pub(super) struct Bindings {
     set: u32,
@@ -223,7 +233,7 @@ pub(super) struct Bindings {
 }
 
 impl Bindings {
-    pub fn new(shader: &Shader<'_>, set: u32, first: u32, partner: &Partner) -> Bindings {
+    pub fn new(shader: &Shader<'_>, set: u32, first: u32, partner: &PartnerBindings) -> Bindings {
         let own = explicit(shader, set).into_iter().map(|binding| binding.binding);
         let is_later = partner.next > 0;
         let used = if is_later { partner.taken.clone() } else { BTreeSet::new() };
@@ -232,7 +242,7 @@ impl Bindings {
             next: first.max(partner.next),
             taken: own.chain(partner.taken.iter().copied()).collect(),
             used,
-            partners: partner.bindings.clone(),
+            partners: partner.by_name.clone(),
             is_later,
             given: Vec::new(),
         }
