@@ -93,6 +93,7 @@ fn stage_name(stage: Stage) -> Option<&'static str> {
         Stage::ClosestHit => "rchit",
         Stage::Miss => "rmiss",
         Stage::Callable => "rcall",
+        _ => return None,
     })
 }
 
