@@ -223,7 +223,7 @@ fn wgsl_modules_of_one_base_name_are_compared() {
     };
     let (a, b) = (module("vec2f"), module("vec2u"));
     let finding = only(mismatches(&[("s/a.vert.wgsl", &a), ("s/a.frag.wgsl", &b)]));
-    golden().eq(&finding.message, str!["block `Frame` is declared differently in s/a.wgsl: `pick` is a `vec2<u32>` here and a `vec2<f32>` there"]);
+    golden().eq(&finding.message, str!["block `Frame` is declared differently in s/a.vert.wgsl: `pick` is a `vec2<u32>` here and a `vec2<f32>` there"]);
 }
 
 #[test]
