@@ -80,7 +80,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(&warnings, &files_of(&source));
     }
     streams.notes(&notes(&ported, args));
-    if ported.block.is_none() && args.block != DEFAULT_BLOCK {
+    if ported.block.is_none() && ported.shared.is_none() && args.block != DEFAULT_BLOCK {
         let option = format!("--block {}", args.block);
         given::without_effect(option, "no uniform is outside blocks", streams);
     }
