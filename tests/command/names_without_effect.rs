@@ -189,6 +189,8 @@ fn the_assumed_target_is_said_where_code_is_executed() {
         "prove b.frag --fn f",
         "prove b.frag --fn f -f json",
         "stress b.frag --fn f --samples 50 --time 1",
+        "bench b.frag --fn f --samples 50 --rounds 3 --backend cpu",
+        "port b.frag --no-compiler",
     ] {
         let ran = place.run(&split(command));
         assert!(ran.code < 2 && ran.err.contains(said), "{command}: {}", ran.err);

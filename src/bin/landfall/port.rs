@@ -14,7 +14,7 @@ use crate::args::{PortArgs, PortTo};
 use compiler::Verdict;
 
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::shader::finding;
+use crate::shader::{self, finding};
 use crate::{given, read, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -45,7 +45,8 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     options.first_binding = args.first_binding;
     options.partner = partner;
     options.locations = args.locations.clone();
-    given::record(&landfall_layout::layout(&source, &read::options(&args.read)).files);
+    let human = streams.style(FindingForm::Human);
+    shader::record(&source, &read::options(&args.read), streams, human);
     let ported = match port(&source, &options) {
         Ok(ported) => ported,
         Err(found) => {

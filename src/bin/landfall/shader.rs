@@ -4,9 +4,7 @@ use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
 use landfall_layout::source::Files;
-use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
-#[cfg(feature = "exec")]
-use landfall_layout::{Options, Source};
+use landfall_layout::{BlockLayout, Diagnostic, Options, ShaderLayout, Source};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
@@ -37,9 +35,8 @@ pub fn laid_out(
     (!lost).then_some(shader)
 }
 
-/// Records the names of a shader that is executed, and warns of blocks whose layout depends on the
+/// Records the names of a shader that is executed or ported, and warns of blocks whose layout depends on the
 /// API that was assumed.
-#[cfg(feature = "exec")]
 pub fn record(source: &Source, options: &Options, streams: &Streams, style: FindingStyle) {
     let shader = landfall_layout::layout(source, options);
     given::record_of(&shader);

@@ -18,7 +18,7 @@ use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Wor
 use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::{backends, data, read, write};
+use crate::{backends, data, read, shader, write};
 
 /// The variant name of the function itself.
 const FIRST: &str = "as it is";
@@ -87,6 +87,7 @@ pub fn bench(
             Err(refusal) => return refused(&refusal, style, streams),
         }
     }
+    sources.all().for_each(|source| shader::record(source, &options, streams, *style));
     notes(&made, streams);
     let domain = args.domain.as_deref().map(|text| data::file_or_value("--domain", text));
     let sampling = Sampling {

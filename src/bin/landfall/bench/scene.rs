@@ -26,7 +26,7 @@ use super::{
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
 use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
-use crate::{backends, read, write};
+use crate::{backends, read, shader, write};
 
 /// The kind of a variant.
 enum VariantKind {
@@ -127,6 +127,7 @@ pub fn bench(
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let options = read::options(&args.read);
     let mut files = own.files_read();
+    sources.all().for_each(|source| shader::record(source, &options, streams, *style));
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
     let about = About { subject, truth: truth_text(args), unit: Unit::Fragment, size, files };
     let requested = backends::requested(&args.backend);
