@@ -205,6 +205,11 @@ pub fn known_of(shader: &ShaderLayout) -> Vec<String> {
     known(&shader.files).into_iter().chain(gathered.then(|| GATHER.to_string())).collect()
 }
 
+/// Records the names of a shader's text.
+pub fn record(files: &Files) {
+    record_names(&known(files));
+}
+
 /// Records the names of a shader.
 pub fn record_of(shader: &ShaderLayout) {
     record_names(&known_of(shader));
