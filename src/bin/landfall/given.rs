@@ -206,6 +206,7 @@ pub fn known_of(shader: &ShaderLayout) -> Vec<String> {
 }
 
 /// Records the names of a shader's text.
+#[cfg(feature = "exec")]
 pub fn record(files: &Files) {
     record_names(&known(files));
 }
