@@ -128,7 +128,7 @@ const READERS: [&str; 3] = ["layout -f json", "check", "lights"];
 fn commands_take_time_linear_in_glsl() {
     let commands: Vec<String> = READERS
         .iter()
-        .chain(&["emit --lang c", "emit --lang rust", "port"])
+        .chain(&["emit --lang c", "emit --lang rust", "port --no-compiler"])
         .map(|command| format!("{command} a.frag"))
         .collect();
     let commands: Vec<&str> = commands.iter().map(String::as_str).collect();

@@ -300,8 +300,13 @@ impl<'a> Lexer<'a> {
                     _ => self.at += 1,
                 }
             }
+            // Inside a comment.
+            if self.at > at {
+                continue;
+            }
+            self.at = at;
             let end = at + word.len();
-            if self.at <= at && !inside(bytes[..at].last()) && !inside(bytes.get(end)) {
+            if !inside(bytes[..at].last()) && !inside(bytes.get(end)) {
                 self.at = end;
                 return true;
             }
