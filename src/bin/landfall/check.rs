@@ -9,6 +9,7 @@ pub mod baseline;
 mod basis;
 mod cache;
 pub mod check_shader;
+mod digests;
 mod fix;
 mod hash;
 mod key;
@@ -36,6 +37,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, lock};
+use landfall_lint::settings::RustFile;
 use landfall_lint::{LINTS, Settings};
 
 use crate::args::{CheckArgs, ReadArgs, Report};
@@ -74,7 +76,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         config.exclude.add(pattern, false).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
     config.exclude.ready()?;
-    let mut settings = match config.settings(&args.levels.levels, &args.text.targets) {
+    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
         Ok(settings) => renamed(settings, streams),
         Err(found) => return Ok(could_not(found, streams)),
     };
@@ -84,12 +86,16 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     }
     let paths = config.paths(&args.paths);
     watched.paths.clone_from(&paths);
-    if let Err(error) = read_rust(&config, &mut settings, args) {
-        return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
-    }
     let scope = scope(args, &config, &paths);
     let language = args.text.language.map(|language| language.language());
-    let basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let mut basis = Basis::new(scope, &options, args.text.stage, language, settings);
+    let (rust, opened) = read_rust_and_cache(args, &config, &basis, streams);
+    match rust {
+        Ok(files) => basis.set_rust_files(files),
+        Err(error) => {
+            return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
+        }
+    }
     let against =
         args.against.as_ref().map(|rev| Against::open(rev, &config, &basis)).transpose()?;
     watched
@@ -97,6 +103,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         .extend(args.baseline.iter().chain(&config.baseline).chain(&args.verified).cloned());
     let permitted = Permitted::open(args, &config)?;
     let (paths, stdin) = stdin(paths, args)?;
+    let locks = config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some());
     let run = Run {
         basis: &basis,
         root: &config.root,
@@ -106,19 +113,18 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         jobs: args.jobs,
         stdin,
         against: against.as_ref(),
-        locks: config.writer(&config.locks(args.locks.as_deref()), args.locks.is_some()),
+        locks,
         excluded: AtomicUsize::new(0),
         began,
         so_far: Arc::default(),
     };
-    let folder = args.cache_dir.as_ref().or(config.cache_dir.as_ref()).filter(|_| !args.no_cache);
-    let opened = folder.and_then(|folder| open(folder, args, &config, &basis, streams));
     let has_cache = opened.is_some();
     let mut cache = opened.unwrap_or_default();
     let before = cache.tree.as_ref().map(|tree| tree.key.clone());
-    let known = std::mem::take(&mut cache.known);
-    let mut pass = first_pass(args, &run, known, streams)?;
-    watched.files.extend(files_of(&run, &pass));
+    let mut pass = first_pass(args, &run, std::mem::take(&mut cache.known), streams)?;
+    if args.watch {
+        watched.files.extend(files_of(&run, &pass));
+    }
     let stopped = watch::is_stopped();
     let left_out = left_out(args, &run, &pass, streams).filter(|_| !stopped);
     if !stopped {
@@ -158,11 +164,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
-    if folder.is_some() {
-        let all = counted(pass.checked.len(), "shader");
-        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
-    }
-    closing_notes(&pass, &basis, args, &applied, streams);
+    closing_notes(&pass, &basis, (args, &config), &applied, streams);
     Ok(left_out.unwrap_or(outcome))
 }
 
@@ -174,12 +176,25 @@ fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<Hash>) ->
         || cache.tree.as_ref().map(|tree| tree.key.clone()) != before
 }
 
-/// Reads the Rust files with mirrors if a lint of mirrors is enabled.
-fn read_rust(config: &Config, settings: &mut Settings, args: &CheckArgs) -> Result<(), Error> {
-    if Basis::wants_rust(settings) {
-        settings.rust_files = rust::files(config, settings, &args.paths)?;
-    }
-    Ok(())
+/// Searches for Rust files with mirrors while the cache is read, which takes as long.
+fn read_rust_and_cache(
+    args: &CheckArgs,
+    config: &Config,
+    basis: &Basis,
+    streams: &Streams,
+) -> (Result<Vec<RustFile>, Error>, Option<Cache>) {
+    let folder = cache_folder(args, config);
+    std::thread::scope(|scope| {
+        let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths));
+        let cache = folder.and_then(|folder| open(folder, args, config, basis, streams));
+        (rust.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), cache)
+    })
+}
+
+/// The directory of caches, if one is used.
+fn cache_folder<'a>(args: &'a CheckArgs, config: &'a Config) -> Option<&'a Path> {
+    let folder = args.cache_dir.as_deref().or(config.cache_dir.as_deref());
+    folder.filter(|_| !args.no_cache)
 }
 
 /// Applies `--fix` or `--add-allow`; returns the pass over the final state.
@@ -346,23 +361,34 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     if !args.formats.iter().any(writes) && !args.write_baseline {
         return FileWriter::default();
     }
-    let shaders = pass.checked.iter().flat_map(Checked::files);
-    let rust = run.basis.settings.rust_files.iter().map(|file| &file.path);
     let mut writer = write::writer();
-    writer.protect(shaders.chain(rust));
+    for checked in &pass.checked {
+        let lock = lock_of(run, checked);
+        let mut stamps = checked.stamps.iter();
+        for file in checked.files().map(Path::new).chain(lock.as_deref()) {
+            match stamps.next() {
+                Some(stamp) => writer.protect_node(file, stamp.node()),
+                None => writer.protect([file]),
+            }
+        }
+    }
+    writer.protect(run.basis.settings.rust_files.iter().map(|file| &file.path));
     writer.protect(&args.verified);
     writer.protect(config.file.as_deref());
-    writer.protect(pass.checked.iter().filter_map(|checked| lock_of(run, checked)));
     writer
 }
 
 fn closing_notes(
     pass: &Pass,
     basis: &Basis,
-    args: &CheckArgs,
+    (args, config): (&CheckArgs, &Config),
     applied: &AppliedFixes,
     streams: &Streams,
 ) {
+    if cache_folder(args, config).is_some() {
+        let all = counted(pass.checked.len(), "shader");
+        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
+    }
     if args.fix {
         streams.notes(&fix::summary(applied));
     }

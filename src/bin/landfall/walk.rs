@@ -23,8 +23,10 @@ impl FilteredWalk {
     pub fn new(root: &Path) -> FilteredWalk {
         let absolute = fs::canonicalize(root).unwrap_or_else(|_| root.to_path_buf());
         let endless = absolute.ancestors().find_map(endless);
-        let walk = WalkBuilder::new(root).sort_by_file_name(|a, b| a.cmp(b)).build();
-        FilteredWalk { root: root.to_path_buf(), walk: Some(walk), endless }
+        let mut walk = WalkBuilder::new(root);
+        // Of paths in one directory, only the names differ; bytes are compared fastest.
+        walk.sort_by_file_path(|a, b| a.as_os_str().cmp(b.as_os_str()));
+        FilteredWalk { root: root.to_path_buf(), walk: Some(walk.build()), endless }
     }
 }
 

@@ -100,13 +100,18 @@ impl FileWriter {
             let path = path.as_ref();
             let found = fs::symlink_metadata(path).ok().filter(Metadata::is_file);
             if let Some(node) = found.as_ref().and_then(node) {
-                self.nodes.insert(node);
-                self.named.push(path.to_path_buf());
+                self.protect_node(path, node);
             } else if let Some(found) = Identity::of(path) {
                 self.paths.insert(found.path);
                 self.nodes.extend(found.node);
             }
         }
+    }
+
+    /// Protects a regular file that is no link and has these device and inode numbers.
+    pub fn protect_node(&mut self, path: impl Into<PathBuf>, node: (u64, u64)) {
+        self.nodes.insert(node);
+        self.named.push(path.into());
     }
 
     /// Whether an input that is no link has this path, links resolved. Only paths that end alike

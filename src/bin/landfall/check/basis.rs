@@ -68,9 +68,6 @@ impl Basis {
         settings: Settings,
     ) -> Basis {
         let dirs = options.read.include_dirs.iter();
-        let rust_files = settings.rust_files.iter();
-        let rust_files =
-            rust_files.map(|file| (file.path.clone(), Hash::of(file.text.as_bytes()))).collect();
         Basis {
             version: VERSION.to_string(),
             root: scope.root,
@@ -88,8 +85,15 @@ impl Basis {
             stage: stage.map(|stage| stage.name().to_string()),
             language: language.map(|language| language.name().to_string()),
             settings,
-            rust_files,
+            rust_files: Vec::new(),
         }
+    }
+
+    /// Adds the Rust files with mirrors.
+    pub fn set_rust_files(&mut self, files: Vec<RustFile>) {
+        let hashed = |file: &RustFile| (file.path.clone(), Hash::of(file.text.as_bytes()));
+        self.rust_files = files.iter().map(hashed).collect();
+        self.settings.rust_files = files;
     }
 
     /// A text that changes with the findings of lints over all shaders.

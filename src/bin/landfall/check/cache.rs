@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
 use super::check_shader::Checked;
+use super::digests::{CachedDigests, Digests};
 use super::hash::{Hash, seal};
 use super::pass::Pass;
 use super::tree::Remembered;
@@ -20,7 +22,8 @@ use super::tree::Remembered;
 /// Maximum number of files in the directory.
 const MOST_FILES: usize = 16;
 
-/// The start of a cache file, followed by the seal, a newline, JSON and a newline.
+/// The start of a cache file, followed by the seal, a newline, the JSON of the results, a newline,
+/// the JSON of their digests, and a newline.
 const MARK: &str = "landfall-check-cache ";
 
 /// The cached data.
@@ -37,7 +40,7 @@ pub struct Cache {
 
 #[derive(Serialize)]
 struct Written<'a> {
-    checked: &'a [&'a Checked],
+    checked: Vec<Checked>,
     tree: &'a Option<Remembered>,
 }
 
@@ -72,12 +75,18 @@ impl Cache {
         if sum != self.seal(json) {
             return None;
         }
-        serde_json::from_str(json).ok()
+        let (results, digests) = json.split_once('\n')?;
+        let mut read: Read = serde_json::from_str(results).ok()?;
+        let digests = CachedDigests::new(digests);
+        for (index, checked) in read.checked.iter_mut().enumerate() {
+            checked.blocks = Digests::Cached(Arc::clone(&digests), index);
+        }
+        Some(read)
     }
 
     /// The seal of the data for these settings.
     fn seal(&self, json: &str) -> String {
-        seal(&self.key, format!("{}\n{json}", self.basis.as_str()).as_bytes())
+        seal(&self.key, &[self.basis.as_str(), json])
     }
 
     /// Writes the results of this check, and the cached ones of other shaders.
@@ -87,8 +96,13 @@ impl Cache {
         // The first record of a shader, from this check, wins.
         all.sort_by(|a, b| a.path.cmp(&b.path));
         all.dedup_by(|a, b| a.path == b.path);
-        let written = Written { checked: &all, tree: &self.tree };
-        let json = serde_json::to_string(&written).expect("keys are strings");
+        let digests: Vec<&Digests> = all.iter().map(|checked| &checked.blocks).collect();
+        let digests = serde_json::to_string(&digests).expect("a list");
+        let bare =
+            |checked: &&Checked| Checked { blocks: Digests::default(), ..(*checked).clone() };
+        let written = Written { checked: all.iter().map(bare).collect(), tree: &self.tree };
+        let results = serde_json::to_string(&written).expect("keys are strings");
+        let json = format!("{results}\n{digests}");
         let folder = self.file.parent().unwrap_or(Path::new("."));
         // A directory made by the user gets no `.gitignore`.
         if !folder.exists() {

@@ -14,12 +14,13 @@ use landfall_layout::source;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
-use landfall_lint::digest::{BlockDigest, digest};
+use landfall_lint::digest::digest;
 use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
 use super::against::Against;
 use super::basis::Basis;
+use super::digests::Digests;
 use super::hash::Hash;
 use super::stamp::Stamp;
 use crate::config::Root;
@@ -58,8 +59,8 @@ pub struct Checked {
     /// The findings, except those its comments allow.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub blocks: Vec<BlockDigest>,
+    #[serde(default, skip_serializing_if = "Digests::is_empty")]
+    pub blocks: Digests,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub allows: Vec<Allow>,
 }
@@ -371,7 +372,7 @@ impl Job<'_> {
             constants,
             failed: is_failed,
             findings,
-            blocks: if is_failed { Vec::new() } else { digest(&shader) },
+            blocks: if is_failed { Digests::default() } else { digest(&shader).into() },
             allows: allowed,
         };
         Fresh { checked, laid_out: (!is_failed).then_some((source, shader)), lock: new_lock }
@@ -453,7 +454,7 @@ fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
         constants: Vec::new(),
         failed: true,
         findings: vec![found.located(&Files::default())],
-        blocks: Vec::new(),
+        blocks: Digests::default(),
         allows: Vec::new(),
     };
     Fresh { checked, laid_out: None, lock: None }

@@ -185,7 +185,7 @@ fn blank() -> Checked {
         constants: Vec::new(),
         failed: false,
         findings: Vec::new(),
-        blocks: Vec::new(),
+        blocks: Default::default(),
         allows: Vec::new(),
     }
 }

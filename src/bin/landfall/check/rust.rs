@@ -9,6 +9,7 @@ use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_lint::rust_mirror::readable;
 use landfall_lint::settings::{RustFile, Settings};
 
+use super::basis::Basis;
 use crate::config::Config;
 use crate::read;
 use crate::walk::FilteredWalk;
@@ -16,7 +17,7 @@ use crate::walk::FilteredWalk;
 /// The start of a comment that marks a mirror.
 const MARK: &[u8] = b"landfall: mirror";
 
-/// The Rust files with mirrors. Comments are searched in the named directories and Rust files, or
+/// The Rust files with mirrors, if a lint of mirrors is enabled. Comments are searched in the named directories and Rust files, or
 /// in the configuration's directory if no path is named.
 ///
 /// # Errors
@@ -27,6 +28,9 @@ pub fn files(
     settings: &Settings,
     named: &[PathBuf],
 ) -> Result<Vec<RustFile>, Error> {
+    if !Basis::wants_rust(settings) {
+        return Ok(Vec::new());
+    }
     let mut files: BTreeMap<String, RustFile> = BTreeMap::new();
     let mut take = |path: &Path, shown: String| {
         let text = read::text(path)?;

@@ -23,14 +23,23 @@ pub struct Stamp([i64; 7]);
 impl Stamp {
     /// The stamp of a regular file; `None` if there is none, or none on this system.
     pub fn of(path: impl AsRef<Path>) -> Option<Stamp> {
-        fields(&fs::metadata(path).ok().filter(Metadata::is_file)?).map(Stamp)
+        Stamp::from_metadata(&fs::metadata(path).ok()?)
     }
 
-    /// The stamp of a file whose content was the same from before `began` until now.
+    fn from_metadata(found: &Metadata) -> Option<Stamp> {
+        if found.is_file() { fields(found).map(Stamp) } else { None }
+    }
+
+    /// The device and inode number.
+    pub fn node(&self) -> (u64, u64) {
+        (self.0[1].cast_unsigned(), self.0[2].cast_unsigned())
+    }
+
+    /// The stamp of a file, no link, whose content was the same from before `began` until now.
     pub fn settled(path: impl AsRef<Path>, began: SystemTime) -> Option<Stamp> {
         let limit = began.checked_sub(GRANULARITY)?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
         let limit = (i64::try_from(limit.as_secs()).ok()?, i64::from(limit.subsec_nanos()));
-        Stamp::of(path).filter(|stamp| {
+        Stamp::from_metadata(&fs::symlink_metadata(path).ok()?).filter(|stamp| {
             let [.., modified, modified_nanos, changed, changed_nanos] = stamp.0;
             (modified, modified_nanos) < limit && (changed, changed_nanos) < limit
         })

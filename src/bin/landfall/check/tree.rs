@@ -107,7 +107,7 @@ fn key(pass: &Pass, basis: &Basis) -> Hash {
 fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     let checked = pass.checked.iter();
     let blocks: Vec<(&str, &[BlockDigest])> =
-        checked.map(|c| (c.path.as_str(), c.blocks.as_slice())).collect();
+        checked.map(|c| (c.path.as_str(), c.blocks.get())).collect();
     let numbers = shaders_to_compare(&blocks, &basis.settings);
     let mut subjects: Vec<(Source, ShaderLayout)> = Vec::with_capacity(numbers.len());
     for number in numbers {
