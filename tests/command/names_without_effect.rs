@@ -183,20 +183,48 @@ fn the_assumed_target_is_said_where_code_is_executed() {
                 float f(float x) { return x * u.a.x; }\nvoid main() { o = u.a; }\n";
     place.write("b.frag", text);
     let said = "read for OpenGL: the shader tests `VULKAN` and is valid for both APIs";
-    for command in [
-        "run b.frag --fn f --args [1]",
-        "run b.frag --fn f --args [1] -f json",
-        "prove b.frag --fn f",
-        "prove b.frag --fn f -f json",
-        "stress b.frag --fn f --samples 50 --time 1",
-        "bench b.frag --fn f --samples 50 --rounds 3 --backend cpu",
-        "port b.frag --no-compiler",
+    place.write("old.frag", text.replace("scale;", "scale, bias;"));
+    place.write("lit.frag", LIT).write("scene.json", SCENE);
+    let note = "read for OpenGL, as the shader names no API; its blocks differ for Vulkan";
+    let key = "\"assumed_target\":\"opengl\"";
+    let bench = "bench b.frag --fn f --samples 50 --rounds 3 --backend cpu";
+    let stress = "stress b.frag --fn f --samples 50 --time 1";
+    for (command, human, others) in [
+        ("run b.frag --fn f --args [1]", note, &[("json", key)][..]),
+        ("prove b.frag --fn f", note, &[("json", key)]),
+        (stress, note, &[("json", key)]),
+        (bench, note, &[("json", key), ("csv", ",opengl")]),
+        ("bench scene.json --rounds 3 --variant v=lit.frag --backend cpu", note, &[("json", key)]),
+        ("bench scene.json --rounds 3 --backend cpu", note, &[("json", key)]),
+        ("render scene.json", note, &[("json", key)]),
+        ("diff old.frag b.frag", note, &[("json", key), ("md", note)]),
+        ("explain b.frag a", "", &[("json", key)]),
+        ("port b.frag --no-compiler", "", &[]),
     ] {
-        let ran = place.run(&split(command));
-        assert!(ran.code < 2 && ran.err.contains(said), "{command}: {}", ran.err);
-        let ran = place.run(&split(&format!("{command} --target opengl")));
-        assert!(!ran.err.contains(said), "{command}: {}", ran.err);
+        for (format, expected) in [("", human)].iter().chain(others) {
+            let form = if format.is_empty() { String::new() } else { format!(" -f {format}") };
+            let ran = place.run(&split(&format!("{command}{form}")));
+            assert!(ran.code < 2 && ran.err.contains(said), "{command}{form}: {}", ran.err);
+            // Tables are wrapped.
+            let out = ran.out.replace('\n', " ");
+            assert!(out.contains(expected), "{command}{form}: {out}");
+            if *format == "json" {
+                let of = command.split(' ').next().expect("a command");
+                assert_keeps_to_schema(of, &ran.out);
+            }
+            let ran = place.run(&split(&format!("{command}{form} --target opengl")));
+            assert!(!ran.err.contains(said), "{command}{form}: {}", ran.err);
+            assert!(expected.is_empty() || !ran.out.contains(expected), "{command}{form}");
+        }
     }
+}
+
+fn assert_keeps_to_schema(of: &str, text: &str) {
+    let schema = crate::support::command::run(&["schema", of]).json();
+    let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
+    let value: serde_json::Value = serde_json::from_str(text).expect("JSON");
+    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+    assert!(errors.is_empty(), "{of}: {errors:?}");
 }
 
 #[test]
@@ -245,3 +273,28 @@ warning[bind]: no pixel shows an object: the picture is the background
 
 "#]]);
 }
+
+/// A shader of one light, whose block depends on the API.
+const LIT: &str = "#version 330
+#ifdef VULKAN
+layout(set = 0, binding = 0, std140) uniform L { vec4 light_color; vec3 light_position; } l;
+#else
+layout(std140) uniform L { float scale; vec4 light_color; vec3 light_position; } l;
+#endif
+in vec3 v_normal;
+in vec3 v_position;
+out vec4 o;
+void main() {
+    vec3 to = normalize(l.light_position - v_position);
+    o = l.light_color * max(dot(normalize(v_normal), to), 0.0);
+}
+";
+
+/// A scene for it.
+const SCENE: &str = r#"{
+  "size": [8, 8], "shader": "lit.frag",
+  "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 60},
+  "lights": {"point": [{"position": [0, 3, 3], "color": [9, 9, 9]}]},
+  "materials": [{"name": "grey", "diffuse": 0.8, "specular": 0.5, "shininess": 32}],
+  "objects": [{"mesh": "sphere"}]
+}"#;

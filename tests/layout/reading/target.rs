@@ -61,7 +61,7 @@ fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
             Format::Table,
             str![[r#"
 a.frag (fragment)
-  read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+  read for OpenGL, as the shader names no API; its blocks differ for Vulkan
 
 uniform U u · std140 · 32 bytes
   offset  size  align  type   name
@@ -76,7 +76,7 @@ uniform U u · std140 · 32 bytes
             Format::Listing,
             str![[r#"
 // a.frag
-// read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+// read for OpenGL, as the shader names no API; its blocks differ for Vulkan
 
 /*            align(16) size(32) */ layout(std140) uniform U {
 /* offset( 0) align( 4) size( 4) */     float scale;
@@ -92,7 +92,7 @@ uniform U u · std140 · 32 bytes
             str![[r#"
 # `a.frag`
 
-Note: read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout.
+Note: read for OpenGL, as the shader names no API; its blocks differ for Vulkan.
 
 ## `uniform U u`
 
@@ -120,9 +120,15 @@ std140
     let json = lock::read("a.json", &json).unwrap();
     assert_eq!(json.assumed_target, Some(Target::OpenGl));
     let rust = landfall_layout::codegen::rust::rust(&[&shader], &Default::default()).text;
-    golden().eq(assumed(&rust), str!["// (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
+    golden().eq(
+        assumed(&rust),
+        str!["// (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],
+    );
     let c = landfall_layout::codegen::c::c(&[&shader], &Default::default()).text;
-    golden().eq(assumed(&c), str![" *   (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
+    golden().eq(
+        assumed(&c),
+        str![" *   (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],
+    );
 }
 
 /// The line of generated code that names the API that was assumed.

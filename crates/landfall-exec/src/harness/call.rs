@@ -90,7 +90,9 @@ pub fn call(
     request: &Request,
     backend: Option<&mut dyn Backend>,
 ) -> Result<CallReport, Refusal> {
-    let options = &options.clone().with_gather(true).with_naga(false);
+    let options = &options.clone().with_naga(false);
+    let assumed_target = landfall_layout::layout(source, options).assumed_target;
+    let options = &options.clone().with_gather(true);
     let unread = |found| Refusal { found, files: landfall_layout::layout(source, options).files };
     let mut module = Module::for_calls(source, options).map_err(unread)?;
     let entry_point = match source.language {
@@ -104,7 +106,8 @@ pub fn call(
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
     let entry_point = entry_point.as_ref();
     let job = Job { source, options, request, module: &module, entry_point };
-    job.run(backend).map_err(refused)
+    let report = job.run(backend).map_err(refused)?;
+    Ok(CallReport { assumed_target, ..report })
 }
 
 /// A call in progress.
@@ -210,6 +213,7 @@ impl Job<'_> {
         let counts = called.map(|called| called.notes.counts.operations());
         Ok(CallReport {
             path: source.path.clone(),
+            assumed_target: None,
             function: find::spelled_signature(found.info),
             backend: device,
             result,
