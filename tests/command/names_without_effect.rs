@@ -116,6 +116,11 @@ fn options_that_others_leave_without_effect_are_warned_of() {
           of OpenGL ES, or declares nothing `mediump` or `lowp`",
         ),
         (
+            "bench a.frag --fn f --variant h=:mediump --backend cpu --rounds 3 --samples 9",
+            "`--variant h=:mediump` has no effect: the shader is not of OpenGL ES, or declares \
+             nothing `mediump` or `lowp`",
+        ),
+        (
             &format!("{reference} --watch"),
             "`--watch` has no effect on the reference, which runs no shader",
         ),
@@ -298,3 +303,31 @@ const SCENE: &str = r#"{
   "materials": [{"name": "grey", "diffuse": 0.8, "specular": 0.5, "shininess": 32}],
   "objects": [{"mesh": "sphere"}]
 }"#;
+
+/// 10-bit `lowp` is not modelled, which a user learns wherever floats are rounded.
+#[test]
+fn what_mediump_rounds_is_said_wherever_it_rounds() {
+    let place = Place::new("names-rounded");
+    let text = "#version 300 es\nprecision mediump float;\nout vec4 o;\n\
+                lowp float f(lowp float x) { return x * 0.333; }\nvoid main() { o = vec4(f(1.0)); }\n";
+    place.write("es.frag", text);
+    let lit = LIT.replace("#version 330", "#version 300 es\nprecision mediump float;");
+    place.write("lit.frag", lit).write("scene.json", SCENE);
+    for command in [
+        "run es.frag --fn f --args [1] --mediump",
+        "run es.frag --fn f --args [1] --mediump -f json",
+        "stress es.frag --fn f --mediump --samples 50",
+        "stress es.frag --fn f --mediump --samples 50 -f json",
+        "bench es.frag --fn f --variant h=:mediump --samples 50 --backend cpu --rounds 3",
+        "bench scene.json --variant h=lit.frag:mediump --backend cpu --rounds 3",
+    ] {
+        let ran = place.run(&split(command));
+        let said = (ran.out + &ran.err).replace("\n    ", " ");
+        let note = "mediump and lowp are rounded to f16; a device may round lowp more coarsely, in \
+                    fixed point between -2 and 2";
+        assert!(ran.code < 2 && said.contains(note), "{command}: {said}");
+        let plain = command.replace(" --mediump", "").replace(":mediump", "");
+        let ran = place.run(&split(&plain));
+        assert!(!(ran.out + &ran.err).contains("are rounded to f16"), "{plain}");
+    }
+}

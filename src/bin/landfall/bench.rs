@@ -149,6 +149,17 @@ fn recorded<'s>(
     assumed
 }
 
+/// Prints notes, each once.
+fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
+    let mut printed: Vec<&str> = Vec::new();
+    for note in notes {
+        if !printed.contains(&note) {
+            streams.notes(&format!("note: {note}\n"));
+            printed.push(note);
+        }
+    }
+}
+
 /// Measures the entries in turns and ranks them.
 fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Done {
     let Entries { measured: mut entries, mut failed, missing } = entries;

@@ -351,3 +351,33 @@ fn blocks_that_only_the_other_api_has_are_named_if_there_are_no_others() {
     let found = &shader.diagnostics[0];
     golden().eq(found.message.clone(), str!["block `U` exists only for OpenGL"]);
 }
+
+/// OpenGL ES leaves the size that a driver reports to the implementation (OpenGL ES 3.2 §7.6,
+/// `UNIFORM_BLOCK_DATA_SIZE`): said where std140 rounds a size up, in formats that people read.
+#[test]
+fn the_size_of_a_block_of_opengl_es_is_that_of_desktop_drivers() {
+    let note = "ize as desktop drivers report; OpenGL ES leaves it to the implementation";
+    let forms = [Format::Table, Format::Listing, Format::Markdown, Format::Json, Format::Csv];
+    let block = "layout(std140) uniform U { vec4 a; float b; } u;";
+    let whole = "layout(std140) uniform U { vec4 a; vec4 b; } u;";
+    let buffer = "layout(std430, binding = 0) buffer B { vec4 a; float b; } u;";
+    let test = "#ifdef VULKAN\n#endif";
+    for (text, target, expected) in [
+        (format!("#version 300 es\n{block}"), None, true),
+        (format!("#version 310 es\n{block}"), None, true),
+        (format!("#version 320 es\n{test}\n{block}"), Some(Target::OpenGl), true),
+        // Read for Vulkan, which has no such query.
+        (format!("#version 320 es\n{test}\n{block}"), None, false),
+        (format!("#version 310 es\n{block}"), Some(Target::Vulkan), false),
+        (format!("#version 330\n{block}"), None, false),
+        // Nothing is rounded.
+        (format!("#version 300 es\n{whole}"), None, false),
+        (format!("#version 310 es\n{buffer}"), None, false),
+    ] {
+        let shader = read(&text, target);
+        for (form, format) in forms.into_iter().enumerate() {
+            let said = document(&shader, &EmitOptions::new(format)).contains(note);
+            assert_eq!(said, expected && form < 3, "{format:?}, {target:?}: {text}");
+        }
+    }
+}

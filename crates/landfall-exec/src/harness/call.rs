@@ -145,16 +145,8 @@ impl Job<'_> {
         globals::through_arguments(&mut caller.module, caller.handle, &[], &written);
         caller.module = caller.module.validated().map_err(first_of)?;
         let evaluated = self.evaluate(&caller, &found)?;
-        let mut notes = Vec::new();
-        match request.floats {
-            Floats::AsWritten => {}
-            Floats::Half => notes.push("every operation is rounded to f16".to_string()),
-            Floats::Mediump => notes.push(
-                "mediump and lowp are rounded to f16; a device may round lowp more coarsely, in \
-                 fixed point between -2 and 2"
-                    .to_string(),
-            ),
-        }
+        let mut notes: Vec<String> =
+            request.floats.note().map(str::to_string).into_iter().collect();
         let driver = backend.filter(|backend| backend.device().backend.is_driver());
         let (device, answered) = match driver {
             Some(backend) => {

@@ -16,7 +16,8 @@ use landfall_light::accuracy::bench::function::{Calls, Sampling};
 use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 
 use super::{
-    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, recorded, rounded, wrong,
+    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
+    rounded, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
@@ -187,13 +188,8 @@ fn refused(
 
 /// Notes the assumed inputs, without duplicates.
 fn notes(made: &[CompiledVariant], streams: &Streams) {
-    let mut printed: Vec<&String> = Vec::new();
-    for note in made.iter().flat_map(|one| &one.exact.notes) {
-        if !printed.contains(&note) {
-            streams.notes(&format!("note: {note}\n"));
-            printed.push(note);
-        }
-    }
+    let own = made.iter().flat_map(|one| one.exact.notes.iter().map(String::as_str));
+    print_notes(own.chain(made.iter().filter_map(|one| one.floats.note())), streams);
 }
 
 /// Adds the variants on a driver, which they share.

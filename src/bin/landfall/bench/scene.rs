@@ -21,8 +21,8 @@ use landfall_light::shading_f32::{Form, Gates};
 use landfall_light::{Frame, Upload, culling};
 
 use super::{
-    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, recorded, rounded, rust,
-    wrong,
+    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
+    rounded, rust, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
@@ -128,6 +128,11 @@ pub fn bench(
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let options = read::options(&args.read);
     let mut files = own.files_read();
+    let notes = variants.iter().filter_map(|(_, what)| match what {
+        VariantKind::Shader(_, floats, _) => floats.note(),
+        VariantKind::Rust(..) | VariantKind::Plan(_) => None,
+    });
+    print_notes(notes, streams);
     let shaders = variants.iter().filter_map(|(name, what)| match what {
         VariantKind::Shader(Some(file), ..) => Some((name.as_str(), sources.of(file)?)),
         VariantKind::Shader(None, ..) => Some((name.as_str(), own.shader.as_ref()?)),

@@ -123,6 +123,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
     let mut findings: Vec<StressFinding> = Vec::new();
     let mut notes = pure.notes.clone();
+    notes.extend(floats.note().map(str::to_string));
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
         let code = raw.candidate.hazard.code();
