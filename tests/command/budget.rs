@@ -141,6 +141,8 @@ fn commands() -> Vec<Vec<&'static str>> {
         "verify tree --backend gl",
         "verify tree --backend gpu",
         "run deep.frag --fn f26 --args [1] --backend cpu",
+        "run deep.frag --fn f26 --args [1] --backend gl",
+        "run deep.frag --fn f26 --args [1] --backend gpu",
         "stress deep.frag --fn f26",
         "stress turns.frag --fn turns --samples 100000000",
         "prove turns.frag --fn turns --time 30",
