@@ -14,6 +14,7 @@ pub use landfall_layout::format::csv::quoted;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
+use landfall_layout::layout::targets;
 use landfall_light::accuracy::bench::{Bench, BenchRow, Machine, Permitted, Runner, Spread, Unit};
 
 pub use crate::report::schema::BENCH_SCHEMA;
@@ -25,7 +26,7 @@ ns_per_fragment,ns_per_fragment_lower,ns_per_fragment_upper,ns_per_fragment_min,
 err_max_steps,err_p999_steps,err_max_ulp,err_p999_ulp,\
 permitted_max_steps,permitted_p999_steps,permitted_unsure,permitted_samples,\
 flips,channels,err_max_code,differing,non_finite,undefined,\
-evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by\n";
+evaluations,evaluations_error,slots,powers,operations,bytes,dominated_by,assumed_target\n";
 
 /// Returns the tables of a bench, one for each runner.
 pub fn text(bench: &Bench, paint: Paint) -> String {
@@ -40,6 +41,15 @@ pub fn text(bench: &Bench, paint: Paint) -> String {
     let rounds = rows.iter().map(|row| row.fragment.rounds).max();
     for line in wrapped(&about(machine, rounds), WIDTH) {
         let _ = writeln!(text, "{}", paint.text(FAINT, &line));
+    }
+    let mut assumed: Vec<String> = Vec::new();
+    for row in rows {
+        let note = targets::note(row.assumed_target);
+        assumed.extend(note.map(|note| format!("{}: {note}", row.variant)));
+    }
+    assumed.dedup();
+    for line in assumed.iter().flat_map(|line| wrapped(line, WIDTH)) {
+        let _ = writeln!(text, "{}", paint.text(CAUTION, &line));
     }
     let mut runners: Vec<&Runner> = Vec::new();
     for row in rows {
@@ -277,6 +287,7 @@ pub fn csv(bench: &Bench) -> String {
             optional(work.operations),
             whole(work.bytes),
             dominated_by.join(" "),
+            row.assumed_target.map(targets::key).unwrap_or_default().to_string(),
         ]);
         let cells: Vec<String> = cells.into_iter().map(quoted).collect();
         let _ = writeln!(text, "{}", cells.join(","));

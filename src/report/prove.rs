@@ -11,6 +11,7 @@ pub use self::json::{InputObject, OperationObject, case_inputs, inputs, json, op
 pub use super::schema::PROVE_SCHEMA;
 use landfall_layout::format::paint::{CAUTION, FAINT, Paint, STRONG};
 use landfall_layout::format::phrases;
+use landfall_layout::layout::targets;
 use landfall_layout::source::Files;
 use landfall_layout::text::escape;
 use landfall_light::accuracy::demand::{ProveReport, Shown};
@@ -32,6 +33,9 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     let mut text = String::new();
     let path = paint.text(FAINT, &escape::name(&proved.path));
     let _ = writeln!(text, "{}  {path}", paint.text(STRONG, &proved.function));
+    if let Some(note) = targets::note(proved.assumed_target) {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+    }
     if proved.too_large {
         let _ = writeln!(text, "  {}", paint.text(CAUTION, "the code is too large to analyse"));
     }

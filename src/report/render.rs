@@ -15,6 +15,8 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
 use landfall_layout::format::phrases;
+use landfall_layout::layout::targets;
+use landfall_layout::source::Target;
 use landfall_light::bind::BindingMap;
 use landfall_light::culling::Plan;
 use landfall_light::picture::Comparison;
@@ -31,6 +33,8 @@ pub struct RenderReport {
     pub scene: String,
     /// The path of the shader; `None` for the reference.
     pub shader: Option<String>,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    pub assumed_target: Option<Target>,
     /// The device that rendered it; `None` for the reference.
     pub device: Option<Device>,
     /// Width and height in pixels.
@@ -103,6 +107,9 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     let [width, height] = report.size;
     let by = report.shader.as_deref().unwrap_or("the reference");
     let _ = writeln!(text, "{}  {}", paint.text(STRONG, &report.scene), paint.text(FAINT, by));
+    if let Some(note) = targets::note(report.assumed_target) {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+    }
     let mut row = |name: &str, line: &str| {
         let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<11}")));
     };
@@ -200,6 +207,8 @@ struct Document<'a> {
     tool: Tool,
     scene: &'a str,
     shader: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
     device: Option<JsonDevice<'a>>,
     size: [u32; 2],
     fragments: u64,
@@ -305,6 +314,7 @@ pub fn json(report: &RenderReport) -> String {
         tool: Tool::LANDFALL,
         scene: &report.scene,
         shader: report.shader.as_deref(),
+        assumed_target: report.assumed_target,
         device: report.device.as_ref().map(JsonDevice::from),
         size: report.size,
         fragments: report.fragments,

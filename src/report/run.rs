@@ -17,7 +17,9 @@ use landfall_layout::buffer::ComponentBits;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, PLAIN, Paint, STRONG};
+use landfall_layout::layout::targets;
 use landfall_layout::shape::Scalar;
+use landfall_layout::source::Target;
 use landfall_layout::text::escape;
 
 pub use crate::report::schema::RUN_SCHEMA;
@@ -49,6 +51,9 @@ pub fn text(report: &CallReport, paint: Paint) -> String {
         paint.text(HEADING, report.backend.backend.name()),
         paint.text(PLAIN, &about(&report.backend))
     );
+    if let Some(note) = targets::note(report.assumed_target) {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+    }
     let mut rows = Vec::new();
     if let Some(given) = &report.result {
         push(&mut rows, "result", given);
@@ -131,6 +136,8 @@ struct Object<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
     function: &'a str,
     #[serde(rename = "reader")]
     backend: JsonDevice<'a>,
@@ -189,6 +196,7 @@ pub fn json(report: &CallReport) -> String {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &report.path,
+        assumed_target: report.assumed_target,
         function: &report.function,
         backend: JsonDevice::from(&report.backend),
         result: report.result.as_ref().map(GivenObject::of),

@@ -14,6 +14,7 @@ use landfall_layout::finding::{Finding, Level};
 use landfall_layout::format::columns::{GAP, WIDTH, wrapped};
 use landfall_layout::format::paint::{CAUTION, FAINT, PLAIN, Paint, STRONG};
 pub use landfall_layout::format::phrases;
+use landfall_layout::layout::targets;
 pub use landfall_layout::text::escape;
 use landfall_light::accuracy::stress::messages::{figure, number};
 use landfall_light::accuracy::stress::{
@@ -34,6 +35,9 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
         paint.text(STRONG, &stressed.function),
         paint.text(FAINT, &escape::name(&stressed.path))
     );
+    if let Some(note) = targets::note(stressed.assumed_target) {
+        let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+    }
     let threads = match stressed.threads {
         1 => "1 thread".to_string(),
         threads => format!("{threads} threads"),

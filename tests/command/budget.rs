@@ -95,7 +95,34 @@ fn folder(name: &str) -> PathBuf {
     let face = "f 1 2 3\n".repeat(400_000);
     put("mesh.obj", &format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}"));
     put("scene.json", SCENE);
+    put("small.frag", "#version 330\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n");
+    // Programs that do not end, and start another.
+    let endless = "#!/bin/sh\nsleep 10000 &\necho $$ $! >> \"$TMPDIR/started\"\nwait\n";
+    for name in ["git", "glslangValidator"] {
+        put(name, endless);
+        #[cfg(unix)]
+        {
+            let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+            fs::set_permissions(folder.join(name), mode).unwrap();
+        }
+    }
     folder
+}
+
+/// Nothing runs of the programs that a command started.
+#[cfg(target_os = "linux")]
+fn assert_nothing_runs(folder: &Path, of: &[&str]) {
+    let list = folder.join("tmp/started");
+    for process in fs::read_to_string(&list).unwrap_or_default().split_whitespace() {
+        let stat = || fs::read_to_string(format!("/proc/{process}/stat"));
+        let runs = || stat().is_ok_and(|stat| !stat.contains(") Z "));
+        let asked = Instant::now();
+        while runs() {
+            assert!(asked.elapsed() < Duration::from_secs(60), "{of:?} leaves {process}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+    let _ = fs::remove_file(list);
 }
 
 /// The commands that read an input of any size, each with arguments that keep it busy.
@@ -114,6 +141,8 @@ fn commands() -> Vec<Vec<&'static str>> {
         "verify tree --backend gl",
         "verify tree --backend gpu",
         "run deep.frag --fn f26 --args [1] --backend cpu",
+        "run deep.frag --fn f26 --args [1] --backend gl",
+        "run deep.frag --fn f26 --args [1] --backend gpu",
         "stress deep.frag --fn f26",
         "stress turns.frag --fn turns --samples 100000000",
         "prove turns.frag --fn turns --time 30",
@@ -127,6 +156,9 @@ fn commands() -> Vec<Vec<&'static str>> {
         "diff tree other",
         "check tree",
         "check tree --fix",
+        "check tree --against HEAD",
+        "diff HEAD:tree tree",
+        "port small.frag",
     ]
     .map(|line| line.split(' ').collect())
     .to_vec()
@@ -135,6 +167,8 @@ fn commands() -> Vec<Vec<&'static str>> {
 fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_landfall"));
     command.current_dir(folder).args(arguments).env("TMPDIR", folder.join("tmp"));
+    let path = std::env::var("PATH").unwrap_or_default();
+    command.env("PATH", format!("{}:{path}", folder.display()));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().expect("the binary was built for this test")
 }
@@ -200,6 +234,7 @@ fn ctrl_c_ends_every_command_within_half_a_second() {
             let said = String::from_utf8_lossy(&output.stderr).into_owned();
             assert_eq!(output.status.code(), Some(130), "{arguments:?}: {said}");
             assert_nothing_unfinished(&folder, &arguments);
+            assert_nothing_runs(&folder, &arguments);
             shortest = shortest.min(when - sent);
             if shortest < Duration::from_millis(500) {
                 break;
@@ -289,6 +324,8 @@ fn every_command_ends_at_its_limit_of_time() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         errors.insert(error(&said).to_string());
         assert_nothing_unfinished(&folder, &arguments);
+        #[cfg(target_os = "linux")]
+        assert_nothing_runs(&folder, &arguments);
     }
     golden().eq(
         errors.into_iter().collect::<String>(),
@@ -315,6 +352,7 @@ fn every_command_ends_at_its_limit_of_memory() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         errors.insert(error(&said).to_string());
+        assert_nothing_runs(&folder, &arguments);
     }
     golden().eq(
         errors.into_iter().collect::<String>(),

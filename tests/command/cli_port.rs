@@ -2,7 +2,7 @@
 
 use snapbox::str;
 
-use crate::support::command::Place;
+use crate::support::command::{Place, Ran};
 
 /// A conversion that no version has, on line 5.
 const WRONG: &str = "#version 330\nuniform float a;\n// One too many.\nout vec4 c;\nvoid main() { c = vec4(a).xyz; }\n";
@@ -48,17 +48,11 @@ fn a_missing_compiler_is_no_error() {
 #[cfg(unix)]
 #[test]
 fn a_broken_compiler_is_a_warning() {
-    use std::os::unix::fs::PermissionsExt as _;
     let place = Place::new("port_broken_compiler");
     place.write("a.frag", RIGHT);
-    place.write("bin/glslangValidator", "#!/bin/sh\nexit 1\n");
-    let tool = place.0.join("bin/glslangValidator");
-    std::fs::set_permissions(tool, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
-    let mut command = place.command(&["port", "a.frag"]);
-    let output = command.env("PATH", place.0.join("bin")).output().expect("it runs");
-    assert_eq!(output.status.code(), Some(0));
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("warning[not-portable]: glslangValidator cannot tell"), "{said}");
+    let ran = with_compiler(&place, "exit 1", &["port", "a.frag"]);
+    assert_eq!(ran.code, 0);
+    assert!(ran.err.contains("warning[not-portable]: glslangValidator cannot tell"), "{}", ran.err);
 }
 
 #[test]
@@ -89,4 +83,49 @@ set 0 binding 0: DefaultBlock
 location 0 out: c
 
 "#]]);
+}
+
+/// Puts a script in the place of the compiler.
+#[cfg(unix)]
+fn with_compiler(place: &Place, script: &str, arguments: &[&str]) -> Ran {
+    use std::os::unix::fs::PermissionsExt as _;
+    place.write("bin/glslangValidator", format!("#!/bin/sh\n{script}\n"));
+    let tool = place.0.join("bin/glslangValidator");
+    std::fs::set_permissions(tool, std::fs::Permissions::from_mode(0o755)).expect("it is ours");
+    let path = format!("{}:{}", place.path("bin"), std::env::var("PATH").unwrap_or_default());
+    Ran::of(place.command(arguments).env("PATH", path).output().expect("it runs"))
+}
+
+/// Past its limit, the result is written with a warning; `--max-time` would end with 2.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_compiler_that_does_not_end_is_ended_at_its_limit() {
+    let place = Place::new("port_endless_compiler");
+    place.write("a.frag", RIGHT);
+    let plain = place.run(&["port", "a.frag"]).out;
+    // One computes; one waits, and has started another that holds its output.
+    for (script, limit) in [("while :; do :; done", "1"), ("sleep 1000 & wait", "0.1")] {
+        let arguments = ["port", "a.frag", "--limit", limit, "--max-time", "300"];
+        let ran = with_compiler(&place, script, &arguments);
+        assert_eq!((ran.code, &ran.out), (0, &plain), "{script}: {}", ran.err);
+        let said = format!(
+            "warning[not-portable]: glslangValidator cannot tell whether the result compiles: it \
+             runs past its limit of {limit} s\n"
+        );
+        assert!(ran.err.starts_with(&said), "{script}: {}", ran.err);
+        assert!(ran.err.contains("help: raise it with `--limit`, or pass `--no-compiler`"));
+    }
+}
+
+/// What it says without end is not kept, and its address space is limited.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_output_and_the_memory_of_a_compiler_are_limited() {
+    let place = Place::new("port_greedy_compiler");
+    place.write("a.frag", RIGHT);
+    let script = "head -c 400000000 /dev/zero; sleep 0.5; ulimit -v > limit";
+    let ran = with_compiler(&place, script, &["port", "a.frag", "--max-memory", "300"]);
+    assert!(ran.code == 0 && ran.out.contains("c = vec4(a)"), "{}", ran.err);
+    // In KiB.
+    assert_eq!(place.read("limit"), "4194304\n");
 }

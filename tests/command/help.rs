@@ -141,9 +141,9 @@ Options:
       --max-time <SECONDS>  End with exit code 2 after this time, in seconds
                             [default: 3600; for `stress` at least twice its
                             --time]
-      --max-memory <MIB>    End with exit code 2 if this process needs more
-                            memory, in MiB (Linux; measured every 60 ms)
-                            [default: 8192]
+      --max-memory <MIB>    End with exit code 2 if this process and those it
+                            starts need more memory, in MiB (Linux; measured
+                            every 60 ms) [default: 8192]
   -h, --help                Print help
   -V, --version             Print version
 

@@ -80,7 +80,11 @@ fn unstyled(text: &str) -> String {
 fn holds_back(text: &str, what: &str) {
     let text = unstyled(text);
     shows_all(&text, what);
-    let command = |line: &&str| line.trim_start().starts_with("::") || line.contains("##[");
+    // `::: ` is the mark of another place in an excerpt: no command has the name `:`.
+    let command = |line: &&str| {
+        let line = line.trim_start();
+        line.starts_with("::") && !line.starts_with("::: ") || line.contains("##[")
+    };
     if let Some(line) = text.lines().find(command) {
         panic!("{what}: {line:?} is a command to GitHub");
     }
@@ -304,4 +308,128 @@ fn a_patch_to_a_file_is_exact() {
     command.env("GITHUB_ACTIONS", "true").stdout(out).status().unwrap();
     let patch = place.read("patch");
     assert!(patch.contains("::odd") && !patch.contains("./::odd"), "{patch}");
+}
+
+/// A shader of OpenGL without blocks that clash, for commands that write or run shaders.
+const PLAIN: &str = "#version 330
+struct Light { vec4 position; vec4 color; };
+layout(std140) uniform B { Light l; float a; };
+uniform vec3 tint;
+in vec3 v_normal;
+in vec3 v_position;
+out vec4 c;
+float f(float x) { return x / (a - a); }
+mat3 inverse(mat3 m) { return m; }
+void main() {
+    vec3 to = normalize(l.position.xyz - v_position);
+    c = vec4(l.color.rgb * tint * max(dot(to, v_normal), 0.0), 1.0);
+}
+";
+
+#[test]
+fn what_runs_and_ports_a_shader_shows_its_name_as_text() {
+    let place = Place::new("hostile-runs");
+    let shader = format!("s/{NAME}");
+    place.write(&shader, PLAIN);
+    let scene = scene().replace("\"name\":\"six lights\"", "\"name\":\"::error::\\u202e\"");
+    place.write("scene.json", scene);
+    let own = ["--shader", &shader, "--size", "8x8", "--leave-out"];
+    for format in ["human", "json"] {
+        for more in [&[][..], &["--print-bind"], &["--plan", "--skip", "tiles=4"]] {
+            let render = [&["render", "scene.json", "-f", format][..], &own, more].concat();
+            assert!(checked(&place, &render).code < 2, "{more:?}");
+        }
+        checked(&place, &["prove", &shader, "--fn", "f", "-f", format, "--time", "1"]);
+    }
+    let bench = ["bench", &shader, "--fn", "f", "--rounds", "3", "--samples", "9"];
+    let variant = format!("{}=#f", NAME.replace('=', ""));
+    for format in ["human", "json", "csv"] {
+        let more = ["--backend", "cpu", "--variant", &variant, "-f", format];
+        assert_eq!(checked(&place, &[&bench[..], &more].concat()).code, 0, "{format}");
+    }
+    for more in [
+        &["--to", "vulkan"][..],
+        &["--to", "naga"],
+        &["--to", "wgsl"],
+        &["--partner", &shader],
+        &["--location", &format!("{NAME}=1")],
+        &["--block", NAME],
+    ] {
+        checked(&place, &[&["port", &shader, "-o", "ported"][..], more].concat());
+    }
+    for command in [&["init", "s", "--print"][..], &["init", &shader], &["init", NAME]] {
+        checked(&place, command);
+    }
+}
+
+#[test]
+fn policies_baselines_and_merged_reports_show_names_as_text() {
+    let place = Place::new("hostile-guard");
+    let shader = format!("s/{NAME}");
+    place.write(&shader, PLAIN);
+    checked(&place, &["lock", "s"]);
+    place.write(&shader, PLAIN.replace("float a;", "vec3 a;"));
+    let approved = checked(&place, &["lock", "s", "--policy", "names", "--approve", NAME]);
+    assert!(approved.code == 0 && approved.err.contains("approved"), "{}", approved.err);
+    place.write(&shader, PLAIN.replace("float a;", "mat4 a;"));
+    for format in ["human", "json", "md"] {
+        for (old, new) in [("layouts", "s"), ("layouts", shader.as_str())] {
+            checked(&place, &["diff", old, new, "-f", format, "--policy", "names"]);
+        }
+    }
+    let report = ["--shard", "1/1", "-f", "json=report.json", "-f", "human"];
+    checked(&place, &[&["check", "s", "-W", "all"][..], &report].concat());
+    for format in ["human", "short", "json", "sarif", "junit"] {
+        let ran = checked(&place, &["merge", "report.json", "-f", format]);
+        assert!(ran.out.contains("layout-drift"), "{format}: {}", ran.err);
+    }
+    let baseline = ["check", "s", "-W", "all", "--baseline", "base.json"];
+    checked(&place, &[&baseline[..], &["--write-baseline"]].concat());
+    // An entry that nothing is like any more is named.
+    place.write(&shader, PLAIN);
+    checked(&place, &baseline);
+    checked(&place, &["check", "s", "--against", NAME]);
+    checked(&place, &["check", "s", "--cache-dir", NAME]);
+}
+
+/// Each key of the configuration with a hostile value, in the commands that read it.
+#[test]
+fn values_of_the_configuration_are_shown_as_text() {
+    let place = Place::new("hostile-configuration");
+    place.write("s/a.frag", PLAIN);
+    let value = serde_json::to_string(NAME).expect("a string");
+    for key in [
+        "paths = [%]",
+        "exclude = [%]",
+        "locks = %",
+        "baseline = %",
+        "include = [%]",
+        "define = [%]",
+        "override = [%]",
+        "rules = %",
+        "targets = [%]",
+        "policy = %",
+        "permutations = [[%]]",
+        "% = 1",
+        "[levels]\n% = \"deny\"",
+        "[levels]\nwarnings = %",
+        "[rename]\nLight = %",
+        "[rename]\n% = \"X\"",
+        "[[path-levels]]\nfile = %\nlevels = { warnings = \"allow\" }",
+        "[[path-policy]]\nfile = %\npolicy = \"bytes\"",
+        "[[mirror-group]]\nname = %\ncopies = [{ block = \"B\" }, { block = \"C\" }]",
+        "[[mirror-group]]\nname = \"x\"\ncopies = [{ block = % }, { block = \"B\" }]",
+        "[[table]]\nblock = %\nsize = 3",
+        "[[table]]\nblock = \"B\"\nsize = %",
+        "[[table]]\nblock = \"B\"\noffsets = { % = 3 }",
+        "[[rust-mirror]]\nfile = %\nstructure = \"P\"\nblock = \"B\"",
+        "[[prove]]\nfile = \"s/*\"\nfunction = %",
+        "[[prove]]\nfile = \"s/*\"\nfunction = \"f\"\ndomain = { % = [0, 1] }",
+        "garbage %",
+    ] {
+        place.write("landfall.toml", key.replace('%', &value));
+        checked(&place, &["check", "s"]);
+        checked(&place, &["emit", "s", "--lang", "rust"]);
+        checked(&place, &["lock", "--check"]);
+    }
 }

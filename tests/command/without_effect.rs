@@ -206,8 +206,7 @@ warning[no-blocks]: no blocks to mirror
 fn every_command_says_which_api_was_assumed() {
     let place = project("assumed");
     place.write("b.frag", BOTH).write("v.json", "{}");
-    let long = "read for Vulkan, because the shader names no API; for OpenGL its blocks have \
-                another layout";
+    let long = "read for Vulkan, as the shader names no API; its blocks differ for OpenGL";
     let json = "\"assumed_target\":\"vulkan\"";
     let warning = "read for Vulkan: the shader tests `VULKAN` and is valid for both APIs";
     let commands: [(&str, &str); 12] = [

@@ -67,6 +67,9 @@ pub struct ShaderLayout {
     /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
     /// name one and the blocks differ between the two.
     pub assumed_target: Option<Target>,
+    /// Whether it is GLSL ES that is read for OpenGL: the size that a driver reports of a block is
+    /// up to the implementation (OpenGL ES 3.2 §7.6).
+    pub opengl_es: bool,
 }
 
 impl ShaderLayout {
@@ -87,6 +90,7 @@ impl ShaderLayout {
             files: Files::default(),
             diagnostics: Vec::new(),
             assumed_target: None,
+            opengl_es: false,
         }
     }
 
@@ -194,6 +198,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         files: parsed.files,
         diagnostics,
         assumed_target: None,
+        opengl_es: parsed.opengl_es,
     }
 }
 

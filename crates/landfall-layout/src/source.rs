@@ -414,8 +414,9 @@ impl Files {
     }
 }
 
-/// The API that a GLSL shader targets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The API that a GLSL shader targets; in JSON `opengl` or `vulkan`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Target {
     /// OpenGL and OpenGL ES: `VULKAN` is not defined, block rules default to `shared`.

@@ -27,6 +27,8 @@ pub struct Parsed {
     pub assumed: Option<Target>,
     /// Whether OpenGL is assumed because of uniforms outside blocks, which Vulkan's GLSL lacks.
     pub assumed_of_loose: bool,
+    /// Whether it is GLSL ES that is read for OpenGL.
+    pub opengl_es: bool,
     /// Whether a WGSL shader requires `uniform_buffer_standard_layout`.
     pub standard_uniforms: bool,
 }

@@ -33,6 +33,7 @@ mod stress;
 mod verify;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use landfall_layout::codegen::rust::{Modules, Vectors};
@@ -42,6 +43,7 @@ use landfall_layout::shape::DEFAULT_BLOCK;
 #[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
+use budget::seconds;
 pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "completions")]
@@ -315,6 +317,10 @@ pub struct PortArgs {
     /// Do not compile the result with glslangValidator, which happens where it is installed
     #[arg(long)]
     pub no_compiler: bool,
+    /// Processor time limit of glslangValidator, in seconds; past it the result is written with a
+    /// warning
+    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
+    pub limit: Duration,
     /// Shader of the stage before or after; locations are matched, and what both share has one
     /// binding
     #[arg(help_heading = "Locations and bindings", long, value_name = "FILE")]

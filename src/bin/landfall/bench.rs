@@ -10,8 +10,8 @@ use std::rc::Rc;
 use landfall::report::bench as print;
 use landfall_exec::interp::Floats;
 use landfall_layout::file::FileWriter;
-use landfall_layout::source::Files;
-use landfall_layout::{Error, Source};
+use landfall_layout::source::{Files, Target};
+use landfall_layout::{Error, Options, Source};
 use landfall_light::accuracy::bench::clock::Clock;
 use landfall_light::accuracy::bench::shader::Shared;
 use landfall_light::accuracy::bench::{
@@ -21,8 +21,8 @@ use landfall_light::accuracy::bench::{
 use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
-use crate::output::{Failure, FindingForm, Outcome, Streams, request_finding};
-use crate::{backends, given, read, watch, write};
+use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams, request_finding};
+use crate::{backends, given, read, shader, watch, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -119,8 +119,45 @@ struct About {
     truth: String,
     unit: Unit,
     size: Size,
+    /// The API assumed for the shader of each variant that names none.
+    assumed: Vec<(String, Target)>,
     /// The files read.
     files: Vec<Files>,
+}
+
+/// Records the shaders of variants, each once; returns the APIs assumed, by variant.
+fn recorded<'s>(
+    shaders: impl Iterator<Item = (&'s str, &'s Source)>,
+    options: &Options,
+    streams: &Streams,
+    style: FindingStyle,
+) -> Vec<(String, Target)> {
+    let mut known: Vec<(&str, Option<Target>)> = Vec::new();
+    let mut assumed = Vec::new();
+    for (variant, source) in shaders {
+        let path = source.path.as_str();
+        let target = match known.iter().find(|(other, _)| *other == path) {
+            Some((_, target)) => *target,
+            None => {
+                let target = shader::record(source, options, streams, style);
+                known.push((path, target));
+                target
+            }
+        };
+        assumed.extend(target.map(|target| (variant.to_string(), target)));
+    }
+    assumed
+}
+
+/// Prints notes, each once.
+fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
+    let mut printed: Vec<&str> = Vec::new();
+    for note in notes {
+        if !printed.contains(&note) {
+            streams.notes(&format!("note: {note}\n"));
+            printed.push(note);
+        }
+    }
 }
 
 /// Measures the entries in turns and ranks them.
@@ -148,13 +185,15 @@ fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Stre
         let Entry { variant, runner, errors, permitted, work, .. } = entry;
         match samples {
             Ok(samples) => {
+                let of_variant = about.assumed.iter().find(|(name, _)| *name == variant);
+                let assumed_target = of_variant.map(|(_, target)| *target);
                 let row = BenchRow::new(variant, runner, &samples, about.size, errors, work);
-                rows.extend(row.map(|row| BenchRow { permitted, ..row }));
+                rows.extend(row.map(|row| BenchRow { permitted, assumed_target, ..row }));
             }
             Err(reason) => failed.push(Failed { variant, backend: runner.backend, reason }),
         }
     }
-    let About { subject, truth, unit, size: Size { fragments, lights }, files } = about;
+    let About { subject, truth, unit, size: Size { fragments, lights }, files, .. } = about;
     let machine = machine.after();
     let bench = Bench { subject, truth, unit, fragments, lights, machine, rows, failed };
     Done { bench: bench.ranked(), missing, files }
@@ -201,12 +240,16 @@ fn distinct(option: &str, given: &[(String, String)], taken: Option<&str>) -> Re
 struct Sources(Vec<(PathBuf, Source)>);
 
 impl Sources {
+    fn of(&self, file: &Path) -> Option<&Source> {
+        self.0.iter().find(|(known, _)| known == file).map(|(_, source)| source)
+    }
+
     fn all(&self) -> impl Iterator<Item = &Source> {
         self.0.iter().map(|(_, source)| source)
     }
 
     fn read(&mut self, file: &Path, args: &ReadArgs) -> Result<Source, Error> {
-        if let Some((_, source)) = self.0.iter().find(|(known, _)| known == file) {
+        if let Some(source) = self.of(file) {
             return Ok(source.clone());
         }
         let source = read::source(file, args)?;

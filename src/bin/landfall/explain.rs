@@ -25,9 +25,7 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Ok(answers) => {
             match args.format {
                 ExplainFormat::Human => streams.product(&human(&shader, &answers, streams))?,
-                ExplainFormat::Json => {
-                    streams.json(&json(&shader.path, shader.language, &answers))?;
-                }
+                ExplainFormat::Json => streams.json(&json(&shader, &answers))?,
             }
             Ok(if shader.has_errors() { Outcome::CouldNot } else { Outcome::Clean })
         }

@@ -13,6 +13,7 @@ use landfall_layout::Error;
 use landfall_layout::file::{is_running, reason};
 use landfall_layout::source::kind_of_path;
 
+use crate::child::{self, Child};
 use crate::watch;
 
 /// A path at a revision, as spelt in the argument.
@@ -218,7 +219,7 @@ fn included(bytes: &[u8]) -> Vec<String> {
 }
 
 fn git(arguments: &[&str], about: &str) -> Result<String, Error> {
-    let out = Command::new("git").args(arguments).stdin(Stdio::null()).output();
+    let out = child::output(Command::new("git").args(arguments));
     let out = out.map_err(|cause| no_git(&cause, about))?;
     if out.status.success() {
         return Ok(String::from_utf8_lossy(&out.stdout).into_owned());
@@ -235,26 +236,23 @@ fn no_git(cause: &std::io::Error, about: &str) -> Error {
 
 /// A `git cat-file --batch` process for all files.
 struct Batch {
-    child: std::process::Child,
+    child: Child,
     answers: BufReader<std::process::ChildStdout>,
 }
 
 impl Batch {
     fn open(about: &str) -> Result<Batch, Error> {
-        let child = Command::new("git")
-            .args(["cat-file", "--batch"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn();
-        let mut child = child.map_err(|cause| no_git(&cause, about))?;
-        let answers = BufReader::new(child.stdout.take().expect("stdout is piped above"));
+        let mut command = Command::new("git");
+        command.args(["cat-file", "--batch"]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = Child::start(&mut command).map_err(|cause| no_git(&cause, about))?;
+        let answers = BufReader::new(child.process().stdout.take().expect("stdout is piped above"));
         Ok(Batch { child, answers })
     }
 
     fn read(&mut self, object: &str, about: &str) -> Result<Vec<u8>, Error> {
         let failed = || Error::new(about, format!("cannot be read by git: object {object}"));
-        let stdin = self.child.stdin.as_mut().ok_or_else(failed)?;
+        let stdin = self.child.process().stdin.as_mut().ok_or_else(failed)?;
         writeln!(stdin, "{object}").and_then(|()| stdin.flush()).map_err(|_| failed())?;
         // `OBJECT blob SIZE`, then the bytes, then a newline.
         let mut head = String::new();
@@ -265,13 +263,6 @@ impl Batch {
         self.answers.read_exact(&mut bytes).map_err(|_| failed())?;
         bytes.truncate(size);
         Ok(bytes)
-    }
-}
-
-impl Drop for Batch {
-    fn drop(&mut self) {
-        drop(self.child.stdin.take());
-        let _ = self.child.wait();
     }
 }
 

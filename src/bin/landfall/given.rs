@@ -126,8 +126,7 @@ pub fn begin(command: &Command, streams: &Streams) {
     let constants = text.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "-O"));
     let macros = defines.iter().map(|(name, _)| given(Kind::Macro, name, option));
     let mut all: Vec<Given> = constants.chain(macros).collect();
-    if unused::is_mediump(command) {
-        let option = "--mediump".to_string();
+    if let Some(option) = unused::mediump(command) {
         all.push(Given { kind: Kind::Precision, name: String::new(), option });
     }
     if let Some(stage) = text.stage {

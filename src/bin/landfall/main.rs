@@ -12,6 +12,7 @@ mod backends;
 #[cfg(feature = "exec")]
 mod bench;
 mod check;
+mod child;
 #[cfg(feature = "completions")]
 mod completions;
 mod config;

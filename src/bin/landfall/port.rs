@@ -56,17 +56,19 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let mut warnings = ported.warnings.clone();
     if !args.no_compiler && args.to != PortTo::Wgsl {
-        match compiler::verdict(&source, &ported, &args.read) {
+        match compiler::verdict(&source, &ported, args) {
             Verdict::Accepted | Verdict::NotCompiled => {}
             Verdict::Refused { message, line } => {
                 report(&[refused(&source, &message, line)], &files_of(&source));
                 return Ok(Outcome::CouldNot);
             }
-            Verdict::Failed(reason) => {
-                let message =
-                    format!("{} cannot tell whether the result compiles: {reason}", compiler::NAME);
-                warnings.push(Diagnostic::warning(Code::NotPortable, Span::default(), message));
+            Verdict::Late => {
+                let late = format!("it runs past its limit of {} s", args.limit.as_secs_f64());
+                warnings.push(
+                    unknown(&late).with_help("raise it with `--limit`, or pass `--no-compiler`"),
+                );
             }
+            Verdict::Failed(reason) => warnings.push(unknown(&reason)),
         }
     }
     match &args.out {
@@ -94,6 +96,13 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         }
     }
     Ok(Outcome::Clean)
+}
+
+/// The warning of a compiler without a verdict.
+fn unknown(reason: &str) -> Diagnostic {
+    let name = compiler::NAME;
+    let message = format!("{name} cannot tell whether the result compiles: {reason}");
+    Diagnostic::warning(Code::NotPortable, Span::default(), message)
 }
 
 /// The error for a result that the compiler refuses, at the line of the original.

@@ -45,14 +45,16 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         return Ok(Outcome::Clean);
     }
     request.files_read().iter().for_each(given::record);
-    if let Some(source) = &request.shader {
-        shader::record(source, &request.options, streams, style);
-    }
+    let record = |source| shader::record(source, &request.options, streams, style);
+    let assumed = request.shader.as_ref().and_then(record);
     if args.print_bind {
         return print_bind(args, &request, streams, &style);
     }
     match picture(args, &request, streams) {
-        Ok(report) => print_report(args, &report, streams),
+        Ok(report) => {
+            let assumed_target = assumed.filter(|_| report.shader.is_some());
+            print_report(args, &RenderReport { assumed_target, ..report }, streams)
+        }
         Err(Stop::Failure(failure)) => Err(failure),
         Err(Stop::Render(error)) => {
             let (found, files) = request.findings(&error);
@@ -306,6 +308,7 @@ impl PreparedScene<'_> {
         RenderReport {
             scene: self.scene.name.clone(),
             shader: request.shader.as_ref().map(|shader| shader.path.clone()),
+            assumed_target: None,
             device: None,
             size: [self.frame.width, self.frame.height],
             fragments: self.frame.fragments.len() as u64,

@@ -3,7 +3,7 @@
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, Target};
 use landfall_layout::{BlockLayout, Diagnostic, Options, ShaderLayout, Source};
 
 use crate::args::ReadArgs;
@@ -35,14 +35,20 @@ pub fn laid_out(
     (!lost).then_some(shader)
 }
 
-/// Records the names of a shader that is executed or ported, and warns of blocks whose layout depends on the
-/// API that was assumed.
-pub fn record(source: &Source, options: &Options, streams: &Streams, style: FindingStyle) {
+/// Records the names of a shader that is executed or ported, and warns of blocks whose layout
+/// depends on the API that was assumed, which it returns.
+pub fn record(
+    source: &Source,
+    options: &Options,
+    streams: &Streams,
+    style: FindingStyle,
+) -> Option<Target> {
     let shader = landfall_layout::layout(source, options);
     given::record_of(&shader);
     let mut found = shader.diagnostics;
     found.retain(|found| found.code == Code::TargetChangesLayout);
     streams.report(&style.text(&found, &shader.files));
+    shader.assumed_target
 }
 
 /// The block with this name, or the only block that has bytes.

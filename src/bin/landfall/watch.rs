@@ -55,6 +55,9 @@ static LAST: Mutex<Option<Outcome>> = Mutex::new(None);
 /// Directories to remove when the process is ended.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
+/// The process groups of the programs that run.
+static GROUPS: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
 /// Prints what a command has found so far.
 type PartialReport = Box<dyn FnOnce() + Send>;
 
@@ -106,6 +109,37 @@ pub fn remember(directory: &Path) {
 pub fn forget(directory: &Path) {
     temporary().retain(|other| other != directory);
 }
+
+/// Ends the group of a program if this process is ended before [`end_group`].
+pub fn started(process: u32) {
+    groups().push(process);
+}
+
+/// Ends what runs of a program and what it started; the process itself is not waited for yet, so
+/// that its number is not another's.
+pub fn end_group(process: u32) {
+    let mut groups = groups();
+    if let Some(at) = groups.iter().position(|group| *group == process) {
+        kill_group(groups.swap_remove(at));
+    }
+}
+
+fn groups() -> MutexGuard<'static, Vec<u32>> {
+    GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(unix)]
+fn kill_group(process: u32) {
+    use rustix::process::{Pid, Signal, kill_process_group};
+
+    if let Some(pid) = i32::try_from(process).ok().and_then(Pid::from_raw) {
+        // It may have ended already.
+        let _ = kill_process_group(pid, Signal::KILL);
+    }
+}
+
+#[cfg(not(unix))]
+fn kill_group(_: u32) {}
 
 fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
     TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
@@ -226,6 +260,7 @@ impl Watch {
         if thread::Builder::new().spawn(flush).is_ok() {
             let _ = flushed.recv_timeout(FLUSH);
         }
+        groups().drain(..).for_each(kill_group);
         remove_partial();
         for directory in temporary().iter() {
             let _ = std::fs::remove_dir_all(directory);
@@ -246,9 +281,19 @@ fn report_partially() -> bool {
     started && reported.recv_timeout(PARTIAL_REPORT).is_ok()
 }
 
-/// The memory of this process in bytes (`VmRSS`); 0 if the system does not report it.
+/// The memory of this process and of those it started, in bytes; 0 if the system does not report
+/// it.
 fn memory() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let children = tasks
+        .filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok())
+        .flat_map(|all| all.split_whitespace().map(memory_of).collect::<Vec<_>>());
+    memory_of("self").saturating_add(children.fold(0, u64::saturating_add))
+}
+
+/// The memory of a process in bytes (`VmRSS`).
+fn memory_of(process: &str) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
     let kib = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
     kib.unwrap_or(0).saturating_mul(1024)

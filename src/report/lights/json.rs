@@ -8,8 +8,7 @@ use landfall_ir::analysis::occurrence::IndexBound;
 use landfall_ir::analysis::roles::Form;
 use landfall_layout::ShaderLayout;
 use landfall_layout::format::json::{Tool, to_lines};
-use landfall_layout::layout::targets;
-use landfall_layout::source::Language;
+use landfall_layout::source::{Language, Target};
 
 /// Returns the document up to the first shader.
 pub fn opening() -> String {
@@ -28,7 +27,7 @@ pub fn shader(shader: &ShaderLayout, report: &Report) -> String {
         path: &shader.path,
         language: shader.language.name(),
         stage: shader.stage.map(|stage| stage.name()),
-        assumed_target: shader.assumed_target.map(targets::key),
+        assumed_target: shader.assumed_target,
         lights: report.lights.iter().map(|light| LightObject::of(light, shader.language)).collect(),
         hazards: report.hazards.iter().map(HazardObject::of).collect(),
         unfollowed: report.unfollowed.iter().map(|found| found.message.as_str()).collect(),
@@ -43,7 +42,7 @@ struct Shader<'a> {
     language: &'static str,
     stage: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    assumed_target: Option<&'static str>,
+    assumed_target: Option<Target>,
     lights: Vec<LightObject<'a>>,
     hazards: Vec<HazardObject<'a>>,
     unfollowed: Vec<&'a str>,

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, Target};
 use landfall_light::accuracy::demand::{ProveReport, Shown};
 use landfall_light::accuracy::inputs::Input;
 use landfall_light::accuracy::prove::Class;
@@ -16,6 +16,8 @@ struct Object<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
     function: &'a str,
     inputs: Vec<InputObject<'a>>,
     parts: u64,
@@ -70,6 +72,7 @@ pub fn json(proved: &ProveReport) -> String {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &proved.path,
+        assumed_target: proved.assumed_target,
         function: &proved.function,
         inputs: inputs(&proved.inputs),
         parts: proved.parts,

@@ -9,6 +9,7 @@ use crate::report::prove::{InputObject, OperationObject, case_inputs, inputs, op
 use landfall_exec::backend::BackendKind;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
+use landfall_layout::source::Target;
 use landfall_light::accuracy::stress::messages::{name, number};
 use landfall_light::accuracy::stress::{
     BackendReport, Case, Condition, Disagreement, DriverCase, DriverOutcome, Family, Outcome,
@@ -22,6 +23,8 @@ struct Object<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
     function: &'a str,
     precision: &'static str,
     seed: u64,
@@ -230,6 +233,7 @@ pub fn json(stressed: &Report) -> String {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
         path: &stressed.path,
+        assumed_target: stressed.assumed_target,
         function: &stressed.function,
         precision: stressed.precision,
         seed: stressed.seed,

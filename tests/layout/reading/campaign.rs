@@ -1,14 +1,17 @@
 //! Mutants of this repository's shaders that keep their blocks: other ends of lines, lines joined
 //! by a backslash, comments, conditions and macros. What glslang takes is laid out as it says.
 //!
-//! At length, with versions and extensions and over all shaders of the repository:
+//! Those with versions and extensions of OpenGL are held against Mesa's driver in the same way.
+//!
+//! At length, over all shaders of the repository with glslang:
 //! `cargo test --features full --test layout -- --ignored --nocapture many_mutants`;
 //! `LANDFALL_TEXT_MUTANTS` is the number of mutants.
 
 use std::fs;
 use std::path::Path;
 
-use super::{codes, leaves, theirs};
+use super::{codes, leaves, open, theirs};
+use crate::support::driver::{Driver, Stage};
 use crate::support::glslang;
 use crate::support::glslang_server::Server;
 use crate::support::leaf::OracleBlock;
@@ -122,10 +125,10 @@ fn declare(text: &mut String, random: &mut fastrand::Rng) {
     }
 }
 
-/// Compares the blocks of a text that glslang takes with its list.
-fn compare(name: &str, text: &str, listed: &[OracleBlock], seed: u64) {
+/// Compares the blocks of a text that a compiler takes with its list.
+fn compare(name: &str, text: &str, target: Target, listed: &[OracleBlock], seed: u64) {
     let mut options = Options::default();
-    options.read.target = Some(Target::Vulkan);
+    options.read.target = Some(target);
     let shader = layout(&Source::new(name, text), &options);
     // Before GLSL 4.20 glslang ends a `//` comment at a backslash, Mesa does not: it is reported.
     if codes(&shader).contains(&"line-continuation") {
@@ -133,7 +136,7 @@ fn compare(name: &str, text: &str, listed: &[OracleBlock], seed: u64) {
     }
     let failed = format!("seed {seed} of {name}\n{text:?}\n{:#?}", shader.diagnostics);
     assert!(!shader.has_errors(), "{failed}");
-    // glslang lists a block where it is used first.
+    // Compilers list blocks in orders of their own.
     let (mut ours, mut listed) = (leaves(&shader), theirs(listed));
     ours.sort();
     listed.sort();
@@ -152,7 +155,7 @@ fn mutants_that_glslang_takes_have_its_blocks() {
         }
         let Ok(listed) = glslang::blocks(&text, "frag", &options) else { continue };
         taken += 1;
-        compare("a.frag", &text, &listed, seed);
+        compare("a.frag", &text, Target::Vulkan, &listed, seed);
     }
     assert!(taken * 2 > MUTANTS, "only {taken} were taken");
 }
@@ -206,7 +209,7 @@ fn many_mutants_that_glslang_takes_have_its_blocks() {
                 let stage = &name[name.len() - 4..];
                 let Some(listed) = server.blocks(&text, stage) else { continue };
                 taken += 1;
-                compare(name, &text, &listed, seed);
+                compare(name, &text, Target::Vulkan, &listed, seed);
             }
             taken
         };
@@ -215,4 +218,86 @@ fn many_mutants_that_glslang_takes_have_its_blocks() {
     });
     println!("{taken} of {count} mutants were taken by glslang, and laid out as it says");
     assert!(taken * 2 > count, "only {taken} were taken");
+}
+
+/// Mutants for OpenGL, and of what only OpenGL has.
+const OPENGL_SHADERS: &[&str] = &[
+    SHADERS[1],
+    "#version 330\nstruct L { vec3 p; float i; };\nlayout(std140, row_major) uniform;\n\
+     layout(std140) uniform U {\n    L l[3]; // lights\n    mat3x2 m;\n    bool b; float w[2];\n};\n\
+     uniform sampler2D s;\nuniform float loose[2];\nout vec4 o;\n\
+     void main() { o = vec4(l[1].p, w[1]) + texture(s, vec2(loose[0])); }\n",
+    "#version 310 es\nprecision highp float;\nprecision highp int;\n\
+     layout(std140, binding = 0) uniform U { vec3 a; mat2 m[2]; float b; } u;\n\
+     layout(std430, binding = 1) buffer B { int n; vec3 t[]; } b;\nout vec4 o;\n\
+     void main() { o = vec4(u.a, u.b) + vec4(b.t[0], float(b.n)); }\n",
+];
+
+/// The blocks of a fragment shader that Mesa's driver takes.
+fn of_mesa(driver: &Driver, text: &str) -> Option<Vec<OracleBlock>> {
+    let version = ["300 es", "310 es", "320 es"].into_iter().find(|es| text.contains(es));
+    let version = version.unwrap_or("330");
+    let vertex = format!("#version {version}\nvoid main() {{ gl_Position = vec4(0.0); }}\n");
+    let mut blocks = driver.blocks(&[(Stage::Vertex, &vertex), (Stage::Fragment, text)]).ok()?;
+    blocks.retain(|block| !block.leaves.is_empty());
+    Some(blocks)
+}
+
+/// Whether a skipped group ends with a directive that is not first on its line (GLSL 4.60 §3.3),
+/// as Mesa lets it; glslang does not.
+fn ends_a_group_late(text: &str) -> bool {
+    let mut options = Options::default();
+    options.read.target = Some(Target::OpenGl);
+    codes(&layout(&Source::new("a.frag", text), &options)).contains(&"unmatched-directive")
+}
+
+#[test]
+fn mesa_ends_a_skipped_group_at_a_directive_behind_other_tokens() {
+    let text = "#version 330\n#if 0\nx #endif\n\
+                layout(std140) uniform U { vec4 a; } u;\nout vec4 o;\nvoid main() { o = u.a; }\n";
+    assert!(of_mesa(&open(), text).is_some());
+    assert!(ends_a_group_late(text));
+    let options = glslang::Options {
+        client: glslang::Client::OpenGl,
+        reflect: false,
+        ..glslang::Options::default()
+    };
+    glslang::blocks(text, "frag", &options).expect_err("no `#endif`");
+}
+
+/// Holds mutants against Mesa; returns how many it takes.
+fn against_mesa(count: u64) -> u64 {
+    let driver = open();
+    let mut taken = 0;
+    for seed in 0..count {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let mut text = OPENGL_SHADERS[random.usize(0..OPENGL_SHADERS.len())].to_string();
+        for _ in 0..random.usize(1..5) {
+            match random.u8(0..6) {
+                0 => declare(&mut text, &mut random),
+                _ => mutate(&mut text, &mut random),
+            }
+        }
+        let Some(listed) = of_mesa(&driver, &text) else { continue };
+        if ends_a_group_late(&text) {
+            continue;
+        }
+        taken += 1;
+        compare("a.frag", &text, Target::OpenGl, &listed, seed);
+    }
+    taken
+}
+
+#[test]
+fn mutants_that_mesa_takes_have_its_blocks() {
+    let taken = against_mesa(400);
+    assert!(taken > 200, "only {taken} were taken");
+}
+
+#[test]
+#[ignore = "a campaign at length, with Mesa's driver"]
+fn many_mutants_that_mesa_takes_have_its_blocks() {
+    let taken = against_mesa(20_000);
+    println!("{taken} of 20,000 mutants were taken by Mesa, and laid out as it says");
+    assert!(taken > 10_000, "only {taken} were taken");
 }

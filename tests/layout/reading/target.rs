@@ -61,7 +61,7 @@ fn what_was_assumed_stands_in_every_format_and_in_the_lock() {
             Format::Table,
             str![[r#"
 a.frag (fragment)
-  read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+  read for OpenGL, as the shader names no API; its blocks differ for Vulkan
 
 uniform U u · std140 · 32 bytes
   offset  size  align  type   name
@@ -76,7 +76,7 @@ uniform U u · std140 · 32 bytes
             Format::Listing,
             str![[r#"
 // a.frag
-// read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout
+// read for OpenGL, as the shader names no API; its blocks differ for Vulkan
 
 /*            align(16) size(32) */ layout(std140) uniform U {
 /* offset( 0) align( 4) size( 4) */     float scale;
@@ -92,7 +92,7 @@ uniform U u · std140 · 32 bytes
             str![[r#"
 # `a.frag`
 
-Note: read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout.
+Note: read for OpenGL, as the shader names no API; its blocks differ for Vulkan.
 
 ## `uniform U u`
 
@@ -120,9 +120,15 @@ std140
     let json = lock::read("a.json", &json).unwrap();
     assert_eq!(json.assumed_target, Some(Target::OpenGl));
     let rust = landfall_layout::codegen::rust::rust(&[&shader], &Default::default()).text;
-    golden().eq(assumed(&rust), str!["// (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
+    golden().eq(
+        assumed(&rust),
+        str!["// (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],
+    );
     let c = landfall_layout::codegen::c::c(&[&shader], &Default::default()).text;
-    golden().eq(assumed(&c), str![" *   (read for OpenGL, because the shader names no API; for Vulkan its blocks have another layout)"]);
+    golden().eq(
+        assumed(&c),
+        str![" *   (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],
+    );
 }
 
 /// The line of generated code that names the API that was assumed.
@@ -344,4 +350,34 @@ fn blocks_that_only_the_other_api_has_are_named_if_there_are_no_others() {
     assert_eq!((shader.assumed_target, codes(&shader)), (Some(Target::Vulkan), vec![CODE]));
     let found = &shader.diagnostics[0];
     golden().eq(found.message.clone(), str!["block `U` exists only for OpenGL"]);
+}
+
+/// OpenGL ES leaves the size that a driver reports to the implementation (OpenGL ES 3.2 §7.6,
+/// `UNIFORM_BLOCK_DATA_SIZE`): said where std140 rounds a size up, in formats that people read.
+#[test]
+fn the_size_of_a_block_of_opengl_es_is_that_of_desktop_drivers() {
+    let note = "ize as desktop drivers report; OpenGL ES leaves it to the implementation";
+    let forms = [Format::Table, Format::Listing, Format::Markdown, Format::Json, Format::Csv];
+    let block = "layout(std140) uniform U { vec4 a; float b; } u;";
+    let whole = "layout(std140) uniform U { vec4 a; vec4 b; } u;";
+    let buffer = "layout(std430, binding = 0) buffer B { vec4 a; float b; } u;";
+    let test = "#ifdef VULKAN\n#endif";
+    for (text, target, expected) in [
+        (format!("#version 300 es\n{block}"), None, true),
+        (format!("#version 310 es\n{block}"), None, true),
+        (format!("#version 320 es\n{test}\n{block}"), Some(Target::OpenGl), true),
+        // Read for Vulkan, which has no such query.
+        (format!("#version 320 es\n{test}\n{block}"), None, false),
+        (format!("#version 310 es\n{block}"), Some(Target::Vulkan), false),
+        (format!("#version 330\n{block}"), None, false),
+        // Nothing is rounded.
+        (format!("#version 300 es\n{whole}"), None, false),
+        (format!("#version 310 es\n{buffer}"), None, false),
+    ] {
+        let shader = read(&text, target);
+        for (form, format) in forms.into_iter().enumerate() {
+            let said = document(&shader, &EmitOptions::new(format)).contains(note);
+            assert_eq!(said, expected && form < 3, "{format:?}, {target:?}: {text}");
+        }
+    }
 }

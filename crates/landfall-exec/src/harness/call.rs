@@ -90,7 +90,9 @@ pub fn call(
     request: &Request,
     backend: Option<&mut dyn Backend>,
 ) -> Result<CallReport, Refusal> {
-    let options = &options.clone().with_gather(true).with_naga(false);
+    let options = &options.clone().with_naga(false);
+    let assumed_target = landfall_layout::layout(source, options).assumed_target;
+    let options = &options.clone().with_gather(true);
     let unread = |found| Refusal { found, files: landfall_layout::layout(source, options).files };
     let mut module = Module::for_calls(source, options).map_err(unread)?;
     let entry_point = match source.language {
@@ -104,7 +106,8 @@ pub fn call(
         |found: Box<Diagnostic>| Refusal { found: vec![*found], files: module.files().clone() };
     let entry_point = entry_point.as_ref();
     let job = Job { source, options, request, module: &module, entry_point };
-    job.run(backend).map_err(refused)
+    let report = job.run(backend).map_err(refused)?;
+    Ok(CallReport { assumed_target, ..report })
 }
 
 /// A call in progress.
@@ -142,16 +145,8 @@ impl Job<'_> {
         globals::through_arguments(&mut caller.module, caller.handle, &[], &written);
         caller.module = caller.module.validated().map_err(first_of)?;
         let evaluated = self.evaluate(&caller, &found)?;
-        let mut notes = Vec::new();
-        match request.floats {
-            Floats::AsWritten => {}
-            Floats::Half => notes.push("every operation is rounded to f16".to_string()),
-            Floats::Mediump => notes.push(
-                "mediump and lowp are rounded to f16; a device may round lowp more coarsely, in \
-                 fixed point between -2 and 2"
-                    .to_string(),
-            ),
-        }
+        let mut notes: Vec<String> =
+            request.floats.note().map(str::to_string).into_iter().collect();
         let driver = backend.filter(|backend| backend.device().backend.is_driver());
         let (device, answered) = match driver {
             Some(backend) => {
@@ -210,6 +205,7 @@ impl Job<'_> {
         let counts = called.map(|called| called.notes.counts.operations());
         Ok(CallReport {
             path: source.path.clone(),
+            assumed_target: None,
             function: find::spelled_signature(found.info),
             backend: device,
             result,

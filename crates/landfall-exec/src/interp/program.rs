@@ -50,6 +50,20 @@ pub enum Floats {
     Mediump,
 }
 
+impl Floats {
+    /// The note on what is rounded, and on what is not modelled.
+    pub fn note(self) -> Option<&'static str> {
+        match self {
+            Floats::AsWritten => None,
+            Floats::Half => Some("every operation is rounded to f16"),
+            Floats::Mediump => Some(
+                "mediump and lowp are rounded to f16; a device may round lowp more coarsely, in \
+                 fixed point between -2 and 2",
+            ),
+        }
+    }
+}
+
 /// A buffer of the shader.
 #[derive(Clone, Debug)]
 pub(super) struct BufferInfo {

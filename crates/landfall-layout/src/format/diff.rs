@@ -15,7 +15,8 @@ use super::{Paint, SCHEMA_VERSION, phrases};
 use crate::ShaderLayout;
 use crate::codegen::rust;
 use crate::diff::{BlockDiff, Change, Class, Policy};
-use crate::layout::BlockLayout;
+use crate::layout::{BlockLayout, targets};
+use crate::source::Target;
 use crate::text::escape::{markdown_code, markdown_name, name};
 
 pub use beside::{Width, side_by_side};
@@ -76,6 +77,11 @@ impl<'a> Compared<'a> {
         named(self.was(diff)).or_else(|| named(self.is(diff)))
     }
 
+    /// The note on an API assumed for either side.
+    fn assumed(&self) -> Option<String> {
+        targets::note(self.new.assumed_target.or(self.old.assumed_target))
+    }
+
     /// Both listings of a block, side by side.
     pub fn side_by_side(&self, diff: &BlockDiff, width: Width, paint: Paint) -> String {
         let old = self.was(diff).map(|block| (block, self.old.language));
@@ -93,6 +99,9 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
         }
         let head = paint.text(STRONG, &format!("{}: {}", name(compared.name), diff.name));
         let _ = writeln!(text, "{head}: {}", class(diff.class(), paint).trim_end());
+        if let Some(note) = compared.assumed() {
+            let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
+        }
         for (at, change) in diff.changes.iter().enumerate() {
             let _ = write!(text, "  {} {}", class(change.class, paint), change.message);
             match compared.field(diff, change) {
@@ -172,11 +181,15 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
         for diff in compared.blocks {
             let _ = writeln!(
                 text,
-                "\n#### {} {}: {}\n\n| class | change | Rust |\n|---|---|---|",
+                "\n#### {} {}: {}\n",
                 markdown_name(compared.name),
                 markdown_code(&diff.name),
                 diff.class().name(),
             );
+            if let Some(note) = compared.assumed() {
+                let _ = writeln!(text, "Note: {note}.\n");
+            }
+            text.push_str("| class | change | Rust |\n|---|---|---|\n");
             for change in &diff.changes {
                 let field = compared.field(diff, change);
                 let field = field.map(|field| format!("`{field}`")).unwrap_or_default();
@@ -231,6 +244,8 @@ struct Side {
     name: String,
     size: Option<u64>,
     line: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
 }
 
 #[derive(Serialize)]
@@ -267,6 +282,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
         name: phrases::block_name(block),
         size: block.size,
         line: shader.files.locate(block.span).line,
+        assumed_target: shader.assumed_target,
     };
     let verdict = |block: usize, change: usize| match compared.verdict(block, change)? {
         Verdict::Allowed => Some(("allowed", None)),

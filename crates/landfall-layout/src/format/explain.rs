@@ -8,8 +8,9 @@ use crate::layout::BlockLayout;
 use crate::layout::byte::ByteOwner;
 use crate::layout::explain::{Explanation, Step, StepKind};
 use crate::layout::padding::PaddingKind;
+use crate::shader::ShaderLayout;
 use crate::shape::Rules;
-use crate::source::Language;
+use crate::source::{Language, Target};
 
 /// The answer of one block to a query.
 ///
@@ -207,14 +208,15 @@ fn byte_text(byte: u64, owner: &ByteOwner, language: Language, paint: Paint) -> 
 }
 
 /// Renders all answers of one shader as a JSON document.
-pub fn json(path: &str, language: Language, answers: &[(&BlockLayout, Answer)]) -> String {
+pub fn json(shader: &ShaderLayout, answers: &[(&BlockLayout, Answer)]) -> String {
     let document = Document {
         schema_version: SCHEMA_VERSION,
         tool: Tool::LANDFALL,
-        path,
+        path: &shader.path,
+        assumed_target: shader.assumed_target,
         answers: answers
             .iter()
-            .map(|(block, answer)| answer_object(block, answer, language))
+            .map(|(block, answer)| answer_object(block, answer, shader.language))
             .collect(),
     };
     to_lines(&document, 0) + "\n"
@@ -225,6 +227,8 @@ struct Document<'a> {
     schema_version: u32,
     tool: Tool,
     path: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed_target: Option<Target>,
     answers: Vec<AnswerObject<'a>>,
 }
 

@@ -8,9 +8,9 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use super::place::Places;
 use super::{EmitOptions, SCHEMA_VERSION, expand, phrases};
 use crate::ShaderLayout;
-use crate::layout::{BlockLayout, Leaf, MemberLayout, targets};
+use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Override, Type};
-use crate::source::{Language, Span};
+use crate::source::{Language, Span, Target};
 
 #[doc(hidden)]
 pub use lines::{to_lines, write_lines};
@@ -47,7 +47,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         stage: shader.stage.map(|stage| stage.name()),
         includes: shader.files.iter().skip(1).map(|file| file.path.as_str()).collect(),
         overrides: shader.overrides.iter().map(OverrideObject::of).collect(),
-        assumed_target: shader.assumed_target.map(targets::key),
+        assumed_target: shader.assumed_target,
         blocks: blocks.collect(),
     };
     format!("  {}", to_lines(&object, 0))
@@ -63,7 +63,7 @@ struct Shader<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     overrides: Vec<OverrideObject<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    assumed_target: Option<&'static str>,
+    assumed_target: Option<Target>,
     blocks: Vec<Block<'a>>,
 }
 

@@ -33,6 +33,9 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         if !summary.is_empty() {
             text.push_str(&paint.text(FAINT, &format!("// {summary}\n")));
         }
+        if let Some(note) = phrases::reported_size(shader, block) {
+            text.push_str(&paint.text(FAINT, &format!("// {note}\n")));
+        }
     }
     text
 }

@@ -45,6 +45,9 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         if !summary.is_empty() {
             text.push_str(&format!("\n{summary}\n"));
         }
+        if let Some(note) = phrases::reported_size(shader, block) {
+            text.push_str(&format!("\nNote: {note}.\n"));
+        }
         let opaque = phrases::opaque(block);
         if !opaque.is_empty() {
             let names: Vec<String> = opaque.iter().map(|path| code(path)).collect();

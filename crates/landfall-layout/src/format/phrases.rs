@@ -1,5 +1,6 @@
 //! Phrases shared by the formats: block names, byte counts, differences from naga.
 
+use crate::ShaderLayout;
 use crate::layout::padding::{PaddingKind, PaddingOwner};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
 use crate::shape::{AddressSpace, ArrayLen, Type};
@@ -186,6 +187,13 @@ pub(super) fn summary(block: &BlockLayout) -> String {
         summary.percent()
     ));
     text
+}
+
+/// The note on a size that is rounded up, where an implementation may report another.
+pub(super) fn reported_size(shader: &ShaderLayout, block: &BlockLayout) -> Option<&'static str> {
+    let rounded = block.space == AddressSpace::Uniform && block.size > block.data_size;
+    (shader.opengl_es && rounded)
+        .then_some("size as desktop drivers report; OpenGL ES leaves it to the implementation")
 }
 
 /// A block's last member if its number of elements is not specified, and its stride.

@@ -44,7 +44,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
             rows(block, shader.language)
         };
         write_rows(&rows, paint, &mut text);
-        footer(block, &rows, paint, &mut text);
+        footer(shader, block, &rows, paint, &mut text);
     }
     text
 }
@@ -79,7 +79,13 @@ pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> 
     text
 }
 
-fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
+fn footer(
+    shader: &ShaderLayout,
+    block: &BlockLayout,
+    rows: &[Row],
+    paint: Paint,
+    text: &mut String,
+) {
     let mut line = |style: Style, line: &str| {
         if !line.is_empty() {
             text.push_str("  ");
@@ -88,6 +94,7 @@ fn footer(block: &BlockLayout, rows: &[Row], paint: Paint, text: &mut String) {
         }
     };
     line(STRONG, &phrases::summary(block));
+    line(FAINT, phrases::reported_size(shader, block).unwrap_or_default());
     if rows.iter().any(|row| row.inherited > 0) {
         line(FAINT, "offsets are those of element 0; element i lies i × stride further");
     }

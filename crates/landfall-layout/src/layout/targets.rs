@@ -36,9 +36,7 @@ pub fn other(target: Target) -> Target {
 pub fn note(assumed: Option<Target>) -> Option<String> {
     let target = assumed?;
     let (this, that) = (name(target), name(other(target)));
-    Some(format!(
-        "read for {this}, because the shader names no API; for {that} its blocks have another layout"
-    ))
+    Some(format!("read for {this}, as the shader names no API; its blocks differ for {that}"))
 }
 
 /// Returns diagnostics for the blocks laid out differently under the other API, `there`; `None` if

@@ -226,6 +226,7 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
         shape: Shape { blocks, overrides },
         assumed,
         assumed_of_loose,
+        opengl_es: preprocessor.version.es && preprocessor.target() != Some(Target::Vulkan),
         standard_uniforms: false,
         files: std::mem::take(&mut preprocessor.files),
         diagnostics,

@@ -19,7 +19,7 @@ use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::graph::{Fault, Rounding};
 use landfall_layout::Options;
-use landfall_layout::source::{Files, Source};
+use landfall_layout::source::{Files, Source, Target};
 
 /// A function and the demands on it, with the limits of the search.
 #[derive(Clone, Debug)]
@@ -119,6 +119,8 @@ pub enum Shown {
 pub struct ProveReport {
     /// The path of the shader, as messages print it.
     pub path: String,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    pub assumed_target: Option<Target>,
     /// The function with its parameter types.
     pub function: String,
     /// The inputs of the function, with their ranges.
@@ -203,6 +205,7 @@ pub fn prove(
     let within = domain.within.iter().map(|within| within.text());
     Ok(ProveReport {
         path: source.path.clone(),
+        assumed_target: landfall_layout::layout(source, options).assumed_target,
         function: pure.shown.clone(),
         inputs: inputs.iter().cloned().zip(within).collect(),
         demands,

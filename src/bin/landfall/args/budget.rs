@@ -13,7 +13,8 @@ pub struct BudgetArgs {
     /// its --time]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
     pub max_time: Option<Duration>,
-    /// End with exit code 2 if this process needs more memory, in MiB (Linux; measured every 60 ms)
+    /// End with exit code 2 if this process and those it starts need more memory, in MiB (Linux; measured
+    /// every 60 ms)
     #[arg(long, global = true, value_name = "MIB", default_value_t = MEMORY,
           value_parser = clap::value_parser!(u64).range(1..))]
     pub max_memory: u64,

@@ -15,10 +15,13 @@ use landfall_light::accuracy::bench::driver_calls::DriverVariant;
 use landfall_light::accuracy::bench::function::{Calls, Sampling};
 use landfall_light::accuracy::bench::{Errors, Permitted, Runner, Size, Unit, Work};
 
-use super::{About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, wrong};
+use super::{
+    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
+    rounded, wrong,
+};
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
-use crate::{backends, data, read, shader, write};
+use crate::{backends, data, read, write};
 
 /// The variant name of the function itself.
 const FIRST: &str = "as it is";
@@ -87,7 +90,8 @@ pub fn bench(
             Err(refusal) => return refused(&refusal, style, streams),
         }
     }
-    sources.all().for_each(|source| shader::record(source, &options, streams, *style));
+    let shaders = made.iter().map(|one| (one.name.as_str(), &one.source));
+    let assumed = recorded(shaders, &options, streams, *style);
     notes(&made, streams);
     let domain = args.domain.as_deref().map(|text| data::file_or_value("--domain", text));
     let sampling = Sampling {
@@ -130,6 +134,7 @@ pub fn bench(
         truth: whose,
         unit: Unit::Call,
         size: Size { fragments: calls.count() as u64, lights: 0 },
+        assumed,
         files: made.iter().map(|one| write::files_of(&one.source, &options)).collect(),
     };
     Ok(Some(measured(about, entries, args, streams)))
@@ -183,13 +188,8 @@ fn refused(
 
 /// Notes the assumed inputs, without duplicates.
 fn notes(made: &[CompiledVariant], streams: &Streams) {
-    let mut printed: Vec<&String> = Vec::new();
-    for note in made.iter().flat_map(|one| &one.exact.notes) {
-        if !printed.contains(&note) {
-            streams.notes(&format!("note: {note}\n"));
-            printed.push(note);
-        }
-    }
+    let own = made.iter().flat_map(|one| one.exact.notes.iter().map(String::as_str));
+    print_notes(own.chain(made.iter().filter_map(|one| one.floats.note())), streams);
 }
 
 /// Adds the variants on a driver, which they share.

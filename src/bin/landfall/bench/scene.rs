@@ -21,12 +21,13 @@ use landfall_light::shading_f32::{Form, Gates};
 use landfall_light::{Frame, Upload, culling};
 
 use super::{
-    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, rounded, rust, wrong,
+    About, Done, Entries, Entry, NO_HALF, Sources, distinct, measured, print_notes, recorded,
+    rounded, rust, wrong,
 };
 use crate::args::{BackendName, BenchArgs};
 use crate::output::{Failure, FindingStyle, Streams};
 use crate::render::request::{RenderArguments, RenderRequest, load, model, model_json};
-use crate::{backends, read, shader, write};
+use crate::{backends, read, write};
 
 /// The kind of a variant.
 enum VariantKind {
@@ -127,9 +128,20 @@ pub fn bench(
     let size = Size { fragments: taken as u64, lights: stage.lights() };
     let options = read::options(&args.read);
     let mut files = own.files_read();
-    sources.all().for_each(|source| shader::record(source, &options, streams, *style));
+    let notes = variants.iter().filter_map(|(_, what)| match what {
+        VariantKind::Shader(_, floats, _) => floats.note(),
+        VariantKind::Rust(..) | VariantKind::Plan(_) => None,
+    });
+    print_notes(notes, streams);
+    let shaders = variants.iter().filter_map(|(name, what)| match what {
+        VariantKind::Shader(Some(file), ..) => Some((name.as_str(), sources.of(file)?)),
+        VariantKind::Shader(None, ..) => Some((name.as_str(), own.shader.as_ref()?)),
+        VariantKind::Rust(..) | VariantKind::Plan(_) => None,
+    });
+    let assumed = recorded(shaders, &options, streams, *style);
     files.extend(sources.all().map(|source| write::files_of(source, &options)));
-    let about = About { subject, truth: truth_text(args), unit: Unit::Fragment, size, files };
+    let truth = truth_text(args);
+    let about = About { subject, truth, unit: Unit::Fragment, size, assumed, files };
     let requested = backends::requested(&args.backend);
     let uploads = uploads(args, &requested, &variants, &renderers, &stages);
     let entries = entries(args, &variants, &uploads, &stages);

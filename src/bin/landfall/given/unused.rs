@@ -127,17 +127,21 @@ pub fn lays_out(command: &Command) -> bool {
     )
 }
 
-/// Whether a command rounds what OpenGL ES declares `mediump` or `lowp`.
-pub fn is_mediump(command: &Command) -> bool {
+/// The option by which a command rounds what OpenGL ES declares `mediump` or `lowp`.
+pub fn mediump(command: &Command) -> Option<String> {
     #[cfg(feature = "exec")]
     return match command {
-        Command::Run(args) => args.floats.mediump,
-        Command::Stress(args) => args.floats.mediump,
-        _ => false,
+        Command::Run(args) => args.floats.mediump.then(|| "--mediump".to_string()),
+        Command::Stress(args) => args.floats.mediump.then(|| "--mediump".to_string()),
+        Command::Bench(args) => {
+            let rounded = args.variants.iter().find(|(_, what)| what.ends_with(":mediump"));
+            rounded.map(|(name, what)| format!("--variant {name}={what}"))
+        }
+        _ => None,
     };
     #[cfg(not(feature = "exec"))]
     {
         let _ = command;
-        false
+        None
     }
 }

@@ -1,17 +1,21 @@
 //! Compiles a ported shader with the `glslangValidator` on the path, if there is one.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use landfall_layout::Source;
 use landfall_layout::port::Ported;
 use landfall_layout::source::Stage;
 
-use crate::args::ReadArgs;
+use crate::args::PortArgs;
+use crate::child::{self, Ended, Limits};
 
 /// The compiler, and the option of `port` that leaves it out.
 pub const NAME: &str = "glslangValidator";
+
+/// The most memory of the compiler, in bytes.
+const MEMORY: u64 = 4 << 30;
 
 /// Lets glslang read `#include`, which the programs that load such shaders expand themselves.
 const INCLUDES: &str = "#extension GL_GOOGLE_include_directive : enable";
@@ -27,12 +31,14 @@ pub enum Verdict {
         message: String,
         line: Option<u32>,
     },
+    /// It ran past its limit of time.
+    Late,
     /// The compiler itself failed.
     Failed(String),
 }
 
 /// Compiles a ported GLSL shader; nothing is written.
-pub fn verdict(original: &Source, ported: &Ported, args: &ReadArgs) -> Verdict {
+pub fn verdict(original: &Source, ported: &Ported, args: &PortArgs) -> Verdict {
     let Some(stage) = ported.source.stage.and_then(stage_name) else { return Verdict::NotCompiled };
     let (text, inserted) = with_includes(&ported.source.text);
     let mut command = Command::new(NAME);
@@ -40,23 +46,18 @@ pub fn verdict(original: &Source, ported: &Ported, args: &ReadArgs) -> Verdict {
     command.args(["--stdin", "-S", stage, "-V", "--target-env", "vulkan1.2", "-o", null]);
     let folder = Path::new(&*original.path).parent().filter(|dir| !dir.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
-    for dir in std::iter::once(folder).chain(args.text.include_dirs.iter().map(|dir| &**dir)) {
+    for dir in std::iter::once(folder).chain(args.read.text.include_dirs.iter().map(|dir| &**dir)) {
         command.arg(format!("-I{}", dir.display()));
     }
-    for (name, value) in &args.defines {
+    for (name, value) in &args.read.defines {
         command.arg(format!("-D{name}={value}"));
     }
-    let pipes = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = match pipes.spawn() {
-        Ok(child) => child,
+    let limits = Limits { time: args.limit, memory: MEMORY };
+    let output = match child::limited(&mut command, text.clone().into_bytes(), &limits) {
+        Ok(Ended::Itself(output)) => output,
+        Ok(Ended::Late) => return Verdict::Late,
+        Ok(Ended::Interrupted) => return Verdict::Failed("interrupted".to_string()),
         Err(error) if error.kind() == ErrorKind::NotFound => return Verdict::NotCompiled,
-        Err(error) => return Verdict::Failed(error.to_string()),
-    };
-    // It reads all of its input before it writes; the exit code tells whether it did.
-    let input = child.stdin.take().map(|mut input| input.write_all(text.as_bytes()));
-    drop(input);
-    let output = match child.wait_with_output() {
-        Ok(output) => output,
         Err(error) => return Verdict::Failed(error.to_string()),
     };
     let said = String::from_utf8_lossy(&output.stdout);

@@ -14,13 +14,15 @@ use landfall_layout::Diagnostic;
 use landfall_layout::buffer::ComponentBits;
 pub use landfall_layout::buffer::float::last_place;
 use landfall_layout::shape::{Scalar, ScalarKind};
-use landfall_layout::source::{Files, Language};
+use landfall_layout::source::{Files, Language, Target};
 
 /// The report of one call.
 #[derive(Clone, Debug)]
 pub struct CallReport {
     /// The path of the shader as messages print it.
     pub path: String,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    pub assumed_target: Option<Target>,
     /// The function with the types of its parameters: `phong(vec3, Light)`.
     pub function: String,
     /// The device that ran it.

@@ -6,8 +6,7 @@
 
 use crate::backend::BackendKind;
 use landfall_layout::Target;
-use landfall_layout::layout::targets;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::backend::{Device, Failure};
 use crate::harness::coverage::BlockCoverage;
@@ -20,7 +19,7 @@ pub struct ShaderReport {
     /// `glsl` or `wgsl`.
     pub language: &'static str,
     /// The API assumed for a shader that names none, if its blocks depend on it.
-    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "target")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub assumed_target: Option<Target>,
     /// The blocks in declaration order.
     pub blocks: Vec<BlockReport>,
@@ -193,10 +192,6 @@ pub enum BackendStatus {
         /// The reason.
         failure: Failure,
     },
-}
-
-fn target<S: Serializer>(assumed: &Option<Target>, serializer: S) -> Result<S::Ok, S::Error> {
-    assumed.map(targets::key).serialize(serializer)
 }
 
 impl ShaderReport {

@@ -11,6 +11,7 @@ use super::rounds::Samples;
 use super::spread::Spread;
 use crate::accuracy::plot::{Mark, Scatter};
 use landfall_exec::backend::Device;
+use landfall_layout::source::Target;
 
 /// A bench: variants of one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -136,6 +137,9 @@ impl Permitted {
 pub struct BenchRow {
     /// The name of the variant.
     pub variant: String,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assumed_target: Option<Target>,
     /// The runner.
     pub runner: Runner,
     /// Nanoseconds per fragment and light: the slope from no light to all; `None` where the subject
@@ -200,6 +204,7 @@ impl BenchRow {
         let gross = Spread::of(&nanoseconds(&samples.whole, None, fragments))?.median;
         Some(BenchRow {
             variant: variant.into(),
+            assumed_target: None,
             runner: Runner { clock: samples.clock, ..runner },
             light: light_rounds.as_deref().and_then(Spread::of),
             fragment: Spread::of(&fragment_rounds)?,

@@ -26,13 +26,15 @@ use landfall_exec::interp::Floats;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::Options;
 use landfall_layout::finding::{Finding, Level, Place as LintPlace};
-use landfall_layout::source::{Files, Source};
+use landfall_layout::source::{Files, Source, Target};
 
 /// The results of stressing a function.
 #[derive(Debug)]
 pub struct Report {
     /// The path of the shader, as messages print it.
     pub path: String,
+    /// The API assumed for a shader that names none, if its blocks depend on it.
+    pub assumed_target: Option<Target>,
     /// The function with its parameter types.
     pub function: String,
     /// `single`, `half` where all floats are rounded to it, or `mediump`.
@@ -121,6 +123,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
     let mut findings: Vec<StressFinding> = Vec::new();
     let mut notes = pure.notes.clone();
+    notes.extend(floats.note().map(str::to_string));
     let mut more: Vec<(&'static str, usize)> = Vec::new();
     for raw in made.raws {
         let code = raw.candidate.hazard.code();
@@ -159,6 +162,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     let within = made.domain.within.iter().map(|within| within.text());
     Report {
         path: made.source.path.clone(),
+        assumed_target: landfall_layout::layout(source, made.options).assumed_target,
         function: pure.shown.clone(),
         precision: match made.request.pure.floats {
             Floats::AsWritten => "single",
