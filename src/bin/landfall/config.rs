@@ -28,7 +28,7 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
 use crate::{read, without_effect, write};
-use find::Found;
+use find::ProjectBase;
 use toml::{Document, Keys, Text};
 
 pub use find::NAMES;
@@ -81,13 +81,13 @@ pub fn load(
     streams: &Streams,
 ) -> Result<Option<Config>, Failure> {
     let found = match &args.config {
-        _ if args.no_config => Found::Root(PathBuf::new()),
-        Some(file) => Found::File(file.clone()),
+        _ if args.no_config => ProjectBase::Root(PathBuf::new()),
+        Some(file) => ProjectBase::File(file.clone()),
         None => find::find(paths)?,
     };
     let file = match found {
-        Found::File(file) => file,
-        Found::Root(folder) => {
+        ProjectBase::File(file) => file,
+        ProjectBase::Root(folder) => {
             return Ok(Some(Config { root: Root::new(&folder)?, ..Config::default() }));
         }
     };

@@ -15,7 +15,7 @@ use landfall_layout::{Diagnostic, Error, Language, Severity, ShaderLayout};
 use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
 
-/// What a name is given for.
+/// The kind of option that a name is given for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Constant,

@@ -81,7 +81,7 @@ pub struct Divided {
     pub permitted: usize,
 }
 
-/// What determines the entries of findings.
+/// The inputs from which the entries of findings are computed.
 pub struct Scope<'a> {
     pub pass: &'a Pass,
     pub basis: &'a Basis,

@@ -24,7 +24,7 @@ const SHARE: u32 = 10;
 /// Time in which the files of one change are written, as by an editor or `git checkout`.
 const SETTLE: Duration = Duration::from_millis(50);
 
-/// What a check read.
+/// The files and directories that a check read.
 #[derive(Default)]
 pub struct Watched {
     /// The inputs that are searched for shaders.

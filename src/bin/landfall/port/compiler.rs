@@ -16,7 +16,7 @@ pub const NAME: &str = "glslangValidator";
 /// Lets glslang read `#include`, which the programs that load such shaders expand themselves.
 const INCLUDES: &str = "#extension GL_GOOGLE_include_directive : enable";
 
-/// What the compiler says.
+/// The verdict of the compiler.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Verdict {
     Accepted,
