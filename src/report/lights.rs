@@ -46,7 +46,7 @@ pub fn human(shader: &ShaderLayout, report: &Report, paint: Paint) -> String {
         text.push_str(&table(&report.lights, paint));
         for light in &report.lights {
             text.push('\n');
-            text.push_str(&one(light, shader.language, paint));
+            text.push_str(&light_text(light, shader.language, paint));
         }
     }
     if !report.unfollowed.is_empty() {
@@ -147,7 +147,7 @@ fn block(light: &Light) -> String {
     }
 }
 
-fn one(light: &Light, language: Language, paint: Paint) -> String {
+fn light_text(light: &Light, language: Language, paint: Paint) -> String {
     let mut text = match light.form {
         Form::Block => format!("{}\n", paint.text(STRONG, &block(light))),
         Form::Structure | Form::Members => {
@@ -201,12 +201,14 @@ fn one(light: &Light, language: Language, paint: Paint) -> String {
     if let (Some(better), Some(now)) = (&light.reorder, light.bytes) {
         let saved = now.saturating_sub(better.bytes);
         let all = light.slots.unwrap_or(1).saturating_mul(saved);
-        text.push_str(&format!(
-            "  reordered as {}: {} instead of {now}, {} saved in total\n",
+        let line = format!(
+            "reordered as {}: {} instead of {now}, {} saved in total",
             better.order.join(", "),
             bytes(better.bytes),
             bytes(all),
-        ));
+        );
+        let lines = columns::wrapped(&line, columns::WIDTH - 4);
+        text.push_str(&format!("  {}\n", lines.join("\n    ")));
     }
     text
 }

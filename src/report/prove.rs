@@ -14,10 +14,10 @@ use landfall_layout::format::phrases;
 use landfall_layout::layout::targets;
 use landfall_layout::source::Files;
 use landfall_layout::text::escape;
-use landfall_light::accuracy::demand::{ProveReport, Shown};
+use landfall_light::accuracy::demand::{DemandVerdict, ProveReport};
 use landfall_light::accuracy::prove::Class;
 use landfall_light::accuracy::stress::messages::{figure, number};
-use landfall_light::accuracy::stress::{Known, Operation, counts};
+use landfall_light::accuracy::stress::{Operation, OperationVerdict, counts};
 
 /// The operations to list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,8 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     let shown = proved.operations.iter().filter(|operation| match listed {
         Listed::All => true,
         Listed::Few => {
-            operation.class() == Class::Undefined && !matches!(operation.known, Known::Absent)
+            operation.class() == Class::Undefined
+                && !matches!(operation.known, OperationVerdict::Absent)
         }
     });
     for operation in shown {
@@ -58,11 +59,11 @@ pub fn text(proved: &ProveReport, listed: Listed, paint: Paint) -> String {
     for (demand, shown) in &proved.demands {
         let name = demand.label();
         let _ = match shown {
-            Shown::Shown => writeln!(text, "  {name}: proved for every conformant device"),
-            Shown::Open => {
+            DemandVerdict::Shown => writeln!(text, "  {name}: proved for every conformant device"),
+            DemandVerdict::Open => {
                 writeln!(text, "  {}", paint.text(CAUTION, &format!("{name}: not proved")))
             }
-            Shown::Broken(case) => {
+            DemandVerdict::Broken(case) => {
                 let line = format!("{name}: broken with {}", case.shown());
                 writeln!(text, "  {}", paint.text(CAUTION, &line))
             }
@@ -80,9 +81,9 @@ fn line(operation: &Operation, files: &Files, paint: Paint) -> String {
     let head = format!("{:6}  {}: {}", operation.verdict(), operation.place.shown, operation.fault);
     let excerpt = escape::name(excerpt);
     let rest = match &operation.known {
-        Known::Found(case) => format!(" in `{excerpt}` with {}", case.shown()),
-        Known::Absent => format!(" in `{excerpt}`"),
-        Known::Open(ranges) => {
+        OperationVerdict::Found(case) => format!(" in `{excerpt}` with {}", case.shown()),
+        OperationVerdict::Absent => format!(" in `{excerpt}`"),
+        OperationVerdict::Open(ranges) => {
             let each = ranges.iter().map(|(path, [low, high])| {
                 format!("{path} from {} to {}", number(*low), number(*high))
             });
@@ -94,13 +95,13 @@ fn line(operation: &Operation, files: &Files, paint: Paint) -> String {
         }
     };
     match operation.known {
-        Known::Absent => paint.text(FAINT, &(head + &rest)),
-        Known::Found(_) | Known::Open(_) => head + &rest,
+        OperationVerdict::Absent => paint.text(FAINT, &(head + &rest)),
+        OperationVerdict::Found(_) | OperationVerdict::Open(_) => head + &rest,
     }
 }
 
-/// Returns the counts of operations found to break, shown not to, and open: one line for each class
-/// with any.
+/// Returns one line for each class with operations: how many were found to break, shown not to
+/// break, and left open.
 pub fn summary(operations: &[Operation]) -> Vec<String> {
     let line = |class: Class, noun: &str, fault: &str| {
         let [found, absent, open] = counts(operations, class);

@@ -10,7 +10,7 @@ use unicode_width::UnicodeWidthStr;
 
 use super::device::JsonDevice;
 use super::verify::about;
-pub use landfall_exec::harness::call::report::{GivenObject, function_name, number};
+pub use landfall_exec::harness::call::report::{ValueObject, function_name, number};
 use landfall_exec::harness::call::{CallReport, ReturnedValue};
 use landfall_ir::module::Direction;
 use landfall_layout::buffer::ComponentBits;
@@ -141,7 +141,7 @@ struct Object<'a> {
     function: &'a str,
     #[serde(rename = "reader")]
     backend: JsonDevice<'a>,
-    result: Option<GivenObject>,
+    result: Option<ValueObject>,
     parameters: Vec<ParameterObject<'a>>,
     discarded: bool,
     operations: Option<u64>,
@@ -154,7 +154,7 @@ struct ParameterObject<'a> {
     name: &'a str,
     direction: &'static str,
     #[serde(flatten)]
-    given: GivenObject,
+    given: ValueObject,
 }
 
 #[derive(Serialize)]
@@ -177,7 +177,7 @@ pub fn json(report: &CallReport) -> String {
             Direction::Out => "out",
             Direction::InOut => "inout",
         },
-        given: GivenObject::of(given),
+        given: ValueObject::of(given),
     });
     let undefined = report.undefined.iter().map(|seen| {
         let known = !seen.place.shown.is_empty();
@@ -199,7 +199,7 @@ pub fn json(report: &CallReport) -> String {
         assumed_target: report.assumed_target,
         function: &report.function,
         backend: JsonDevice::from(&report.backend),
-        result: report.result.as_ref().map(GivenObject::of),
+        result: report.result.as_ref().map(ValueObject::of),
         parameters: parameters.collect(),
         discarded: report.discarded,
         operations: report.operations,

@@ -4,7 +4,7 @@ use std::fs;
 
 use snapbox::str;
 
-use crate::support::command::Place;
+use crate::support::command::{Place, golden};
 
 const LIGHTS: &str = "#version 330 core
 layout(std140) uniform Lights { vec3 color; float range; int count; };
@@ -34,9 +34,32 @@ fn locks_are_the_same_tree_as_the_shaders() {
 
 "#]]);
     let text = tree.read(POINT);
-    assert!(text.contains(
-        "        {\"name\": \"range\", \"type\": \"float\", \"offset\": 12, \"size\": 4, \"align\": 4},\n"
-    ));
+    golden().eq(
+        &text,
+        str![[r#"
+{
+  "schema_version": 1,
+  "language": "glsl",
+  "blocks": [
+    {
+      "name": "Lights",
+      "address_space": "uniform",
+      "rules": "std140",
+      "rules_declared": true,
+      "size": 32,
+      "data_size": 20,
+      "align": 16,
+      "members": [
+        {"name": "color", "type": "vec3", "offset": 0, "size": 12, "align": 16},
+        {"name": "range", "type": "float", "offset": 12, "size": 4, "align": 4},
+        {"name": "count", "type": "int", "offset": 16, "size": 4, "align": 4}
+      ]
+    }
+  ]
+}
+
+"#]],
+    );
     assert_eq!(
         lock_of(&tree, "layouts/shaders/view.vert.json")["blocks"][0]["address_space"],
         "default"

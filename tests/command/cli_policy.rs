@@ -111,8 +111,24 @@ approved 1 change
     }
     // The change stays approved: in CI it is compared with another revision.
     let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag"]);
-    assert_eq!(ran.code, 0, "{}", ran.out);
-    assert!(ran.out.contains("approved: the uploader fills it since 2.1"), "{}", ran.out);
+    ran.code(0).stdout_eq(str![[r#"
+shaders/light.frag: Lights: compatible
+  compatible `bias` (`float`) uses former padding at 68  [Lights::bias]
+             approved: the uploader fills it since 2.1
+
+    …
+    28   4      -- tail padding
+    64   4    float gamma
+  - 68  12    -- hole
+  + 68   4    float bias
+  + 72   8    -- hole
+    80  16    vec4 low
+    96  16    vec4 high
+
+1 block changed: 1 compatible
+policy `bytes` forbids 0 changes, 1 approved
+
+"#]]);
     let ran = tree.run(&["diff", "old.frag.json", "shaders/light.frag", "-f", "json"]);
     let json: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
     let shader = &json["shaders"][0];
@@ -143,9 +159,14 @@ fn policies_are_chosen_for_a_path() {
         tree.write(path, &renamed);
     }
     let ran = tree.run(&["lock"]);
-    assert_eq!(ran.code, 1);
-    assert!(ran.err.contains("`shaders/light.frag`"), "{}", ran.err);
-    assert!(!ran.err.contains("tools"), "{}", ran.err);
+    ran.code(1).stderr_eq(str![[r#"
+error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `names` forbids: `gamma` was renamed to `gain`, in the same place
+  |
+  = help: undo it, or approve it with `landfall lock --approve REASON`
+
+1 lock written, 0 unchanged, 1 kept by policy
+
+"#]]);
     assert!(tree.read("layouts/shaders/tools/light.frag.json").contains("gain"));
     assert!(!tree.read("layouts/shaders/light.frag.json").contains("gain"));
     // The command line takes precedence.
@@ -165,16 +186,62 @@ fn what_is_no_policy_or_no_approval_is_refused() {
         assert_eq!(tree.run(arguments).code, 2, "{arguments:?}");
     }
     let ran = tree.run(&["lock", "--approve", "why not"]);
-    assert!(ran.code == 2 && ran.err.contains("no policy is set"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `--approve` has nothing to approve: no policy is set
+  |
+  = help: name one with `--policy`, or with `policy` in landfall.toml
+
+
+"#]]);
     assert!(!tree.has("layouts"), "nothing is written");
-    for text in ["{", "{\"schema_version\": 2, \"approvals\": []}", "{\"schema_version\": 1}"] {
+    let unreadable = [
+        (
+            "{",
+            str![[r#"
+error[output]: `layouts/approvals.json` is not a file of approvals: EOF while parsing an object at line 1 column 1
+  |
+  = help: move it away; `landfall lock --approve REASON` writes a new one
+
+
+"#]],
+        ),
+        (
+            "{\"schema_version\": 2, \"approvals\": []}",
+            str![[r#"
+error[output]: `layouts/approvals.json` is not a file of approvals: its schema version is 2
+  |
+  = help: move it away; `landfall lock --approve REASON` writes a new one
+
+
+"#]],
+        ),
+        (
+            "{\"schema_version\": 1}",
+            str![[r#"
+error[output]: `layouts/approvals.json` is not a file of approvals: missing field `approvals` at line 1 column 21
+  |
+  = help: move it away; `landfall lock --approve REASON` writes a new one
+
+
+"#]],
+        ),
+    ];
+    for (text, expected) in unreadable {
         tree.write("layouts/approvals.json", text);
         let ran = tree.run(&["lock", "--policy", "bytes", "--approve", "why not"]);
-        assert_eq!(ran.code, 2, "{text}");
-        assert!(ran.err.contains("is not a file of approvals"), "{}", ran.err);
+        ran.code(2).stderr_eq(expected);
         assert_eq!(tree.read("layouts/approvals.json"), text);
     }
     tree.write("landfall.toml", "policy = \"wire\"\n");
-    let ran = tree.run(&["lock"]);
-    assert!(ran.code == 2 && ran.err.contains("unknown policy `wire`"), "{}", ran.err);
+    tree.run(&["lock"]).code(2).stderr_eq(str![[r#"
+error[wrong-value]: unknown policy `wire`
+ --> landfall.toml:1:10
+  |
+1 | policy = "wire"
+  |          ^^^^^^
+  |
+  = help: known are `superset`, `bytes`, `names`, `code`
+
+
+"#]]);
 }

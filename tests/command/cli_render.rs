@@ -106,10 +106,10 @@ inputs
   Normal                   normal
   TexCoords                uv
 decided by running the shader
-  sign           dirLight.direction: 1 of 2 interpretations matches the reference on 24 test fragments
-  sign and unit  spotLight.direction, spotLight.cutOff, spotLight.outerCutOff: 1 of 12 interpretations matches the reference on 21 test fragments
-  order          pointLights[].constant, pointLights[].linear, pointLights[].quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
-  order          spotLight.constant, spotLight.linear, spotLight.quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
+  sign                       dirLight.direction: 1 of 2 interpretations matches the reference on 24 test fragments
+  sign and unit              spotLight.direction, spotLight.cutOff, spotLight.outerCutOff: 1 of 12 interpretations matches the reference on 21 test fragments
+  order of the coefficients  pointLights[].constant, pointLights[].linear, pointLights[].quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
+  order of the coefficients  spotLight.constant, spotLight.linear, spotLight.quadratic: 1 of 6 interpretations matches the reference on 8 test fragments
 
 "#]],
     );

@@ -148,7 +148,7 @@ error[reader]: the shader loops over 65536 lights, but [DRIVER]
 
 "#]]);
     // It ends the line, after the name of the driver.
-    assert!(refused.err.contains("leaves all loops after 65535 turns"), "{}", refused.err);
+    assert!(refused.err.contains("ends all loops after 65535 iterations"), "{}", refused.err);
     let cpu = command::run(&[&arguments[..6], &["--backend", "cpu"]].concat());
     cpu.code(0);
 }

@@ -414,7 +414,7 @@ void main() {}
         assert!(m.is_some_and(|m| (1.0..=2.0).contains(&m)), "{found:#}");
     }
     against("h").code(2).stderr_eq(str![[r#"
-{"severity":"error","code":"cannot-compare","message":"`h(float, float)` does not fit: it reads `more`, and `f(float)`, which it is compared with, reads `x`, `u.k`","path":"--against","line":null,"column":null,"end_line":null,"end_column":null,"labels":[],"notes":[],"help":null}
+{"severity":"error","code":"cannot-compare","message":"`h(float, float)` cannot be compared: it reads `more`, and `f(float)`, which it is compared with, reads `x`, `u.k`","path":"--against","line":null,"column":null,"end_line":null,"end_column":null,"labels":[],"notes":[],"help":null}
 
 "#]]);
 }

@@ -283,7 +283,7 @@ error[cannot-run]: `verify` read no member of any block
     folder.run(&["verify", "a.wgsl", "--backend", "cpu,gl", "--require", "gl"]).code(2).stderr_eq(
         str![[r#"
 1 shader, 1 block, 8 reads: every byte lands where the shader reads it
-error[cannot-run]: `gl` is required but read no member of any block
+error[cannot-run]: `gl` is required, but its probes read no member of any block
   |
   = help: the report names the reason by block; `--backend cpu` reads GLSL and WGSL
 

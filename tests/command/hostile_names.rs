@@ -146,7 +146,7 @@ fn no_command_prints_what_acts_on_a_terminal_or_in_a_log() {
     for (option, command) in [("-f", "layout"), ("--rules", "layout"), ("--samples", "stress")] {
         let ran = checked(&place, &[command, NAME, option, NAME]);
         assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{option}");
-        assert!(ran.err.contains("invalid value"), "{option}: {}", ran.err);
+        assert!(ran.err.starts_with("error: invalid value "), "{option}: {}", ran.err);
     }
     checked(&place, &[NAME]);
     // Names that are not there, in every message of a file that cannot be read or written.

@@ -325,7 +325,7 @@ fn llvmpipe_takes_65535_turns_an_invocation_whatever_the_loops_say() {
 
 #[test]
 fn a_job_that_takes_too_long_times_out() {
-    // 12800 invocations of 60000 turns each: llvmpipe ends loops beyond 65535 turns itself.
+    // 12800 invocations of 60000 iterations each: llvmpipe ends loops beyond 65535 iterations itself.
     let text = "@group(0) @binding(0) var<storage, read_write> to: array<f32>;
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {
   var x = f32(id.x);

@@ -70,7 +70,7 @@ fn works(backend: &mut Subprocess) {
     assert_eq!(answer.buffers[0], None);
 }
 
-/// A job that takes either driver hours. llvmpipe leaves a loop after 65535 turns, so that
+/// A job that takes either driver hours. llvmpipe leaves a loop after 65535 iterations, so that
 /// a loop without end is not enough there.
 fn endless() -> Job {
     let text = "#version 430

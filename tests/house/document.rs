@@ -123,7 +123,7 @@ impl Document {
         found
     }
 
-    /// Circles between the modules of each folder.
+    /// Cyclic imports between the modules of each folder.
     pub fn circles(&self, tree: &Tree) -> Vec<String> {
         let mut found = Vec::new();
         let mut seen = BTreeSet::new();

@@ -4,7 +4,7 @@ use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::lock;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
-use landfall_light::accuracy::demand::{Demand, ProveRequest, Shown, prove};
+use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 use landfall_lint::settings::{Figure, RustFile, Table, Target};
 use landfall_lint::{
     Check, LINTS, Lint, Settings, Subject, allow, driver_disagrees, not_proved, run,
@@ -140,7 +140,7 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
                 ..ProveRequest::default()
             };
             let report = prove(&source, &Options::default(), &request).expect("a function");
-            let (_, Shown::Broken(case)) = &report.demands[0] else { return Vec::new() };
+            let (_, DemandVerdict::Broken(case)) = &report.demands[0] else { return Vec::new() };
             let row = Place { path: "landfall.toml".to_string(), line: 1, ..Place::default() };
             let finding = not_proved::finding("falloff", None, &row, case.shown());
             vec![finding.with_help("guard the division")]

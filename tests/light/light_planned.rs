@@ -95,7 +95,7 @@ fn windowed_lights_by_draws_and_by_lists_are_all_lights_bit_for_bit() {
         assert!(bits(&drawn) == bits(&truth), "{shader}");
         assert_eq!(drawn.evaluations, plan.evaluations());
         let listing = renderer(listed, Options::default());
-        assert!(listing.asks_for_tiles() && !all.asks_for_tiles());
+        assert!(listing.reads_tile_lists() && !all.reads_tile_lists());
         let found = by_plan(&listing, &made, &plan);
         assert!(bits(&found) == bits(&truth), "{listed}");
         assert_eq!(found.evaluations, plan.evaluations());

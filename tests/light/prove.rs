@@ -16,7 +16,7 @@ use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::{Options, Source};
 use landfall_light::accuracy::demand::{ProveReport, ProveRequest, prove};
 use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::{Known as Verdict, Operation};
+use landfall_light::accuracy::stress::{Operation, OperationVerdict as Verdict};
 
 /// A fragment shader with a function.
 fn fragment(code: &str) -> Source {

@@ -254,7 +254,10 @@ fn widths_of_cones_are_what_the_thresholds_state() {
     ];
     holds(Hazard::EqualCutOffs, &numbers);
     assert!(steps(1.0e-7) > 255.0, "all 255 at 1e-7");
-    holds(Hazard::ConeEdge, &[format!("{:.1e} degrees wide at 12.5 degrees", width(1.0e-6, 12.5))]);
+    holds(
+        Hazard::ConeEdge,
+        &[format!("a band of {:.1e} degrees at 12.5 degrees", width(1.0e-6, 12.5))],
+    );
     let next = f64::from(1.0f32.next_down());
     let numbers = [
         format!("no digits below {:.2} degrees", next.acos().to_degrees()),

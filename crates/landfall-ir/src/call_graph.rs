@@ -56,11 +56,13 @@ pub fn functions<'m>(module: &'m Module, first: &'m Function) -> Vec<&'m Functio
 
 /// Returns the global variables used by a function and the functions it calls.
 pub fn variables(module: &Module, first: &Function) -> BTreeSet<Handle<GlobalVariable>> {
-    functions(module, first).into_iter().flat_map(named).collect()
+    functions(module, first).into_iter().flat_map(direct_variables).collect()
 }
 
 /// Returns the global variables that a function uses directly.
-pub(super) fn named(function: &Function) -> impl Iterator<Item = Handle<GlobalVariable>> {
+pub(super) fn direct_variables(
+    function: &Function,
+) -> impl Iterator<Item = Handle<GlobalVariable>> {
     function.expressions.iter().filter_map(|(_, expression)| match expression {
         Expression::GlobalVariable(variable) => Some(*variable),
         _ => None,

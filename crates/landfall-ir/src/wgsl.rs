@@ -216,7 +216,7 @@ fn apply(ir: &mut naga::Module, wanted: &Wanted) {
         if ir.types[handle] == ty {
             continue;
         }
-        // Two types of the same content are one to naga: a name keeps them apart.
+        // naga merges two types of the same content: a name keeps them apart.
         while ir.types.get(&ty).is_some() {
             ty.name = Some(format!("{}_", ty.name.unwrap_or_default()));
         }

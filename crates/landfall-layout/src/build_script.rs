@@ -197,7 +197,8 @@ impl Build {
     /// warnings.
     ///
     /// # Errors
-    /// A shader cannot be read or laid out, a new name is none, or a file cannot be written.
+    /// A shader cannot be read or laid out, a new name is not an identifier, or a file cannot be
+    /// written.
     pub fn run(&self) -> Result<(), BuildError> {
         let mut findings = Findings::default();
         let layouts = self.lay_out(&mut findings);
@@ -308,7 +309,7 @@ impl Findings {
     /// Adds warnings for blocks without a mirror.
     fn left_out(&mut self, found: &[Diagnostic], layouts: &[ShaderLayout]) {
         for found in found {
-            // A name that is none, of `rename`.
+            // A name given to `rename` that is not an identifier.
             if found.code == Code::BadName {
                 self.add(std::slice::from_ref(found), &Files::default());
                 continue;

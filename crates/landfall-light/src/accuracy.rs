@@ -1,9 +1,10 @@
 //! Measures the accuracy and the run time of shader functions and lighting.
 //!
 //! [`inputs`] samples the arguments of a function; [`stress`] searches for those at which it
-//! breaks, and [`prove`](mod@prove) shows that there are none, which [`demand`] asks for;
-//! [`bench`](mod@bench) measures variants on backends against the reference and ranks them; [`plot`] draws the results. All of
-//! it runs on [`landfall_exec`] and is printed by the reports of the command.
+//! breaks. [`prove`](mod@prove) shows that there are none, and [`demand`] reports whether what a
+//! user demands of a function is shown. [`bench`](mod@bench) measures variants on backends against
+//! the reference and ranks them; [`plot`] draws the results. All of it runs on [`landfall_exec`]
+//! and is printed by the reports of the command.
 
 pub mod bench;
 pub mod demand;

@@ -84,7 +84,7 @@ pub enum Source {
 
 impl Source {
     /// A quantity of the scene, not negated.
-    pub fn plain(quantity: Quantity) -> Source {
+    pub fn scene(quantity: Quantity) -> Source {
         Source::Scene { quantity, negated: false }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::bytes;
-use super::walk::{Visit, declared, members};
+use super::walk::{Visit, declared, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::occupied;
 use landfall_layout::layout::rules::type_layout;
@@ -32,8 +32,7 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let visits = members(subject.shader);
-    visits.iter().filter_map(|visit| waste(subject, visit)).collect()
+    per_member(subject, waste)
 }
 
 fn waste(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {

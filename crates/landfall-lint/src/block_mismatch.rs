@@ -156,7 +156,7 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
     found
 }
 
-/// What makes a file one of several that are written for each other.
+/// The reason to compare the blocks of several files: they belong together by name or include.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Family {
     /// A directory, and a file name without the stage.

@@ -144,7 +144,7 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
         "`{}` of block `{}` is listed at offset {}, but it is at {}",
         row.path,
         block.name,
-        written(&row.offset),
+        figure_text(&row.offset),
         found.offset
     );
     let mut finding = Finding::of(LINT.code, about, at, message)
@@ -157,10 +157,10 @@ fn wrong(subject: &Subject<'_>, block: &BlockLayout, table: &Table, row: &Row) -
 
 /// Returns a figure for a message: `48 * 128 + 4 = 6148 bytes are allocated`.
 fn spelled(figure: &Figure, unit: &str) -> String {
-    format!("{} {unit} are allocated", written(figure))
+    format!("{} {unit} are allocated", figure_text(figure))
 }
 
-fn written(figure: &Figure) -> String {
+fn figure_text(figure: &Figure) -> String {
     let number = figure.bytes.to_string();
     match figure.written.trim() {
         text if text.is_empty() || text == number => number,

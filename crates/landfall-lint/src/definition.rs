@@ -35,7 +35,7 @@ impl Lint {
         }
     }
 
-    /// Whether this build can find it; the feature `analysis` brings those that it cannot.
+    /// Whether this build includes it; some lints need the feature `analysis`.
     pub fn is_built(&self) -> bool {
         match self.check {
             Check::Hazard(_) | Check::Naga(_) => cfg!(feature = "analysis"),
@@ -66,7 +66,7 @@ pub struct Subject<'a> {
     /// The text.
     pub source: &'a Source,
     /// The options of its layout; they include the comparison with naga if
-    /// [`naga_disagrees::wanted`](crate::naga_disagrees::wanted).
+    /// [`naga_disagrees::applies_to`](crate::naga_disagrees::applies_to).
     pub options: &'a Options,
     /// The layout, which has no errors.
     pub shader: &'a ShaderLayout,

@@ -45,7 +45,7 @@ pub fn shaders_to_compare(shaders: &[(&str, &[BlockDigest])], settings: &Setting
     let differs = |block: &BlockDigest| block.keys.iter().any(|key| differing.contains(key));
     let mut is_concerned: Vec<bool> =
         shaders.iter().map(|(_, blocks)| blocks.iter().any(differs)).collect();
-    for (file, name) in named(settings) {
+    for (file, name) in names_in_settings(settings) {
         let meant = |path: &str| file.is_empty() || glob::matches(&file, path);
         let meant: Vec<usize> = (0..shaders.len()).filter(|&i| meant(shaders[i].0)).collect();
         let has = |&i: &usize| shaders[i].1.iter().any(|block| block.names.contains(&name));
@@ -58,7 +58,7 @@ pub fn shaders_to_compare(shaders: &[(&str, &[BlockDigest])], settings: &Setting
 }
 
 /// Returns the names in the settings, the first of each path, each with the glob of its shaders.
-fn named(settings: &Settings) -> FxHashSet<(String, u32)> {
+fn names_in_settings(settings: &Settings) -> FxHashSet<(String, u32)> {
     let groups = settings.mirror_groups.iter().flat_map(|group| &group.copies);
     let copies = groups.map(|copy| (copy.file.clone(), copy.block.clone()));
     let tables = settings.tables.iter().map(|table| (table.file.clone(), table.block.clone()));

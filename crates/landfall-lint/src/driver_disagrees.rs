@@ -1,7 +1,7 @@
 //! `driver-disagrees`: leaves that a driver was seen to read from another byte.
 //!
-//! Reads the JSON report of `verify`, no more of it than it needs; the layouts
-//! of the same shaders, where given, say where in the text each leaf stands.
+//! Reads the parts it needs of the JSON report of `verify`, and takes the places of leaves from the
+//! layouts of the same shaders.
 
 use rustc_hash::FxHashMap;
 use serde::Deserialize;
@@ -15,7 +15,7 @@ use landfall_layout::layout::{BlockLayout, Leaf};
 
 pub(super) const LINT: Lint = Lint {
     code: "driver-disagrees",
-    // Seen on a machine, not computed: wherever that driver runs, the upload is misread.
+    // Observed on a machine, not computed: that driver misreads the upload wherever it runs.
     level: Level::Deny,
     what: "members that a driver reads from another byte than the layout rules give",
     why: "`verify` fills a block with known values and compares them with what the driver reads. \
@@ -35,10 +35,10 @@ void main() {}
     check: Check::Elsewhere,
 };
 
-/// The version of `verify`'s report that is read here.
+/// The supported version of `verify`'s report.
 const SCHEMA_VERSION: u32 = 1;
 
-/// `verify`'s report, as far as it is read; further keys are passed over.
+/// The parts of `verify`'s report that are read; other keys are ignored.
 #[derive(Debug, Deserialize)]
 pub struct Report {
     shaders: Vec<Shader>,
@@ -116,7 +116,7 @@ impl Report {
 /// # Errors
 /// The text is no report of `verify`, or one of a newer version.
 pub fn read(path: &str, text: &str) -> Result<Report, Error> {
-    /// Asked first: a newer report may have another form.
+    /// The version, read first because a newer report may have another form.
     #[derive(Deserialize)]
     struct Version {
         schema_version: u32,
@@ -149,7 +149,7 @@ fn by_leaf(block: &Block) -> Vec<Elsewhere<'_>> {
     let mut index: FxHashMap<(&str, &str, &str), usize> = FxHashMap::default();
     for reader in &block.readers {
         for read in reader.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte)) {
-            // Stages, and ways of reading, say the same once more.
+            // Other stages and access modes repeat the same mismatch.
             let at =
                 *index.entry((&read.leaf, &reader.reader, &reader.form)).or_insert(groups.len());
             match groups.get_mut(at) {

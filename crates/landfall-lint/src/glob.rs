@@ -31,7 +31,7 @@ pub fn matches(pattern: &str, path: &str) -> bool {
     let ends: Vec<Vec<char>> = starts.map(|at| path[at..].chars().collect()).collect();
     patterns.iter().any(|pattern| {
         let pattern: Vec<char> = pattern.chars().collect();
-        ends.iter().any(|end| whole(&pattern, end))
+        ends.iter().any(|end| matches_whole(&pattern, end))
     })
 }
 
@@ -59,7 +59,7 @@ fn expand(pattern: &str) -> Option<Vec<String>> {
 
 /// Returns whether the whole path matches, in time bounded by the product of the two lengths,
 /// because the match of each star only grows.
-fn whole(pattern: &[char], path: &[char]) -> bool {
+fn matches_whole(pattern: &[char], path: &[char]) -> bool {
     // For each place in the path, whether the pattern up to here can end there.
     let mut ends = vec![false; path.len() + 1];
     ends[0] = true;

@@ -5,7 +5,7 @@ use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {
     code: "layout-drift",
-    // Whoever committed a lock has asked to be told.
+    // A committed lock states that the layout must not change unnoticed.
     level: Level::Deny,
     what: "a block whose layout differs from the one that its shader's lock records",
     why: "Code that uploads the block was written for the recorded layout. A member that moved, \

@@ -1,7 +1,8 @@
-//! Lints: what is wrong, risky or wasteful in a layout that can be computed.
+//! Lints: errors, risks and waste in layouts of blocks, and hazards of lighting code.
 //!
-//! One file a lint, listed in [`LINTS`]. They read [`ShaderLayout`](landfall_layout::ShaderLayout)s and the
-//! texts behind them; the command asks them and renders their [`Finding`]s.
+//! Each lint has a file of its own and a row in [`LINTS`]. Lints read
+//! [`ShaderLayout`](landfall_layout::ShaderLayout)s and the texts of the shaders; the command runs
+//! them and renders their [`Finding`]s.
 //!
 //! Settings and reports are read and written as JSON: public signatures name `serde::Serialize`,
 //! `serde::Deserialize` and `serde_json::Value`.

@@ -5,7 +5,7 @@ use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {
     code: "lock-missing",
-    // A new shader is no fault; that nobody guards it is worth a word.
+    // A new shader is not an error, but its layout is not guarded yet.
     level: Level::Warn,
     what: "a shader with blocks or loose uniforms but without a lock",
     why: "Without a lock there is nothing to compare the layout with: its next change is merged \

@@ -1,11 +1,11 @@
-//! `lock-orphan`: a lock without a shader. Found by [`landfall_layout::lock::orphan`].
+//! `lock-orphan`: a lock without a shader. Found by `landfall_layout::lock::orphan`.
 
 use super::definition::{Check, Lint};
 use landfall_layout::finding::Level;
 
 pub(super) const LINT: Lint = Lint {
     code: "lock-orphan",
-    // It guards nothing and harms nothing, until somebody takes it for the truth.
+    // It guards nothing, and misleads whoever reads it.
     level: Level::Warn,
     what: "a lock whose shader does not exist",
     why: "The shader was removed or renamed without its lock. After a rename, changes of the \

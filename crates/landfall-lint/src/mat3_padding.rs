@@ -2,7 +2,7 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::walk::{Visit, members};
+use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 pub use landfall_layout::layout::measure::matrix_vector;
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
@@ -28,8 +28,7 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let visits = members(subject.shader);
-    visits.iter().filter_map(|visit| padded(subject, visit)).collect()
+    per_member(subject, padded)
 }
 
 fn padded(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {

@@ -38,7 +38,7 @@ struct Outer { first: u32, inner: Inner } // inner at 16; naga reads 4
 };
 
 /// Returns whether the lint applies to texts of that language, so that naga has to parse them.
-pub fn wanted(language: Language, settings: &Settings) -> bool {
+pub fn applies_to(language: Language, settings: &Settings) -> bool {
     match language {
         Language::Wgsl => true,
         Language::Glsl => {
@@ -51,7 +51,7 @@ pub fn wanted(language: Language, settings: &Settings) -> bool {
 }
 
 fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
-    if !wanted(subject.shader.language, settings) {
+    if !applies_to(subject.shader.language, settings) {
         return Vec::new();
     }
     subject.shader.blocks.iter().filter_map(|block| of_block(subject, block)).collect()

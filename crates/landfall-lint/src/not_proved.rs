@@ -9,7 +9,7 @@ use landfall_layout::finding::{Finding, Level, Place};
 /// The lint.
 pub const LINT: Lint = Lint {
     code: "not-proved",
-    // The configuration demands it.
+    // The configuration demands the proof.
     level: Level::Deny,
     what: "a demand on a function, listed in `landfall.toml`, that is not proved",
     why: "A result that is NaN or infinite spreads over everything that is computed from it, and an \

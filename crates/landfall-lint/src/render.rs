@@ -1,6 +1,7 @@
-//! Findings of lints as text, one file a format, each reading only
-//! [`Finding`]s; places in them are paths, lines and columns, so a report
-//! merged from several runs reads like one of a single run.
+//! Renders findings in each format, one file per format.
+//!
+//! Reads only [`Finding`]s, whose places are paths, lines and columns, so that a report merged from
+//! several runs is the same as that of a single run.
 
 mod github;
 mod human;
@@ -26,12 +27,12 @@ use landfall_layout::format::phrases::counted;
 
 pub use json::{REPORT_VERSION, ReadReport};
 
-/// A form findings are reported in.
+/// The format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ReportFormat {
-    /// The lines in question, both numbers, the listing, and the edit that mends it.
+    /// Text with source excerpts, notes, listings and suggested edits.
     Human,
-    /// `path:line:col: level[code] message`, one line a finding.
+    /// `path:line:col: level[code] message`, one line per finding.
     Short,
     /// JSON as `landfall schema check` describes it.
     Json,
@@ -75,15 +76,15 @@ impl ReportFormat {
 /// The options of a report.
 #[derive(Clone, Copy)]
 pub struct ReportOptions<'a> {
-    /// Colours, where the format has any.
+    /// Colours, in formats that have any.
     pub paint: Paint,
-    /// The text of a file by its path as findings spell it, for excerpts.
+    /// Returns the text of a file by its path in findings, for excerpts.
     pub text: &'a dyn Fn(&str) -> Option<Arc<str>>,
     /// Shaders that were checked.
     pub shaders: usize,
 }
 
-/// The findings in that format, in their order, each once.
+/// Renders findings in a format, in their order and without duplicates.
 pub fn report(findings: &[Finding], format: ReportFormat, options: &ReportOptions<'_>) -> String {
     let findings = &unique(findings)[..];
     match format {
@@ -101,7 +102,7 @@ pub fn github_summary(findings: &[Finding], options: &ReportOptions<'_>) -> Stri
     github::summary::markdown(&unique(findings), options.shaders)
 }
 
-/// The findings of a JSON report; `path` is for messages.
+/// Parses the findings of a JSON report; `path` names it in messages.
 ///
 /// # Errors
 /// It is not JSON, not a report, cut off, or of a newer schema.
@@ -109,7 +110,7 @@ pub fn read_json(path: &str, text: &str) -> Result<Vec<Finding>, Error> {
     read_report(path, text).map(|report| report.findings)
 }
 
-/// The same with what else the report holds.
+/// Parses a JSON report with its other data.
 ///
 /// # Errors
 /// As [`read_json`].
@@ -117,13 +118,13 @@ pub fn read_report(path: &str, text: &str) -> Result<ReadReport, Error> {
     json::read(path, text)
 }
 
-/// An include that two shaders share is found fault with twice.
+/// Removes duplicates: two shaders report the findings of an include that they share.
 fn unique(findings: &[Finding]) -> Vec<&Finding> {
     let mut seen = FxHashSet::default();
     findings.iter().filter(|finding| seen.insert(json::finding(finding))).collect()
 }
 
-/// `error`, `warning` or `note`: what other tools call a level.
+/// Returns the name that other tools give to a level: `error`, `warning` or `note`.
 fn severity(level: Level) -> &'static str {
     match level {
         Level::Allow => "note",

@@ -22,7 +22,7 @@ use landfall_layout::syntax as parse;
 
 pub(super) const LINT: Lint = Lint {
     code: "reorder-saves",
-    // Order is often chosen for the reader; every copy has to follow a change of it.
+    // The order is often chosen for readability, and every copy has to follow a change.
     level: Level::Allow,
     what: "a block or structure that takes fewer bytes with its members in another order",
     why: "A `vec3` or a matrix after a lone scalar starts at the next multiple of 16 and leaves a \

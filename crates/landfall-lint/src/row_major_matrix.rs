@@ -2,7 +2,7 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::walk::{Visit, members};
+use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::Type;
 
@@ -29,8 +29,7 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let visits = members(subject.shader);
-    visits.iter().filter_map(|visit| stored_by_rows(subject, visit)).collect()
+    per_member(subject, stored_by_rows)
 }
 
 fn stored_by_rows(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {

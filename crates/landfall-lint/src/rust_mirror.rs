@@ -56,7 +56,7 @@ struct Light {
 
 pub(super) const UNKNOWN: Lint = Lint {
     code: "rust-mirror-unknown",
-    // Nothing is known to be wrong.
+    // The comparison could not be made; nothing is known to be wrong.
     level: Level::Warn,
     what: "a mirror that could not be compared with its block",
     why: "A field has a type that Landfall does not know, or no checked shader has the block, so \
@@ -144,7 +144,7 @@ fn of_code(subjects: &[Subject<'_>], settings: &Settings, code: &str) -> Vec<Fin
                 format!("`{}` {}", error.path, error.message),
             )],
         };
-        // Many shaders with one block say the same.
+        // Several shaders with the same block give the same finding.
         let mut new = |finding: &Finding| {
             finding.code == code && said.insert((finding.place().clone(), finding.message.clone()))
         };
@@ -210,7 +210,7 @@ fn of_mirror(
     let own = &structures[index];
     let (targets, shaders) = targets(subjects, mirror);
     if targets.is_empty() {
-        // A part of the tree may be checked that the named shader is not in.
+        // The named shader may not be among the checked ones.
         if shaders == 0 && !mirror.shader.is_empty() {
             return Vec::new();
         }
@@ -252,7 +252,7 @@ fn of_mirror(
         for nested in nested_structures(fields) {
             findings.extend(unordered(declarations, nested));
         }
-        // With every field in place the size is what is left to be wrong.
+        // If every field is in place, only the size can be wrong.
         if complete {
             findings.extend(size(declarations, target, fields, laid.size));
         }
@@ -260,11 +260,11 @@ fn of_mirror(
     findings
 }
 
-/// A structure whose order is rustc's to choose.
+/// Returns the finding of a structure without `repr(C)`, whose field order rustc chooses.
 fn unordered(declarations: &Declarations, index: usize) -> Option<Finding> {
     let structure = &declarations.structures[index];
     let repr = structure.repr;
-    // A transparent one is laid out as its one field.
+    // `repr(transparent)` has the layout of its only field.
     if repr.c || (repr.transparent && structure.fields.len() == 1) {
         return None;
     }
@@ -288,7 +288,7 @@ fn nested_structures(laid: &StructureLayout) -> Vec<usize> {
             found.push(inner.index);
             found.extend(nested_structures(inner));
         }
-        // Shared structures come up again and again: findings are kept once in any case.
+        // Shared structures occur repeatedly; duplicates of findings are dropped anyway.
         if found.len() > 1_000 {
             break;
         }
@@ -321,8 +321,8 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
         .with_help(one.help)
 }
 
-/// A structure with every field in place that is shorter than what is read, or whose elements
-/// are not as far apart.
+/// Returns the finding of a structure with every field in place that is shorter than the bytes
+/// read, or whose size is not the array stride.
 fn size(
     declarations: &Declarations,
     target: &Target<'_, '_>,

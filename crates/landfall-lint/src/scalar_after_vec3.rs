@@ -3,7 +3,7 @@
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::bytes;
-use super::walk::{Visit, members};
+use super::walk::{Visit, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::{Rules, Scalar, Type};
 
@@ -31,8 +31,7 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let visits = members(subject.shader);
-    visits.iter().filter_map(|visit| in_the_slot(subject, visit)).collect()
+    per_member(subject, in_the_slot)
 }
 
 fn in_the_slot(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {

@@ -136,10 +136,10 @@ struct Read {
 fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> Read {
     let files = &subject.shader.files;
     let mut read = Read::default();
-    // The last comment behind a member, and how many lines have gone on with it.
+    // The last comment after a member, and the number of lines that continue it.
     let mut tail: Option<Tail> = None;
     for (index, member) in members.iter().enumerate() {
-        // `float a, b; // offset 16`: of which of them it speaks cannot be told.
+        // `float a, b; // offset 16` does not show which of the two it is about.
         let neighbours = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
         let neighbours: Vec<_> = neighbours.filter_map(|at| members.get(at)).collect();
         for &comment in &member.comment {
@@ -157,11 +157,11 @@ fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> R
                 add(&mut read, owner, member, index, comment, text);
                 continue;
             }
-            // The row of the bytes before this member.
+            // A row about the padding before this member.
             if is_about_padding(line(files, comment)) {
                 continue;
             }
-            // A line of its own right below a comment, at the same column, goes on with that one.
+            // A comment alone on its line, right below another at the same column, continues that one.
             if let Some(tail) = tail.as_mut().filter(|tail| goes_on(files, tail.comment, comment)) {
                 tail.comment = comment;
                 tail.step += 1;
@@ -205,7 +205,7 @@ fn goes_on(files: &Files, above: Span, below: Span) -> bool {
         && column(files, above).is_some_and(|at| Some(at) == column(files, below))
 }
 
-/// The column of a comment in characters; `None` on a line no one would align anything on.
+/// Returns the column of a comment in characters; `None` on a line too long to be aligned.
 fn column(files: &Files, comment: Span) -> Option<usize> {
     const WIDEST: usize = 1000;
     let text = &files.get(comment.file)?.text;
@@ -228,7 +228,7 @@ fn add(
         return;
     }
     let said = claims(text, &member.name, rules(owner));
-    // A total next to a member may be of anything up to there.
+    // A total next to a member may include any members before it.
     let own = said.into_iter().filter(|claim| claim.kind != Kind::Total);
     read.made.extend(own.map(|claim| CommentClaim { index, comment, claim }));
 }
@@ -281,7 +281,7 @@ fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
         return Vec::new();
     }
     let mut found = Vec::new();
-    // A listing, or code, that stands above the declaration in comments.
+    // A listing, or commented-out code, above the declaration.
     let files = &subject.shader.files;
     let before = |span: &Span| span.start < owner.span.start;
     let is_listing = comments.spans.iter().any(|span| before(span) && is_code(files.text(*span)));
@@ -289,7 +289,7 @@ fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
     let around = about.map(|&span| (span, false));
     for (span, last) in around.chain(comments.last.iter().map(|&span| (span, true))) {
         for claim in claims(subject.shader.files.text(span), &owner.name, rules(owner)) {
-            // Behind the last member `// 4 bytes` is as likely the padding.
+            // After the last member, `// 4 bytes` may just as well be the padding.
             if last && claim.kind != Kind::Total {
                 continue;
             }

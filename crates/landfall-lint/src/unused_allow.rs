@@ -21,6 +21,6 @@ void main() {}
 ",
     fix: "Remove the comment, or the code from its list; `--fix` does. A misspelt code is replaced \
           by that of the nearest lint.",
-    // Found by `allow::unused`, once every other lint has been asked.
+    // Found by `allow::unused`, after every other lint has run.
     check: Check::Elsewhere,
 };

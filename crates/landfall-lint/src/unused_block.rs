@@ -11,7 +11,7 @@ use landfall_layout::source::Language;
 
 pub(super) const LINT: Lint = Lint {
     code: "unused-block",
-    // Shared headers declare more than each shader uses, and asking costs naga's time.
+    // Shared headers declare more than each shader uses, and the analysis takes naga's time.
     level: Level::Allow,
     what: "a block that no function of the shader reads or writes",
     why: "Drivers remove an unused block: `glGetUniformBlockIndex` does not find it, and a bind \
@@ -49,7 +49,7 @@ fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
         let message = format!("no function reads or writes block `{name}`{size}");
         findings.push(
             Finding::of(LINT.code, &**name, Place::of(&shader.files, block.span), message)
-                .with_help("remove it, with what fills it"),
+                .with_help("remove the block, and the code that fills its buffer"),
         );
     }
     findings

@@ -2,7 +2,7 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
-use super::walk::{Visit, declared, members};
+use super::walk::{Visit, declared, per_member};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::shape::Type;
 
@@ -27,11 +27,10 @@ void main() {}
 };
 
 fn check(subject: &Subject<'_>, _settings: &Settings) -> Vec<Finding> {
-    let visits = members(subject.shader);
-    visits.iter().filter_map(|visit| apart(subject, visit)).collect()
+    per_member(subject, padded_elements)
 }
 
-fn apart(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
+fn padded_elements(subject: &Subject<'_>, visit: &Visit<'_>) -> Option<Finding> {
     let member = visit.member();
     let Type::Vector { scalar, rows: 3 } = *member.ty.innermost() else { return None };
     let stride = *member.strides.last()?;

@@ -45,6 +45,14 @@ impl Visit<'_> {
     }
 }
 
+/// Returns the findings that a lint has for single members.
+pub(super) fn per_member(
+    subject: &Subject<'_>,
+    check: fn(&Subject<'_>, &Visit<'_>) -> Option<Finding>,
+) -> Vec<Finding> {
+    members(subject.shader).iter().filter_map(|visit| check(subject, visit)).collect()
+}
+
 /// Returns the members of all blocks that have bytes, each declaration once for every layout rule.
 pub(super) fn members(shader: &ShaderLayout) -> Vec<Visit<'_>> {
     let mut found = Vec::new();

@@ -45,7 +45,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         .fold(Vec::new(), once_a_file)
 }
 
-/// Adds a finding; one of a file that has one already becomes a label of that.
+/// Adds a finding; a second one in the same file becomes a label of the first.
 fn once_a_file(mut found: Vec<Finding>, next: Finding) -> Vec<Finding> {
     match found.iter().position(|known| known.place().path == next.place().path) {
         None => found.push(next),
@@ -59,7 +59,7 @@ fn once_a_file(mut found: Vec<Finding>, next: Finding) -> Vec<Finding> {
 }
 
 fn short(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
-    // std140 rounds the size itself up; what a host structure has is where the members end.
+    // std140 rounds the size itself up; the size of a host structure is the end of its members.
     let end = match block.rules {
         Rules::Std140 => block.data_size?,
         _ => block.size?,

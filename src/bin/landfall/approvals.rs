@@ -45,7 +45,7 @@ impl Approval {
         }
     }
 
-    /// Whether it is the same change, for whatever reason.
+    /// Whether it is the same change; reasons are not compared.
     fn is_same(&self, other: &Approval) -> bool {
         Approval { reason: String::new(), ..self.clone() }
             == Approval { reason: String::new(), ..other.clone() }
@@ -76,7 +76,7 @@ impl Approvals {
         if file.symlink_metadata().is_err() {
             return Ok(Approvals { file, entries: Vec::new() });
         }
-        let shown = read::shown(&file);
+        let shown = read::display_path(&file);
         let text = read::text(&file)?;
         let refuse = |what: String| {
             Error::new(&*shown, format!("is not a file of approvals: {what}"))
@@ -89,7 +89,7 @@ impl Approvals {
         Ok(Approvals { file, entries: document.approvals })
     }
 
-    /// What a policy says of each change of a shader's blocks.
+    /// Returns the verdict of a policy on each change of a shader's blocks.
     pub fn judge(&self, policy: Policy, shader: &str, blocks: &[BlockDiff]) -> Vec<Vec<Verdict>> {
         let one = |block: &BlockDiff, change: &Change| {
             if !policy.forbids(change) {

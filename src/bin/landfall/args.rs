@@ -429,9 +429,9 @@ pub enum Schema {
     Lock,
     /// diff --format json
     Diff,
-    /// Approvals of lock
+    /// Approved changes, approvals.json of `lock --approve`
     Approvals,
-    /// Baselines of check
+    /// Permitted findings, baselines of `check --write-baseline`
     Baseline,
     /// The configuration, landfall.toml
     Config,

@@ -36,12 +36,12 @@ pub fn open(names: &[BackendName], adapter: Option<&str>) -> Backends {
 
 /// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    opened(name, adapter, Timing::Off)
+    open_backend(name, adapter, Timing::Off)
 }
 
 /// Opens one backend with timing by the device, if it can.
 pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    opened(name, adapter, Timing::On)
+    open_backend(name, adapter, Timing::On)
 }
 
 /// Whether the device measures the time of jobs.
@@ -51,7 +51,7 @@ enum Timing {
     On,
 }
 
-fn opened(
+fn open_backend(
     name: BackendName,
     adapter: Option<&str>,
     timing: Timing,

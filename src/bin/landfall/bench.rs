@@ -13,7 +13,7 @@ use landfall_layout::file::FileWriter;
 use landfall_layout::source::{Files, Target};
 use landfall_layout::{Error, Options, Source};
 use landfall_light::accuracy::bench::clock::Clock;
-use landfall_light::accuracy::bench::shader::Shared;
+use landfall_light::accuracy::bench::shader::SharedBackend;
 use landfall_light::accuracy::bench::{
     Bench, BenchRow, Errors, Failed, Machine, Permitted, Rounds, Runner, Size, Unit, Work,
     Workload, drawing, measure,
@@ -22,7 +22,7 @@ use landfall_light::accuracy::plot::scatter;
 
 use crate::args::{BackendName, BenchArgs, BenchFormat, ReadArgs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams, request_finding};
-use crate::{backends, given, read, shader, watch, write};
+use crate::{backends, read, shader, watch, without_effect, write};
 
 pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -41,7 +41,7 @@ pub fn run(args: &BenchArgs, streams: &Streams) -> Result<Outcome, Failure> {
             return Ok(Outcome::CouldNot);
         }
     };
-    files.iter().for_each(given::record);
+    files.iter().for_each(without_effect::record);
     if let (Some(path), false) = (&args.plot, bench.rows.is_empty()) {
         inputs(args, files).write(path, scatter(&drawing(&bench)))?;
     }
@@ -96,7 +96,7 @@ struct Entries<'a> {
 
 impl Entries<'_> {
     /// Opens a backend shared by entries; on failure, records it for `all`.
-    fn open(&mut self, args: &BenchArgs, name: BackendName, all: &str) -> Option<Shared> {
+    fn open(&mut self, args: &BenchArgs, name: BackendName, all: &str) -> Option<SharedBackend> {
         match backends::timed(name, args.adapter.as_deref()) {
             Ok(opened) => Some(Rc::new(RefCell::new(opened))),
             Err(failure) => {
@@ -160,7 +160,7 @@ fn print_notes<'n>(notes: impl Iterator<Item = &'n str>, streams: &Streams) {
     }
 }
 
-/// Measures the entries in turns and ranks them.
+/// Measures the entries in interleaved rounds and ranks them.
 fn measured(about: About, entries: Entries<'_>, args: &BenchArgs, streams: &Streams) -> Done {
     let Entries { measured: mut entries, mut failed, missing } = entries;
     let machine = Machine::here();

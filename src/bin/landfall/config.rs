@@ -1,8 +1,9 @@
 //! The configuration file `landfall.toml`.
 //!
 //! It is searched for upwards from the checked paths. Paths in it are relative to its own
-//! directory, those of a project without one to the directory of `layouts`. Flags override it, in [`Config::options`] and in the commands. `example.toml` beside
-//! this file has every key.
+//! directory; without a configuration, paths are relative to the directory of `layouts`. Flags
+//! override it, in [`Config::options`] and in the commands. `example.toml` beside this file has
+//! every key.
 
 mod figure;
 mod find;
@@ -26,8 +27,8 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
-use crate::{given, read, write};
-use find::Found;
+use crate::{read, without_effect, write};
+use find::ProjectBase;
 use toml::{Document, Keys, Text};
 
 pub use find::NAMES;
@@ -62,7 +63,7 @@ pub struct Config {
     /// Whether loose uniforms are gathered in a block.
     pub gather: bool,
     /// Whether `api` is set, which takes precedence over targets for the GLSL dialect.
-    said_api: bool,
+    has_api: bool,
     /// New names for mirrors, of `[rename]`.
     pub rename: Vec<(String, String)>,
     /// The policy for changes of layouts, if set.
@@ -80,25 +81,25 @@ pub fn load(
     streams: &Streams,
 ) -> Result<Option<Config>, Failure> {
     let found = match &args.config {
-        _ if args.no_config => Found::Root(PathBuf::new()),
-        Some(file) => Found::File(file.clone()),
+        _ if args.no_config => ProjectBase::Root(PathBuf::new()),
+        Some(file) => ProjectBase::File(file.clone()),
         None => find::find(paths)?,
     };
     let file = match found {
-        Found::File(file) => file,
-        Found::Root(folder) => {
+        ProjectBase::File(file) => file,
+        ProjectBase::Root(folder) => {
             return Ok(Some(Config { root: Root::new(&folder)?, ..Config::default() }));
         }
     };
     let text = read::text(&file)?;
     let folder = file.parent().unwrap_or(Path::new(""));
     let root = Root::new(folder)?;
-    let document = Document::new(&read::shown(&file), text);
+    let document = Document::new(&read::display_path(&file), text);
     let config = document.read(|keys| self::read(keys, root));
     match config {
         Ok(config) => {
-            let help = format!("`include` in `{}` names directories", read::shown(&file));
-            given::include_dirs(&config.read.include_dirs, &help, streams);
+            let help = format!("`include` in `{}` names directories", read::display_path(&file));
+            without_effect::include_dirs(&config.read.include_dirs, &help, streams);
             Ok(Some(Config { file: Some(file), ..config }))
         }
         Err((found, files)) => {
@@ -138,7 +139,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         },
         rules: rules.and_then(Rules::from_name),
         gather: keys.bool("gather").unwrap_or(false),
-        said_api: api.is_some(),
+        has_api: api.is_some(),
         rename: renames(keys),
         policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
@@ -275,7 +276,7 @@ impl Config {
         };
         let dirs = args.include_dirs.iter().chain(&self.read.include_dirs);
         let dialect = Api::reading(&args.targets);
-        let target = if self.said_api { self.read.target } else { None };
+        let target = if self.has_api { self.read.target } else { None };
         let mut read = ReadOptions::default();
         read.defines = over(&self.read.defines, defines);
         read.include_dirs = dirs.cloned().collect();

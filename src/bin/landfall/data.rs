@@ -31,7 +31,7 @@ const NO_OBJECT: &str = "is not a JSON object";
 pub fn object(option: &str, text: &str) -> Result<Data, Error> {
     let (about, json) = match text.trim_start().starts_with('{') {
         true => (option.to_string(), text.to_string()),
-        false => (read::shown(Path::new(text)), read::text(Path::new(text))?),
+        false => (read::display_path(Path::new(text)), read::text(Path::new(text))?),
     };
     match value(&about, &json)? {
         Value::Object(map) => Ok(map),
@@ -43,7 +43,7 @@ pub fn object(option: &str, text: &str) -> Result<Data, Error> {
 pub fn file_or_value(about: &str, text: &str) -> Result<Value, Error> {
     match text.trim_start().starts_with(['{', '[']) {
         true => value(about, text),
-        false => value(&read::shown(Path::new(text)), &read::text(Path::new(text))?),
+        false => value(&read::display_path(Path::new(text)), &read::text(Path::new(text))?),
     }
 }
 

@@ -57,7 +57,7 @@ fn decoded<'a>(
     bytes: &'a [u8],
     args: &DecodeArgs,
 ) -> Result<Decoded<'a>, Diagnostic> {
-    let path = read::shown(&args.bytes);
+    let path = read::display_path(&args.bytes);
     let given = bytes.len();
     // `None` for a block that ends in a runtime array.
     let whole = match block.leaves.iter().any(|leaf| leaf.dims.first() == Some(&ArrayLen::Runtime))
@@ -108,7 +108,7 @@ fn decoded<'a>(
 
 /// Findings in the bytes; the first few only, in text form.
 fn warnings(decoded: &Decoded<'_>, args: &DecodeArgs, form: FindingForm) -> Vec<Diagnostic> {
-    let path = read::shown(&args.bytes);
+    let path = read::display_path(&args.bytes);
     let warning = |code, message| Diagnostic {
         severity: Severity::Warning,
         ..shader::finding(&path, code, message, None)

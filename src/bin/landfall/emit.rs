@@ -12,7 +12,7 @@ use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 use crate::args::{EmitArgs, EmitLang};
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{config, given, read, watch, write};
+use crate::{config, read, watch, without_effect, write};
 
 pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -28,7 +28,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         match source {
             Ok(source) => {
                 let shader = landfall_layout::layout(&source, &read::options(&args.read));
-                given::record_of(&shader);
+                without_effect::record_of(&shader);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
                 shaders.push(shader);

@@ -71,7 +71,7 @@ fn write(
 fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagnostic> {
     let found = decode(block, bytes).map(|decoded| decoded.findings.list).unwrap_or_default();
     let odd_bools = found.iter().filter(|found| matches!(found, Finding::OddBool { .. }));
-    let path = read::shown(&args.values);
+    let path = read::display_path(&args.values);
     let warning = |found: &Finding| Diagnostic {
         severity: Severity::Warning,
         ..shader::finding(&path, found.code(), found.to_string(), None)
@@ -81,7 +81,7 @@ fn odd_bools(block: &BlockLayout, bytes: &[u8], args: &EncodeArgs) -> Vec<Diagno
 
 /// Returns the encoded bytes, or the findings in the values.
 fn bytes(block: &BlockLayout, args: &EncodeArgs) -> Result<Vec<u8>, (Diagnostic, Files)> {
-    let path = read::shown(&args.values);
+    let path = read::display_path(&args.values);
     let text = match read::text(&args.values) {
         Ok(text) => text,
         Err(error) => return Err((error.into(), Files::default())),

@@ -43,7 +43,7 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             }
         }
     }
-    let found = Found::below(&args.dir)?;
+    let found = DirectoryContents::below(&args.dir)?;
     let text = found.text();
     if args.print {
         streams.product(&text)?;
@@ -55,9 +55,9 @@ pub fn run(args: &InitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(Outcome::Clean)
 }
 
-/// What a directory contains; paths are relative to it.
+/// The shaders of a directory; paths are relative to it.
 #[derive(Default)]
-struct Found {
+struct DirectoryContents {
     shaders: usize,
     /// Directories with shaders, none below another.
     paths: Vec<String>,
@@ -71,13 +71,13 @@ struct Found {
     has_locks: bool,
 }
 
-impl Found {
-    fn below(dir: &Path) -> Result<Found, Error> {
+impl DirectoryContents {
+    fn below(dir: &Path) -> Result<DirectoryContents, Error> {
         if !dir.is_dir() {
             let what = if dir.exists() { "is not a directory" } else { "does not exist" };
             return Err(Error::new(slashes(dir), what));
         }
-        let mut found = Found::default();
+        let mut found = DirectoryContents::default();
         let mut files: Vec<PathBuf> = Vec::new();
         let mut shaders: Vec<PathBuf> = Vec::new();
         for entry in FilteredWalk::new(dir) {

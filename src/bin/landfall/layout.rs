@@ -14,7 +14,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{given, read, work};
+use crate::{read, without_effect, work};
 use writer::Writer;
 
 /// Errors after which a shader cannot be parsed further: none of its blocks is printed.
@@ -129,7 +129,7 @@ impl Job<'_> {
     }
 
     fn laid_out(&self, input: Input, mut shader: ShaderLayout) -> Done {
-        given::record_of(&shader);
+        without_effect::record_of(&shader);
         let mut others = Vec::new();
         if let Some(name) = &self.args.block {
             let (kept, left) = shader.blocks.into_iter().partition(|b| is_named(b, name));

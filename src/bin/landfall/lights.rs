@@ -11,7 +11,7 @@ use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;
 use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{given, read};
+use crate::{read, without_effect};
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let style = streams.style(match args.format {
@@ -37,7 +37,7 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let options = read::options(&args.read);
         let work = || {
             let shader = layout(&source, &options);
-            given::record_of(&shader);
+            without_effect::record_of(&shader);
             // Analysis needs a layout.
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)

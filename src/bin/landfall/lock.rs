@@ -20,7 +20,7 @@ use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::locks::{holds_lock, locks_below};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{given, read, watch, work};
+use crate::{read, watch, without_effect, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.paths, streams)? else {
@@ -132,11 +132,13 @@ impl Job<'_> {
             Ok(input) => input,
             Err(error) => return failed(None, found(error, Code::NoInput)),
         };
-        let target =
-            match self.config.lock_of(&self.locks, &read::named(&input.path, &self.args.read)) {
-                Ok(target) => target,
-                Err(error) => return failed(None, found(error, Code::NoInput)),
-            };
+        let target = match self
+            .config
+            .lock_of(&self.locks, &read::message_path(&input.path, &self.args.read))
+        {
+            Ok(target) => target,
+            Err(error) => return failed(None, found(error, Code::NoInput)),
+        };
         let source = match read::source(&input.path, &self.args.read) {
             Ok(source) => source,
             Err(error) => return failed(Some(target), error.into()),
@@ -146,7 +148,7 @@ impl Job<'_> {
             let found = panicked(&input.path);
             return failed(Some(target), found);
         };
-        given::record_of(&shader);
+        without_effect::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
         let mut judged = Judged::default();
         let text = if shader.has_errors() {
@@ -171,7 +173,7 @@ impl Job<'_> {
     /// Compares a shader with its lock under the policy that holds for it.
     fn judge(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> Judged {
         let mut judged = Judged::default();
-        let path = read::named(path, &self.args.read);
+        let path = read::message_path(path, &self.args.read);
         let key = self.config.root.below(&path).unwrap_or_else(|| slashes(&path));
         let policy = self.args.policy.or_else(|| self.config.policy_of(&key));
         let (Some(policy), Some(old), false) = (policy, old, self.args.check) else {
@@ -206,7 +208,7 @@ impl Job<'_> {
     }
 }
 
-/// What a policy says of the changes of one shader.
+/// The verdict of a policy on the changes of one shader.
 #[derive(Default)]
 struct Judged {
     forbidden: bool,

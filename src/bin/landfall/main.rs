@@ -26,7 +26,6 @@ mod emit;
 mod encode;
 mod explain;
 mod git;
-mod given;
 mod init;
 mod inputs;
 mod layout;
@@ -58,6 +57,7 @@ mod stress;
 mod verify;
 mod walk;
 mod watch;
+mod without_effect;
 mod work;
 mod write;
 
@@ -70,7 +70,7 @@ fn main() -> ExitCode {
     let args = args::parse();
     let streams = Streams::new(args.color, args.quiet);
     watch::begin(&args.command, &args.budget, &streams);
-    given::begin(&args.command, &streams);
+    without_effect::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
@@ -130,7 +130,7 @@ fn main() -> ExitCode {
             output::Outcome::Interrupted.into()
         }
         Ok(outcome) => {
-            given::finish(&streams);
+            without_effect::finish(&streams);
             outcome.into()
         }
         Err(error) => {

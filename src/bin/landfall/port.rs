@@ -15,7 +15,7 @@ use compiler::Verdict;
 
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::shader::{self, finding};
-use crate::{given, read, write};
+use crate::{read, without_effect, write};
 
 pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let report = |found: &[Diagnostic], files: &Files| {
@@ -85,7 +85,7 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
     streams.notes(&notes(&ported, args));
     if ported.block.is_none() && ported.shared.is_none() && args.block != DEFAULT_BLOCK {
         let option = format!("--block {}", args.block);
-        given::without_effect(option, "no uniform is outside blocks", streams);
+        without_effect::warn_option(option, "no uniform is outside blocks", streams);
     }
     for (name, _) in &args.locations {
         if !ported.locations.iter().any(|location| location.name == *name) {

@@ -33,14 +33,14 @@ pub fn stdin_path(args: &ReadArgs) -> PathBuf {
 }
 
 /// The path of a shader in messages; for stdin its substitute.
-pub fn named(path: &Path, args: &ReadArgs) -> PathBuf {
+pub fn message_path(path: &Path, args: &ReadArgs) -> PathBuf {
     if is_stdin(path) { stdin_path(args) } else { path.to_path_buf() }
 }
 
 /// Reads one shader.
 pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
     if args.text.language.is_none() {
-        other_language::refuse(&named(path, args))?;
+        other_language::refuse(&message_path(path, args))?;
     }
     let mut source = if is_stdin(path) {
         let name = stdin_path(args).display().to_string();
@@ -62,7 +62,7 @@ pub fn source(path: &Path, args: &ReadArgs) -> Result<Source, Error> {
 }
 
 /// The name of a file in messages.
-pub fn shown(path: &Path) -> String {
+pub fn display_path(path: &Path) -> String {
     if is_stdin(path) { "<stdin>".to_string() } else { path.display().to_string() }
 }
 
@@ -85,7 +85,7 @@ pub fn file(path: &Path) -> Option<Vec<u8>> {
 
 /// Reads a text file other than a shader, without its byte-order mark.
 pub fn text(path: &Path) -> Result<String, Error> {
-    let text = source::decode(&shown(path), bytes(path)?)?;
+    let text = source::decode(&display_path(path), bytes(path)?)?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_string).unwrap_or(text))
 }
 

@@ -27,7 +27,7 @@ use landfall_light::{Frame, Scene, Upload};
 
 use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{backends, given, shader, write};
+use crate::{backends, shader, without_effect, write};
 use plan::Planned;
 use request::{RenderArguments, RenderRequest};
 
@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
         streams.product(&plan::help())?;
         return Ok(Outcome::Clean);
     }
-    request.files_read().iter().for_each(given::record);
+    request.files_read().iter().for_each(without_effect::record);
     let record = |source| shader::record(source, &request.options, streams, style);
     let assumed = request.shader.as_ref().and_then(record);
     if args.print_bind {

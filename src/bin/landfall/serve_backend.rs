@@ -12,7 +12,7 @@ pub fn run(args: &ServeBackendArgs) -> Result<Outcome, Failure> {
         ServedDriver::Gpu => DriverKind::Gpu(args.adapter.clone()),
     };
     // The client has disconnected, and the driver may hang.
-    let alone = || std::process::exit(0);
-    serve(&driver_kind, alone).map_err(|cause| Error::new("<stdin>", cause.to_string()))?;
+    let on_stdin_end = || std::process::exit(0);
+    serve(&driver_kind, on_stdin_end).map_err(|cause| Error::new("<stdin>", cause.to_string()))?;
     Ok(Outcome::Clean)
 }

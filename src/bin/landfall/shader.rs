@@ -9,7 +9,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Options, ShaderLayout, Source};
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
 use crate::output::{FindingStyle, Streams};
-use crate::{given, read};
+use crate::{read, without_effect};
 
 /// Maximum number of names in a message.
 const NAMES: usize = 8;
@@ -29,7 +29,7 @@ pub fn laid_out(
         }
     };
     let shader = landfall_layout::layout(&source, &read::options(args));
-    given::record_of(&shader);
+    without_effect::record_of(&shader);
     streams.report(&style.text(&shader.diagnostics, &shader.files));
     let lost = shader.diagnostics.iter().any(is_syntax);
     (!lost).then_some(shader)
@@ -44,7 +44,7 @@ pub fn record(
     style: FindingStyle,
 ) -> Option<Target> {
     let shader = landfall_layout::layout(source, options);
-    given::record_of(&shader);
+    without_effect::record_of(&shader);
     let mut found = shader.diagnostics;
     found.retain(|found| found.code == Code::TargetChangesLayout);
     streams.report(&style.text(&found, &shader.files));

@@ -11,7 +11,7 @@ use landfall_exec::harness::coverage::coverage;
 use landfall_exec::harness::spirv;
 use landfall_exec::harness::verify::report::{BackendStatus, Outcome as ReadOutcome, ShaderReport};
 use landfall_exec::harness::verify::{
-    ReadBy, Subject, VerifyOptions, hold_spirv, run_compiled, verify,
+    ReadBy, Subject, VerifyOptions, compare_spirv, run_compiled, verify,
 };
 use landfall_layout::diagnostic::Code;
 use landfall_layout::lock;
@@ -24,7 +24,7 @@ use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{data, given, read, watch};
+use crate::{data, read, watch, without_effect};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -32,7 +32,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     };
     let options = VerifyOptions {
         layout: config.options(&args.read.text, &args.read.defines),
-        given: args.layout.as_deref().map(given).transpose()?,
+        given: args.layout.as_deref().map(given_layout).transpose()?,
         stages: args.stages.clone(),
         naga: args.naga,
         block: args.block.clone(),
@@ -71,7 +71,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
 /// Reads the words of a SPIR-V file.
 fn compiled(path: &Path) -> Result<Vec<u32>, Error> {
     let words = spirv::words(&read::bytes(path)?);
-    words.map_err(|failure| Error::new(read::shown(path), failure.message))
+    words.map_err(|failure| Error::new(read::display_path(path), failure.message))
 }
 
 fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
@@ -79,9 +79,9 @@ fn of_failure(failure: landfall_exec::backend::Failure) -> Error {
 }
 
 /// Reads the blocks of a lock or of output of `layout --format json`.
-fn given(path: &Path) -> Result<Vec<BlockLayout>, Error> {
+fn given_layout(path: &Path) -> Result<Vec<BlockLayout>, Error> {
     let text = read::text(path)?;
-    let locks = lock::read_all(&read::shown(path), &text)?;
+    let locks = lock::read_all(&read::display_path(path), &text)?;
     Ok(locks.into_iter().flat_map(|lock| lock.blocks).collect())
 }
 
@@ -147,10 +147,10 @@ impl Run<'_> {
                 return Ok(());
             }
         };
-        given::record_of(subject.layout());
+        without_effect::record_of(subject.layout());
         let mut report = verify(&subject, &self.options, &mut backends.here);
         if let Some(words) = &self.spirv {
-            hold_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
+            compare_spirv(&subject, &self.options, words, &mut report).map_err(of_failure)?;
             let gpu = backends
                 .here
                 .iter_mut()
@@ -201,7 +201,8 @@ impl Run<'_> {
         statuses: &[BackendStatus],
     ) -> Result<(), Failure> {
         let locks = self.config.locks(self.args.locks.as_deref());
-        let path = self.config.lock_of(&locks, &read::named(&input.path, &self.args.read))?;
+        let path =
+            self.config.lock_of(&locks, &read::message_path(&input.path, &self.args.read))?;
         let text = read::text(&path).map_err(|error| {
             error.with_help("write it with `landfall lock` before `verify --record`")
         })?;
@@ -264,7 +265,9 @@ impl Run<'_> {
         }
         let (name, message) = match self.idle.first() {
             _ if self.counts.reads == 0 => ("verify", "read no member of any block"),
-            Some(backend) => (backend.name(), "is required but read no member of any block"),
+            Some(backend) => {
+                (backend.name(), "is required, but its probes read no member of any block")
+            }
             None => return None,
         };
         let help = "the report names the reason by block; `--backend cpu` reads GLSL and WGSL";

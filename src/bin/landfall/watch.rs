@@ -1,6 +1,6 @@
 //! Ends the process from outside its work: on Ctrl-C, and past the budget of time and memory.
 //!
-//! A thread looks at the interrupt flag, the clock and the memory of the process. Commands that
+//! A thread polls the interrupt flag, the clock and the memory of the process. Commands that
 //! process many files stop after the current one; others are ended where they are. Either way
 //! unfinished files are removed and finished output is printed.
 
@@ -21,10 +21,10 @@ use signal_hook::{flag, low_level};
 use crate::args::{BudgetArgs, Command};
 use crate::output::{FindingForm, FindingStyle, INTERRUPTED, Outcome, Output, Streams};
 
-/// Time between two looks.
+/// Time between two polls.
 const INTERVAL: Duration = Duration::from_millis(20);
 
-/// Looks between two readings of the memory.
+/// Polls between two readings of the memory.
 const MEMORY_EVERY: u32 = 3;
 
 /// Time that a command has to end on its own after Ctrl-C.
@@ -158,7 +158,7 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if flag::register_conditional_default(SIGINT, Arc::clone(&stop)).is_ok() {
         let _ = flag::register(SIGINT, Arc::clone(&stop));
     }
-    // What watches files has no end of its own.
+    // `check --watch` runs until it is interrupted.
     let usual = match command {
         Command::Check(args) if args.watch => Duration::MAX,
         _ => TIME,

@@ -17,8 +17,8 @@ const LARGEST_CLAIM: usize = 16;
 /// Bytes of waiting results above which no further work is started.
 const WAITING_BYTES: usize = 4 << 20;
 
-/// The time for which a thread collects results before handing them over: waking another thread costs more
-/// than laying out a small shader.
+/// The time for which a thread collects results before handing them over: waking another thread
+/// costs more than laying out a small shader.
 const PATIENCE: Duration = Duration::from_millis(1);
 
 /// The size of a waiting result.

@@ -155,7 +155,7 @@ fn describe(light: &LightBinding<'_>, bounds: Vec<IndexBound>) -> Light {
     let (bytes, padding) = match light.member {
         Some(member) => sizes(member),
         None if light.form == Form::Block => {
-            (block.size, block.size.map(|size| size - used(&block.members).min(size)))
+            (block.size, block.size.map(|size| size - scalar_bytes(&block.members).min(size)))
         }
         None => (members_size(block, light), None),
     };
@@ -192,14 +192,14 @@ fn sizes(member: &MemberLayout) -> (Option<u64>, Option<u64>) {
         Some(stride) => Some(*stride),
         None => member.size,
     };
-    (one, one.map(|one| one - used(&member.members).min(one)))
+    (one, one.map(|one| one - scalar_bytes(&member.members).min(one)))
 }
 
 /// Returns the bytes of all scalars in the members.
-fn used(members: &[MemberLayout]) -> u64 {
+fn scalar_bytes(members: &[MemberLayout]) -> u64 {
     let one = |member: &MemberLayout| {
         let scalars = match member.ty.innermost() {
-            Type::Struct(_) => used(&member.members),
+            Type::Struct(_) => scalar_bytes(&member.members),
             Type::Scalar(scalar) | Type::Atomic(scalar) => u64::from(scalar.width),
             Type::Vector { scalar, rows } => u64::from(scalar.width) * u64::from(*rows),
             Type::Matrix { scalar, columns, rows } => {

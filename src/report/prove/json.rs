@@ -6,10 +6,10 @@ use serde_json::Value;
 use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 use landfall_layout::source::{Files, Target};
-use landfall_light::accuracy::demand::{ProveReport, Shown};
+use landfall_light::accuracy::demand::{DemandVerdict, ProveReport};
 use landfall_light::accuracy::inputs::Input;
 use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::{Case, Known, Operation, command};
+use landfall_light::accuracy::stress::{Case, Operation, OperationVerdict, command};
 
 #[derive(Serialize)]
 struct Object<'a> {
@@ -88,15 +88,15 @@ pub fn json(proved: &ProveReport) -> String {
             .iter()
             .map(|(demand, shown)| {
                 let case = match shown {
-                    Shown::Broken(case) => Some(case),
-                    Shown::Shown | Shown::Open => None,
+                    DemandVerdict::Broken(case) => Some(case),
+                    DemandVerdict::Shown | DemandVerdict::Open => None,
                 };
                 DemandObject {
                     demand: demand.name(),
                     verdict: match shown {
-                        Shown::Shown => "shown",
-                        Shown::Broken(_) => "broken",
-                        Shown::Open => "open",
+                        DemandVerdict::Shown => "shown",
+                        DemandVerdict::Broken(_) => "broken",
+                        DemandVerdict::Open => "open",
                     },
                     input: case.map(|case| case_inputs(case)),
                     command: case.map(|case| command(&case.arguments)),
@@ -118,8 +118,8 @@ pub fn operations(operations: &[Operation], files: &Files) -> Vec<OperationObjec
     let each = operations.iter().map(|operation| {
         let place = files.locate(operation.place.span);
         let case = match &operation.known {
-            Known::Found(case) => Some(case),
-            Known::Absent | Known::Open(_) => None,
+            OperationVerdict::Found(case) => Some(case),
+            OperationVerdict::Absent | OperationVerdict::Open(_) => None,
         };
         OperationObject {
             fault: operation.fault.text(),
@@ -137,12 +137,12 @@ pub fn operations(operations: &[Operation], files: &Files) -> Vec<OperationObjec
             input: case.map(|case| case_inputs(case)),
             command: case.map(|case| command(&case.arguments)),
             open: match &operation.known {
-                Known::Open(ranges) => {
+                OperationVerdict::Open(ranges) => {
                     let ranges =
                         ranges.iter().map(|(path, ends)| (path.clone(), ends.to_vec().into()));
                     Some(Value::Object(ranges.collect()))
                 }
-                Known::Found(_) | Known::Absent => None,
+                OperationVerdict::Found(_) | OperationVerdict::Absent => None,
             },
         }
     });

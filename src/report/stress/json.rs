@@ -271,7 +271,7 @@ pub fn json(stressed: &Report) -> String {
 }
 
 fn spread(spread: &Spread) -> SpreadObject {
-    SpreadObject { max: plain(spread.max), p999: plain(spread.quantile(SHARE)) }
+    SpreadObject { max: json_number(spread.max), p999: json_number(spread.quantile(SHARE)) }
 }
 
 fn reader_object(backend: &BackendReport) -> BackendObject<'_> {
@@ -332,7 +332,7 @@ fn tally_object(tally: &Tally) -> TallyObject {
 }
 
 /// Returns a JSON number, or a string for NaN and infinities.
-fn plain(x: f64) -> Value {
+fn json_number(x: f64) -> Value {
     match x.is_finite() {
         true => Value::from(x),
         false => Value::from(number(x).to_lowercase()),
@@ -348,14 +348,18 @@ fn single(x: f32) -> Value {
 }
 
 fn off(off: &SampleError) -> OffObject {
-    OffObject { ulp: plain(off.ulp), relative: plain(off.relative), steps: plain(off.steps) }
+    OffObject {
+        ulp: json_number(off.ulp),
+        relative: json_number(off.relative),
+        steps: json_number(off.steps),
+    }
 }
 
 fn condition(condition: &Condition) -> ConditionObject<'_> {
     ConditionObject {
         path: &condition.path,
-        steps: plain(condition.steps),
-        number: plain(condition.number),
+        steps: json_number(condition.steps),
+        number: json_number(condition.number),
     }
 }
 
@@ -365,7 +369,11 @@ fn case(case: &Case) -> CaseObject<'_> {
         results: case
             .results
             .iter()
-            .map(|r| ResultObject { path: &r.path, f32: single(r.single), f64: plain(r.double) })
+            .map(|r| ResultObject {
+                path: &r.path,
+                f32: single(r.single),
+                f64: json_number(r.double),
+            })
             .collect(),
         command: command(&case.arguments),
     }
@@ -385,7 +393,7 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
     let place = known.then(|| stressed.files.locate(found.place.span));
     let pair = |n: &landfall_exec::interp::Number| PairObject {
         f32: single(n.single),
-        f64: plain(n.double),
+        f64: json_number(n.double),
     };
     FoundObject {
         hazard: (!found.hazard.is_arithmetic()).then_some(found.hazard.code()),
@@ -410,32 +418,32 @@ fn finding<'a>(stressed: &'a Report, found: &'a StressFinding) -> FoundObject<'a
             Outcome::Finite(error, _) => Some(off(error)),
             Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
         },
-        breach_steps: found.breach.map(plain),
+        breach_steps: found.breach.map(json_number),
         permitted: found
             .permitted
             .as_ref()
-            .map(|p| PermittedObject { steps: plain(p.steps), any_adapter: p.any }),
+            .map(|p| PermittedObject { steps: json_number(p.steps), any_adapter: p.any }),
         condition: found.condition.as_ref().map(condition),
         rewrite: found.hazard.info().robust,
         gain: found.gain.as_ref().map(|gain| GainObject {
             form: gain.form,
-            before: plain(gain.before),
-            after: plain(gain.after),
+            before: json_number(gain.before),
+            after: json_number(gain.after),
         }),
         advice: found.advice.as_ref().map(|advice| AdviceObject {
             rewrite: advice.name,
             before: &advice.before,
             code: &advice.code,
-            ulp_before: advice.ulp_before.map(plain),
-            ulp_after: plain(advice.ulp_after),
+            ulp_before: advice.ulp_before.map(json_number),
+            ulp_after: json_number(advice.ulp_after),
             samples: advice.samples,
-            proved_ulp: advice.proved.map(plain),
+            proved_ulp: advice.proved.map(json_number),
         }),
         against: found.against.as_ref().map(|against| AgainstObject {
             function: &against.function,
             outcome: came_to(&against.outcome),
             steps: match &against.outcome {
-                Outcome::Finite(off, _) => Some(plain(off.steps)),
+                Outcome::Finite(off, _) => Some(json_number(off.steps)),
                 Outcome::Discarded | Outcome::NotANumber | Outcome::Infinite => None,
             },
         }),

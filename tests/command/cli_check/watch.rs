@@ -5,7 +5,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-use crate::support::command::Place;
+use snapbox::str;
+
+use crate::support::command::{Place, golden};
 
 /// Time for one check on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -96,7 +98,13 @@ fn each_kind_of_file_is_watched_and_the_last_check_gives_the_exit_code() {
     watching.checks_again("broken.frag");
     let (code, out) = watching.stop();
     assert_eq!(code, 2, "{out}");
-    assert!(out.contains("layout-drift"), "{out}");
+    let headings = out.lines().filter(|line| line.contains("[layout-drift]"));
+    golden().eq(headings.map(|line| format!("{line}\n")).collect::<String>(), str![[r#"
+shaders/light.frag:2:24: error[layout-drift] `Light` differs from its lock: `position` changed from `vec4` to `vec3`; buffers filled for the lock's layout are misread
+shaders/frame.glsl:1:24: error[layout-drift] `Frame` differs from its lock: `view` moved from 0 to 16; buffers filled for the lock's layout are misread
+shaders/frame.glsl:1:24: error[layout-drift] `Frame` differs from its lock: `view` moved from 0 to 16; buffers filled for the lock's layout are misread
+
+"#]]);
     // Nothing is cleared where there is no terminal.
     assert!(!out.contains('\u{1b}'), "{out:?}");
 }

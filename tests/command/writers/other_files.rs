@@ -190,14 +190,18 @@ fn what_the_environment_names_is_written_as_other_files_are() {
     assert_eq!(check("/dev/null").code, 0);
     pipe("pipe");
     let ran = check("pipe");
-    assert_eq!(
-        (ran.code, ran.err.contains("`pipe` is not a regular file")),
-        (2, true),
-        "{}",
-        ran.err
-    );
-    let ran = check("a.frag");
-    assert!(ran.code == 2 && ran.err.contains("is an input of this command"), "{}", ran.err);
+    ran.code(2).stderr_eq(str![[r#"
+error[output]: `pipe` is not a regular file
+
+
+"#]]);
+    check("a.frag").code(2).stderr_eq(str![[r#"
+error[output]: `a.frag` is an input of this command, and would be overwritten
+  |
+  = help: name another file for the output
+
+
+"#]]);
 
     let cached = || {
         let mut command = place.command(&["check", "a.frag", "--cache-dir", "c"]);

@@ -7,7 +7,7 @@ use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::graph::{Arithmetic, Bounds, Range, Rounding};
 use landfall_exec::interp::{Precision, Settings};
 use landfall_layout::Options;
-use landfall_light::accuracy::demand::{Demand, ProveRequest, Shown, prove};
+use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveRequest, prove};
 
 use super::fragment;
 use super::programs::{Digits, PROGRAMS, Program};
@@ -87,9 +87,9 @@ fn a_limit_of_the_error_is_shown_or_not() {
         report.demands.into_iter().map(|(_, shown)| shown).collect::<Vec<_>>()
     };
     // A product and a sum, each within a unit; around a power of two, one is two of the smaller.
-    assert!(matches!(run(Demand::MaxUlp(3.5))[..], [Shown::Shown]));
-    assert!(matches!(run(Demand::MaxUlp(0.1))[..], [Shown::Broken(_)]));
-    assert!(matches!(run(Demand::MaxStep(0.01))[..], [Shown::Shown]));
+    assert!(matches!(run(Demand::MaxUlp(3.5))[..], [DemandVerdict::Shown]));
+    assert!(matches!(run(Demand::MaxUlp(0.1))[..], [DemandVerdict::Broken(_)]));
+    assert!(matches!(run(Demand::MaxStep(0.01))[..], [DemandVerdict::Shown]));
 }
 
 /// The difference of values that share inputs.
@@ -179,7 +179,7 @@ fn a_loop_that_is_not_followed_bounds_neither_its_result_nor_its_error() {
         ..ProveRequest::default()
     };
     let report = prove(&fragment(code), &Options::default(), &request).expect("it is read");
-    assert!(report.error.is_none() && matches!(report.demands[0].1, Shown::Open));
+    assert!(report.error.is_none() && matches!(report.demands[0].1, DemandVerdict::Open));
     let pure = PureFunction::new(&fragment(code), &Options::default(), &request.pure);
     let whole = [Range { low: 1.0, high: 2.0 }];
     let graph = pure.expect("it is read").graph(&whole, &[]).expect("it is a graph");

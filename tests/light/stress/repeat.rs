@@ -1,10 +1,13 @@
 //! A finding can be had again: the same numbers for a seed, and the command it prints.
 
+use std::time::Duration;
+
 use landfall_layout::format as emit;
 use landfall_light::accuracy::stress::Outcome;
+use snapbox::str;
 
 use super::{request, run, shader};
-use crate::support::command;
+use crate::support::command::{self, golden};
 
 #[test]
 fn one_seed_gives_one_report() {
@@ -75,17 +78,33 @@ fn what_is_found_is_written_for_people_programs_and_tools() {
     let path = "shaders/seed/six_lights_330.frag";
     let mut request = request("attenuation");
     request.samples = 8_000;
+    // Time enough on a busy machine, so that the samples are the same in every run.
+    request.time = Some(Duration::from_secs(300));
     let report = run(&shader(path), &request);
     let text = landfall::report::stress::text(
         &report,
         landfall::report::prove::Listed::All,
         emit::Paint::Plain,
     );
-    assert!(
-        text.contains("[attenuation-unset]: an attenuation whose coefficients were never set"),
-        "{text}"
+    golden().eq(
+        text.split_once(" in ").expect("it has a time").0,
+        str![[r#"
+attenuation(float, float, float, float)  shaders/seed/six_lights_330.frag
+  37,862 samples
+"#]],
     );
-    assert!(text.contains("landfall run shaders/seed/six_lights_330.frag --fn"), "{text}");
+    let found = text.find("[attenuation-unset]").map(|at| text[at..].split("\n\n").next());
+    golden().eq(found.flatten().unwrap_or(&text), str![[r#"
+[attenuation-unset]: an attenuation whose coefficients were never set divides by zero: the result is infinite
+  --> shaders/seed/six_lights_330.frag:91:12
+   |
+91 |     return 1.0 / (constant + linear * d + quadratic * (d * d));
+   |            ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ divide(1, 0) = inf
+   |
+   = note: with all inputs zero
+   = note: to reproduce: landfall run shaders/seed/six_lights_330.frag --fn 'attenuation(float, float, float, float)' --args '[0.0,0.0,0.0,0.0]'
+   = help: keep the denominator away from zero: `1.0 / max(c + d * (l + q * d), 1.0e-4)`; loop over the lights in use only
+"#]]);
     let sarif: serde_json::Value =
         serde_json::from_str(&landfall::report::stress::sarif(&report)).expect("SARIF is JSON");
     let results = sarif["runs"][0]["results"].as_array().expect("it has results");

@@ -51,13 +51,14 @@ PointLight data[] in uniform Lights (std140)
   color      color      vec3   32
   count: count of Lights at byte 384
   index: loop to the count, not clamped to the array
-  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128 bytes saved in total
+  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128
+    bytes saved in total
 
 warning[unclamped-count]: `count` is not clamped to the 8 slots of `data[]`
   --> a.frag:17:16
    |
 17 |         sum += lights.data[i].color * normalize(lights.data[i].pos - at).z;
-   |                ^^^^^^^^^^^^^^ may be past the end
+   |                ^^^^^^^^^^^^^^ this index may be past the end of the array
    |
    = note: hazard `count-past-array`, possible
    = help: loop to `min(count, 8)`
@@ -148,7 +149,8 @@ PointLight data[] in uniform Lights (std140)
   range      radius     float  28
   color      color      vec3   32
   count: count of Lights at byte 384
-  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128 bytes saved in total
+  reordered as pos, intensity, color, radius: 32 bytes instead of 48, 128
+    bytes saved in total
 
 its functions could not be analysed, so loop bounds and hazards are unknown:
 error[unknown-name]: there is no function `gl_Nothing`

@@ -2,8 +2,10 @@
 
 use landfall_lint::Settings;
 use landfall_lint::settings::Target;
+use snapbox::str;
 
 use super::{Fixture, Score};
+use crate::support::command::golden;
 
 fn block(members: &str) -> String {
     format!(
@@ -47,7 +49,16 @@ fn members_that_macros_move() {
     Score::of("define-changes-layout", &fixtures).at_least(1.0, 1.0);
     // The member that only the permutation has is named beside the one that it moves.
     let found = fixtures[0].found("define-changes-layout");
-    assert!(found[0].related().iter().any(|l| l.at.line == 5 && l.text.contains("`shadow`")));
+    let related = found[0].related();
+    let named = related.iter().map(|label| format!("line {}: {}\n", label.at.line, label.text));
+    golden().eq(
+        named.collect::<String>(),
+        str![[r#"
+line 5: `shadow` is there only with `SHADOWS`
+line 2: the block
+
+"#]],
+    );
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub(super) fn values_for_block<'d>(
     data: &'d Data,
     block: &ModuleBlock,
 ) -> Option<(&'d String, &'d Value)> {
-    // The name of one buffer goes before that of the whole array.
+    // A key for one buffer takes precedence over a key for the whole array.
     let exact = data.iter().find(|(key, _)| key.ends_with(']') && means(key, block));
     exact.or_else(|| data.iter().find(|(key, _)| means(key, block)))
 }

@@ -130,7 +130,7 @@ pub fn verify(
 ///
 /// # Errors
 /// Fails if the words are no SPIR-V.
-pub fn hold_spirv(
+pub fn compare_spirv(
     subject: &Subject,
     options: &VerifyOptions,
     words: &[u32],

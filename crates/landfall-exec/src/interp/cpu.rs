@@ -309,7 +309,7 @@ fn image<R: Real>(
             Some(triangle) => {
                 covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
             }
-            None => plain(m, &interface.inputs, &places),
+            None => set_positions(m, &interface.inputs, &places),
         }
         // Helper invocations beside the edge, so that derivatives have both sides of a quad.
         let run = if helpers && covered != 0 { u64::MAX } else { covered };
@@ -331,7 +331,11 @@ fn image<R: Real>(
 }
 
 /// Sets the inputs of fragments without a vertex stage: their position only.
-fn plain<R: Real>(m: &mut Machine<R>, inputs: &[InterfaceVariable], places: &[[u32; 2]; LANES]) {
+fn set_positions<R: Real>(
+    m: &mut Machine<R>,
+    inputs: &[InterfaceVariable],
+    places: &[[u32; 2]; LANES],
+) {
     for plug in inputs {
         for (axis, &reg) in plug.regs.iter().enumerate() {
             match plug.port {

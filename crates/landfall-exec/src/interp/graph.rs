@@ -4,10 +4,13 @@
 //! both sides of an undecided branch, loops unrolled up to a limit. [`Graph::bounds`] then encloses
 //! every value over any smaller box: the values that any conformant device may give to the
 //! expressions as written (`interval`), the exact reals (`exact`), or one rounded value at a point.
-//! [`Graph::errors`] bounds what roundings add up to (`error`). Values that depend on the same inputs
-//! are enclosed by linear functions of these besides (`affine`). Each operation that can break is a [`Site`]; its fault is possible over a box unless the
-//! enclosures of its operands exclude it. An operation after a fault is followed as if the fault
-//! had not occurred, so that a box without any possible fault has none.
+//! [`Graph::errors`] bounds the errors of the results from all roundings (`error`). Values that
+//! depend on the same inputs are also enclosed by linear functions of those inputs (`affine`).
+//!
+//! An operation breaks where its result is undefined, not finite, or a difference that has lost
+//! more than half of its digits. Each operation that can break is a [`Site`]; its fault is possible
+//! over a box unless the enclosures of its operands exclude it. An operation after a fault is
+//! followed as if the fault had not occurred, so that a box without any possible fault has none.
 //!
 //! Two evaluations of one expression of the same values count as one value, and comparisons take
 //! subnormal operands as they are. The sine and cosine of any angle are taken to lie from -1 to 1
@@ -71,10 +74,10 @@ pub struct Graph {
     needs: Vec<affine::Need>,
 }
 
-/// An operation that can break in one way.
+/// An operation that can break, with one of its faults.
 #[derive(Clone, Debug)]
 pub struct Site {
-    /// The way in which it can break.
+    /// The fault.
     pub fault: Fault,
     /// The operation.
     pub place: SourceLocation,
@@ -90,7 +93,7 @@ const MOST_NODES: usize = 1 << 16;
 const MOST_INSTRUCTIONS: u32 = 1 << 20;
 
 /// The most iterations of a loop that are followed.
-const MOST_TURNS: usize = 256;
+const MOST_ITERATIONS: usize = 256;
 
 impl Graph {
     /// Returns the operations that can break.

@@ -55,7 +55,7 @@ pub(super) enum Stopped {
     Budget(Origin),
     /// The invocations made too many calls.
     Calls(Origin),
-    /// The deadline passed, or the caller gave the run up.
+    /// The deadline passed, or the caller aborted the run.
     Deadline(Origin),
     /// The deadline passed between two batches.
     Late,
@@ -247,7 +247,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 }
             }
             if WATCH {
-                self.look_back(this, inst.op, operands);
+                self.check_results(this, inst.op, operands);
                 self.trace(this, inst.op, head, operands);
                 self.follow_unset(inst.op, head, operands);
             }

@@ -1,22 +1,22 @@
-//! The roundings that make intervals enclosures, each of which tests can turn round to see that
-//! samples then lie outside.
+//! Outward rounding of interval bounds. Tests reverse one rounding at a time and check that samples
+//! then lie outside of the bounds.
 
 /// A rounding of the bounds of intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outward {
-    /// Of a lower bound to an `f32`.
+    /// A lower bound to an `f32`.
     SingleLow,
-    /// Of an upper bound to an `f32`.
+    /// An upper bound to an `f32`.
     SingleHigh,
-    /// Of a lower bound by a permitted error.
+    /// A lower bound by a permitted error.
     PermittedLow,
-    /// Of a sum in `f64`, down.
+    /// A sum in `f64`, down.
     Sum,
-    /// Of a product in `f64`, down.
+    /// A product in `f64`, down.
     Product,
-    /// Of a quotient in `f64`, down.
+    /// A quotient in `f64`, down.
     Quotient,
-    /// Of the rest of an affine form, up.
+    /// The rest of an affine form, up.
     Rest,
 }
 
@@ -26,7 +26,7 @@ thread_local! {
 }
 
 impl Outward {
-    /// Whether it goes the wrong way, in a test.
+    /// Whether a test has reversed it.
     #[cfg(test)]
     pub fn is_reversed(self) -> bool {
         REVERSED.get() == Some(self)
@@ -48,7 +48,7 @@ impl Outward {
     }
 }
 
-/// Runs something with a rounding the wrong way.
+/// Runs a closure with one rounding reversed.
 #[cfg(test)]
 pub(super) fn with_reversed<T>(which: Outward, run: impl FnOnce() -> T) -> T {
     REVERSED.set(Some(which));

@@ -50,9 +50,9 @@ pub struct Settings {
     /// Maximum loop iterations of one invocation; for each of them, 64 invocations together may
     /// make 1024 calls.
     pub budget: u32,
-    /// The time at which the run is given up.
+    /// The time at which the run is aborted.
     pub deadline: Option<Instant>,
-    /// Set by the caller to give the run up at once.
+    /// Set by the caller to abort the run at once.
     pub stop: Option<Arc<AtomicBool>>,
     /// The number of threads; 0 for the available parallelism.
     pub threads: usize,

@@ -71,6 +71,20 @@ pub enum Source {
     Unknown,
 }
 
+/// A comparison of two floats, or a test of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)]
+pub enum Comparison {
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    IsNan,
+    IsInf,
+}
+
 /// The kind of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
@@ -100,7 +114,7 @@ pub enum Operation {
     Distance,
     Normalize,
     Cross,
-    Compare,
+    Compare(Comparison),
     Convert,
     Integer,
     Texture,

@@ -135,12 +135,14 @@ impl ValueType {
 pub(super) fn value_type(types: &Types, ty: &naga::Type) -> Option<ValueType> {
     types.leaf_count(&ty.inner).ok()?;
     Some(match &ty.inner {
-        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => ValueType::Scalar(plain(*scalar)?),
+        TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => {
+            ValueType::Scalar(supported_scalar(*scalar)?)
+        }
         TypeInner::Vector { size, scalar } => {
-            ValueType::Vector { scalar: plain(*scalar)?, rows: *size as u8 }
+            ValueType::Vector { scalar: supported_scalar(*scalar)?, rows: *size as u8 }
         }
         TypeInner::Matrix { columns, rows, scalar } => ValueType::Matrix {
-            scalar: plain(*scalar)?,
+            scalar: supported_scalar(*scalar)?,
             columns: *columns as u8,
             rows: *rows as u8,
         },
@@ -163,7 +165,7 @@ pub(super) fn value_type(types: &Types, ty: &naga::Type) -> Option<ValueType> {
     })
 }
 
-fn plain(scalar: naga::Scalar) -> Option<Scalar> {
+fn supported_scalar(scalar: naga::Scalar) -> Option<Scalar> {
     let kind = match scalar.kind {
         Kind::Sint => ScalarKind::Sint,
         Kind::Uint => ScalarKind::Uint,

@@ -1,6 +1,6 @@
 //! The naga types of blocks in memory, with Landfall's offsets and strides.
 //!
-//! Built from a [`BlockLayout`]. A type that naga lacks is represented by another of the same
+//! Built from a `BlockLayout`. A type that naga lacks is represented by another of the same
 //! bytes: a bool by a `u32`, a matrix with a stride or order other than naga's by an array of its
 //! columns or rows. A block that naga would still reject is an array of words, addressed by byte.
 //! Loads and stores, in [`lvalue`](super::lvalue), convert between the two.

@@ -186,7 +186,7 @@ impl<'a> Body<'_, 'a> {
                 Operand::Handle(HandleChoice::Joined(opaque, _)) => Ty::Opaque(opaque.clone()),
                 Operand::Blocks(..) => Ty::Void,
             });
-            // A value is read when its turn comes: what later arguments change comes later.
+            // Arguments are read in order: later ones cannot change the value of an earlier one.
             let simple = super::name_usage::is_simple(argument);
             operands.push(match operand {
                 Operand::Lvalue(place)
@@ -389,7 +389,7 @@ impl<'a> Body<'_, 'a> {
         self.statement(Statement::Call { function, arguments: flat, result });
         match result {
             Some(expr) => Ok(Val { expr, ty: returns.clone() }),
-            // A value that nobody can use: `void` goes nowhere.
+            // `void`: no expression can use the value.
             None => Ok(Val { expr: self.u32(0), ty: Ty::Void }),
         }
     }

@@ -9,7 +9,7 @@ use super::ast::*;
 use super::body::{Body, Symbol, Val};
 use super::globals::Global;
 use super::lvalue::{Lvalue, Mem};
-use super::name_usage::written;
+use super::name_usage::written_names;
 use super::opaque::{HandlePair, Source, handles_by_path, image_type};
 use super::types::{Opaque, Ty, holds_values};
 use super::{Lowerer, R, refuse};
@@ -214,7 +214,7 @@ impl<'a> Lowerer<'a> {
         returns: Ty,
     ) -> R<Handle<naga::Function>> {
         let statements = declaration.body.as_deref().unwrap_or_default();
-        let changed = written(statements, &|name| self.writes_arguments(name));
+        let changed = written_names(statements, &|name| self.writes_arguments(name));
         let span = declaration.name.span;
         let mut body = Body::new(self, returns.clone(), span);
         for (index, parameter) in parameters.iter().enumerate() {
@@ -229,7 +229,7 @@ impl<'a> Lowerer<'a> {
         if !body.dead {
             let value = match &returns {
                 Ty::Void => None,
-                // What falls off the end of a function has no defined value (4.60 §6.4.2).
+                // A function that ends without `return` has no defined value (4.60 §6.4.2).
                 other => Some(body.zero(other)?.expr),
             };
             body.statement(Statement::Return { value });

@@ -286,7 +286,7 @@ impl<'a> Lowerer<'a> {
         for (index, declarator) in declaration.names.iter().enumerate() {
             let name = declarator.name;
             if name.text.starts_with("gl_") {
-                // What the language declares is declared again: with a size, or a qualifier.
+                // A redeclaration of a built-in variable, with a size or a qualifier.
                 self.redeclared(declarator);
                 continue;
             }

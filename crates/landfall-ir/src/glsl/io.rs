@@ -165,7 +165,7 @@ impl Lowerer<'_> {
             let of_any: BTreeSet<_> = match self.wanted_inputs {
                 Inputs::OfMain => reached.clone(),
                 Inputs::OfAny => {
-                    all.flat_map(|(_, function)| call_graph::named(function)).collect()
+                    all.flat_map(|(_, function)| call_graph::direct_variables(function)).collect()
                 }
             };
             inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));

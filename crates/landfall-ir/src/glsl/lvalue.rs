@@ -212,7 +212,7 @@ impl Body<'_, '_> {
                 text: format!("{text}[?]"),
                 dynamic: Some((index, len.unwrap_or(u32::MAX))),
             }),
-            // Two variable indices on the way to a handle: it is not found by it any more.
+            // With two variable indices in the path, the handle cannot be found by it.
             (Some(HandlePath { dynamic: Some(_), .. }), Index::Dynamic(_)) => None,
         };
         let mem = match &place.mem {

@@ -23,7 +23,10 @@ pub fn atomics<'a>(items: &[Item<'a>]) -> FxHashSet<&'a str> {
 
 /// Returns the names that a body visibly writes to; `writes` returns whether a function writes to
 /// its arguments.
-pub fn written<'a>(body: &[Statement<'a>], writes: &dyn Fn(&str) -> bool) -> FxHashSet<&'a str> {
+pub fn written_names<'a>(
+    body: &[Statement<'a>],
+    writes: &dyn Fn(&str) -> bool,
+) -> FxHashSet<&'a str> {
     let mut names = FxHashSet::default();
     for statement in body {
         each_expression(statement, &mut |e| match &e.kind {

@@ -211,7 +211,7 @@ impl<'a> Lowerer<'a> {
     ) -> R<TypeInner> {
         let written = qualifiers.layout.iter().find_map(|id| storage_format(id.name.text));
         let format = written.or(match (qualifiers.writeonly, image.kind) {
-            // What a store without a format writes is the image's own affair.
+            // Without a declared format, the format of the bound image decides what a store writes.
             (true, Kind::Int) => Some(StorageFormat::Rgba32Sint),
             (true, Kind::Uint) => Some(StorageFormat::Rgba32Uint),
             (true, _) => Some(StorageFormat::Rgba32Float),

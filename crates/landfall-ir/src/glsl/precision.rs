@@ -234,7 +234,7 @@ impl<'a> Walk<'a> {
                 if let Some(members) = self.structures.get(name.text) {
                     return Known { precision: None, members: Some(members.clone()) };
                 }
-                // What is sampled is as precise as its sampler.
+                // A sampled value has the precision of its sampler.
                 let counted = if name.text.starts_with("texture") { 1 } else { all.len() };
                 let precision = all.iter().take(counted).filter_map(|one| one.precision).max();
                 Known { precision, members: None }

@@ -111,7 +111,7 @@ fn is_below(path: &str, prefix: &str) -> bool {
 }
 
 /// A path without trailing brackets: `data` for `data[]`.
-fn bare(path: &str) -> &str {
+fn without_brackets(path: &str) -> &str {
     let mut path = path;
     while let Some(less) = path.strip_suffix("[]") {
         path = less;
@@ -223,7 +223,7 @@ impl Out<'_> {
             Some(_) => {}
             None => {
                 self.reported.insert((kind, key), self.changes.len());
-                let path = bare(path).to_string();
+                let path = without_brackets(path).to_string();
                 self.changes.push((at, Change { kind, class, path, old, new, message }));
             }
         }
@@ -232,7 +232,7 @@ impl Out<'_> {
     fn moved(&mut self, path: &str, by: u64) {
         let from = self.old_members.get(path).map_or(0, |(_, at)| *at);
         let to = from.wrapping_add(by);
-        let name = bare(path);
+        let name = without_brackets(path);
         let values = (Some(from.to_string()), Some(to.to_string()));
         let message = format!("`{name}` moved from {from} to {to}");
         self.say(from, (Kind::Moved, Class::Breaking), path, values, message);
@@ -241,7 +241,7 @@ impl Out<'_> {
     fn gone(&mut self, path: &str) {
         let at = self.old_members.get(path).map_or(0, |(_, at)| *at);
         let ty = spelled(&self.old_members, self.old, path);
-        let name = bare(path);
+        let name = without_brackets(path);
         let message = format!("`{name}` (`{ty}` at {at}) was removed");
         self.say(at, (Kind::Removed, Class::Breaking), path, (Some(ty), None), message);
     }
@@ -249,7 +249,7 @@ impl Out<'_> {
     fn added(&mut self, path: &str, how: &FormerContents) {
         let at = self.new_members.get(path).map_or(0, |(_, at)| *at);
         let ty = spelled(&self.new_members, self.new, path);
-        let name = bare(path);
+        let name = without_brackets(path);
         let (kind, class, message) = match how {
             FormerContents::Past => (
                 Kind::Appended,
@@ -272,10 +272,10 @@ impl Out<'_> {
     }
 
     fn renamed(&mut self, (from, to): (&str, &str), leaf: &Leaf) {
-        let (name, now) = (bare(from), bare(to));
+        let (name, now) = (without_brackets(from), without_brackets(to));
         // Within one structure the last name suffices.
         let short = match (from.rsplit_once('.'), to.rsplit_once('.')) {
-            (Some((a, _)), Some((b, last))) if a == b => bare(last),
+            (Some((a, _)), Some((b, last))) if a == b => without_brackets(last),
             _ => now,
         };
         if name == now {
@@ -296,7 +296,7 @@ impl Out<'_> {
     /// Adds the change of a leaf that both sides have.
     fn both(&mut self, old: &Leaf, new: &Leaf, what: &LeafChange) {
         let path = old.path.as_str();
-        let name = bare(path);
+        let name = without_brackets(path);
         let at = start(old);
         match what {
             LeafChange::Retyped => {
@@ -322,7 +322,7 @@ impl Out<'_> {
             LeafChange::Stride { dim, matters } => {
                 let (was, is) = (old.strides[*dim], new.strides[*dim]);
                 let owner = owner_of_dim(path, *dim);
-                let name = bare(owner);
+                let name = without_brackets(owner);
                 let mut message = format!("`{name}` changed its array stride from {was} to {is}");
                 let class = if *matters { Class::Breaking } else { Class::Cosmetic };
                 if !matters {
@@ -334,7 +334,7 @@ impl Out<'_> {
             LeafChange::Longer { dim, new: how } => {
                 let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
                 let owner = owner_of_dim(path, *dim);
-                let name = bare(owner);
+                let name = without_brackets(owner);
                 let (class, rest) = match how {
                     None => (Class::Cosmetic, "over former separate members".to_string()),
                     Some(FormerContents::Past) => {
@@ -354,7 +354,7 @@ impl Out<'_> {
             LeafChange::Shorter { dim, lost } => {
                 let (was, is) = (len(&old.dims[*dim]), len(&new.dims[*dim]));
                 let owner = owner_of_dim(path, *dim);
-                let name = bare(owner);
+                let name = without_brackets(owner);
                 let class = if *lost { Class::Breaking } else { Class::Cosmetic };
                 let rest = if *lost { "the last were removed" } else { "the last were renamed" };
                 let values = (Some(was.clone()), Some(is.clone()));

@@ -68,19 +68,19 @@ pub(super) fn contains(new: &Leaf, old: &Leaf) -> bool {
     if new.offset != old.offset || !same_kind(new, old) {
         return false;
     }
-    let (a, b) = (plain(old), plain(new));
+    let (a, b) = (normalised(old), normalised(new));
     a.is_empty()
         || a.len() == b.len() && a.iter().zip(&b).all(|((n, s), (m, t))| s == t && covers(m, n))
 }
 
 /// Whether both leaves have the same elements, at the same offsets with the same type.
 pub(super) fn same(new: &Leaf, old: &Leaf) -> bool {
-    new.offset == old.offset && same_kind(new, old) && plain(old) == plain(new)
+    new.offset == old.offset && same_kind(new, old) && normalised(old) == normalised(new)
 }
 
 /// Normalises dimensions and strides: drops dimensions of one element, and merges contiguous ones
 /// (`[2][3]` with strides 48 and 16 is `[6]` with 16).
-fn plain(leaf: &Leaf) -> Vec<(ArrayLen, u64)> {
+fn normalised(leaf: &Leaf) -> Vec<(ArrayLen, u64)> {
     let mut dims: Vec<(ArrayLen, u64)> = Vec::new();
     for (len, stride) in leaf.dims.iter().zip(&leaf.strides) {
         if *len == ArrayLen::Fixed(1) {

@@ -1,4 +1,4 @@
-//! Policies: which changes of a layout a project does not allow.
+//! Policies: the changes of a layout that a project does not allow.
 
 use super::{Change, Class, Kind};
 
@@ -10,9 +10,9 @@ pub enum Policy {
     Superset,
     /// No byte changes its meaning, and no offset, size or stride its number.
     Bytes,
-    /// And no block, instance, structure or member changes its name.
+    /// In addition, no block, instance, structure or member changes its name.
     Names,
-    /// And no declaration changes in generated code, such as one array for three members.
+    /// In addition, no declaration changes in generated code, such as one array for three members.
     Code,
 }
 

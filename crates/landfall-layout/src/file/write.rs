@@ -1,8 +1,8 @@
 //! Atomic file writes that never overwrite an input.
 //!
 //! A file is written under a temporary name in the same directory and then renamed, so that others
-//! see either the old text or the new one. Where it replaces another, its bytes are on the disk
-//! before, so that this holds where the system stops, too. Temporary files of a killed process are
+//! see either the old text or the new one. If it replaces a file, its bytes are flushed to the disk
+//! first, so that this also holds after a system crash. Temporary files of a killed process are
 //! removed by the next process that writes to the directory.
 
 use std::collections::{BTreeSet, HashSet};
@@ -391,7 +391,7 @@ pub fn remove_partial() {
 fn fill(path: &Path, bytes: &[u8], replaces: bool) -> Result<(), io::Error> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
     file.write_all(bytes)?;
-    // Of a file that was not there before, nothing is lost where the system stops.
+    // A file that did not exist before cannot be lost in a system crash.
     if replaces { file.sync_data() } else { Ok(()) }
 }
 

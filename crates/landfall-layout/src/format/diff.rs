@@ -39,11 +39,11 @@ pub struct Compared<'a> {
     pub new: &'a ShaderLayout,
     /// The changed blocks; may be empty.
     pub blocks: &'a [BlockDiff],
-    /// What a policy says of each change of each block, if one holds for the shader.
+    /// The verdict on each change of each block, if a policy applies to the shader.
     pub judged: Option<(Policy, &'a [Vec<Verdict>])>,
 }
 
-/// What a policy says of a change.
+/// The verdict of a policy on a change.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It is allowed.

@@ -155,17 +155,19 @@ pub fn type_layout(
 ) -> Result<TypeLayout, TooLarge> {
     match ty {
         // Rule 1; WGSL §14.4.1: a scalar is aligned to its size.
-        Type::Scalar(scalar) | Type::Atomic(scalar) => Ok(plain(scalar.width.into(), 1, rules)),
-        Type::Address(_) => Ok(TypeLayout { rule: Rule::Address, ..plain(8, 1, rules) }),
+        Type::Scalar(scalar) | Type::Atomic(scalar) => {
+            Ok(vector_layout(scalar.width.into(), 1, rules))
+        }
+        Type::Address(_) => Ok(TypeLayout { rule: Rule::Address, ..vector_layout(8, 1, rules) }),
         // Rules 2 and 3; WGSL §14.4.1.
-        Type::Vector { scalar, rows } => Ok(plain(scalar.width.into(), *rows, rules)),
+        Type::Vector { scalar, rows } => Ok(vector_layout(scalar.width.into(), *rows, rules)),
         // Rules 5 and 7: a matrix is an array of its columns (or rows); WGSL §14.4.1 likewise.
         Type::Matrix { scalar, columns, rows } => {
             let (count, length, rule) = match matrix_layout {
                 MatrixLayout::Column => (*columns, *rows, Rule::ColumnMajor),
                 MatrixLayout::Row => (*rows, *columns, Rule::RowMajor),
             };
-            let vector = plain(scalar.width.into(), length, rules);
+            let vector = vector_layout(scalar.width.into(), length, rules);
             let array = array_of(vector, &ArrayLen::Fixed(count.into()), rules, rule)?;
             Ok(TypeLayout { array_stride: None, matrix_stride: array.array_stride, ..array })
         }
@@ -191,7 +193,7 @@ pub fn type_layout(
 }
 
 /// Returns the layout of a vector, or of a scalar if `components` is 1.
-fn plain(width: u64, components: u8, rules: Rules) -> TypeLayout {
+fn vector_layout(width: u64, components: u8, rules: Rules) -> TypeLayout {
     let (align, rule) = match (rules, components) {
         (_, 1) => (width, Rule::Scalar),
         // GL_EXT_scalar_block_layout: a vector is aligned like its component.

@@ -5,10 +5,10 @@ use super::shader::Shader;
 use crate::source::Span;
 use crate::{Diagnostic, Source};
 
-/// The way back from a ported text to the user's.
+/// Maps places in a ported text back to the user's text.
 pub(super) struct Origin<'a> {
     pub user: &'a Shader<'a>,
-    /// What made the ported text.
+    /// The edits that produced the ported text.
     pub edits: &'a Edits,
     /// The ported text.
     pub before: &'a Source,

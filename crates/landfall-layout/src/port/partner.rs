@@ -12,7 +12,7 @@ use super::{PortOptions, edit, stage_of};
 use crate::source::{Source, Span, Stage};
 use crate::{BlockLayout, Options, layout};
 
-/// What porting a stage needs to know of the other one.
+/// The facts about the other stage that porting a stage needs.
 #[derive(Debug, Default)]
 pub(super) struct Partner {
     /// Its inputs and outputs.

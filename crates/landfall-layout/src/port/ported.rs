@@ -20,12 +20,12 @@ pub struct Ported {
     pub values: Vec<InitialValue>,
     /// Renames as old and new names: keywords, and handles moved out of structures.
     pub renamed: Vec<(String, String)>,
-    /// Functions with another name, since a built-in one has theirs: old and new names.
+    /// Functions renamed because a built-in function has their name: old and new names.
     pub functions: Vec<(String, String)>,
     /// The line of the original, counted from 1, that each line of the text comes from; empty for
     /// WGSL.
     pub lines: Vec<u32>,
-    /// What the user should know of the result, at the lines of the original.
+    /// Warnings about the result, at the lines of the original.
     pub warnings: Vec<Diagnostic>,
 }
 

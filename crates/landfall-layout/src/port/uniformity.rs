@@ -59,7 +59,7 @@ pub(super) fn non_uniform(module: &Module) -> Vec<(Operation, Span)> {
     unique
 }
 
-/// What the callers of a function need to know of it.
+/// The facts about a function that its callers need.
 #[derive(Clone, Debug, Default)]
 struct Summary {
     /// The sources of its result.

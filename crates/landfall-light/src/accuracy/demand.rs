@@ -1,7 +1,7 @@
-//! The demands on a function, and the report of whether they are shown.
+//! The demands on a function, and the report of whether they are met.
 //!
-//! Asks [`prove`](mod@super::prove) what is known of its operations and errors; printed by the
-//! report of `landfall prove`.
+//! [`prove`](mod@super::prove) finds what is known of its operations and errors; the report of
+//! `landfall prove` prints the result.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -103,14 +103,14 @@ impl Demand {
     }
 }
 
-/// Whether a demand is met over the domain.
+/// The verdict on a demand over the domain.
 #[derive(Clone, Debug)]
-pub enum Shown {
-    /// On every conformant device.
+pub enum DemandVerdict {
+    /// It is met on every conformant device.
     Shown,
-    /// Not at this input.
+    /// It is not met at this input.
     Broken(Box<Case>),
-    /// Not known.
+    /// Neither is known.
     Open,
 }
 
@@ -128,7 +128,7 @@ pub struct ProveReport {
     /// The operations that can break, in the order of the text.
     pub operations: Vec<Operation>,
     /// The demands.
-    pub demands: Vec<(Demand, Shown)>,
+    pub demands: Vec<(Demand, DemandVerdict)>,
     /// A bound of the error of every result, if one was asked for.
     pub error: Option<ErrorBound>,
     /// The parts of the domain that were examined.
@@ -142,9 +142,9 @@ pub struct ProveReport {
 }
 
 impl ProveReport {
-    /// Whether every demand is shown.
+    /// Whether every demand is shown to be met.
     pub fn is_shown(&self) -> bool {
-        self.demands.iter().all(|(_, shown)| matches!(shown, Shown::Shown))
+        self.demands.iter().all(|(_, shown)| matches!(shown, DemandVerdict::Shown))
     }
 }
 
@@ -189,8 +189,8 @@ pub fn prove(
     let mut demands = Vec::new();
     for demand in wanted {
         let shown = match demand.limit() {
-            _ if too_large => Shown::Open,
-            None => shown(demand, &proof, &writer),
+            _ if too_large => DemandVerdict::Open,
+            None => demand_verdict(demand, &proof, &writer),
             Some((measure, most)) => {
                 let goal = (request.rounding, measure, most);
                 let bounded = bound(&pure, &inputs, &domain, &limits, goal);
@@ -201,7 +201,8 @@ pub fn prove(
         demands.push((demand, shown));
     }
     // A bound of finite results says nothing of inputs where the result may be NaN or infinite.
-    let error = error.filter(|_| matches!(shown(Demand::NoNan, &proof, &writer), Shown::Shown));
+    let error = error
+        .filter(|_| matches!(demand_verdict(Demand::NoNan, &proof, &writer), DemandVerdict::Shown));
     let within = domain.within.iter().map(|within| within.text());
     Ok(ProveReport {
         path: source.path.clone(),
@@ -235,7 +236,7 @@ fn simplify(
         }
     }
     let simple = |sample: &mut Sample, is: fn(f32) -> bool| {
-        let breaks = |sample: &Sample| prove::results(pure, sample, is);
+        let breaks = |sample: &Sample| prove::any_result(pure, sample, is);
         *sample = simplest(sample, inputs, domain, stop, breaks);
     };
     if let Some(sample) = &mut proof.nan {
@@ -247,7 +248,7 @@ fn simplify(
 }
 
 /// Returns whether a demand is met.
-fn shown(demand: Demand, proof: &Proof, writer: &Writer<'_>) -> Shown {
+fn demand_verdict(demand: Demand, proof: &Proof, writer: &Writer<'_>) -> DemandVerdict {
     // The code after a fault is followed as if it had not occurred: a result may be NaN or infinite
     // only after one.
     let matters = |goal: &&Goal| match demand {
@@ -268,11 +269,11 @@ fn shown(demand: Demand, proof: &Proof, writer: &Writer<'_>) -> Shown {
         Demand::MaxUlp(_) | Demand::MaxStep(_) => None,
     };
     if let Some(sample) = broken {
-        return Shown::Broken(Box::new(writer.case(sample)));
+        return DemandVerdict::Broken(Box::new(writer.case(sample)));
     }
     match proof.goals.iter().filter(matters).all(|goal| goal.verdict == Verdict::Absent) {
-        true => Shown::Shown,
-        false => Shown::Open,
+        true => DemandVerdict::Shown,
+        false => DemandVerdict::Open,
     }
 }
 
@@ -284,7 +285,7 @@ fn limited(
     proof: &Proof,
     request: &ProveRequest,
     writer: &Writer<'_>,
-) -> Shown {
+) -> DemandVerdict {
     // Samples are run in `f32`.
     let worst = match measure {
         Measure::Ulp => proof.worst[0].as_ref(),
@@ -294,11 +295,13 @@ fn limited(
     let broken =
         broken.map(|(_, sample)| sample).or(proof.nan.as_ref()).or(proof.infinite.as_ref());
     if let Some(sample) = broken {
-        return Shown::Broken(Box::new(writer.case(sample)));
+        return DemandVerdict::Broken(Box::new(writer.case(sample)));
     }
-    let defined = shown(Demand::NoNan, proof, writer);
+    let defined = demand_verdict(Demand::NoNan, proof, writer);
     match (bounded, defined) {
-        (Some(bound), Shown::Shown) if bound.in_measure(measure) <= most => Shown::Shown,
-        _ => Shown::Open,
+        (Some(bound), DemandVerdict::Shown) if bound.in_measure(measure) <= most => {
+            DemandVerdict::Shown
+        }
+        _ => DemandVerdict::Open,
     }
 }

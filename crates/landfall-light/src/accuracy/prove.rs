@@ -52,11 +52,12 @@ pub enum Verdict {
     Found(Sample),
     /// It breaks nowhere in the domain, on any conformant device.
     Absent,
-    /// Neither is known; for each scalar of the inputs, the smallest and largest value at which it may break.
+    /// Neither is known; for each scalar of the inputs, the smallest and largest value at which it
+    /// may break.
     Open(Vec<[f64; 2]>),
 }
 
-/// The effect of a fault.
+/// The effect of a fault on the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// The result is not defined.
@@ -67,7 +68,7 @@ pub enum Class {
     Magnitude,
 }
 
-/// Returns what it means that an operation breaks.
+/// Returns the effect of a fault.
 pub(super) fn class(fault: Fault) -> Class {
     use UndefinedKind as K;
     match fault {
@@ -116,11 +117,11 @@ impl Limits {
 /// The error in units of the last place from which a cancellation counts as found.
 const LOST: f64 = 4096.0;
 
-/// The error that a cancellation must exceed for each unit of the last place that the result moves
-/// by when an input moves by one.
+/// A cancellation counts as found only if the error exceeds this many times the change of the
+/// result, both in units of the last place, when an input changes by one unit.
 const BEYOND: f64 = 64.0;
 
-/// The parts examined between two looks at the clock.
+/// The parts examined between two checks of the time limit.
 const EACH: u32 = 64;
 
 /// The result of a search over a function.
@@ -153,9 +154,9 @@ pub(super) fn goals(
     let confirm = Confirm { pure, inputs, space, graph, limits, began: &began };
     let mut proof = Proof { goals: grouped(graph, pure, space), ..Proof::default() };
     let mut split = Split::new(space, graph, &proof.goals);
-    // What the first look at the whole box excludes needs no search.
+    // A fault that is impossible over the whole box needs no search.
     if !split.step(&proof.goals) {
-        return Some(settled(proof, &split));
+        return Some(with_verdicts(proof, &split));
     }
     let mut random = Random::new(limits.seed, 17);
     let mut scratch =
@@ -198,7 +199,7 @@ pub(super) fn goals(
             }
         }
     }
-    Some(settled(proof, &split))
+    Some(with_verdicts(proof, &split))
 }
 
 /// Returns points in the parts in which a goal may break.
@@ -257,7 +258,7 @@ fn grouped(graph: &Graph, pure: &PureFunction, space: &Space<'_>) -> Vec<Goal> {
 }
 
 /// Gives each goal without an input its verdict.
-fn settled(mut proof: Proof, split: &Split<'_>) -> Proof {
+fn with_verdicts(mut proof: Proof, split: &Split<'_>) -> Proof {
     let open = split.open(proof.goals.len());
     for (goal, open) in proof.goals.iter_mut().zip(open) {
         if let (false, Some(open)) = (goal.is_found(), open) {
@@ -331,8 +332,8 @@ impl Confirm<'_> {
         }
     }
 
-    /// Notes the largest errors, and cancellations with a large error in the result that the inputs' own rounding does not
-    /// explain.
+    /// Notes the largest errors, and cancellations with a large error in the result that the
+    /// inputs' own rounding does not explain.
     fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch<'_>) {
         let settings = Settings { precision: Precision::Both, ..self.settings() };
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
@@ -375,8 +376,8 @@ pub(super) fn breaks(pure: &PureFunction, goal: &Goal, sample: &Sample) -> bool 
     called.is_ok_and(|called| called.called.notes.undefined.iter().any(met))
 }
 
-/// Returns whether a result is such at a sample.
-pub(super) fn results(pure: &PureFunction, sample: &Sample, is: fn(f32) -> bool) -> bool {
+/// Returns whether `is` holds for some result at a sample.
+pub(super) fn any_result(pure: &PureFunction, sample: &Sample, is: fn(f32) -> bool) -> bool {
     let settings = Settings { threads: 1, budget: TURNS, ..Settings::default() };
     let called = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings);
     called.is_ok_and(|called| {

@@ -56,7 +56,7 @@ pub use found::{Against, BackendResult, StressFinding, Worst};
 pub use generate::Family;
 pub use kept::Tally;
 pub use map::{MapRequest, error_map};
-pub use operation::{Known, Operation, counts};
+pub use operation::{Operation, OperationVerdict, counts};
 pub(in crate::accuracy) use operation::{operations, simplest};
 pub use permitted::{PermittedAt, Verdict};
 pub use report::Report;
@@ -289,7 +289,7 @@ fn order(
         false => Err(format!("it returns {others} floats, but `{}` returns {own}", pure.shown)),
     });
     order.map_err(|reason| {
-        let message = format!("`{}` does not fit: {reason}", other.shown);
+        let message = format!("`{}` cannot be compared: {reason}", other.shown);
         Diagnostic::about(Code::CannotCompare, message, None, "--against")
     })
 }

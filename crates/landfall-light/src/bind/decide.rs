@@ -59,18 +59,18 @@ pub fn decide(
     given: &dyn Fn(&str) -> bool,
 ) -> Result<BindingMap, BindError> {
     let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
-    for question in binding_groups(&map, given) {
-        let decided = answer(shader, &map, &question, &mut cpu)?;
+    for group in binding_groups(&map, given) {
+        let decided = choose_reading(shader, &map, &group, &mut cpu)?;
         if let (Some(reading), Outcome::Agrees) = (decided.0, &decided.1) {
-            put(&mut map, &question, &question.readings[reading]);
+            put(&mut map, &group, &group.readings[reading]);
         }
-        let members = question.members.iter().map(|&at| &map.members[at]);
+        let members = group.members.iter().map(|&at| &map.members[at]);
         let members = members.map(|member| (member.key(), member.source.to_string())).collect();
         map.decisions.push(Decision {
-            topic: question.topic,
+            topic: group.topic,
             members,
-            readings: question.readings.len(),
-            probes: question.probes(),
+            readings: group.readings.len(),
+            probes: group.probes(),
             outcome: decided.1,
         });
     }
@@ -93,51 +93,50 @@ fn is_at_origin(shader: &FragmentShader, map: &BindingMap, cpu: &mut Cpu) -> boo
     })
 }
 
-fn put(map: &mut BindingMap, question: &BindingGroup, reading: &Reading) {
-    for (&at, source) in question.members.iter().zip(&reading.sources) {
+fn put(map: &mut BindingMap, group: &BindingGroup, reading: &Reading) {
+    for (&at, source) in group.members.iter().zip(&reading.sources) {
         map.members[at].source = source.clone();
     }
 }
 
 /// Returns the index of the reading that agrees, if any, and the outcome.
-fn answer(
+fn choose_reading(
     shader: &FragmentShader,
     map: &BindingMap,
-    question: &BindingGroup,
+    group: &BindingGroup,
     cpu: &mut Cpu,
 ) -> Result<(Option<usize>, Outcome), BindError> {
-    let mut seen = Vec::with_capacity(question.readings.len());
-    for reading in &question.readings {
+    let mut seen = Vec::with_capacity(group.readings.len());
+    for reading in &group.readings {
         let mut tried = map.clone();
-        put(&mut tried, question, reading);
+        put(&mut tried, group, reading);
         let writer = BlockWriter::new(shader, &tried)?;
-        match probe::run(shader, &writer, &question.probes, cpu) {
+        match probe::run(shader, &writer, &group.probes, cpu) {
             Ok(light) => seen.push(light),
             Err(failure) => return Ok((None, Outcome::NotRun(failure.message))),
         }
     }
-    let agreed = match compare(question, &seen) {
+    let agreed = match compare(group, &seen) {
         ReadingComparison::One(reading) => return Ok((Some(reading), Outcome::Agrees)),
         ReadingComparison::Same => return Ok((None, Outcome::Same)),
         ReadingComparison::Several(agreed) => agreed,
-        ReadingComparison::None if !question.topic.is_refused() => {
+        ReadingComparison::None if !group.topic.is_refused() => {
             return Ok((None, Outcome::Named));
         }
         ReadingComparison::None => Vec::new(),
     };
-    Err(undecided(map, question, &agreed))
+    Err(undecided(map, group, &agreed))
 }
 
-fn undecided(map: &BindingMap, question: &BindingGroup, agreed: &[usize]) -> BindError {
-    let keys: Vec<String> =
-        question.members.iter().map(|&at| Member::key(&map.members[at])).collect();
+fn undecided(map: &BindingMap, group: &BindingGroup, agreed: &[usize]) -> BindError {
+    let keys: Vec<String> = group.members.iter().map(|&at| Member::key(&map.members[at])).collect();
     // Without any that agrees, those that differ in the sign or unit alone.
     let offered: Vec<usize> = match agreed {
-        [] => (0..question.readings.len()).filter(|&at| question.readings[at].tier == 0).collect(),
+        [] => (0..group.readings.len()).filter(|&at| group.readings[at].tier == 0).collect(),
         some => some.to_vec(),
     };
     let bind = |at: &usize| {
-        let sources = keys.iter().zip(&question.readings[*at].sources);
+        let sources = keys.iter().zip(&group.readings[*at].sources);
         let pairs = sources.map(|(key, source)| match source {
             Source::Scene { .. } => format!("\"{key}\": \"{source}\""),
             Source::Number(_) | Source::Unknown => format!("\"{key}\": {source}"),
@@ -147,10 +146,10 @@ fn undecided(map: &BindingMap, question: &BindingGroup, agreed: &[usize]) -> Bin
     let offered = offered.iter().take(2).map(bind).collect();
     BindError::Undecided {
         keys,
-        topic: question.topic,
+        topic: group.topic,
         agreed: agreed.len(),
-        readings: question.readings.len(),
-        probes: question.probes(),
+        readings: group.readings.len(),
+        probes: group.probes(),
         offered,
     }
 }

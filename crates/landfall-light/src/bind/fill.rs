@@ -2,10 +2,10 @@
 //!
 //! Reads an [`Upload`] and fragments; [`render`](crate::render) passes the results to
 //! [`fragments`](landfall_exec::harness::fragments). `write` locates members in their blocks,
-//! `given` evaluates sources, `varying` makes textures and inputs.
+//! `values` evaluates sources, `varying` makes textures and inputs.
 
-mod given;
 mod mark;
+mod values;
 mod varying;
 mod write;
 
@@ -13,9 +13,9 @@ use super::quantity::{Kind, MaterialPart, Quantity};
 use super::{BindError, BindingMap, Source};
 use crate::Upload;
 use crate::scene::{Lights, Material, Surface};
-use given::{Number, ValueSources, chosen, surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
+use values::{Number, ValueSources, chosen, surface};
 use write::{Write, slots, write};
 
 /// The lights of a list of fragments: indices into the upload, in the order of the sum.

@@ -41,7 +41,7 @@ pub fn infer(shader: &FragmentShader, path: &str, text: &str) -> Result<BindingM
     let texture = |name: &&str| BoundValue {
         name: name.to_string(),
         source: texture(name, textures.len())
-            .map_or(Source::Unknown, |part| Source::plain(Quantity::Material(part))),
+            .map_or(Source::Unknown, |part| Source::scene(Quantity::Material(part))),
     };
     map.textures = textures.iter().map(texture).collect();
     map.inputs = shader.inputs().iter().map(input).collect();
@@ -108,7 +108,7 @@ fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
         };
         let has = |role| held.roles.part(role).is_some();
         for part in &held.roles.parts {
-            let light = |part| Source::plain(Quantity::Light { kind, slot, part });
+            let light = |part| Source::scene(Quantity::Light { kind, slot, part });
             let source = match part.role {
                 Role::Position => light(LightPart::Position),
                 Role::Direction => {
@@ -143,7 +143,7 @@ fn lights(blocks: &[BlockLayout], text: &Text<'_>, map: &mut BindingMap) {
         if let Some(count) = held.count {
             let at = blocks.iter().position(|block| std::ptr::eq(block, count.block));
             let at = at.expect("counts are in the blocks that were asked");
-            set(map, at, &count.member.name, Source::plain(Quantity::Count(kind)));
+            set(map, at, &count.member.name, Source::scene(Quantity::Count(kind)));
         }
     }
 }
@@ -178,7 +178,7 @@ fn ambient(block: usize, held: &LightBinding<'_>, map: &mut BindingMap) {
             Role::Intensity => LightPart::Intensity,
             _ => continue,
         };
-        set(map, block, &held.full_path(part), Source::plain(Quantity::Ambient(part_of)));
+        set(map, block, &held.full_path(part), Source::scene(Quantity::Ambient(part_of)));
     }
 }
 
@@ -209,7 +209,7 @@ fn last(path: &str) -> &str {
 
 /// Returns the source of a leaf that does not belong to a light.
 fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
-    let plain = |quantity| Some(Source::plain(quantity));
+    let plain = |quantity| Some(Source::scene(quantity));
     let own = identifier_words(last(&leaf.path));
     let says = |any: &[&str]| own.iter().any(|word| any.contains(&word.as_str()));
     let mut around: Vec<String> = leaf.path.split('.').flat_map(identifier_words).collect();
@@ -312,7 +312,7 @@ fn input(input: &Input) -> BoundValue {
         2..=4 if says(&["coords", "texcoords"]) => Some(Quantity::Uv),
         _ => None,
     };
-    let source = quantity.map_or(Source::Unknown, Source::plain);
+    let source = quantity.map_or(Source::Unknown, Source::scene);
     BoundValue { name: input.name.clone(), source }
 }
 

@@ -105,7 +105,7 @@ pub(super) fn gates(
         let measured = compare(&every(shut), &every(exact));
         Claim::Measured(Measured { every: stride as u64, ..measured })
     } else {
-        Claim::Exact("the comparisons only skip terms with a factor of exactly zero".to_string())
+        Claim::Exact("gates skip only terms that are multiplied by exactly zero".to_string())
     };
     let option = if steps > 0.0 { format!("gates={steps}") } else { "gates".to_string() };
     // Gates do not change the lists: the evaluations of the plan stay.

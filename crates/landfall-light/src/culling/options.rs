@@ -162,7 +162,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
     match name {
         "used" => options.used = true,
         "slots" => {
-            let slots = |text| whole(text, 0..=1 << 20).map(Some);
+            let slots = |text| integer(text, 0..=1 << 20).map(Some);
             let parts: Vec<&str> = needed()?.split('x').collect();
             options.slots = match parts[..] {
                 [point] => [None, slots(point)?, None],
@@ -172,7 +172,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         }
         "gates" => options.gates = Some(value.map_or(Ok(0.0), positive)?),
         "tiles" => {
-            let size = value.map_or(Ok(8), |v| whole(v, 1..=4096))?;
+            let size = value.map_or(Ok(8), |v| integer(v, 1..=4096))?;
             options.division = Division::Tiles { size };
         }
         "clusters" => {
@@ -180,7 +180,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
             let [columns, rows, slices] = parts[..] else {
                 return Err("expects columns, rows and slices, such as `32x18x48`".to_string());
             };
-            let part = |text| whole(text, 1..=4096);
+            let part = |text| integer(text, 1..=4096);
             options.division = Division::Clusters {
                 columns: part(columns)?,
                 rows: part(rows)?,
@@ -192,7 +192,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         "interpolate" => {
             let (diameters, nodes) =
                 value.unwrap_or("4").split_once('x').unwrap_or((value.unwrap_or("4"), "3"));
-            let (diameters, nodes) = (positive(diameters)?, whole(nodes, 2..=8)?);
+            let (diameters, nodes) = (positive(diameters)?, integer(nodes, 2..=8)?);
             options.interpolate = Some(Interpolate { diameters, nodes });
         }
         "cut" => options.cull = Cull::Range(positive(needed()?)?),
@@ -206,7 +206,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
     Ok(())
 }
 
-fn whole(text: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, String> {
+fn integer(text: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, String> {
     let number = text.parse().ok().filter(|n| range.contains(n));
     number.ok_or_else(|| format!("expects an integer from {} to {}", range.start(), range.end()))
 }

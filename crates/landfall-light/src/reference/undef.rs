@@ -85,8 +85,10 @@ impl fmt::Display for UndefinedReason {
             UndefinedReason::Attenuation => {
                 "the attenuation divides by zero, a negative number or NaN"
             }
-            UndefinedReason::TooFar => "the distance is above 1e18",
-            UndefinedReason::TooNear => "the distance is below 1e-15",
+            UndefinedReason::TooFar => {
+                "the light or the camera is farther than 1e18 from the fragment"
+            }
+            UndefinedReason::TooNear => "the light is closer than 1e-15 to the fragment",
             UndefinedReason::EqualCones => {
                 "the fragment is at the edge of a cone whose angles are equal"
             }

@@ -68,12 +68,12 @@ impl Renderer {
     ///
     /// # Errors
     /// More lights than slots.
-    pub fn lots_of_plan(
+    pub fn plan_fragment_groups(
         &self,
         work: &Work<'_>,
         plan: &Plan,
     ) -> Result<Vec<FragmentGroup>, RenderError> {
-        if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
+        if let (true, Some(lists)) = (self.reads_tile_lists(), &plan.tiles) {
             let mut lots =
                 self.listed(work, plan, lists, |draw| self.fragment_groups(work, draw))?;
             let mut listed = vec![0u64; work.frame.fragments.len()];
@@ -114,14 +114,14 @@ impl Renderer {
     }
 
     /// Whether the shader reads its point lights from lists of tiles.
-    pub fn asks_for_tiles(&self) -> bool {
+    pub fn reads_tile_lists(&self) -> bool {
         let asks = |quantity| matches!(quantity, Some(Quantity::Tiles(_)));
         self.map.members.iter().any(|member| asks(member.source.quantity()))
     }
 
     /// Returns the costs on a backend by which a plan is applied or not.
     pub fn costs(&self, backend: BackendKind) -> Costs {
-        Costs::for_backend(backend, self.asks_for_tiles())
+        Costs::for_backend(backend, self.reads_tile_lists())
     }
 
     /// Renders the picture by a plan. `after` receives the fragments or nodes done after each job.
@@ -135,7 +135,7 @@ impl Renderer {
         plan: &Plan,
         after: &mut dyn FnMut(&mut R, usize),
     ) -> Result<Rendered, RenderError> {
-        if let (true, Some(lists)) = (self.asks_for_tiles(), &plan.tiles) {
+        if let (true, Some(lists)) = (self.reads_tile_lists(), &plan.tiles) {
             return self.render_lists(backend, work, plan, lists, after);
         }
         let draws = plan.draws.iter().map(|draw| Draw {

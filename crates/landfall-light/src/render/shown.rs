@@ -1,4 +1,4 @@
-//! Whether a shader was shown to give exactly nothing for each light that a plan leaves out.
+//! Shows that a shader adds exactly zero for each light that a plan leaves out.
 //!
 //! Follows the shader's own code with
 //! [`falloff`](landfall_ir::analysis::hazards::falloff), for the numbers of each light and its
@@ -22,7 +22,7 @@ use landfall_layout::{BlockLayout, Options, Stage};
 const FAR: f64 = 1e19;
 
 /// A light that a plan leaves out.
-struct SkippedFunction<'w> {
+struct SkippedLight<'w> {
     kind: Kind,
     emission: &'w Emission,
     lamp: Option<&'w PointLight>,
@@ -31,8 +31,8 @@ struct SkippedFunction<'w> {
 }
 
 impl Renderer {
-    /// Whether every light that a plan leaves out at a fragment was shown to add exactly zero there.
-    /// `source` and `options` are those the shader was made of. False where nothing is known.
+    /// Returns whether every light that a plan leaves out at a fragment is shown to add exactly zero
+    /// there; false where nothing is known. `source` and `options` are those of the shader.
     pub fn proves_plan(
         &self,
         source: &Source,
@@ -42,8 +42,8 @@ impl Renderer {
     ) -> bool {
         let ambient = work.upload.lights.ambient.filter(|a| a.color * a.intensity != DVec3::ZERO);
         let kept = ambient.is_none() || plan.draws.iter().all(|draw| draw.lights.ambient);
-        // A shader that reads lists, without any.
-        let unlisted = self.asks_for_tiles() && plan.tiles.is_none();
+        // A shader that reads lists, for a plan without lists.
+        let unlisted = self.reads_tile_lists() && plan.tiles.is_none();
         if !plan.grids.is_empty() || !kept || unlisted {
             return false;
         }
@@ -83,7 +83,7 @@ impl Renderer {
 
     /// Returns the last name of the input that holds the fragment's position.
     fn position(&self) -> Option<&str> {
-        let is_position = |source: &Bound| *source == Bound::plain(Quantity::Position);
+        let is_position = |source: &Bound| *source == Bound::scene(Quantity::Position);
         let mut inputs = self.map.inputs.iter().filter(|input| is_position(&input.source));
         let name = &inputs.next()?.name;
         Some(name.rsplit('.').next().unwrap_or(name))
@@ -93,7 +93,7 @@ impl Renderer {
         &self,
         terms: &Terms,
         lights: &[LightBinding<'_>],
-        light: &SkippedFunction<'_>,
+        light: &SkippedLight<'_>,
     ) -> bool {
         // The arrays whose members hold such a light.
         let holds = |held: &LightBinding<'_>| {
@@ -133,7 +133,7 @@ impl Renderer {
         kind: Kind,
         holds: &dyn Fn(&LightBinding<'_>) -> bool,
     ) -> [Vec<String>; 2] {
-        let listed = kind == Kind::Point && self.asks_for_tiles();
+        let listed = kind == Kind::Point && self.reads_tile_lists();
         let [mut counts, mut lists] = [Vec::new(), Vec::new()];
         for member in &self.map.members {
             match member.source.quantity() {
@@ -170,7 +170,7 @@ fn blocks(shader: &FragmentShader) -> Vec<BlockLayout> {
     shader.blocks().iter().map(|block| block.layout.clone()).collect()
 }
 
-impl SkippedFunction<'_> {
+impl SkippedLight<'_> {
     /// Returns the least and greatest component of a property; `None` if it is not followed.
     fn number(&self, part: LightPart) -> Option<[f64; 2]> {
         let ends = |color: DVec3| Some([color.min_element(), color.max_element()]);
@@ -210,7 +210,7 @@ impl SkippedFunction<'_> {
 }
 
 /// Returns the lights that some draw leaves out.
-fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedFunction<'w>> {
+fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedLight<'w>> {
     let position =
         |at: &u32| DVec3::from(work.frame.fragments[*at as usize].position.map(f64::from));
     let draws = plan.draws.iter().filter(|draw| !draw.fragments.is_empty());
@@ -223,7 +223,7 @@ fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedFunction<'w>> {
         })
         .collect();
     let lights = &work.upload.lights;
-    let mut all: Vec<SkippedFunction<'w>> = Vec::new();
+    let mut all: Vec<SkippedLight<'w>> = Vec::new();
     for kind in Kind::ALL {
         let count = match kind {
             Kind::Directional => lights.directional.len(),
@@ -266,7 +266,7 @@ fn left_out<'w>(work: &Work<'w>, plan: &Plan) -> Vec<SkippedFunction<'w>> {
                 near = Some(near.map_or(apart, |known| known.min(apart)));
             }
             if let Some(near) = near {
-                all.push(SkippedFunction { kind, emission, lamp, near });
+                all.push(SkippedLight { kind, emission, lamp, near });
             }
         }
     }

@@ -99,14 +99,15 @@ pub fn nearest(model: &Model, upload: &Upload, frame: &Frame, picture: &Picture)
         });
         each.sum()
     };
-    let mut all: Vec<(f64, Model)> = kin(model).into_iter().map(|m| (distance(&m), m)).collect();
+    let mut all: Vec<(f64, Model)> =
+        model_variants(model).into_iter().map(|m| (distance(&m), m)).collect();
     // A stable sort: of equally near models, the first.
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.first().map_or(*model, |(_, model)| *model)
 }
 
 /// Returns a model and the variants of its family among published shaders.
-fn kin(model: &Model) -> Vec<Model> {
+fn model_variants(model: &Model) -> Vec<Model> {
     let mut all = vec![*model];
     let mut also = |change: &dyn Fn(&mut Model)| {
         let changed = all.iter().map(|known| {

@@ -36,7 +36,7 @@ pub struct ObjMesh {
 }
 
 /// The statements ignored.
-const PASSED_OVER: &[&str] = &[
+const IGNORED: &[&str] = &[
     "o",
     "g",
     "s",
@@ -164,11 +164,11 @@ impl ObjReader {
                 ObjReader::keep(&mut self.coordinates, read)?;
             }
             "f" => self.face(keyword, rest)?,
-            other if PASSED_OVER.contains(&other) => {}
+            other if IGNORED.contains(&other) => {}
             other => {
                 let mut fault =
                     keyword.fault(format!("`{}` is not an OBJ statement", short(other)));
-                fault.help = nearest(other, READ.iter().chain(PASSED_OVER).copied())
+                fault.help = nearest(other, READ.iter().chain(IGNORED).copied())
                     .map(|known| format!("did you mean `{known}`?"));
                 return Err(fault);
             }

@@ -79,7 +79,7 @@ pub fn read(path: &str, text: &str, open: &FileOpener<'_>) -> Reading {
     let scene = match json::parse(text) {
         Ok(root) => scene(&mut walk, At::root(&root), text, path, open),
         Err(fault) => {
-            walk.push(no_json(text, &fault));
+            walk.push(invalid_json(text, &fault));
             None
         }
     };
@@ -144,9 +144,9 @@ fn scene(
             objects.extend(strewn);
         }
     }
-    let shader = raw(walk, &root, "shader", text, &["a path", "an object"]);
-    let model = raw(walk, &root, "model", text, &["a name", "an object"]);
-    let bind = raw(walk, &root, "bind", text, &["an object"]);
+    let shader = unparsed(walk, &root, "shader", text, &["a path", "an object"]);
+    let model = unparsed(walk, &root, "model", text, &["a name", "an object"]);
+    let bind = unparsed(walk, &root, "bind", text, &["an object"]);
     let bind: Option<Map<String, Value>> = match bind {
         Some(Value::Object(map)) => Some(map),
         _ => None,
@@ -199,7 +199,7 @@ fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
         None => Some(DVec3::Y),
     };
     if let (Some(front), Some(up)) = (front, up) {
-        across(walk, &object, front, up);
+        check_up(walk, &object, front, up);
     }
     let fov = walk.needed(&object, "fov").and_then(|at| fov(walk, &at));
     let near = plane(walk, &object, "near", 0.1);
@@ -211,7 +211,7 @@ fn camera(walk: &mut Walk, at: &At<'_>) -> Option<Camera> {
 }
 
 /// Below a millionth of a radian the cross product has lost half of its digits.
-fn across(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
+fn check_up(walk: &mut Walk, object: &Object<'_>, front: DVec3, up: DVec3) {
     if front.cross(up).length() >= 1e-6 {
         return;
     }
@@ -286,7 +286,7 @@ fn plane(walk: &mut Walk, object: &Object<'_>, key: &str, default: f64) -> Optio
 }
 
 /// Returns a member as unparsed JSON.
-fn raw(
+fn unparsed(
     walk: &mut Walk,
     root: &Object<'_>,
     key: &str,
@@ -327,7 +327,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
 }
 
 /// Returns the diagnostic for invalid JSON.
-fn no_json(text: &str, fault: &Fault) -> Diagnostic {
+fn invalid_json(text: &str, fault: &Fault) -> Diagnostic {
     let span = |start: usize, len: usize| {
         let start = start.min(text.len());
         let mut end = (start + len).min(text.len());

@@ -48,7 +48,7 @@ pub fn shade<T: Tally>(
     let normal = unit(surface.normal);
     let view = unit(eye - surface.position);
     let reflected = 2.0 * normal.dot(view) * normal - view;
-    let at = At { surface, normal, reflected, gates, facing: model.specular };
+    let at = FragmentState { surface, normal, reflected, gates, facing: model.specular };
     let mut sums = Sums { body: Vec3::ZERO, shine: Vec3::ZERO };
     for light in &lights.directional {
         tally.trip();
@@ -65,7 +65,7 @@ pub fn shade<T: Tally>(
     lights.ambient * surface.ambient + sums.body * surface.diffuse + sums.shine * surface.specular
 }
 
-struct At<'a> {
+struct FragmentState<'a> {
     surface: &'a Surface,
     normal: Vec3,
     reflected: Vec3,
@@ -80,13 +80,18 @@ struct Sums {
 }
 
 #[inline]
-fn directional<T: Tally>(at: &At<'_>, light: &Directional, sums: &mut Sums, tally: &mut T) {
+fn directional<T: Tally>(
+    at: &FragmentState<'_>,
+    light: &Directional,
+    sums: &mut Sums,
+    tally: &mut T,
+) {
     tally.evaluation();
     add(at, light.towards, 1.0, &light.emission, sums, tally);
 }
 
 #[inline]
-fn point<T: Tally>(at: &At<'_>, light: &Point, sums: &mut Sums, tally: &mut T) {
+fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, sums: &mut Sums, tally: &mut T) {
     let to = light.position - at.surface.position;
     let square = to.dot(to);
     if at.gates.window && light.range > 0.0 && square * light.inverse_square_range >= 1.0 {
@@ -100,7 +105,7 @@ fn point<T: Tally>(at: &At<'_>, light: &Point, sums: &mut Sums, tally: &mut T) {
 }
 
 #[inline]
-fn spot<T: Tally>(at: &At<'_>, light: &Spot, sums: &mut Sums, tally: &mut T) {
+fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, sums: &mut Sums, tally: &mut T) {
     let to = light.lamp.position - at.surface.position;
     let square = to.dot(to);
     let inverse = 1.0 / square.max(NEAREST).sqrt();
@@ -130,7 +135,7 @@ fn attenuation(light: &Point, square: f32, inverse: f32) -> f32 {
 
 #[inline(always)]
 fn add<T: Tally>(
-    at: &At<'_>,
+    at: &FragmentState<'_>,
     towards: Vec3,
     weight: f32,
     emission: &Emission,
@@ -150,15 +155,15 @@ fn add<T: Tally>(
 }
 
 #[inline(always)]
-fn raise(at: &At<'_>, base: f32, towards: Vec3) -> f32 {
+fn raise(at: &FragmentState<'_>, base: f32, towards: Vec3) -> f32 {
     match at.surface.power {
         Power::Squarings(times) => (0..times).fold(base, |power, _| power * power),
-        Power::Whole(exponent) => whole(base, exponent),
+        Power::Whole(exponent) => integer_power(base, exponent),
         Power::Chord => chord(towards - at.reflected, at.surface.shininess),
     }
 }
 
-fn whole(base: f32, exponent: u32) -> f32 {
+fn integer_power(base: f32, exponent: u32) -> f32 {
     let (mut power, mut square, mut left) = (1.0, base, exponent);
     while left > 0 {
         if left & 1 == 1 {

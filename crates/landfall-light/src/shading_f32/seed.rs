@@ -16,7 +16,7 @@ pub fn shade<T: Tally>(
 ) -> Vec3 {
     let normal = normalize(surface.normal);
     let view = normalize(eye - surface.position);
-    let at = At { surface, normal, view, model };
+    let at = FragmentState { surface, normal, view, model };
     let mut sum = lights.ambient * surface.ambient;
     for light in &lights.directional {
         tally.trip();
@@ -33,19 +33,19 @@ pub fn shade<T: Tally>(
     sum
 }
 
-struct At<'a> {
+struct FragmentState<'a> {
     surface: &'a Surface,
     normal: Vec3,
     view: Vec3,
     model: &'a Model,
 }
 
-fn directional<T: Tally>(at: &At<'_>, light: &Directional, tally: &mut T) -> Vec3 {
+fn directional<T: Tally>(at: &FragmentState<'_>, light: &Directional, tally: &mut T) -> Vec3 {
     tally.evaluation();
     terms(at, normalize(-light.direction), &light.emission, tally).into_iter().sum()
 }
 
-fn point<T: Tally>(at: &At<'_>, light: &Point, cone: f32, tally: &mut T) -> Vec3 {
+fn point<T: Tally>(at: &FragmentState<'_>, light: &Point, cone: f32, tally: &mut T) -> Vec3 {
     tally.evaluation();
     tally.attenuation();
     let towards = normalize(light.position - at.surface.position);
@@ -62,7 +62,7 @@ fn point<T: Tally>(at: &At<'_>, light: &Point, cone: f32, tally: &mut T) -> Vec3
     ambient * attenuation * cone + diffuse * attenuation * cone + specular * attenuation * cone
 }
 
-fn spot<T: Tally>(at: &At<'_>, light: &Spot, tally: &mut T) -> Vec3 {
+fn spot<T: Tally>(at: &FragmentState<'_>, light: &Spot, tally: &mut T) -> Vec3 {
     let towards = normalize(light.lamp.position - at.surface.position);
     let theta = towards.dot(normalize(-light.direction));
     let epsilon = light.inner_cos - light.outer_cos;
@@ -71,7 +71,7 @@ fn spot<T: Tally>(at: &At<'_>, light: &Spot, tally: &mut T) -> Vec3 {
 }
 
 fn terms<T: Tally>(
-    at: &At<'_>,
+    at: &FragmentState<'_>,
     towards: Vec3,
     emission: &super::Emission,
     tally: &mut T,

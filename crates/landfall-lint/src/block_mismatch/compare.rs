@@ -89,7 +89,7 @@ pub(super) fn is_head(a: &View<'_>, b: &View<'_>) -> bool {
 /// Returns whether a byte has different meanings in two copies: overlapping leaves differ in more
 /// than the name.
 pub(super) fn collide(a: &View<'_>, b: &View<'_>) -> bool {
-    // Blocks of that many members are no uniform blocks that anyone would bind.
+    // The number of pairs is bounded; realistic blocks are far smaller.
     if a.leaves.len().saturating_mul(b.leaves.len()) > 1_000_000 {
         return false;
     }
@@ -153,7 +153,7 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
             }
         }
     }
-    // Where a leaf is missing here: at the one that follows it there, else at the last.
+    // A leaf that is missing here is reported at the leaf that follows it there, else at the last.
     let mut next = here.leaves.last();
     let mut missing = Vec::new();
     for leaf in there.leaves.iter().rev() {

@@ -6,7 +6,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "ambient-per-light",
-    // It is a model, and often wanted.
+    // Some lighting models intend it.
     level: Level::Allow,
     what: "an array of lights, each with an ambient term of its own",
     why: "Every light adds its ambient term, wherever it shines: five of 0.05 are 15 % of the red \

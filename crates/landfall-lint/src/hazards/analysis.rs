@@ -77,7 +77,7 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     refused.into_iter().chain(reported).collect()
 }
 
-/// Says that lints that follow code found nothing because they could not look.
+/// Returns the finding that the lints that follow code could not analyse a shader.
 fn not_analysed(shader: &ShaderLayout, why: &str) -> Finding {
     let message = format!("functions are not analysed: {why}");
     let place = Place::of(&shader.files, Span::default());

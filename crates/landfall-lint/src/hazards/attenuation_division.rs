@@ -1,4 +1,4 @@
-//! `attenuation-division`: a light that weakens by a divisor that may be 0.
+//! `attenuation-division`: an attenuation whose divisor may be 0.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
@@ -7,7 +7,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "attenuation-division",
-    // Programs that set a constant of 1 never meet it.
+    // Programs that set a constant of 1 never trigger it.
     level: Level::Allow,
     what: "an attenuation whose divisor is 0 for some light or distance",
     why: "A light whose three coefficients are 0, as in a buffer of zeros, is divided by 0: the \

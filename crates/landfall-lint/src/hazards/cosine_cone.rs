@@ -1,4 +1,4 @@
-//! `cosine-cone`: a cone by the difference of two cosines.
+//! `cosine-cone`: a cone computed from the difference of two cosines.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};

@@ -7,7 +7,7 @@ use landfall_layout::source::Language;
 
 pub(crate) const LINT: Lint = Lint {
     code: "kahan-without-precise",
-    // Compilers are free to, and one that is widely used does.
+    // Compilers may simplify the sum, and a widely used one does.
     level: Level::Warn,
     what: "a compensated sum whose compensation a compiler may simplify to 0",
     why: "(t - s) - y is 0 in real numbers, and without `precise` a compiler may replace it by 0: \

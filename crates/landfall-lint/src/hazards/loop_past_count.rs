@@ -6,7 +6,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "loop-past-count",
-    // Slots that are not used hold anything; of zeros they make NaN.
+    // Unused slots hold arbitrary values; zeros give NaN.
     level: Level::Warn,
     what: "a loop over all slots of an array of lights although a count says how many are in use",
     why: "A slot of zeros has no attenuation: 1 / 0 is infinity, times its colour of 0 it is NaN, \

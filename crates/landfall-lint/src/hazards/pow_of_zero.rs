@@ -1,4 +1,4 @@
-//! `pow-of-zero`: zero to the power of what may be zero.
+//! `pow-of-zero`: zero to a power that may be zero.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
@@ -7,7 +7,7 @@ use landfall_layout::source::Language;
 
 pub(crate) const LINT: Lint = Lint {
     code: "pow-of-zero",
-    // Only a shininess of 0 or less meets it.
+    // Only a shininess of 0 or less triggers it.
     level: Level::Allow,
     what: "a power whose base may be 0 while its exponent may be 0 or less",
     why: "`pow(0, 0)` is undefined in GLSL and WGSL: the C library returns 1, exp2(0 * log2(0)) is \

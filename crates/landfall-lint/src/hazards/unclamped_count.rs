@@ -6,7 +6,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "unclamped-count",
-    // A program that keeps its count in bounds never meets it.
+    // A program that keeps its count in bounds never triggers it.
     level: Level::Allow,
     what: "a loop over lights up to a count that is not clamped to the array's length",
     why: "A count larger than the array makes the shader read past its end: in a uniform block the \
@@ -34,7 +34,7 @@ pub(super) fn message(site: &Site<'_>) -> Message {
     let slots = site.slots();
     Message::new(
         format!("`{count}` is not clamped to the {slots} slots of `{array}`"),
-        "may be past the end",
+        "this index may be past the end of the array",
         format!("loop to `min({count}, {slots})`"),
     )
 }

@@ -6,7 +6,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "ungated-specular",
-    // It is how the reference model is published.
+    // The published lighting models compute it in this way.
     level: Level::Allow,
     what: "a highlight that is not cut off where the light is behind the surface",
     why: "The mirrored direction may still point at the eye when the light is a little below the \

@@ -1,4 +1,4 @@
-//! `unguarded-normalize`: a direction between two points that may be one.
+//! `unguarded-normalize`: a direction between two points that may coincide.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};

@@ -1,4 +1,4 @@
-//! `uninitialised-accumulator`: a sum that begins with whatever was there.
+//! `uninitialised-accumulator`: a sum whose variable is not initialised.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};

@@ -1,4 +1,4 @@
-//! `unnormalised-normal`: an interpolated normal used as it comes.
+//! `unnormalised-normal`: an interpolated normal used without normalising it.
 
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};

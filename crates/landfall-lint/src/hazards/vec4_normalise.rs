@@ -6,7 +6,7 @@ use landfall_ir::analysis::occurrence::Kind;
 
 pub(crate) const LINT: Lint = Lint {
     code: "vec4-normalise",
-    // The fourth component is not zero for any matrix that moves.
+    // The fourth component is not zero if the matrix translates.
     level: Level::Warn,
     what: "a transformed normal that is normalised as a `vec4`, including its fourth component",
     why: "The transposed inverse of a matrix with a translation gives a normal a fourth component, \

@@ -89,7 +89,7 @@ fn up_to<'a>(block: &'a BlockLayout, leaf: &Leaf) -> Vec<&'a MemberLayout> {
     loop {
         let name = rest.split(['.', '[']).next().unwrap_or("");
         let Some(at) = members.iter().position(|member| &*member.name == name) else { break };
-        // What stands before is to blame as a whole, what is around only down to the leaf.
+        // A member before the leaf counts as a whole, one around it only down to the leaf.
         for member in &members[..at] {
             below(member, &mut found);
         }

@@ -1,6 +1,6 @@
-//! Workflow commands of GitHub Actions: a line a finding, shown at its place in the change.
+//! Workflow commands of GitHub Actions: one line per finding, shown at its place in the change.
 //!
-//! GitHub shows ten errors and ten warnings of a step; the others are listed in a notice.
+//! GitHub shows ten errors and ten warnings per step; the others are listed in a notice.
 
 pub(super) mod summary;
 
@@ -8,10 +8,10 @@ use super::{counted, severity, short};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::text::escape::is_bidi;
 
-/// Annotations of each type GitHub shows of one step.
+/// The number of annotations of each type that GitHub shows per step.
 const MOST_SHOWN: usize = 10;
 
-/// Findings the notice lists; its text has to stay below 64 KiB.
+/// The most findings that the notice lists; its text must stay below 64 KiB.
 const MOST_LISTED: usize = 100;
 
 pub(super) fn report(findings: &[&Finding]) -> String {
@@ -36,7 +36,7 @@ fn annotation(finding: &Finding) -> String {
     if place.line > 0 {
         let end_line = place.end_line.max(place.line);
         properties.push(format!("line={},endLine={end_line}", place.line));
-        // GitHub takes columns only where both are of one line.
+        // GitHub accepts columns only for a range within one line.
         if end_line == place.line {
             let end_column = place.end_column.max(place.column);
             properties.push(format!("col={},endColumn={end_column}", place.column));
@@ -75,7 +75,7 @@ fn notice(more: &[&Finding]) -> String {
 /// The text of a command, escaped as the runner reads it.
 fn data(text: &str) -> String {
     let text = text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
-    // Logs show colours.
+    // Logs interpret control sequences.
     text.replace(|c: char| c.is_control() && c != '\t' || is_bidi(c), "\u{fffd}")
 }
 

@@ -1,4 +1,4 @@
-//! Findings for people: the lines in question, the layout, the edit that mends it.
+//! Findings as text: source excerpts, listings and suggested edits.
 
 use super::texts::Texts;
 use super::{ReportOptions, totals};
@@ -12,14 +12,14 @@ pub(super) fn report(findings: &[&Finding], options: &ReportOptions<'_>) -> Stri
     let mut pen = DiagnosticRenderer::new(&texts.files, options.paint);
     let mut text = String::new();
     for finding in findings {
-        text.push_str(&one(finding, &texts, &mut pen));
+        text.push_str(&rendered(finding, &texts, &mut pen));
     }
     text.push_str(&totals(findings, options.shaders));
     text.push('\n');
     text
 }
 
-fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'_>) -> String {
+fn rendered(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'_>) -> String {
     let mut labels = Vec::new();
     let mut notes = Vec::new();
     let main = texts.span(finding.place());
@@ -47,7 +47,7 @@ fn one(finding: &Finding, texts: &Texts<'_>, pen: &mut DiagnosticRenderer<'_>) -
     pen.draw(&shown, main.is_none().then_some(Location { path, line, column }).as_ref())
 }
 
-/// A further place whose text is not at hand.
+/// Formats a further place whose text is not available.
 fn elsewhere(text: &str, place: &Place) -> String {
     let text = if text.is_empty() { "see" } else { text };
     match place.line {

@@ -1,4 +1,4 @@
-//! A report as JSON, a line for each finding, and back again for `merge`.
+//! Reports as JSON, one line per finding, written and parsed for `merge`.
 
 use serde::Serialize;
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! JUnit's XML as Jenkins and GitLab read it: a suite for each file, a case for each finding.
 //!
-//! What fails the run is a failure, a warning is a skipped case, and one case stands for all
-//! shaders, so that a clean run has something to show.
+//! Findings that fail the run are failures and warnings are skipped cases. One more case stands for
+//! all shaders, so that the report of a clean run is not empty.
 
 use super::{severity, short, stable};
 use landfall_layout::finding::{Finding, Level};
@@ -84,7 +84,7 @@ fn case(finding: &Finding, number: u32) -> String {
     )
 }
 
-/// All there is to say about a finding.
+/// Formats a finding with its places, notes and help.
 fn details(finding: &Finding) -> String {
     let mut lines = vec![short::line(finding)];
     for related in finding.related() {

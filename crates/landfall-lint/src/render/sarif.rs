@@ -16,7 +16,7 @@ pub use landfall_layout::format::json::to_lines;
 const SCHEMA: &str =
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
-/// The name our fingerprints go by; what goes into them changes its version.
+/// The name and version of the fingerprints; a change of their input needs another version.
 const FINGERPRINT: &str = "landfall/v1";
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
@@ -35,7 +35,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
                 "name": landfall_layout::format::NAME,
                 "version": env!("CARGO_PKG_VERSION"),
                 "semanticVersion": env!("CARGO_PKG_VERSION"),
-                "shortDescription": plain(landfall_layout::format::DESCRIPTION),
+                "shortDescription": static_message(landfall_layout::format::DESCRIPTION),
                 "rules": rules.objects(),
             }},
             "columnKind": "unicodeCodePoints",
@@ -46,7 +46,7 @@ pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
     to_lines(&log, 0) + "\n"
 }
 
-/// The lints, then what else findings are called.
+/// The rules: all lints, then the other codes of findings.
 struct Rules<'a> {
     others: Vec<&'a str>,
 }
@@ -80,8 +80,8 @@ fn rule(lint: &Lint) -> Value {
     let example = lint.example.trim_end();
     json!({
         "id": lint.code,
-        "shortDescription": plain(lint.what),
-        "fullDescription": plain(format!("{}. {}", lint.what, lint.why).trim()),
+        "shortDescription": static_message(lint.what),
+        "fullDescription": static_message(format!("{}. {}", lint.what, lint.why).trim()),
         "help": {
             "text": format!("{}\n\n{}\n\nExample:\n\n{example}", lint.why, lint.fix),
             "markdown": format!("{}\n\n{}\n\n```\n{example}\n```", lint.why, lint.fix),
@@ -112,14 +112,14 @@ fn result(finding: &Finding, number: u32, rules: &Rules<'_>) -> Value {
         put("relatedLocations", related.collect());
     }
     put("partialFingerprints", json!({FINGERPRINT: stable::fingerprint(finding, number)}));
-    // A region has a line; an edit without one is not made by `--fix` either.
+    // A region needs a line; `--fix` does not apply edits without one either.
     if !finding.fix.is_empty() && finding.fix.iter().all(|edit| edit.at.line > 0) {
         put("fixes", json!([fix(finding)]));
     }
     Value::Object(object)
 }
 
-/// The message with all that explains it: viewers show nothing else.
+/// Returns the message with notes and help, since viewers show nothing else.
 fn words(finding: &Finding) -> String {
     let mut lines = vec![finding.message.clone()];
     lines.extend(finding.notes.iter().map(|note| format!("note: {note}")));
@@ -127,13 +127,13 @@ fn words(finding: &Finding) -> String {
     lines.join("\n")
 }
 
-/// A message: in those, braces are written twice (section 3.11.5).
+/// Returns a message object, in whose text braces are doubled (section 3.11.5).
 fn message(text: &str) -> Value {
     json!({"text": text.replace('{', "{{").replace('}', "}}")})
 }
 
-/// A text that nothing is put into, as rules have them.
-fn plain(text: &str) -> Value {
+/// Returns a message object without placeholders, as in rules.
+fn static_message(text: &str) -> Value {
     json!({"text": text})
 }
 
@@ -159,7 +159,7 @@ fn region(place: &Place) -> Value {
         "endLine": place.end_line.max(place.line),
         "endColumn": place.end_column.max(1),
     });
-    // Who knows only line and column leaves the bytes at zero.
+    // Bytes are zero where only line and column are known.
     if place.end > 0 {
         region["byteOffset"] = place.start.into();
         region["byteLength"] = place.end.saturating_sub(place.start).into();

@@ -1,4 +1,4 @@
-//! One line a finding, as compilers write them and editors read them.
+//! One line per finding, as compilers write and editors parse them.
 
 use super::severity;
 use landfall_layout::finding::{Finding, Place};

@@ -1,4 +1,4 @@
-//! Names of findings that stay when lines move, for tools that compare two runs.
+//! Identifiers of findings that do not change when lines move, for tools that compare two runs.
 //!
 //! For [`sarif`](super::sarif) and [`junit`](super::junit).
 
@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use landfall_layout::finding::Finding;
 
-/// For each finding which one it is, from 1, of those with the same code, path and subject.
+/// Numbers the findings with the same code, path and subject, from 1.
 pub(super) fn numbers(findings: &[&Finding]) -> Vec<u32> {
     let mut seen: FxHashMap<(&str, &str, &str), u32> = FxHashMap::default();
     findings
@@ -20,10 +20,10 @@ pub(super) fn numbers(findings: &[&Finding]) -> Vec<u32> {
         .collect()
 }
 
-/// The fingerprint of a finding: from its code, path and subject, and its number among equal ones.
+/// Returns the fingerprint of a finding: from its code, path and subject, and its number among equal ones.
 pub(super) fn fingerprint(finding: &Finding, number: u32) -> String {
     let parts = [&finding.code, &finding.place().path, &finding.about];
-    // No part holds a zero byte that could pass for the end of one.
+    // No part contains a zero byte, which separates the parts.
     let bytes = parts.into_iter().flat_map(|part| part.bytes().chain([0]));
     format!("{:032x}:{number}", fnv1a(bytes))
 }

@@ -1,6 +1,6 @@
-//! The files findings point into, and the bytes their lines and columns stand for.
+//! The texts of the files in findings, and the bytes of lines and columns in them.
 //!
-//! A file may have changed or gone since it was looked at; then there is nothing to show.
+//! If a file has changed or vanished since the check, there is no excerpt.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ impl<'a> Texts<'a> {
                     continue;
                 }
                 if let Some(text) = (options.text)(&place.path) {
-                    // Places count without a byte order mark.
+                    // Places do not count a byte-order mark.
                     let text = text.strip_prefix('\u{feff}').map_or(Arc::clone(&text), Arc::from);
                     let file = texts.files.add(place.path.clone(), text);
                     texts.by_path.insert(&place.path, file);
@@ -53,7 +53,7 @@ impl<'a> Texts<'a> {
         if found {
             return Some(bytes);
         }
-        // Who knows only line and column leaves the bytes at zero.
+        // Bytes are zero where only line and column are known.
         if (place.start, place.end) != (0, 0) {
             return None;
         }
@@ -68,7 +68,7 @@ impl<'a> Texts<'a> {
     }
 }
 
-/// The byte a line and column stand for.
+/// Returns the byte at a line and column.
 fn byte(text: &str, line: u32, column: u32) -> Option<u32> {
     let line = (line as usize).checked_sub(1)?;
     let column = (column as usize).checked_sub(1)?;

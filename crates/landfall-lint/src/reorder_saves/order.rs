@@ -1,30 +1,30 @@
 //! The order of members that ends earliest.
 //!
-//! Members of one size and alignment are alike, so a state of the search is how
-//! many of each kind stand already. What follows never ends earlier because a
-//! prefix ends later; so the earliest end of each state is enough, and the
-//! search is exact. With too many kinds for that the largest alignment comes
-//! first, and what fits into a hole goes there.
+//! Members of the same size and alignment are interchangeable, so a state of the search is the
+//! number of members of each kind that are already placed. A later end of the placed members never
+//! makes the whole end earlier, so it is enough to keep the earliest end of each state, and the
+//! search is exact. With too many kinds for that, a heuristic places the largest alignment first
+//! and fills holes with what fits.
 
 use rustc_hash::FxHashMap;
 
 use super::footprint;
 use landfall_layout::shape::{MatrixLayout, Member, Rules};
 
-/// States looked at; past it the order is built by a rule of thumb.
+/// The most states that are searched; with more, a heuristic builds the order.
 const MOST_STATES: u64 = 20_000;
 
-/// Kinds of members that are ordered at all.
+/// The most kinds of members that are ordered.
 const MOST_KINDS: usize = 1_000;
 
-/// Members alike: size, alignment, and their places in the text.
+/// Members of one size and alignment, and their indices in the text.
 struct Kind {
     size: u64,
     align: u64,
     members: Vec<usize>,
 }
 
-/// An order that may be smaller; `None` where there is nothing to choose.
+/// Returns an order that may be smaller; `None` if there is only one.
 pub(super) fn smallest(
     members: &[Member],
     rules: Rules,
@@ -54,14 +54,15 @@ pub(super) fn smallest(
     Some(order)
 }
 
-/// The members in that order.
+/// Returns the members in that order.
 pub(super) fn apply(members: &[Member], order: &[usize]) -> Vec<Member> {
     order.iter().map(|&index| members[index].clone()).collect()
 }
 
-/// The earliest end of every state, then back from the last: of equals, the later member last.
+/// Computes the earliest end of every state, then follows the choices back from the last state.
+/// Between equal ends, the later member is placed last.
 fn exact(kinds: &[Kind], states: usize) -> Vec<usize> {
-    // A state is a number in a mixed base: digit `k` counts the members of kind `k` that stand.
+    // A state is a number in a mixed base: digit `k` counts the members of kind `k` that are placed.
     let mut weights = Vec::with_capacity(kinds.len());
     let mut weight = 1;
     for kind in kinds {
@@ -115,7 +116,7 @@ fn by_thumb(kinds: &[Kind]) -> Vec<usize> {
     order
 }
 
-/// The end of a member of that kind after `end`.
+/// Returns the end of a member of that kind placed after `end`.
 fn placed(end: u64, kind: &Kind) -> u64 {
     end_of_padding(end, kind).saturating_add(kind.size)
 }

@@ -77,7 +77,7 @@ fn of_structure<'a>(
         let Some(index) = *field else {
             if !says_padding(&member.name) && member.size.is_some() {
                 let there = at_byte.get(&member.offset.unwrap_or(0)).copied();
-                // It was said with the member.
+                // Already reported with the member.
                 there.into_iter().for_each(|index| free[index] = false);
                 found.push(missing(laid, member, there));
             }
@@ -277,7 +277,7 @@ fn mend(
             false => format!("put {} before `{}`", padding(end, offset - end), field.name),
         };
     }
-    // The field is too far behind.
+    // The field's offset is too large.
     if says_padding(&before.name) {
         return match offset.checked_sub(before.offset) {
             Some(0) | None => format!("remove `{}`", before.name),

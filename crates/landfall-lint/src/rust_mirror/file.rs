@@ -94,7 +94,7 @@ pub(super) fn read(file: &RustFile) -> Result<Declarations, Error> {
         reader.refused(cause.span(), "it is not valid Rust", &cause.to_string())
     })?;
     reader.items(tokens)?;
-    // Modules were read last: what is looked for below is looked for in the order of the text.
+    // Modules were read last; searches need the structures in the order of the text.
     reader.declarations.structures.sort_by_key(|structure| structure.keyword);
     reader.literals.sort_by_key(|range| range.start);
     reader.comments();
@@ -262,7 +262,7 @@ impl ItemReader<'_> {
             let span = Span { file: 0, start: start as u32, end: end as u32 };
             let comment = Comment {
                 place: Place::of(&self.files, span),
-                blocks: list.0.split(',').map(named).collect(),
+                blocks: list.0.split(',').map(shader_and_block).collect(),
                 structure: self.below(end),
             };
             self.declarations.comments.push(comment);
@@ -292,7 +292,7 @@ impl ItemReader<'_> {
 const MARK: &str = "landfall: mirror";
 
 /// `Block`, `shaders/x.frag: Block`.
-fn named(text: &str) -> (String, String) {
+fn shader_and_block(text: &str) -> (String, String) {
     match text.rsplit_once(':') {
         Some((shader, block)) => (shader.trim().to_string(), block.trim().to_string()),
         None => (String::new(), text.trim().to_string()),
@@ -302,14 +302,14 @@ fn named(text: &str) -> (String, String) {
 fn repr(attributes: &[syn::Attribute]) -> Repr {
     let mut repr = Repr::default();
     for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("repr")) {
-        // What does not parse here is rustc's to complain about.
+        // Syntax errors here are left to rustc.
         let _ = attribute.parse_nested_meta(|meta| {
             let number = |meta: &syn::meta::ParseNestedMeta<'_>| -> syn::Result<u64> {
                 let inside;
                 syn::parenthesized!(inside in meta.input);
                 inside.parse::<syn::LitInt>()?.base10_parse()
             };
-            // rustc takes powers of two up to 2^29.
+            // rustc accepts powers of two up to 2^29.
             let fits = |n: &u64| n.is_power_of_two() && *n <= 1 << 29;
             if meta.path.is_ident("C") {
                 repr.c = true;

@@ -114,7 +114,7 @@ fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
             ty.size,
             view.member.ty.spelled(view.language)
         ),
-        help: "make it an array whose elements are as far apart as the shader's".to_string(),
+        help: "make it an array with the stride of the shader's array".to_string(),
     }
 }
 
@@ -130,7 +130,7 @@ fn element<'a>(
                 pairs.push((laid.clone(), view.member));
                 return Ok(());
             }
-            // Flat bytes or words: how they are filled is not to be seen here.
+            // Flat bytes or words: their contents are unknown here.
             let size = element_size(view.member, view.rules);
             match scalar_of(ty).is_some() && ty.size >= size {
                 true => Ok(()),
@@ -188,7 +188,7 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
     if ty.size < end {
         return Err(too_small());
     }
-    // Flat bytes: what is in them is not to be seen here.
+    // Flat bytes: their contents are unknown here.
     if bytes && found.len() > 1 {
         return Ok(());
     }
@@ -321,7 +321,7 @@ fn rust_name(scalar: Scalar) -> &'static str {
         (ScalarKind::Uint, 2) => "u16",
         (ScalarKind::Uint, 8) => "u64",
         (ScalarKind::Uint | ScalarKind::Bool, 4) => "u32",
-        // Rust has no such number: its bits.
+        // Rust has no such number type: its bits.
         (_, 1) => "u8",
         (_, 2) => "u16",
         (_, 8) => "u64",

@@ -28,7 +28,7 @@ fn of_crate(root: &str, name: &str, arguments: &[Argument]) -> Option<RustType> 
             glam(name).filter(|_| arguments.is_empty())
         }
         "cgmath" | "nalgebra" | "na" | "mint" => generic(name, arguments),
-        "nalgebra_glm" | "glm" | "ultraviolet" => plain(name).filter(|_| arguments.is_empty()),
+        "nalgebra_glm" | "glm" | "ultraviolet" => unaligned(name).filter(|_| arguments.is_empty()),
         "half" => half(name),
         "bytemuck" => None,
         _ => None,
@@ -84,12 +84,12 @@ fn glam(name: &str) -> Option<RustType> {
         "Mat3A" => RustType::array(floats(3)?.aligned(16), 3),
         "Affine3A" => RustType::array(floats(3)?.aligned(16), 4),
         "Mat4" => RustType::array(floats(4)?.aligned(16), 4),
-        _ => plain(name),
+        _ => unaligned(name),
     }
 }
 
 /// Vectors and matrices aligned like their components.
-fn plain(name: &str) -> Option<RustType> {
+fn unaligned(name: &str) -> Option<RustType> {
     let (kind, scalar, width, rest) = if let Some(rest) = name.strip_prefix('D') {
         (ScalarKind::Float, "f64", 8, rest)
     } else if let Some(rest) = name.strip_prefix("I64") {

@@ -30,7 +30,7 @@ pub(super) enum Shape {
 pub(super) struct StructureLayout {
     pub name: String,
     pub fields: Vec<LaidField>,
-    /// The index in [`Declarations::structures`].
+    /// The index in `Declarations::structures`.
     pub index: usize,
 }
 

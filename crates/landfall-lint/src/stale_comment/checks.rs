@@ -144,13 +144,13 @@ fn fits(placed: &Placed<'_>, index: usize, claim: &Claim) -> bool {
     }
 }
 
-/// In its structure, and in the block.
+/// Returns the offset in its structure, and in the block.
 fn offsets(placed: &Placed<'_>, member: &MemberLayout) -> Vec<u64> {
     let Some(offset) = member.offset else { return Vec::new() };
     vec![offset, placed.base + offset]
 }
 
-/// Its range: the last byte or one past it, its padding with it or not.
+/// Returns the byte ranges of a member: up to the last byte or one past it, with padding or without.
 pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
     let member = &placed.members[index];
     let mut found = Vec::new();
@@ -164,8 +164,8 @@ pub(super) fn ranges(placed: &Placed<'_>, index: usize) -> Vec<(u64, u64)> {
     found
 }
 
-/// The numbers that may be called a member's size: its own, with its padding, an element, a column, together with
-/// members before it, or everything up to its end.
+/// Returns the numbers that may be called a member's size: its own size, with its padding, that of
+/// an element or a column, together with members before it, or everything up to its end.
 fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
     let member = &placed.members[index];
     let mut found = vec![element_size(member, placed.rules)];
@@ -201,7 +201,7 @@ fn sizes(placed: &Placed<'_>, index: usize, unit: bool) -> Vec<u64> {
     found
 }
 
-/// Whether a number without a unit that is called a size may be something the member holds:
+/// Whether a size without a unit may be the member's value, not its bytes:
 /// `int mapSize; // size: 1024`.
 pub(super) fn may_be_content(member: &MemberLayout) -> bool {
     match &member.ty {
@@ -211,8 +211,8 @@ pub(super) fn may_be_content(member: &MemberLayout) -> bool {
     }
 }
 
-/// Whether a structure's offsets are counted in something else than bytes: none is right as it
-/// stands, all are right as words or as rows of 16 bytes.
+/// Whether a structure's offsets are in another unit than bytes: none is right in bytes, all are
+/// right in words or in rows of 16 bytes.
 pub(super) fn other_unit(owner: &Owner<'_>, said: &[(usize, u64)]) -> bool {
     let right = |unit: u64| {
         said.iter().all(|&(index, value)| {

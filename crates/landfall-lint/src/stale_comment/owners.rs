@@ -32,10 +32,10 @@ pub(super) struct Placed<'a> {
     pub rules: Rules,
     /// The offset of its first byte, from the start of the block.
     pub base: u64,
-    /// Bytes, padded; and up to where its last member ends.
+    /// The size in bytes with padding, and the end of its last member.
     pub size: u64,
     pub data_size: u64,
-    /// From one to the next, where it is an array's element.
+    /// The array stride, for an element of an array.
     pub stride: Option<u64>,
 }
 
@@ -49,11 +49,11 @@ impl Placed<'_> {
 /// Comments that are about a structure or block as a whole.
 #[derive(Default)]
 pub(super) struct SurroundingComments {
-    /// On the lines before it, on the line of its `{`, behind its `}`.
+    /// Comments on the lines before it, on the line of its `{`, and after its `}`.
     pub spans: Vec<Span>,
-    /// On lines of their own after the last member.
+    /// Comments on lines of their own after the last member.
     pub last: Vec<Span>,
-    /// The first `#if` or `#else` between its braces: what is behind it may be laid out otherwise.
+    /// The first `#if` or `#else` between its braces: members after it may have another layout.
     pub condition: Option<u32>,
 }
 
@@ -114,7 +114,7 @@ pub(super) fn owners<'a>(
 /// The range in which a block's members are declared: in WGSL the structure, not the variable.
 fn block_span(shader: &ShaderLayout, block: &BlockLayout) -> Span {
     let first = block.members.first().map_or(block.span, |member| member.span);
-    // A WGSL variable that is no structure declares its only member itself.
+    // A WGSL variable whose type is not a structure declares its only member itself.
     if first == block.span {
         return first;
     }
@@ -149,7 +149,7 @@ fn brace_after(text: &str, name_end: usize) -> Option<usize> {
     rest.starts_with('{').then(|| text.len() - rest.len())
 }
 
-/// Finds the comments around a declaration of that name, as far as it is a plain one.
+/// Finds the comments around a declaration of that name; none if the declaration is unusual.
 fn around(
     shader: &ShaderLayout,
     name: &str,
@@ -215,7 +215,7 @@ fn around(
     found
 }
 
-/// The lines of `//` right above the line on which a declaration starts.
+/// Returns the lines of `//` directly above the line on which a declaration starts.
 fn above(text: &str, start: usize) -> impl Iterator<Item = (usize, usize)> {
     let mut end = text[..start].rfind('\n').unwrap_or(0);
     let mut found = Vec::new();

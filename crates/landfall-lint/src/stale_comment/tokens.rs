@@ -47,7 +47,7 @@ pub(super) enum Sign {
     Text,
     /// One character; Chinese punctuation as its ASCII counterpart.
     Mark(char),
-    /// Numbers that are no whole bytes: `0.5`, `4x4`, `16b`.
+    /// Numbers that are not whole bytes: `0.5`, `4x4`, `16b`.
     Odd,
 }
 
@@ -137,7 +137,7 @@ pub(super) fn tokens(comment: &str) -> Vec<Word> {
                 (Some(latin(&rest[..length])), length)
             }
             sign if sign.is_alphabetic() => chinese(rest),
-            sign => (Some(Sign::Mark(plain(sign))), sign.len_utf8()),
+            sign => (Some(Sign::Mark(ascii_counterpart(sign))), sign.len_utf8()),
         };
         if let Some(sign) = sign {
             let range = at..at + length;
@@ -149,7 +149,7 @@ pub(super) fn tokens(comment: &str) -> Vec<Word> {
     phrases(words)
 }
 
-/// The bytes of what opens a comment.
+/// Returns the number of bytes of the comment's opening delimiter.
 fn opening(comment: &str) -> usize {
     let body = comment.trim_start_matches(['/', '*', '!', '<', '#']);
     comment.len() - body.len()
@@ -223,7 +223,7 @@ fn number(comment: &str, at: usize, end: usize) -> (Option<Sign>, usize) {
     }
 }
 
-fn plain(sign: char) -> char {
+fn ascii_counterpart(sign: char) -> char {
     match sign {
         '：' => ':',
         '，' | '、' => ',',

@@ -61,7 +61,7 @@ pub struct VerifyArgs {
     /// GPU adapter, by a part of its name
     #[arg(help_heading = "Backends", long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Record the confirming backends in the locks
+    /// Record in the locks which backends confirmed them
     #[arg(help_heading = "Locks", long)]
     pub record: bool,
     /// Directory of locks for --record [default: `locks` of the configuration, or layouts]

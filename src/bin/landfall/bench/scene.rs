@@ -11,7 +11,7 @@ use landfall_layout::source::kind_of_path;
 use landfall_light::accuracy::bench::clock::Clock;
 use landfall_light::accuracy::bench::counted;
 use landfall_light::accuracy::bench::native::Compiled;
-use landfall_light::accuracy::bench::scene::Stage;
+use landfall_light::accuracy::bench::scene::BenchScene;
 use landfall_light::accuracy::bench::shader::Shader;
 use landfall_light::accuracy::bench::uploaded::Uploaded;
 use landfall_light::accuracy::bench::{Permitted, Runner, Size, Unit, Work};
@@ -114,12 +114,13 @@ pub fn bench(
     let all = frame.fragments.len();
     shows_an_object(args, all)?;
     let upload = Upload::new(&own.scene);
-    let stage = Stage::new(model, upload.clone(), frame.clone(), most);
-    let others: Vec<Option<Stage>> = models
+    let stage = BenchScene::new(model, upload.clone(), frame.clone(), most);
+    let others: Vec<Option<BenchScene>> = models
         .into_iter()
-        .map(|model| model.map(|model| Stage::new(model, upload.clone(), frame.clone(), most)))
+        .map(|model| model.map(|model| BenchScene::new(model, upload.clone(), frame.clone(), most)))
         .collect();
-    let stages: Vec<&Stage> = others.iter().map(|other| other.as_ref().unwrap_or(&stage)).collect();
+    let stages: Vec<&BenchScene> =
+        others.iter().map(|other| other.as_ref().unwrap_or(&stage)).collect();
     let taken = stage.frame.fragments.len();
     let mut subject = own.scene.name.clone();
     if taken < all {
@@ -162,7 +163,7 @@ fn uploads<'a>(
     requested: &'a [BackendName],
     variants: &'a [(String, VariantKind)],
     renderers: &'a [Option<Renderer>],
-    stages: &[&'a Stage],
+    stages: &[&'a BenchScene],
 ) -> Vec<ShaderUpload<'a>> {
     let mut uploads = Vec::new();
     for (((variant, what), renderer), stage) in variants.iter().zip(renderers).zip(stages) {
@@ -261,7 +262,7 @@ fn entries<'a>(
     args: &BenchArgs,
     variants: &'a [(String, VariantKind)],
     uploads: &'a [ShaderUpload<'a>],
-    stages: &[&'a Stage],
+    stages: &[&'a BenchScene],
 ) -> Entries<'a> {
     let mut entries = Entries::default();
     for ((name, what), stage) in variants.iter().zip(stages) {

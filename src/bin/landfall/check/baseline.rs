@@ -81,7 +81,7 @@ pub struct Divided {
     pub permitted: usize,
 }
 
-/// What determines the entries of findings.
+/// The inputs from which the entries of findings are computed.
 pub struct Scope<'a> {
     pub pass: &'a Pass,
     pub basis: &'a Basis,
@@ -96,7 +96,7 @@ impl Baseline {
     ///
     /// The file cannot be read, is no baseline, or is one of a newer landfall.
     pub fn read(path: &Path) -> Result<Baseline, Error> {
-        let shown = read::shown(path);
+        let shown = read::display_path(path);
         let text = read::text(path).map_err(|error| match path.exists() {
             true => error,
             false => error.with_help("write it with `landfall check --write-baseline`"),
@@ -269,7 +269,7 @@ impl Scope<'_> {
         if levels::level_in(&entry.code, &shown, &self.basis.settings) == Level::Allow {
             return false;
         }
-        let is_asked = lint(&entry.code).is_none() || tree::is_asked(&entry.code, self.basis);
+        let has_run = lint(&entry.code).is_none() || tree::has_run(&entry.code, self.basis);
         let is_below = |folder: &String| {
             let rest = entry.path.strip_prefix(folder.as_str());
             folder.is_empty() || rest.is_some_and(|rest| rest.starts_with('/'))
@@ -278,7 +278,7 @@ impl Scope<'_> {
             self.basis.searched.iter().any(is_below)
                 || self.pass.checked.iter().flat_map(Checked::files).any(|path| *path == shown)
         };
-        is_asked && (self.basis.whole || is_checked())
+        has_run && (self.basis.whole || is_checked())
     }
 }
 
@@ -348,13 +348,13 @@ impl Permitted {
             (Some(baseline), _) => baseline,
             (None, None) => return Ok((findings, None)),
             (None, Some(path)) if pass.failures() > 0 => {
-                let shown = read::shown(path);
+                let shown = read::display_path(path);
                 streams.notes(&format!("{shown} is not written: not every shader was checked\n"));
                 return Ok((findings, None));
             }
             (None, Some(path)) => {
                 let count = write(path, &findings, &scope, writer)?;
-                let shown = read::shown(path);
+                let shown = read::display_path(path);
                 streams.notes(&format!("recorded {} in {shown}\n", counted(count, "finding")));
                 if !self.is_named {
                     streams.notes(&format!(

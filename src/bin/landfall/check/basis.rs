@@ -126,7 +126,7 @@ impl Basis {
 
     /// The layout options for a language, with naga's layout if a lint needs it.
     pub fn options_for(&self, language: Language) -> Options {
-        self.options().with_naga(naga_disagrees::wanted(language, &self.settings))
+        self.options().with_naga(naga_disagrees::applies_to(language, &self.settings))
     }
 
     /// The layout options.

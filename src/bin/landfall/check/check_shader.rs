@@ -24,8 +24,8 @@ use super::digests::Digests;
 use super::hash::Hash;
 use super::stamp::Stamp;
 use crate::config::Root;
-use crate::given;
 use crate::inputs::Input;
+use crate::without_effect;
 use crate::work::Weighed;
 
 /// Maximum number of errors reported per shader.
@@ -169,7 +169,7 @@ impl Job<'_> {
         let lock_path = self.lock_path(&shown);
         let known = self.known.get(&shown);
         if let Some(known) = known.filter(|known| self.is_untouched(known, lock_path.as_deref())) {
-            given::record_names(&known.constants);
+            without_effect::record_names(&known.constants);
             return Done::Same(shown, None);
         }
         let bytes = match self.texts.get(&shown) {
@@ -186,7 +186,7 @@ impl Job<'_> {
         let lock = self.at_revision(&shown).or_else(|| lock_path.map(LockFile::read));
         if let Some(known) = known {
             if known.hash == hash && self.is_same(known, lock.as_ref()) {
-                given::record_names(&known.constants);
+                without_effect::record_names(&known.constants);
                 let lock = lock.as_ref().map(|lock| lock.path.as_path());
                 let stamps = self.stamps(known.files(), lock.filter(|_| known.lock.is_some()));
                 let is_new = !stamps.is_empty() && stamps != known.stamps;
@@ -300,8 +300,8 @@ impl Job<'_> {
             Language::Wgsl => &self.options[1],
         };
         let shader = landfall_layout::layout(&source, options);
-        let constants = given::known_of(&shader);
-        given::record_names(&constants);
+        let constants = without_effect::known_of(&shader);
+        without_effect::record_names(&constants);
         let settings = &self.basis.settings;
         let (errors, warnings): (Vec<&Diagnostic>, Vec<&Diagnostic>) =
             shader.diagnostics.iter().partition(|d| d.severity == Severity::Error);

@@ -5,9 +5,9 @@ use std::time::Duration;
 use landfall::report::prove::summary;
 use landfall_exec::harness::call::pure::PureRequest;
 use landfall_layout::finding::{Finding, Level, Place};
-use landfall_light::accuracy::demand::{Demand, ProveReport, ProveRequest, Shown, prove};
+use landfall_light::accuracy::demand::{Demand, DemandVerdict, ProveReport, ProveRequest, prove};
 use landfall_light::accuracy::prove::Class;
-use landfall_light::accuracy::stress::Known;
+use landfall_light::accuracy::stress::OperationVerdict;
 use landfall_lint::settings::Proof;
 use landfall_lint::{levels, not_proved};
 
@@ -68,13 +68,16 @@ fn request(proof: &Proof) -> ProveRequest {
 
 /// A finding for each demand that is not shown.
 fn of_report(proof: &Proof, report: &ProveReport) -> Vec<Finding> {
-    let not_shown = report.demands.iter().filter(|(_, shown)| !matches!(shown, Shown::Shown));
+    let not_shown =
+        report.demands.iter().filter(|(_, shown)| !matches!(shown, DemandVerdict::Shown));
     let findings = not_shown.map(|(demand, shown)| {
         let function = &report.function;
         let message = match shown {
-            Shown::Broken(case) => format!("{} with {}", broken(function, *demand), case.shown()),
-            Shown::Open | Shown::Shown => {
-                format!("it is not proved that `{function}` {}", wanted(*demand))
+            DemandVerdict::Broken(case) => {
+                format!("{} with {}", broken(function, *demand), case.shown())
+            }
+            DemandVerdict::Open | DemandVerdict::Shown => {
+                format!("it is not proved that `{function}` {}", demand_text(*demand))
             }
         };
         let finding =
@@ -95,7 +98,7 @@ fn broken(function: &str, demand: Demand) -> String {
     }
 }
 
-fn wanted(demand: Demand) -> String {
+fn demand_text(demand: Demand) -> String {
     match demand {
         Demand::NoFault => "has no undefined result".to_string(),
         Demand::NoNan => "is never NaN".to_string(),
@@ -128,9 +131,10 @@ fn cause(report: &ProveReport, demand: Demand) -> Option<Place> {
         Demand::MaxUlp(_) | Demand::MaxStep(_) => true,
     };
     let mut left = report.operations.iter().filter(|operation| {
-        matters(operation.class()) && !matches!(operation.known, Known::Absent)
+        matters(operation.class()) && !matches!(operation.known, OperationVerdict::Absent)
     });
-    let found = left.clone().find(|operation| matches!(operation.known, Known::Found(_)));
+    let found =
+        left.clone().find(|operation| matches!(operation.known, OperationVerdict::Found(_)));
     let operation = found.or_else(|| left.next())?;
     Some(Place::of(&report.files, operation.place.span))
 }

@@ -59,7 +59,7 @@ pub struct MergedCheck {
 pub fn merge_reports(paths: &[impl AsRef<Path>]) -> Result<MergedCheck, Error> {
     let mut parts: Vec<(String, Part, Vec<Finding>)> = Vec::new();
     for path in paths {
-        let (shown, text) = (read::shown(path.as_ref()), read::text(path.as_ref())?);
+        let (shown, text) = (read::display_path(path.as_ref()), read::text(path.as_ref())?);
         let findings = read_json(&shown, &text)?;
         parts.push((shown.clone(), part_of(&shown, &text)?, findings));
     }

@@ -1,5 +1,5 @@
-//! What the file system records of a file, by which a check tells without reading it that it is
-//! unchanged.
+//! Stamps of files: metadata of the file system by which a check tells, without reading it, that a
+//! file is unchanged.
 //!
 //! A stamp holds only if both times of the file lie well before the check that read it, as git
 //! requires of its index: a change within the granularity of the clock could leave them as they

@@ -40,7 +40,7 @@ pub fn findings(
     let over_all = match remembered {
         Some(remembered) if remembered.key == key => remembered.findings.clone(),
         _ => {
-            let findings = ask(pass, basis, &basis.options());
+            let findings = run_tree_lints(pass, basis, &basis.options());
             *remembered = Some(Remembered { key, findings: findings.clone() });
             findings
         }
@@ -52,7 +52,7 @@ pub fn findings(
     let mut allows: Vec<Allow> =
         pass.checked.iter().flat_map(|checked| checked.allows.iter().cloned()).collect();
     suppress(&mut more, &mut allows);
-    more.extend(unused(&allows, &basis.settings, |code| is_asked(code, basis)));
+    more.extend(unused(&allows, &basis.settings, |code| has_run(code, basis)));
     more.extend(findings_in_shaders(pass));
     sorted(more)
 }
@@ -104,7 +104,7 @@ fn key(pass: &Pass, basis: &Basis) -> Hash {
 }
 
 /// Runs the lints over all shaders.
-fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
+fn run_tree_lints(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
     let checked = pass.checked.iter();
     let blocks: Vec<(&str, &[BlockDigest])> =
         checked.map(|c| (c.path.as_str(), c.blocks.get())).collect();
@@ -124,7 +124,7 @@ fn ask(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Finding> {
 }
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
-pub fn is_asked(code: &str, basis: &Basis) -> bool {
+pub fn has_run(code: &str, basis: &Basis) -> bool {
     match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
         Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
         // The other copy may be in a file that was not checked.

@@ -20,7 +20,7 @@ pub fn findings(
 ) -> Result<Vec<Finding>, Error> {
     let mut found = Vec::new();
     for path in reports {
-        let report = driver_disagrees::read(&read::shown(path), &read::text(path)?)?;
+        let report = driver_disagrees::read(&read::display_path(path), &read::text(path)?)?;
         let shaders: Vec<(String, ShaderLayout)> = report
             .paths()
             .filter_map(|path| {

@@ -1,7 +1,7 @@
 //! `check --watch`: checks again when a file that the last check read has changed.
 //!
 //! Modification times and sizes are polled: no dependency, and the same on every system and file
-//! system. Directories are searched again at each look, so that new shaders are found.
+//! system. Directories are searched again at each poll, so that new shaders are found.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -13,18 +13,18 @@ use landfall_layout::Error;
 use crate::args::CheckArgs;
 use crate::inputs::Inputs;
 use crate::output::{Failure, Outcome, Streams};
-use crate::{config, given, read, watch};
+use crate::{config, read, watch, without_effect};
 
-/// Least time between two looks.
+/// The least time between two polls.
 const INTERVAL: Duration = Duration::from_millis(250);
 
-/// A look takes at most one part in this many of the time.
+/// Polling takes at most one part in this many of the time.
 const SHARE: u32 = 10;
 
 /// Time in which the files of one change are written, as by an editor or `git checkout`.
 const SETTLE: Duration = Duration::from_millis(50);
 
-/// What a check read.
+/// The files and directories that a check read.
 #[derive(Default)]
 pub struct Watched {
     /// The inputs that are searched for shaders.
@@ -48,7 +48,7 @@ pub fn run(
     let mut watched = Watched::default();
     loop {
         let began = SystemTime::now();
-        let known = look(&watched, &configurations);
+        let known = current_stamps(&watched, &configurations);
         watched = Watched::default();
         let outcome = check(&mut watched).unwrap_or_else(|error| {
             streams.failure(error);
@@ -57,13 +57,13 @@ pub fn run(
         if watch::is_stopped() {
             return Ok(outcome);
         }
-        given::finish(streams);
+        without_effect::finish(streams);
         streams.finish()?;
         watch::end_with(outcome);
         if streams.is_unread() {
             return Ok(outcome);
         }
-        let mut now = look(&watched, &configurations);
+        let mut now = current_stamps(&watched, &configurations);
         // A file that changed while it was checked.
         let missed = changed(&known, &now, began);
         streams.notes(&format!("watching {} files; Ctrl-C ends\n", now.len()));
@@ -90,7 +90,7 @@ fn wait(
             return None;
         }
         let began = Instant::now();
-        let next = look(watched, configurations);
+        let next = current_stamps(watched, configurations);
         let difference = different(now, &next);
         *now = next;
         match (difference, found) {
@@ -108,7 +108,7 @@ fn wait(
 }
 
 /// The stamps of all files that a check reads.
-fn look(watched: &Watched, configurations: &[PathBuf]) -> BTreeMap<PathBuf, Stamp> {
+fn current_stamps(watched: &Watched, configurations: &[PathBuf]) -> BTreeMap<PathBuf, Stamp> {
     let inputs = Inputs::new(watched.paths.clone()).filter_map(Result::ok).map(|input| input.path);
     let files = watched.files.iter().chain(configurations).cloned();
     inputs.chain(files).map(|path| (path.clone(), stamp(&path))).collect()

@@ -13,8 +13,8 @@ use crate::read::is_stdin;
 /// The names of a configuration file.
 pub const NAMES: [&str; 2] = ["landfall.toml", ".landfall.toml"];
 
-/// What determines the root directory of a project.
-pub enum Found {
+/// The file or directory that determines the root directory of a project.
+pub enum ProjectBase {
     /// A configuration file, from the current directory.
     File(PathBuf),
     /// The directory that contains `layouts`, or the current directory.
@@ -28,7 +28,7 @@ pub enum Found {
 /// # Errors
 ///
 /// A directory contains both names of a configuration, or the file cannot be read.
-pub fn find(paths: &[PathBuf]) -> Result<Found, Error> {
+pub fn find(paths: &[PathBuf]) -> Result<ProjectBase, Error> {
     let current = current()?;
     let mut folders =
         paths.iter().filter(|path| !is_stdin(path)).map(|path| folder(&current, path));
@@ -48,13 +48,15 @@ pub fn find(paths: &[PathBuf]) -> Result<Found, Error> {
         start.ancestors().filter(|folder| top.is_none_or(|top| folder.starts_with(top))).collect();
     for folder in &folders {
         if let Some(file) = config(folder, &current)? {
-            return Ok(Found::File(file));
+            return Ok(ProjectBase::File(file));
         }
     }
     // The locks of the current directory precede those of a directory below it.
     let here = start.starts_with(&current).then_some(current.as_path());
     let locked = here.into_iter().chain(folders).find(|folder| holds_locks(&folder.join(LOCKS)));
-    Ok(Found::Root(locked.map_or_else(PathBuf::new, |folder| relative_path(&current, folder))))
+    Ok(ProjectBase::Root(
+        locked.map_or_else(PathBuf::new, |folder| relative_path(&current, folder)),
+    ))
 }
 
 /// The configuration file of a directory, from the current one.

@@ -1,15 +1,15 @@
 //! Warnings about names and patterns of a configuration that have no effect.
 
 use super::Config;
-use crate::given::{self, ConfiguredKey};
 use crate::output::Streams;
+use crate::without_effect::{self, ConfiguredKey};
 
 impl Config {
     /// Records the names that the file gives to all its shaders.
     pub fn record_names(&self) {
         let Some(file) = &self.file else { return };
         let names = |key, names: &[(String, String)]| {
-            names.iter().for_each(|(name, _)| given::configured(key, name, file));
+            names.iter().for_each(|(name, _)| without_effect::configured(key, name, file));
         };
         names(ConfiguredKey::Override, &self.read.overrides);
         names(ConfiguredKey::Define, &self.read.defines);
@@ -28,7 +28,7 @@ impl Config {
                 (Some(file), true) => format!("{pattern}` in `exclude` of `{}", file.display()),
                 (None, _) | (_, false) => format!("--exclude {pattern}"),
             };
-            given::excludes_nothing(option, streams);
+            without_effect::excludes_nothing(option, streams);
         }
     }
 }

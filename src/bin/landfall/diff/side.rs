@@ -9,7 +9,7 @@ use crate::config::{Config, slashes};
 use crate::inputs::Inputs;
 use crate::locks::locks_below;
 use crate::output::{FindingStyle, Streams};
-use crate::{git, given, read};
+use crate::{git, read, without_effect};
 
 /// The layouts of one side.
 pub struct Side {
@@ -128,7 +128,7 @@ impl Reading<'_> {
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
         let layout = landfall_layout::layout(&source, &options);
-        given::record_of(&layout);
+        without_effect::record_of(&layout);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
         if layout.has_errors() {
@@ -147,7 +147,7 @@ impl Reading<'_> {
         let shader = shader.zip(locks);
         let shader = shader.and_then(|(path, locks)| path.strip_prefix(locks).ok().map(slashes));
         let text = read::text(path)?;
-        let locks = lock::read_all(&read::shown(path), &text)?;
+        let locks = lock::read_all(&read::display_path(path), &text)?;
         let alone = locks.len() == 1;
         let layout = |lock: &lock::Lock| {
             let mut layout = lock.layout();

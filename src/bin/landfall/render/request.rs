@@ -88,10 +88,10 @@ pub fn load(
     let mut options = read::options(args.read);
     let (mut entry, mut frame) = (args.entry.clone(), FrameOptions::default());
     let own = match &scene.shader {
-        Some(Value::String(name)) => Some(beside(args.scene, name)),
+        Some(Value::String(name)) => Some(relative_to_scene(args.scene, name)),
         Some(Value::Object(map)) => {
             let own = of_scene(&path, map, &mut entry, &mut frame, &mut options)?;
-            own.map(|name| beside(args.scene, &name))
+            own.map(|name| relative_to_scene(args.scene, &name))
         }
         Some(_) | None => None,
     };
@@ -126,7 +126,7 @@ pub fn load(
     }))
 }
 
-fn beside(scene: &Path, name: &str) -> PathBuf {
+fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
     let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
     for part in Path::new(name).components() {
         match part {

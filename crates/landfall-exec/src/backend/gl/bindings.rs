@@ -131,7 +131,7 @@ impl<'c> BoundResources<'c> {
         for (unit, sampler) in (0..).zip(&program.samplers) {
             let found = resources.iter().find_map(|resource| match &resource.kind {
                 ResourceKind::Texture { width, height, texels }
-                    if named(&resource.name, sampler) =>
+                    if belongs_to_sampler(&resource.name, sampler) =>
                 {
                     Some((*width, *height, texels))
                 }
@@ -273,7 +273,7 @@ fn find(
 }
 
 /// Returns whether a resource belongs to a sampler: `tex` stands for `tex[0]` too.
-fn named(resource: &str, sampler: &str) -> bool {
+fn belongs_to_sampler(resource: &str, sampler: &str) -> bool {
     resource == sampler || sampler.strip_suffix("[0]") == Some(resource)
 }
 

@@ -61,7 +61,7 @@ pub(super) struct Display {
 /// `EGL_PLATFORM_SURFACELESS_MESA`, of `EGL_MESA_platform_surfaceless`.
 const PLATFORM_SURFACELESS: egl::Enum = 0x31DD;
 
-/// What provides EGL on an operating system, by its name in `std::env::consts::OS`.
+/// Returns how to get EGL on an operating system, by its name in `std::env::consts::OS`.
 fn provider(system: &str) -> &'static str {
     match system {
         "windows" => {

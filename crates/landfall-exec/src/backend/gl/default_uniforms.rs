@@ -26,12 +26,12 @@ pub(super) fn set(
     for uniform in &program.loose {
         let words = by_name.get(uniform.name.as_str());
         let words = words.ok_or_else(|| unbound("uniform", &uniform.name))?;
-        one(context, uniform, words)?;
+        set_uniform(context, uniform, words)?;
     }
     Ok(())
 }
 
-fn one(context: &Context, uniform: &ActiveUniform, words: &[u32]) -> Result<(), Failure> {
+fn set_uniform(context: &Context, uniform: &ActiveUniform, words: &[u32]) -> Result<(), Failure> {
     let gl = &context.gl;
     let at = Some(&uniform.location);
     let count = words.len();

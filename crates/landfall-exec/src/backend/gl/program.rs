@@ -123,7 +123,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
         }
         if takes_corners {
             gl.bind_attrib_location(id, 0, CORNER);
-        } else if let (true, Some(separable)) = (alone(texts), &context.separable) {
+        } else if let (true, Some(separable)) = (lacks_stage(texts), &context.separable) {
             separable.make(id);
         }
         gl.link_program(id);
@@ -145,7 +145,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
 }
 
 /// Returns whether a stage is missing that a non-separable program needs.
-fn alone(texts: &[(Stage, &str)]) -> bool {
+fn lacks_stage(texts: &[(Stage, &str)]) -> bool {
     let has = |stage| texts.iter().any(|text| text.0 == stage);
     let pair = has(Stage::Vertex) && has(Stage::Fragment);
     !pair && !has(Stage::Compute)

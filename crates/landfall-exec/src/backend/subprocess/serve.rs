@@ -29,12 +29,15 @@ const STACK: usize = 256 << 20;
 
 /// Runs jobs sent over stdin, with replies on stdout, until stdin ends.
 ///
-/// A hanging driver would outlive its parent: when stdin ends, `alone` is called on another thread
-/// and should end the process.
+/// A hanging driver would outlive its parent: when stdin ends, `on_stdin_end` is called on another
+/// thread and should end the process.
 ///
 /// # Errors
 /// Fails if a message cannot be read or written.
-pub fn serve(driver_kind: &DriverKind, alone: impl FnOnce() + Send + 'static) -> io::Result<()> {
+pub fn serve(
+    driver_kind: &DriverKind,
+    on_stdin_end: impl FnOnce() + Send + 'static,
+) -> io::Result<()> {
     let (questions, asked) = mpsc::channel();
     let reads = move || {
         let mut stdin = BufReader::new(io::stdin());
@@ -50,7 +53,7 @@ pub fn serve(driver_kind: &DriverKind, alone: impl FnOnce() + Send + 'static) ->
             }
         }
         drop(questions);
-        alone();
+        on_stdin_end();
     };
     thread::Builder::new().spawn(reads)?;
     let driver_kind = driver_kind.clone();

@@ -242,7 +242,7 @@ impl From<&Device> for WireDevice {
 impl WireDevice {
     pub(super) fn device(self) -> io::Result<Device> {
         let WireDevice { backend, adapter, driver, version, software } = self;
-        Ok(Device { backend: known(&backend)?, adapter, driver, version, software })
+        Ok(Device { backend: backend_kind(&backend)?, adapter, driver, version, software })
     }
 }
 
@@ -261,7 +261,7 @@ impl WireFound {
             Ok((device, limits)) => Ok((device.device()?, limits)),
             Err(failure) => Err(failure),
         };
-        Ok(BackendEntry { backend: known(&backend)?, kind, outcome })
+        Ok(BackendEntry { backend: backend_kind(&backend)?, kind, outcome })
     }
 }
 
@@ -269,7 +269,7 @@ pub(super) fn stage(name: &str) -> io::Result<Stage> {
     Stage::from_name(name).ok_or_else(|| invalid(&format!("`{name}` is not a shader stage")))
 }
 
-fn known(backend: &str) -> io::Result<BackendKind> {
+fn backend_kind(backend: &str) -> io::Result<BackendKind> {
     let kind = BackendKind::from_name(backend).filter(|kind| kind.is_driver());
     kind.ok_or_else(|| invalid(&format!("`{backend}` is not a backend with a driver")))
 }

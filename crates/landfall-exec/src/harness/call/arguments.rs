@@ -42,17 +42,23 @@ pub(super) fn append_words(
         ValueType::Vector { scalar, rows } => {
             let wanted = format!("an array of {rows} numbers");
             let items = list(ty, value, usize::from(*rows), &wanted, at, language)?;
-            each(&ValueType::Scalar(*scalar), items, at, language, to)
+            append_items(&ValueType::Scalar(*scalar), items, at, language, to)
         }
         ValueType::Matrix { scalar, columns, rows } => {
             let wanted = format!("an array of {columns} columns of {rows} numbers");
             let items = list(ty, value, usize::from(*columns), &wanted, at, language)?;
-            each(&ValueType::Vector { scalar: *scalar, rows: *rows }, items, at, language, to)
+            append_items(
+                &ValueType::Vector { scalar: *scalar, rows: *rows },
+                items,
+                at,
+                language,
+                to,
+            )
         }
         ValueType::Array { element, len } => {
             let wanted = format!("an array of {len}");
             let items = list(ty, value, *len as usize, &wanted, at, language)?;
-            each(element, items, at, language, to)
+            append_items(element, items, at, language, to)
         }
         ValueType::Struct { members, .. } => {
             let Value::Object(map) = value else {
@@ -98,7 +104,7 @@ pub(super) fn append_words(
     }
 }
 
-fn each(
+fn append_items(
     ty: &ValueType,
     items: &[Value],
     at: &str,
@@ -176,7 +182,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
         ValueType::Scalar(_)
         | ValueType::Vector { .. }
         | ValueType::Matrix { .. }
-        | ValueType::Array { .. } => match (plain(ty), ty, language) {
+        | ValueType::Array { .. } => match (non_struct_type(ty), ty, language) {
             (Some(plain), _, _) => plain.spelled(language).to_string(),
             (None, ValueType::Array { element, len }, Language::Wgsl) => {
                 format!("array<{}, {len}>", spelled(element, language))
@@ -192,7 +198,7 @@ pub(super) fn spelled(ty: &ValueType, language: Language) -> String {
 }
 
 /// Returns the shape of a type without structures.
-fn plain(ty: &ValueType) -> Option<Type> {
+fn non_struct_type(ty: &ValueType) -> Option<Type> {
     Some(match ty {
         ValueType::Scalar(scalar) => Type::Scalar(*scalar),
         ValueType::Vector { scalar, rows } => Type::Vector { scalar: *scalar, rows: *rows },
@@ -200,7 +206,7 @@ fn plain(ty: &ValueType) -> Option<Type> {
             Type::Matrix { scalar: *scalar, columns: *columns, rows: *rows }
         }
         ValueType::Array { element, len } => {
-            Type::Array { element: plain(element)?.into(), len: ArrayLen::Fixed(*len) }
+            Type::Array { element: non_struct_type(element)?.into(), len: ArrayLen::Fixed(*len) }
         }
         ValueType::Struct { .. } => return None,
     })

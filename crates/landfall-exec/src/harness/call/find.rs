@@ -36,7 +36,7 @@ pub(super) fn find<'m>(
     let mut wrong = None;
     let mut found = Vec::new();
     for info in &fitting {
-        match taken(program, info, arguments, language) {
+        match converted_arguments(program, info, arguments, language) {
             Ok(taken) => found.push(taken),
             // Of several overloads, the error of one with the right number of parameters explains
             // most.
@@ -62,7 +62,7 @@ pub(super) fn find<'m>(
 }
 
 /// Returns the arguments converted to the function's parameters.
-fn taken<'m>(
+fn converted_arguments<'m>(
     program: &Program,
     info: &'m FunctionInfo,
     given: &[Value],
@@ -160,13 +160,16 @@ struct Candidates<'m, 'a> {
 impl<'m, 'a> Candidates<'m, 'a> {
     fn of(module: &'m Module, meant: &'a str) -> Candidates<'m, 'a> {
         let (name, types) = match meant.split_once('(') {
-            Some((name, types)) => (name.trim(), Some(bare(types.trim().trim_end_matches(')')))),
+            Some((name, types)) => {
+                (name.trim(), Some(without_spaces(types.trim().trim_end_matches(')'))))
+            }
             None => (meant.trim(), None),
         };
         let named: Vec<&FunctionInfo> =
             module.functions().iter().filter(|f| f.name == name).collect();
-        let fits =
-            |info: &&FunctionInfo| types.as_ref().is_none_or(|types| bare(&listed(info)) == *types);
+        let fits = |info: &&FunctionInfo| {
+            types.as_ref().is_none_or(|types| without_spaces(&parameter_types(info)) == *types)
+        };
         let fitting = named.iter().copied().filter(fits).collect();
         Candidates { name, named, fitting }
     }
@@ -237,10 +240,10 @@ pub(super) fn unknown(module: &Module, name: &str) -> ArgumentError {
 
 /// Returns `phong(vec3, Light)`.
 pub(super) fn spelled_signature(info: &FunctionInfo) -> String {
-    format!("{}({})", info.name, listed(info))
+    format!("{}({})", info.name, parameter_types(info))
 }
 
-fn listed(info: &FunctionInfo) -> String {
+fn parameter_types(info: &FunctionInfo) -> String {
     info.parameters.iter().map(|p| p.ty.as_str()).collect::<Vec<_>>().join(", ")
 }
 
@@ -258,6 +261,6 @@ fn declared(info: &FunctionInfo) -> String {
 }
 
 /// Returns types without spaces, for comparison.
-fn bare(types: &str) -> String {
+fn without_spaces(types: &str) -> String {
     types.chars().filter(|c| !c.is_whitespace()).collect()
 }

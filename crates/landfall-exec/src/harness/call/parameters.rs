@@ -47,7 +47,9 @@ pub(super) fn list(
     for (nth, parameter) in inputs.iter().enumerate() {
         let ty = parameter.ty.clone();
         match known.read_inputs[nth] {
-            true => listed.given(vec![plain(known.inputs[nth].clone(), Origin::Input, ty)]),
+            true => {
+                listed.push_slot(vec![new_parameter(known.inputs[nth].clone(), Origin::Input, ty)])
+            }
             false => listed.slots.push(Slot::Zero(ty.scalars().len())),
         }
     }
@@ -64,12 +66,12 @@ pub(super) fn list(
         match argument.direction {
             Direction::Out => listed.slots.push(Slot::Out),
             Direction::In | Direction::InOut => {
-                listed.given(vec![plain(name, Origin::Argument(nth), ty)]);
+                listed.push_slot(vec![new_parameter(name, Origin::Argument(nth), ty)]);
             }
         }
     }
     for block in &known.blocks[..blocks.len()] {
-        listed.given(members(block, &known.module.blocks[block.number].layout, known.language));
+        listed.push_slot(members(block, &known.module.blocks[block.number].layout, known.language));
     }
     for parameter in written {
         let (name, ty, at) = (parameter.name.clone(), parameter.ty.clone(), listed.slots.len());
@@ -81,7 +83,7 @@ pub(super) fn list(
 
 impl PublicParameters {
     /// Adds the parameters that fill one parameter of the caller.
-    fn given(&mut self, parameters: Vec<PureParameter>) {
+    fn push_slot(&mut self, parameters: Vec<PureParameter>) {
         let first = self.parameters.len();
         self.parameters.extend(parameters);
         self.slots.push(Slot::Given((first..self.parameters.len()).collect()));
@@ -112,13 +114,13 @@ fn members(block: &Sampled, layout: &BlockLayout, language: Language) -> Vec<Pur
         let name = member.name.clone();
         let path = named.map_or(name.clone(), |named| format!("{named}.{name}"));
         let origin = Origin::Block(layout.name.to_string(), name);
-        let parameter = plain(path, origin, member.ty.clone());
+        let parameter = new_parameter(path, origin, member.ty.clone());
         PureParameter { read: member.read, block: Some(block.number), ..parameter }
     });
     members.collect()
 }
 
-fn plain(path: String, origin: Origin, ty: ValueType) -> PureParameter {
+fn new_parameter(path: String, origin: Origin, ty: ValueType) -> PureParameter {
     let scalars = scalars(&path, &ty);
     PureParameter { path, origin, ty, scalars, read: true, block: None }
 }

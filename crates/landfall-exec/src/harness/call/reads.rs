@@ -20,9 +20,11 @@ pub(super) fn members(
         let wholes = passed(function);
         for (at, expression) in function.expressions.iter() {
             let (variable, member) = match *expression {
-                Expression::AccessIndex { base, index } => (named(function, base), Some(index)),
-                Expression::Load { pointer } => (named(function, pointer), None),
-                _ if wholes.contains(&at) => (named(function, at), None),
+                Expression::AccessIndex { base, index } => {
+                    (variable_of(function, base), Some(index))
+                }
+                Expression::Load { pointer } => (variable_of(function, pointer), None),
+                _ if wholes.contains(&at) => (variable_of(function, at), None),
                 _ => continue,
             };
             let Some(variable) = variable else { continue };
@@ -37,7 +39,7 @@ pub(super) fn members(
     all
 }
 
-fn named(function: &Function, at: Handle<Expression>) -> Option<Handle<GlobalVariable>> {
+fn variable_of(function: &Function, at: Handle<Expression>) -> Option<Handle<GlobalVariable>> {
     match function.expressions[at] {
         Expression::GlobalVariable(variable) => Some(variable),
         _ => None,

@@ -72,7 +72,7 @@ impl CallReport {
     /// Returns the undefined operations as findings, each with its place.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let found = self.undefined.iter().map(|seen| {
-            let operands: Vec<String> = seen.operands.iter().map(|x| plain(*x)).collect();
+            let operands: Vec<String> = seen.operands.iter().map(|x| number_text(*x)).collect();
             let mut message = seen.kind.text().to_string();
             if !operands.is_empty() {
                 message.push_str(&format!(": {}", operands.join(", ")));
@@ -97,7 +97,7 @@ pub fn function_name(name: &str) -> &str {
     if name == super::caller::NAME { "main" } else { name }
 }
 
-fn plain(number: f64) -> String {
+fn number_text(number: f64) -> String {
     ComponentBits { scalar: Scalar::F64, bits: number.to_bits() }.to_string()
 }
 
@@ -184,7 +184,7 @@ pub(super) fn ulps(single: f32, double: f64) -> Option<f64> {
 
 /// A value in JSON with all its details.
 #[derive(Serialize)]
-pub struct GivenObject {
+pub struct ValueObject {
     /// The type as the shader spells it.
     #[serde(rename = "type")]
     pub ty: String,
@@ -209,16 +209,16 @@ pub struct ScalarObject {
     pub ulp: Option<f64>,
 }
 
-impl GivenObject {
+impl ValueObject {
     /// Returns the JSON form of a returned value.
-    pub fn of(given: &ReturnedValue) -> GivenObject {
+    pub fn of(given: &ReturnedValue) -> ValueObject {
         let scalars = given.scalars.iter().map(|scalar| ScalarObject {
             path: scalar.path.clone(),
             value: scalar.value,
             double: scalar.double.map(number),
             ulp: scalar.ulp,
         });
-        GivenObject {
+        ValueObject {
             ty: given.ty.clone(),
             value: given.json(),
             double: given.json_double(),

@@ -1,7 +1,7 @@
 //! The results that any conformant device may give for fragments: the interpreter runs the shader
 //! with the error bounds of WGSL and Vulkan.
 //!
-//! Packs as [`batch`](super::batch) does; used by [`bench`](mod@landfall_light::accuracy::bench).
+//! Packs as [`batch`](super::batch) does; used by `bench` of landfall-light.
 
 use std::time::Instant;
 

@@ -49,7 +49,7 @@ pub fn cause(
         return None;
     }
     let mut parts = Vec::new();
-    if let Some(words) = known(others, expected, &place) {
+    if let Some(words) = known_cause(others, expected, &place) {
         parts.push(words);
     }
     if place.offset != meant.offset {
@@ -161,7 +161,7 @@ fn fit(leaf: &Leaf, probe_results: &[&ProbeResult]) -> Option<LinearPlacement> {
 }
 
 /// Names a known error that gives exactly this placement.
-fn known(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Option<String> {
+fn known_cause(others: &OtherRules, leaf: &Leaf, place: &LinearPlacement) -> Option<String> {
     if let Some(naga) = &leaf.naga {
         let strides: Vec<i64> = naga.strides.iter().map(|stride| *stride as i64).collect();
         let known: Vec<i64> = place.strides.iter().copied().flatten().collect();

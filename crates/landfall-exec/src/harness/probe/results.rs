@@ -70,7 +70,8 @@ pub fn read(plan: &Plan, buffer: u64, sentinels: &[u32], passes: &[Vec<u32>]) ->
     plan.reads.iter().map(sight).collect()
 }
 
-/// Returns the results of the reads of a plan whose grain is no word, given the words of each pass.
+/// Returns the results of the reads of a plan whose grain is another than a word, given the words
+/// of each pass.
 pub fn read_grains(plan: &Plan, buffer: u64, passes: &[Vec<u32>]) -> Vec<ProbeResult> {
     let grain = plan.grain;
     let sight = |read: &Read| {

@@ -2,8 +2,8 @@
 //!
 //! A word is a small integer as a 32-bit float: neither zero, NaN nor subnormal, so it survives as
 //! float, int, uint, and as half of 64 bits. A bool keeps one bit of it only and needs [`passes`],
-//! one per bit of the position. Values of 8 and 16 bits are fewer than the positions of a buffer:
-//! several [`sentinel_buffer`] of it tell some bits of each position at a time.
+//! one per bit of the position. There are fewer values of 8 and 16 bits than positions in a buffer:
+//! each [`sentinel_buffer`] encodes some bits of every position, and several passes all of them.
 
 /// The word at position 0; position `i` holds `BASE + i`.
 const BASE: u32 = 1_000;
@@ -59,8 +59,8 @@ pub enum Grain {
     Double,
 }
 
-/// The first of the 16-bit values that tell positions, 2.0 as a float; those below 4.0 follow. They
-/// are positive normal floats, which every conversion keeps, and positive integers.
+/// The first of the 16-bit values that encode positions, 2.0 as a float; those below 4.0 follow.
+/// They are positive normal floats, which every conversion keeps, and positive integers.
 const HALVES: u32 = 0x4000;
 
 /// The first of the 16-bit values that are written: -2.0.
@@ -89,8 +89,8 @@ impl Grain {
         }
     }
 
-    /// Returns the number of bits of a position that one value tells.
-    fn told(self) -> u32 {
+    /// Returns the number of bits of a position that one value encodes.
+    fn position_bits(self) -> u32 {
         match self {
             Grain::Byte => 8,
             Grain::Half => HALVES_COUNT.trailing_zeros(),
@@ -100,13 +100,13 @@ impl Grain {
 
     /// Returns the number of buffers that identify every position of a buffer of that size.
     pub fn passes(self, bytes: u64) -> u32 {
-        (u64::BITS - (bytes / self.size()).leading_zeros()).div_ceil(self.told())
+        (u64::BITS - (bytes / self.size()).leading_zeros()).div_ceil(self.position_bits())
     }
 }
 
-/// Returns the buffer of a pass: each unit tells some bits of its position, counted from 1.
+/// Returns the buffer of a pass: each unit encodes some bits of its position, counted from 1.
 pub fn sentinel_buffer(bytes: u64, grain: Grain, pass: u32) -> Vec<u8> {
-    let told = grain.told();
+    let told = grain.position_bits();
     let bits = |place: u64| (((place + 1) >> (told * pass)) & ((1 << told) - 1)) as u32;
     let units = 0..bytes / grain.size();
     let mut buffer: Vec<u8> = match grain {
@@ -123,7 +123,7 @@ pub fn sentinel_buffer(bytes: u64, grain: Grain, pass: u32) -> Vec<u8> {
     buffer
 }
 
-/// Returns the position that the words of all passes tell, counted in units; `None` for bits that
+/// Returns the position that the words of all passes encode, counted in units; `None` for bits that
 /// were never uploaded. A word holds an integer's bits, or a float's value in 32 bits.
 pub fn grain_place(words: &[u32], grain: Grain, float: bool, bytes: u64) -> Option<u64> {
     let units = bytes / grain.size();
@@ -138,8 +138,8 @@ pub fn grain_place(words: &[u32], grain: Grain, float: bool, bytes: u64) -> Opti
         (Grain::Word | Grain::Double, _) => place(word, units as u32).map(|it| u64::from(it) + 1),
     };
     let each = words.iter().enumerate().map(|(pass, word)| {
-        let bits = told(*word).filter(|bits| bits >> grain.told().min(32) == 0)?;
-        Some(bits << (grain.told() * pass as u32))
+        let bits = told(*word).filter(|bits| bits >> grain.position_bits().min(32) == 0)?;
+        Some(bits << (grain.position_bits() * pass as u32))
     });
     let place = each.sum::<Option<u64>>()?.checked_sub(1)?;
     (place < units).then_some(place)

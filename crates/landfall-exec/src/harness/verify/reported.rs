@@ -17,13 +17,16 @@ pub(super) fn elements(
     expected: &BlockLayout,
     reflection: &Reflection,
 ) -> Vec<ElementReport> {
-    let Some(listed) = listed(block, reflection) else { return Vec::new() };
+    let Some(listed) = reflected_block(block, reflection) else { return Vec::new() };
     let leaves = by_path(expected);
     listed.members.iter().flat_map(|member| of_member(member, &leaves)).collect()
 }
 
 /// Returns the reflected block of that name.
-fn listed<'r>(block: &BlockLayout, reflection: &'r Reflection) -> Option<&'r ReflectedBlock> {
+fn reflected_block<'r>(
+    block: &BlockLayout,
+    reflection: &'r Reflection,
+) -> Option<&'r ReflectedBlock> {
     let listed = match block.space {
         AddressSpace::Storage => &reflection.storage_blocks,
         _ => &reflection.uniform_blocks,
@@ -42,7 +45,7 @@ pub(super) fn matrices(
     expected: &BlockLayout,
     reflection: &Reflection,
 ) -> Vec<ElementReport> {
-    let Some(listed) = listed(block, reflection) else { return Vec::new() };
+    let Some(listed) = reflected_block(block, reflection) else { return Vec::new() };
     let leaves = by_path(expected);
     let steps = |member: &ReflectedMember| {
         let (name, indices) = pattern(&member.name);

@@ -170,7 +170,7 @@ impl Verifier<'_> {
                 }
             }
         }
-        self.judge(&probe_results, &mut report);
+        self.record_results(&probe_results, &mut report);
         self.reported(backend, stage, &mut report);
         report
     }
@@ -220,8 +220,8 @@ impl Verifier<'_> {
         }
     }
 
-    /// Runs a plan on one buffer of the block: once over sentinels, and once per bit for bools. Where
-    /// values are no words, each pass tells some bits of their positions.
+    /// Runs a plan on one buffer of the block: once over sentinels, and once per bit for bools. For
+    /// units other than words, each pass encodes some bits of their positions.
     fn run(
         &self,
         backend: &mut dyn Backend,
@@ -314,7 +314,7 @@ impl Verifier<'_> {
     }
 
     /// Adds the results to the report, with a cause for each leaf that was read elsewhere.
-    fn judge(&self, probe_results: &[ProbeResult], report: &mut BackendReport) {
+    fn record_results(&self, probe_results: &[ProbeResult], report: &mut BackendReport) {
         let mut wrong: BTreeMap<usize, Vec<&ProbeResult>> = BTreeMap::new();
         for probe_result in probe_results {
             report.reads.push(element_report(self.block, probe_result));

@@ -1,8 +1,9 @@
 //! Affine forms: values as linear functions of the inputs, so that operands that depend on the same
 //! inputs are not taken as independent.
 //!
-//! A form encloses what an operation may give on any device, as the interval of the value does; the
-//! value is in both. Its numbers are computed in `f64`, whose roundings are added to its rest.
+//! A form encloses the results of an operation on any device, as the interval of the value does;
+//! the value lies in both. Its numbers are computed in `f64`, and their roundings are added to its
+//! rest.
 //! After Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications (1997), with
 //! the mean value form for quotients and functions of one operand.
 
@@ -182,7 +183,7 @@ impl Affine {
         self.middle.abs() <= MOST && self.radius() <= MOST
     }
 
-    /// Gives its rest a symbol, so that it cancels where the value is used again.
+    /// Replaces its rest by a symbol, which cancels where the value is used again.
     pub fn named(mut self, symbol: u32) -> Affine {
         if self.rest > 0.0 {
             self.shares.push((symbol, self.rest));

@@ -22,7 +22,7 @@ const UNKNOWN: f64 = 200.0;
 /// More than any permitted relative error of an operation that can overflow.
 const COARSE: f64 = 1.0 / 1024.0;
 
-fn plain(value: Interval) -> Applied {
+fn without_fault(value: Interval) -> Applied {
     Applied { value, faults: Faults::NONE }
 }
 
@@ -31,9 +31,13 @@ fn empty(kind: K) -> Applied {
 }
 
 /// Returns the result in an arithmetic, given the exact enclosure and the permitted one.
-fn settle(how: Arithmetic, exact: Interval, permitted: impl FnOnce() -> Interval) -> Applied {
+fn rounded_result(
+    how: Arithmetic,
+    exact: Interval,
+    permitted: impl FnOnce() -> Interval,
+) -> Applied {
     match how {
-        Arithmetic::Exact => plain(exact),
+        Arithmetic::Exact => without_fault(exact),
         Arithmetic::Nearest => nearest(exact),
         Arithmetic::Permitted => match permitted() {
             any if any.is_any() => {
@@ -43,7 +47,7 @@ fn settle(how: Arithmetic, exact: Interval, permitted: impl FnOnce() -> Interval
                 let faults = Faults::when(true, K::BornInfinite);
                 Applied { value: intersection(value, between(-MOST, MOST)), faults }
             }
-            value => plain(value),
+            value => without_fault(value),
         },
     }
 }
@@ -58,7 +62,7 @@ fn nearest(exact: Interval) -> Applied {
 /// Returns the result of a function whose permitted values are bounded: without a permitted
 /// enclosure, the exact one within an absolute error.
 fn bounded(how: Arithmetic, exact: Interval, permitted: Interval, error: f64) -> Applied {
-    settle(how, exact, || match permitted {
+    rounded_result(how, exact, || match permitted {
         any if any.is_any() => between(exact.low - error, exact.high + error),
         value => value,
     })
@@ -66,38 +70,38 @@ fn bounded(how: Arithmetic, exact: Interval, permitted: Interval, error: f64) ->
 
 pub(super) fn f1(how: Arithmetic, f: F1, x: Interval) -> Applied {
     if is_empty(x) {
-        return plain(exact::EMPTY);
+        return without_fault(exact::EMPTY);
     }
     let e = |g: fn(f64) -> f64| exact::rising(x, g);
     match f {
-        F1::Neg => plain(exact::neg(x)),
-        F1::Abs => plain(exact::abs(x)),
-        F1::Sign => plain(exact::step(x, |x| if x == 0.0 { 0.0 } else { x.signum() })),
-        F1::Floor => plain(exact::step(x, f64::floor)),
-        F1::Ceil => plain(exact::step(x, f64::ceil)),
-        F1::Round => plain(exact::step(x, f64::round_ties_even)),
-        F1::Trunc => plain(exact::step(x, f64::trunc)),
+        F1::Neg => without_fault(exact::neg(x)),
+        F1::Abs => without_fault(exact::abs(x)),
+        F1::Sign => without_fault(exact::step(x, |x| if x == 0.0 { 0.0 } else { x.signum() })),
+        F1::Floor => without_fault(exact::step(x, f64::floor)),
+        F1::Ceil => without_fault(exact::step(x, f64::ceil)),
+        F1::Round => without_fault(exact::step(x, f64::round_ties_even)),
+        F1::Trunc => without_fault(exact::step(x, f64::trunc)),
         F1::Fract => fraction(how, x),
-        F1::Saturate => plain(exact::step(x, |x| x.clamp(0.0, 1.0))),
+        F1::Saturate => without_fault(exact::step(x, |x| x.clamp(0.0, 1.0))),
         F1::Radians | F1::Degrees => {
             let factor = if f == F1::Radians { 1f64.to_radians() } else { 1f64.to_degrees() };
             let by = exact::widened(point(factor));
-            settle(how, exact::mul(x, by), || x.mul(Interval::near(factor)))
+            rounded_result(how, exact::mul(x, by), || x.mul(Interval::near(factor)))
         }
         F1::Sqrt | F1::InverseSqrt | F1::Log | F1::Log2 => positive(how, f, x),
         F1::Asin | F1::Acos | F1::Acosh | F1::Atanh => arc(how, f, x),
         F1::Sin => bounded(how, exact::sin(x), x.sin(), SINE),
         F1::Cos => bounded(how, exact::cos(x), x.cos(), SINE),
-        F1::Tan => settle(how, exact::tan(x), || x.sin().div(x.cos())),
-        F1::Sinh => settle(how, e(f64::sinh), || x.sinh()),
-        F1::Cosh => settle(how, exact::rising(exact::abs(x), f64::cosh), || x.cosh()),
+        F1::Tan => rounded_result(how, exact::tan(x), || x.sin().div(x.cos())),
+        F1::Sinh => rounded_result(how, e(f64::sinh), || x.sinh()),
+        F1::Cosh => rounded_result(how, exact::rising(exact::abs(x), f64::cosh), || x.cosh()),
         F1::Tanh => bounded(how, e(f64::tanh), x.tanh(), COARSE),
-        F1::Atan => settle(how, e(f64::atan), || x.atan()),
+        F1::Atan => rounded_result(how, e(f64::atan), || x.atan()),
         F1::Asinh => bounded(how, e(f64::asinh), x.asinh(), UNKNOWN),
-        F1::Exp => settle(how, not_below(e(f64::exp), 0.0), || x.exp()),
-        F1::Exp2 => settle(how, not_below(e(f64::exp2), 0.0), || x.exp2()),
+        F1::Exp => rounded_result(how, not_below(e(f64::exp), 0.0), || x.exp()),
+        F1::Exp2 => rounded_result(how, not_below(e(f64::exp2), 0.0), || x.exp2()),
         F1::FrexpFract => {
-            plain(x.fraction(|x| frexp(x).0, |x| frexp(x).1)).or_any(between(-1.0, 1.0))
+            without_fault(x.fraction(|x| frexp(x).0, |x| frexp(x).1)).or_any(between(-1.0, 1.0))
         }
         F1::Quantize => half(x),
     }
@@ -108,7 +112,7 @@ const SINE: f64 = 1.0 / 2048.0;
 
 impl Applied {
     fn or_any(self, bounds: Interval) -> Applied {
-        if self.value.is_any() { plain(bounds) } else { self }
+        if self.value.is_any() { without_fault(bounds) } else { self }
     }
 
     fn with(self, faults: Faults) -> Applied {
@@ -123,7 +127,7 @@ fn not_below(x: Interval, least: f64) -> Interval {
 /// Rounds to an `f16`.
 pub(super) fn half(x: Interval) -> Applied {
     if is_empty(x) {
-        return plain(x);
+        return without_fault(x);
     }
     let most = 65504.0;
     let faults = Faults::when(size(x) > most, K::BornInfinite);
@@ -134,9 +138,9 @@ pub(super) fn half(x: Interval) -> Applied {
 fn fraction(how: Arithmetic, x: Interval) -> Applied {
     let floor = exact::step(x, f64::floor);
     if floor.low != floor.high {
-        return plain(between(0.0, 1.0));
+        return without_fault(between(0.0, 1.0));
     }
-    let whole = settle(how, exact::sub(x, floor), || x.sub(floor));
+    let whole = rounded_result(how, exact::sub(x, floor), || x.sub(floor));
     Applied { value: intersection(whole.value, between(0.0, 1.0)), ..whole }
 }
 
@@ -154,13 +158,13 @@ fn positive(how: Arithmetic, f: F1, x: Interval) -> Applied {
     let least = if zero { 0.0 } else { LEAST };
     let x = not_below(x, if how == Arithmetic::Exact && !zero { f64::MIN_POSITIVE } else { least });
     let found = match f {
-        F1::Sqrt => settle(how, exact::sqrt(x), || x.sqrt()),
+        F1::Sqrt => rounded_result(how, exact::sqrt(x), || x.sqrt()),
         F1::InverseSqrt => {
             let root = exact::sqrt(x);
-            settle(how, exact::div(point(1.0), root), || x.inverse_sqrt())
+            rounded_result(how, exact::div(point(1.0), root), || x.inverse_sqrt())
         }
-        F1::Log => settle(how, exact::rising(x, f64::ln), || x.ln()),
-        _ => settle(how, exact::rising(x, f64::log2), || x.log2()),
+        F1::Log => rounded_result(how, exact::rising(x, f64::ln), || x.ln()),
+        _ => rounded_result(how, exact::rising(x, f64::log2), || x.log2()),
     };
     found.with(faults)
 }
@@ -183,10 +187,10 @@ fn arc(how: Arithmetic, f: F1, x: Interval) -> Applied {
     }
     let x = within;
     let found = match f {
-        F1::Asin => settle(how, exact::rising(x, f64::asin), || x.asin()),
+        F1::Asin => rounded_result(how, exact::rising(x, f64::asin), || x.asin()),
         F1::Acos => {
             let falling = exact::neg(exact::rising(x, |x| -x.acos()));
-            settle(how, falling, || x.acos())
+            rounded_result(how, falling, || x.acos())
         }
         F1::Acosh => {
             let rising = not_below(exact::rising(x, f64::acosh), 0.0);
@@ -210,23 +214,23 @@ pub(super) fn f2(
     rounded: [bool; 2],
 ) -> Applied {
     if is_empty(a) || is_empty(b) {
-        return plain(exact::EMPTY);
+        return without_fault(exact::EMPTY);
     }
     match f {
         F2::Add => sum(how, a, b, rounded),
-        F2::Sub if same => plain(point(0.0)),
+        F2::Sub if same => without_fault(point(0.0)),
         F2::Sub => sum(how, a, exact::neg(b), rounded),
-        F2::Mul if same => settle(how, exact::squared(a), || a.squared()),
-        F2::Mul => settle(how, exact::mul(a, b), || a.mul(b)),
+        F2::Mul if same => rounded_result(how, exact::squared(a), || a.squared()),
+        F2::Mul => rounded_result(how, exact::mul(a, b), || a.mul(b)),
         F2::Div if same => ratio_of_one(how, b),
         F2::Div => quotient(how, a, b, 0.0),
         F2::Rem => remainder(how, a, b),
-        F2::Min => plain(between(a.low.min(b.low), a.high.min(b.high))),
-        F2::Max => plain(between(a.low.max(b.low), a.high.max(b.high))),
+        F2::Min => without_fault(between(a.low.min(b.low), a.high.min(b.high))),
+        F2::Max => without_fault(between(a.low.max(b.low), a.high.max(b.high))),
         // The first operand is the value, the second the edge.
         F2::Step => {
             let bit = |x: bool| f64::from(u8::from(x));
-            plain(between(bit(b.high <= a.low), bit(b.low <= a.high)))
+            without_fault(between(bit(b.high <= a.low), bit(b.low <= a.high)))
         }
         F2::Pow => power(how, a, b),
         F2::Atan2 => {
@@ -240,7 +244,7 @@ pub(super) fn f2(
 
 fn sum(how: Arithmetic, a: Interval, b: Interval, rounded: [bool; 2]) -> Applied {
     let exact = exact::add(a, b);
-    let found = settle(how, exact, || a.add(b));
+    let found = rounded_result(how, exact, || a.add(b));
     let apart = a.low >= 0.0 && b.low >= 0.0 || a.high <= 0.0 && b.high <= 0.0;
     let [a, b] = [(a, rounded[0]), (b, rounded[1])].map(|(x, r)| if r { size(x) } else { 0.0 });
     let lost = how == Arithmetic::Permitted && !apart && !keeps_digits(exact, a.max(b));
@@ -269,7 +273,7 @@ fn ratio_of_one(how: Arithmetic, b: Interval) -> Applied {
 /// Returns the quotient by a divisor of at least an absolute size.
 pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64) -> Applied {
     if is_empty(a) || is_empty(b) {
-        return plain(exact::EMPTY);
+        return without_fault(exact::EMPTY);
     }
     let flushed = if how == Arithmetic::Permitted { b.flushed() } else { b };
     let least = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
@@ -285,7 +289,7 @@ pub(super) fn quotient(how: Arithmetic, a: Interval, b: Interval, size_of_b: f64
         let exact = exact::div(a, part);
         // Beyond 2^126 a divisor has no permitted error, but no fault either.
         let far = size(part) > 2f64.powi(126) && size(exact) < 2f64.powi(100);
-        let found = settle(how, exact, || match a.div(part) {
+        let found = rounded_result(how, exact, || match a.div(part) {
             any if any.is_any() && far => between(-MOST, MOST),
             value => value,
         });
@@ -330,15 +334,15 @@ fn power(how: Arithmetic, x: Interval, y: Interval) -> Applied {
         base.low = if how == Arithmetic::Exact { f64::MIN_POSITIVE } else { LEAST };
         base.high = base.high.max(base.low);
     }
-    settle(how, exact::pow(base, y), || base.pow(y)).with(faults)
+    rounded_result(how, exact::pow(base, y), || base.pow(y)).with(faults)
 }
 
 pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool) -> Applied {
     if is_empty(a) || is_empty(b) || is_empty(c) {
-        return plain(exact::EMPTY);
+        return without_fault(exact::EMPTY);
     }
     match f {
-        F3::Fma => settle(how, exact::add(exact::mul(a, b), c), || a.mul(b).add(c)),
+        F3::Fma => rounded_result(how, exact::add(exact::mul(a, b), c), || a.mul(b).add(c)),
         F3::Clamp => {
             let above = between(a.low.max(b.low), a.high.max(b.high));
             let value = between(above.low.min(c.low), above.high.min(c.high));
@@ -347,7 +351,7 @@ pub(super) fn f3(how: Arithmetic, f: F3, [a, b, c]: [Interval; 3], steady: bool)
         F3::Mix => {
             let one = point(1.0);
             let sum = exact::add(exact::mul(a, exact::sub(one, c)), exact::mul(b, c));
-            let found = settle(how, sum, || a.mul(one.sub(c)).add(b.mul(c)));
+            let found = rounded_result(how, sum, || a.mul(one.sub(c)).add(b.mul(c)));
             // Between the ends, the result is too, up to the roundings of four operations.
             let ends = hull(a, b);
             let error = size(ends) * 2f64.powi(-20) + f64::from(f32::MIN_POSITIVE);
@@ -383,12 +387,12 @@ fn smoothstep(how: Arithmetic, low: Interval, high: Interval, x: Interval) -> Ap
     let least = if t.low == 0.0 { 0.0 } else { wide.low.max(0.0) };
     let found = match how {
         Arithmetic::Nearest => nearest(between(curve(t.low), curve(t.high))),
-        Arithmetic::Exact | Arithmetic::Permitted => plain(between(least, wide.high)),
+        Arithmetic::Exact | Arithmetic::Permitted => without_fault(between(least, wide.high)),
     };
     found.with(faults)
 }
 
 /// Returns the sum of terms in any order, and whether it may overflow.
 pub(super) fn total(how: Arithmetic, terms: &[Interval], exact: Interval) -> Applied {
-    settle(how, exact, || super::super::interval::sum_in_any_order(terms))
+    rounded_result(how, exact, || super::super::interval::sum_in_any_order(terms))
 }

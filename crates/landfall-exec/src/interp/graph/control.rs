@@ -1,7 +1,7 @@
 //! Follows branches, loops, switches and calls: both sides where a condition is not decided.
 
 use super::super::code::{Class, Cmp, I1, I2, Op};
-use super::MOST_TURNS;
+use super::MOST_ITERATIONS;
 use super::exact;
 use super::function::{Followed, GraphBuilder, TooLarge};
 use super::guard::Guard;
@@ -210,10 +210,10 @@ impl GraphBuilder<'_> {
         let outer = self.guard;
         let end = self.skipped(pc);
         let mut breaks = Vec::new();
-        let mut turns = 0;
+        let mut iterations = 0;
         while self.path.is_some() {
-            turns += 1;
-            if turns > MOST_TURNS {
+            iterations += 1;
+            if iterations > MOST_ITERATIONS {
                 self.pc = pc;
                 self.node(NodeOp::Endless, Class::Word, &[])?;
                 break;

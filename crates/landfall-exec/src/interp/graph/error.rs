@@ -1,4 +1,4 @@
-//! Bounds of the errors that roundings add up to.
+//! Bounds of the errors of results from all roundings.
 //!
 //! A result computed with roundings is the exact function of its inputs and of the error of each
 //! operation. By the mean value theorem it is off by at most the sum, over all operations, of the

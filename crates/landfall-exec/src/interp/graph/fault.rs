@@ -1,4 +1,4 @@
-//! The ways in which an operation can break, and sets of them.
+//! The faults of operations, and sets of them.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::super::code::{Cast, F1, F2, F3, I2};
 use super::super::undefined::UndefinedKind;
 use super::node::NodeOp;
 
-/// A way in which an operation can break.
+/// A fault: a way in which an operation can break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Fault {
     /// The result is not defined, or not finite.

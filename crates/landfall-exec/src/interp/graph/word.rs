@@ -36,7 +36,7 @@ fn wrapped(x: Interval) -> Interval {
     if x.low >= -HALF && x.high < WHOLE { x } else { ANY_WORD }
 }
 
-fn plain(value: Interval) -> Applied {
+fn without_fault(value: Interval) -> Applied {
     Applied { value, faults: Faults::NONE }
 }
 
@@ -71,10 +71,10 @@ fn ones(x: f64) -> f64 {
 pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     // A condition that is never evaluated does not hold.
     if f == I2::And && (is_empty(a) || is_empty(b)) {
-        return plain(point(0.0));
+        return without_fault(point(0.0));
     }
     if is_empty(a) || is_empty(b) {
-        return plain(exact::EMPTY);
+        return without_fault(exact::EMPTY);
     }
     let is_signed = matches!(
         f,
@@ -95,7 +95,7 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
     if exactly && !shifts && !divides {
         let [a, b] = [a.low, b.low].map(|x| x as i64 as u32);
         let word = super::super::machine::binary(f, a, b);
-        return plain(point(match is_signed {
+        return without_fault(point(match is_signed {
             true => f64::from(word as i32),
             false => f64::from(word),
         }));
@@ -148,7 +148,7 @@ pub(super) fn binary(f: I2, a: Interval, b: Interval) -> Applied {
         }
         I2::Dot4Sint | I2::Dot4Uint => ANY_WORD,
     };
-    plain(value)
+    without_fault(value)
 }
 
 /// Compares numbers; a bool.

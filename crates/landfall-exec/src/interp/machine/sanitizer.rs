@@ -283,7 +283,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Checks floats that were loaded.
-    fn look_at_loaded(&mut self, pc: usize, operands: &[u32]) {
+    fn check_loaded(&mut self, pc: usize, operands: &[u32]) {
         let Some(mut watch) = self.watch.take() else { return };
         for group in operands.chunks_exact(3) {
             match Stored::ALL[group[2] as usize] {
@@ -302,9 +302,9 @@ impl<R: Real> Machine<'_, '_, R> {
 
     /// Checks the results of an instruction: numbers that stopped being finite here, and `f32`
     /// values that are too far from their `f64`.
-    pub(super) fn look_back(&mut self, pc: usize, op: Op, operands: &[u32]) {
+    pub(super) fn check_results(&mut self, pc: usize, op: Op, operands: &[u32]) {
         if let Op::Load(_) = op {
-            self.look_at_loaded(pc, operands);
+            self.check_loaded(pc, operands);
         }
         if !op.computes_reals() || self.watch.is_none() {
             return;

@@ -6,10 +6,10 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Cast, Class, F1, F2, F3, Op, Reg, Stored};
+use super::super::code::{Cast, Class, Cmp, F1, F2, F3, Op, Reg, Stored, Test};
 use super::super::program::FunctionCode;
 use super::super::real::Real;
-use super::super::trace::{Number, Operand, Operation, Source, Trace, TracedOperation};
+use super::super::trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
 use super::{Machine, column};
 
 /// Maximum number of recorded steps.
@@ -167,8 +167,9 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         Op::F1(f) => (unary(f), Real, Real),
         Op::F2(f) => (binary(f), Real, Real),
         Op::F3(f) => (ternary(f), Real, Real),
-        Op::FCmp(_) => (Operation::Compare, Word, Real),
-        Op::FTest(_) => (Operation::Compare, Word, Real),
+        Op::FCmp(cmp) => (Operation::Compare(comparison(cmp)), Word, Real),
+        Op::FTest(Test::IsNan) => (Operation::Compare(Comparison::IsNan), Word, Real),
+        Op::FTest(Test::IsInf) => (Operation::Compare(Comparison::IsInf), Word, Real),
         Op::Ldexp => (Operation::Other, Real, Real),
         Op::Dot(_) => (Operation::Dot, Real, Real),
         Op::Length(_) => (Operation::Length, Real, Real),
@@ -193,6 +194,17 @@ fn form(op: Op) -> Option<(Operation, Class, Class)> {
         }
         _ => return None,
     })
+}
+
+fn comparison(cmp: Cmp) -> Comparison {
+    match cmp {
+        Cmp::Eq => Comparison::Equal,
+        Cmp::Ne => Comparison::NotEqual,
+        Cmp::Lt => Comparison::Less,
+        Cmp::Le => Comparison::LessEqual,
+        Cmp::Gt => Comparison::Greater,
+        Cmp::Ge => Comparison::GreaterEqual,
+    }
 }
 
 fn unary(f: F1) -> Operation {

@@ -104,7 +104,7 @@ fn resources(module: &Module) -> Vec<Resource> {
     blocks.chain(handles).collect()
 }
 
-/// What each fragment is lit with.
+/// Shades every fragment and returns its outputs.
 pub fn shade(
     module: &Module,
     fragments: &[Fragment],

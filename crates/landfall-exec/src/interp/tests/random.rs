@@ -11,7 +11,7 @@ enum Tree {
     Number(f32),
     Binary(char, Box<Tree>, Box<Tree>),
     Call(&'static str, Vec<Tree>),
-    /// Of what the integer's bit says.
+    /// One of two values, by a bit of the integer.
     Pick(u32, Box<Tree>, Box<Tree>),
 }
 

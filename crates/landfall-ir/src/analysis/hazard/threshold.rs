@@ -108,8 +108,8 @@ pub static EDGE: Threshold = Threshold {
     value: 1e-6,
     of: "distance of the cosines from the edge of the cone",
     why: "a dot product of two normalised f32 vectors and the uploaded cosine are together up to \
-          3e-7 off; three times that finds every fragment that a device may have on the other \
-          side, and is 2.6e-4 degrees wide at 12.5 degrees.",
+          3e-7 off; three times that covers every fragment that a device may put on the other \
+          side of the edge, a band of 2.6e-4 degrees at 12.5 degrees.",
 };
 
 /// The exponent from which the loss of accuracy in a power is attributed to the exponent.

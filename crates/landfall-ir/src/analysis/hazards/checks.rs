@@ -89,21 +89,21 @@ impl<'m> Walk<'m> {
                         String::new(),
                     );
                 }
-                self.look_at_direction(v, id, span);
+                self.check_direction(v, id, span);
             }
             (M::InverseSqrt, &[square]) => {
                 if let Some(v) = self.square_of(square) {
                     if !self.facts(square).nonzero {
-                        self.look_at_direction(v, id, span);
+                        self.check_direction(v, id, span);
                     }
                 }
             }
             (M::Pow, &[base, exponent]) => self.look_at_power(base, exponent, id, span),
-            (M::Reflect, &[_, normal]) => self.look_at_normal(normal, Certainty::Likely, span),
+            (M::Reflect, &[_, normal]) => self.check_normal(normal, Certainty::Likely, span),
             // A diffuse term is only darker for it.
             (M::Dot, &[a, b]) if a != b => {
-                self.look_at_normal(a, Certainty::Possible, span);
-                self.look_at_normal(b, Certainty::Possible, span);
+                self.check_normal(a, Certainty::Possible, span);
+                self.check_normal(b, Certainty::Possible, span);
             }
             (M::SmoothStep, &[low, high, x]) => {
                 let cones = [low, high].map(|edge| self.cone(edge));
@@ -165,7 +165,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Reports a sum whose variable is not initialised. `span` is the sum.
-    pub fn look_at_store(&mut self, frame: &Frame<'m>, to: &Value, value: Id, span: Option<Span>) {
+    pub fn check_store(&mut self, frame: &Frame<'m>, to: &Value, value: Id, span: Option<Span>) {
         let (Language::Glsl, Some(span)) = (self.setting.language, span) else { return };
         let Value::At(cell, _) = to else { return };
         let before = self.load(to, None);
@@ -197,7 +197,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Reports a normalised vector that may be zero.
-    fn look_at_direction(&mut self, v: Id, id: Id, span: Span) {
+    fn check_direction(&mut self, v: Id, id: Id, span: Span) {
         if self.facts(v).nonzero {
             return;
         }
@@ -217,7 +217,7 @@ impl<'m> Walk<'m> {
             let says = |any: &[&str]| said.iter().any(|word| any.contains(&word.as_str()));
             leaf.origin != Origin::Interpolated && says(&["view", "camera", "cam", "eye"])
         };
-        // Between two members of blocks it is the program's to see to.
+        // If both are members of blocks, the program is responsible.
         let varies = |id: Id| {
             self.graph.contains(id, &mut |id| match self.graph.op(id) {
                 Op::Opaque(_) => true,
@@ -297,7 +297,7 @@ impl<'m> Walk<'m> {
                 span,
                 about.clone(),
             );
-            // Whether it is in degrees its name or comment may tell.
+            // Its name or comment may show that it is in degrees.
             self.report(
                 Kind::DegreesForCosine,
                 Hazard::ConeOutOfRange,
@@ -353,8 +353,8 @@ impl<'m> Walk<'m> {
         let Some(dot) = self.dot_in(base, 0) else { return };
         let bare = dot == base;
         if let &[a, b] = self.graph.args(dot) {
-            self.look_at_normal(a, Certainty::Likely, span);
-            self.look_at_normal(b, Certainty::Likely, span);
+            self.check_normal(a, Certainty::Likely, span);
+            self.check_normal(b, Certainty::Likely, span);
         }
         self.note_power(base, id, span);
         let (x, n) = (self.facts(base), self.facts(exponent));
@@ -404,7 +404,7 @@ impl<'m> Walk<'m> {
     }
 
     /// Reports an interpolated normal that was not normalised.
-    fn look_at_normal(&mut self, id: Id, sure: Certainty, span: Span) {
+    fn check_normal(&mut self, id: Id, sure: Certainty, span: Span) {
         let Some(leaf) = self.graph.bare_leaf(id) else { return };
         if leaf.origin != Origin::Interpolated {
             return;

@@ -151,7 +151,7 @@ impl<'m> Walk<'m> {
         for (cell, &looping) in top.iter().enumerate() {
             if matches!(self.graph.op(looping), Op::Looping(_)) {
                 let after = states.iter().filter_map(|state| state.get(cell));
-                self.control.turns.entry(looping).or_default().extend(after);
+                self.control.next_values.entry(looping).or_default().extend(after);
                 self.control.loops.entry(looping).or_default().extend(&breaks);
             }
         }

@@ -22,7 +22,7 @@ impl<'m> Walk<'m> {
             return value.clone();
         }
         let value = self.evaluate(frame, handle);
-        // Pointers into variables are the same whenever they are asked for; values may not be.
+        // A pointer into a variable is the same at every evaluation; a value may not be.
         if frame.function.expressions[handle].needs_pre_emit() {
             frame.values.insert(handle, value.clone());
         }

@@ -3,7 +3,7 @@
 //!
 //! An element of the array must reach the outputs only as a term that loops add up, and that term
 //! must be exactly zero, in every `f32` evaluation, for a light of given numbers at given
-//! distances. What is not understood is unknown, and nothing is then shown.
+//! distances. Code that is not understood makes the result unknown, and nothing is proved.
 
 #[cfg(test)]
 mod tests;
@@ -126,15 +126,16 @@ impl Proof<'_> {
         if self.seen.contains(&id) {
             return true;
         }
-        // A variable of a loop is so by induction over its turns.
+        // A variable of a loop is unaffected by induction over its iterations.
         self.seen.insert(id);
         let args = self.args(id);
         let same = match (self.op(id), &args[..]) {
             (Op::Leaf(_), _) => !self.is_of_light(id) && !self.is_count(id),
-            // Without the light, the loop has a turn less, which must have changed nothing.
+            // Without the light, the loop has one iteration less, which must have changed nothing.
             (Op::Looping(_), &[first]) if self.is_counted(id) => {
-                let turns = self.terms.control.turns.get(&id).cloned().unwrap_or_default();
-                self.unaffected(first) && turns.iter().all(|turn| self.base(*turn) == id)
+                let next_values =
+                    self.terms.control.next_values.get(&id).cloned().unwrap_or_default();
+                self.unaffected(first) && next_values.iter().all(|turn| self.base(*turn) == id)
             }
             (Op::Joined(_), args) => {
                 let guards = self.terms.control.guards.get(&id);
@@ -147,7 +148,7 @@ impl Proof<'_> {
             (op, args) => {
                 let control = &self.terms.control;
                 let also = match op {
-                    Op::Looping(_) => control.turns.get(&id),
+                    Op::Looping(_) => control.next_values.get(&id),
                     _ => control.hidden.get(&id),
                 };
                 let also = also.cloned().unwrap_or_default();
@@ -183,7 +184,7 @@ impl Proof<'_> {
         }
     }
 
-    /// Whether a value depends on the light, is zero for it, and depends on no other turn of a
+    /// Whether a value depends on the light, is zero for it, and depends on no other iteration of a
     /// loop, so that the terms of the other lights are the same without it.
     fn is_term(&mut self, id: Id) -> bool {
         self.reaches(id) && !self.loops(id) && self.span(id) == ZERO
@@ -210,7 +211,7 @@ impl Proof<'_> {
         self.below(id, &|id| self.is_of_light(id))
     }
 
-    /// Whether a value depends on what a loop over such lights carries from turn to turn.
+    /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
     fn loops(&self, id: Id) -> bool {
         let control = &self.terms.control;
         let mut seen = FxHashSet::default();
@@ -223,7 +224,7 @@ impl Proof<'_> {
                 return true;
             }
             todo.extend(self.terms.graph.args(id));
-            for also in [&control.hidden, &control.guards, &control.turns, &control.loops] {
+            for also in [&control.hidden, &control.guards, &control.next_values, &control.loops] {
                 todo.extend(also.get(&id).into_iter().flatten());
             }
         }
@@ -257,8 +258,8 @@ impl Proof<'_> {
         breaks.is_some_and(|all| all.iter().any(|condition| self.touches(*condition)))
     }
 
-    /// Whether a condition leaves a loop without a look at the light: by comparing a number that
-    /// the loop counts with how many there are, or for reasons of its own.
+    /// Whether a condition that ends a loop does not depend on the light: it compares the loop's
+    /// counter with the number of lights, or something unrelated.
     fn ends_a_loop(&self, id: Id) -> bool {
         if self.reaches(id) {
             return false;
@@ -293,7 +294,7 @@ impl Proof<'_> {
             let leaf = self.leaf(graph.underlying_value(id));
             leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
         };
-        // `bare` looks through signs, parts and other orders of the components.
+        // `bare` ignores signs, parts and other orders of the components.
         let turned = |id: Id| match self.op(id) {
             Op::Negate | Op::Part(_) | Op::Convert => true,
             Op::Swizzle(way) => way[..3] != [0, 1, 2],
@@ -396,10 +397,10 @@ impl Proof<'_> {
             (Op::Binary(op), &[a, b]) => {
                 let ([a, b], [c, d]) = (self.span(a), self.span(b));
                 match op {
-                    B::Less => known(b < c, a >= d),
-                    B::LessEqual => known(b <= c, a > d),
-                    B::Greater => known(a > d, b <= c),
-                    B::GreaterEqual => known(a >= d, b < c),
+                    B::Less => decided(b < c, a >= d),
+                    B::LessEqual => decided(b <= c, a > d),
+                    B::Greater => decided(a > d, b <= c),
+                    B::GreaterEqual => decided(a >= d, b < c),
                     _ => None,
                 }
             }
@@ -408,7 +409,7 @@ impl Proof<'_> {
     }
 }
 
-fn known(yes: bool, no: bool) -> Option<bool> {
+fn decided(yes: bool, no: bool) -> Option<bool> {
     if yes { Some(true) } else { no.then_some(false) }
 }
 

@@ -65,7 +65,7 @@ impl Walk<'_> {
         let args = self.graph.args(condition).to_vec();
         match (self.graph.op(condition), &args[..]) {
             (Op::Not, &[of]) => self.assume_deep(of, !truth, depth + 1),
-            // `any` and `all` of comparisons say of the vector what its components do.
+            // `any` and `all` of comparisons constrain the vector as its components do.
             (Op::Convert, &[of]) => self.assume_deep(of, truth, depth + 1),
             (Op::Chosen, &[first, accept, reject]) => {
                 // `a && b` runs `b` only where `a` holds, `a || b` only where it does not.

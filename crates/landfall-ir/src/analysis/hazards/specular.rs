@@ -28,7 +28,7 @@ impl Walk<'_> {
     pub fn note_power(&mut self, base: Id, node: Id, span: Span) {
         let Some(normal) = self.normal_of_highlight(base) else { return };
         let gated = self.assumed.iter().any(|(id, facts)| {
-            (facts.low >= 0.0 || facts.nonzero) && self.speaks_of_side(*id, normal, base)
+            (facts.low >= 0.0 || facts.nonzero) && self.depends_on_side(*id, normal, base)
         });
         self.powers.push(SpecularPower { node, base, normal, span, gated });
     }
@@ -62,7 +62,7 @@ impl Walk<'_> {
 
     /// Returns whether a value contains the normal's cosine with a direction other than the
     /// highlight's.
-    fn speaks_of_side(&self, id: Id, normal: Id, base: Id) -> bool {
+    fn depends_on_side(&self, id: Id, normal: Id, base: Id) -> bool {
         self.graph.contains(id, &mut |id| {
             self.graph.is_math(id, M::Dot)
                 && self.graph.args(id).contains(&normal)
@@ -104,13 +104,13 @@ impl Walk<'_> {
                 match (self.graph.op(user), self.graph.args(user)) {
                     (Op::Binary(B::Multiply), &[a, b]) => {
                         let other = if a == id { b } else { a };
-                        if self.speaks_of_side(other, power.normal, power.base) {
+                        if self.depends_on_side(other, power.normal, power.base) {
                             return true;
                         }
                         todo.push(user);
                     }
                     (Op::Chosen, &[condition, ..]) => {
-                        if self.speaks_of_side(condition, power.normal, power.base) {
+                        if self.depends_on_side(condition, power.normal, power.base) {
                             return true;
                         }
                         todo.push(user);

@@ -67,8 +67,8 @@ pub struct ControlRecord {
     pub loops: FxHashMap<Id, Vec<Id>>,
     /// The conditions that select one of the values of a joined node.
     pub guards: FxHashMap<Id, Vec<Id>>,
-    /// The values that a variable of a loop has after a turn.
-    pub turns: FxHashMap<Id, Vec<Id>>,
+    /// The values that a variable of a loop has after an iteration.
+    pub next_values: FxHashMap<Id, Vec<Id>>,
     /// The operands of each opaque value.
     pub hidden: FxHashMap<Id, Vec<Id>>,
     /// The conditions at each `break` and `continue` of a loop.
@@ -379,7 +379,7 @@ impl<'m> Walk<'m> {
             Statement::Return { value } => {
                 let control = &mut self.control;
                 frame.guards.extend(&control.conditions[frame.outer..]);
-                // What else the function did on the way is not joined.
+                // Other effects of the function before that point are not joined.
                 let changes = value.is_none() || self.cells[..frame.locals] != frame.before[..];
                 if changes || self.depth == 1 {
                     control.exits.extend(&control.conditions[frame.outer..]);
@@ -399,7 +399,7 @@ impl<'m> Walk<'m> {
                 let to = self.pointer(frame, *pointer);
                 let span = self.place(frame, *value);
                 let value = self.value(frame, *value);
-                self.look_at_store(frame, &to, value, span);
+                self.check_store(frame, &to, value, span);
                 self.store(&to, value);
             }
             Statement::Call { function, arguments, result } => {

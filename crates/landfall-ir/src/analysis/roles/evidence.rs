@@ -96,7 +96,7 @@ pub(super) fn classify(
         Evidence::Block => shines && if placed { named } else { ambient },
         Evidence::Members => placed,
     };
-    // A structure of scalars that only says how strong something is would be anything.
+    // A structure of scalars with nothing but an intensity could be anything.
     let colour = roles
         .parts
         .iter()

@@ -204,7 +204,7 @@ fn paragraph(lines: &mut Vec<String>) {
 pub(super) fn comment(files: &Files, spans: &[Span]) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for span in spans {
-        for line in bare(files.text(*span)) {
+        for line in comment_lines(files.text(*span)) {
             // One empty line separates paragraphs; the others are dropped.
             if !line.is_empty() || lines.last().is_some_and(|last| !last.is_empty()) {
                 lines.push(line);
@@ -253,7 +253,7 @@ fn before(files: &Files, span: Span) -> Vec<String> {
 }
 
 /// The lines of one comment without its markers.
-fn bare(comment: &str) -> Vec<String> {
+fn comment_lines(comment: &str) -> Vec<String> {
     let comment = comment.trim();
     let (inside, sign) = match comment.strip_prefix("/*") {
         Some(rest) => (rest.strip_suffix("*/").unwrap_or(rest), '*'),

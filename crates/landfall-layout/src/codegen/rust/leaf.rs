@@ -37,7 +37,7 @@ pub(super) fn leaf(
 fn scalar_type(plan: &mut Plan, scalar: Scalar, align: u64) -> Sized {
     let size = u64::from(scalar.width);
     if size > align {
-        return made(plan, LeafType { scalar, shape: Shape::Scalar, unaligned: true }, size);
+        return generated(plan, LeafType { scalar, shape: Shape::Scalar, unaligned: true }, size);
     }
     Sized { ty: component_type(plan, scalar), size }
 }
@@ -47,7 +47,7 @@ fn vector(plan: &mut Plan, scalar: Scalar, rows: u8, align: u64) -> Sized {
     let size = width * u64::from(rows);
     let shape = Shape::Vector { rows };
     if width > align {
-        return made(plan, LeafType { scalar, shape, unaligned: true }, size);
+        return generated(plan, LeafType { scalar, shape, unaligned: true }, size);
     }
     let ty = match plan.vectors {
         Vectors::Array => None,
@@ -57,7 +57,7 @@ fn vector(plan: &mut Plan, scalar: Scalar, rows: u8, align: u64) -> Sized {
         Some(ty) if glam_vector_align(scalar, rows) <= align => {
             Sized { ty: RustType::Named(ty), size }
         }
-        Some(_) => made(plan, LeafType { scalar, shape, unaligned: false }, size),
+        Some(_) => generated(plan, LeafType { scalar, shape, unaligned: false }, size),
         None => {
             let component = component_type(plan, scalar);
             Sized { ty: RustType::Array(Box::new(component), rows.into()), size }
@@ -74,7 +74,7 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     let unaligned = width > align;
     let tight = stride == width * u64::from(rows);
     if unaligned || row_major || !tight {
-        return made(plan, LeafType { scalar, shape, unaligned }, size);
+        return generated(plan, LeafType { scalar, shape, unaligned }, size);
     }
     // glam's square matrices are arrays of their columns, but aligned as a whole.
     let square = match plan.vectors {
@@ -83,20 +83,20 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     };
     match square {
         Some((ty, own)) if own <= align => return Sized { ty: RustType::Named(ty), size },
-        Some(_) => return made(plan, LeafType { scalar, shape, unaligned }, size),
+        Some(_) => return generated(plan, LeafType { scalar, shape, unaligned }, size),
         None => {}
     }
     let column = vector(plan, scalar, rows, align);
     match column.ty {
         // One type for the whole matrix instead of an array of small ones.
-        RustType::GeneratedType(_) => made(plan, LeafType { scalar, shape, unaligned }, size),
+        RustType::GeneratedType(_) => generated(plan, LeafType { scalar, shape, unaligned }, size),
         RustType::Named(_) | RustType::Array(..) => {
             Sized { ty: RustType::Array(Box::new(column.ty), columns.into()), size }
         }
     }
 }
 
-fn made(plan: &mut Plan, leaf: LeafType, size: u64) -> Sized {
+fn generated(plan: &mut Plan, leaf: LeafType, size: u64) -> Sized {
     debug_assert_eq!(leaf.size(), size);
     if let Component::Bits(bits) = component(leaf.scalar) {
         plan.intern(GeneratedType::Bits(bits));

@@ -16,7 +16,7 @@ use super::rename::Renames;
 use super::types::Module;
 use super::{RustOptions, Tables, Visibility, check, mirror, small, table, tail};
 
-/// What all modules are printed from.
+/// The data that all modules are printed from.
 #[derive(Clone, Copy)]
 struct File<'a> {
     plan: &'a Plan<'a>,

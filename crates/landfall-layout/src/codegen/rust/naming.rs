@@ -43,7 +43,7 @@ pub(super) struct Numbered {
     pub(super) of: NumberedItem,
 }
 
-/// What a number was appended to.
+/// An item whose name got a number because another item has it.
 pub(super) enum NumberedItem {
     Mirror(GeneratedTypeId),
     /// The table of the block of this index.

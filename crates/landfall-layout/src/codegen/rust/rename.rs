@@ -15,7 +15,7 @@ use super::{RustOptions, names};
 /// The renames, and which of them were used.
 #[derive(Default)]
 pub(super) struct Renames {
-    /// What is renamed, and the name it gets.
+    /// The items to rename, each with its new name.
     all: Vec<(String, String)>,
     /// How many of them, from the first, name something of these shaders.
     needed: usize,

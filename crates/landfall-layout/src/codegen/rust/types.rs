@@ -26,9 +26,9 @@ pub(super) struct GeneratedTypeId(pub(super) usize);
 pub(super) enum Module {
     /// Types and functions that depend on no shader's structure: `Bool`, `Mat3Stride16`, `Leaf`.
     Support,
-    /// What several shaders have in common.
+    /// The items that several shaders have in common.
     Common,
-    /// What only this shader has; all there is of a file without modules.
+    /// The items of this shader alone, or all items of a file without modules.
     Shader(usize),
 }
 

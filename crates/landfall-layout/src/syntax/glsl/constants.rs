@@ -48,7 +48,7 @@ enum Definition<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Constants<'a> {
     by_name: FxHashMap<&'a str, Constant<'a>>,
-    /// Of each constant, those that a later one of its name hides included.
+    /// The uses of each constant, including those hidden by a later constant of the same name.
     uses: Vec<Uses>,
     /// The specialisation constants in declaration order.
     pub overrides: Vec<Override>,

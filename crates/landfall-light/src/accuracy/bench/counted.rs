@@ -15,7 +15,7 @@ use landfall_exec::interp::{Cpu, Floats, Settings};
 const COUNTED: usize = 4096;
 
 /// The pairs of fragment and light examined for permitted errors, which takes about a second.
-const LOOKED_AT: usize = 1 << 16;
+const EXAMINED: usize = 1 << 16;
 
 /// The slots marked one after the other; each costs about one evaluation of a light.
 const MARKED: usize = 128;
@@ -40,7 +40,7 @@ pub fn work(uploaded: &Uploaded<'_>, floats: Floats) -> Work {
 fn operations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<f64> {
     let mut cpu = Cpu::rounded(Settings::default(), floats);
     let (mut tally, mut fragments) = (Tally::default(), 0);
-    for FragmentGroup { prepared, .. } in uploaded.some(COUNTED) {
+    for FragmentGroup { prepared, .. } in uploaded.sampled_groups(COUNTED) {
         let (shader, batch) = (&uploaded.renderer.shader, prepared.batch(uploaded.limit));
         shader.run(&mut cpu, &batch, |cpu, _| tally.add(&cpu.notes)).ok()?;
         fragments += prepared.count;
@@ -64,7 +64,7 @@ fn evaluations(uploaded: &Uploaded<'_>, floats: Floats) -> Option<(f64, f64)> {
     let mut each: Vec<f64> = Vec::new();
     // The variance from slots that were not marked, over all fragments.
     let mut open = 0.0;
-    for lot in uploaded.some((LIGHTS / most / most.min(MARKED)).clamp(16, 1024)) {
+    for lot in uploaded.sampled_groups((LIGHTS / most / most.min(MARKED)).clamp(16, 1024)) {
         let plain = run(&lot.prepared)?;
         let kinds = lot.slots.iter();
         let all = kinds.flat_map(|(kind, n)| (0..*n as usize).map(|at| (*kind, at)));
@@ -107,9 +107,9 @@ pub fn permitted(uploaded: &Uploaded<'_>, floats: Floats) -> Option<Permitted> {
         Floats::Half | Floats::Mediump => return None,
     }
     let slots = uploaded.whole.iter().map(|lot| lot.walked).max().unwrap_or(0);
-    let about = (LOOKED_AT / slots.max(1) as usize).max(256);
+    let about = (EXAMINED / slots.max(1) as usize).max(256);
     let (mut steps, mut unsure) = (Vec::new(), 0);
-    for FragmentGroup { prepared, fragments, .. } in uploaded.some(about) {
+    for FragmentGroup { prepared, fragments, .. } in uploaded.sampled_groups(about) {
         let shader = &uploaded.renderer.shader;
         let around = shader.permitted(&prepared.batch(uploaded.limit)).ok()?;
         for ((around, unsure_at), at) in around.colors.iter().zip(&around.unsure).zip(fragments) {

@@ -7,14 +7,14 @@ use super::called::Variant;
 use super::clock::{Elapsed, Stopwatch};
 use super::errors::{Errors, Results};
 use super::rounds::{Part, Workload};
-use super::shader::Shared;
+use super::shader::SharedBackend;
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::kernel::{Kernel, KernelResult};
 
 /// A variant on a driver.
 pub struct DriverVariant<'a> {
     variant: &'a Variant<'a>,
-    backend: Shared,
+    backend: SharedBackend,
     whole: Kernel<'a>,
     trivial: Option<Kernel<'a>>,
 }
@@ -24,7 +24,10 @@ impl<'a> DriverVariant<'a> {
     ///
     /// # Errors
     /// Code the backend cannot run, such as WGSL on OpenGL.
-    pub fn new(variant: &'a Variant<'a>, backend: Shared) -> Result<DriverVariant<'a>, Failure> {
+    pub fn new(
+        variant: &'a Variant<'a>,
+        backend: SharedBackend,
+    ) -> Result<DriverVariant<'a>, Failure> {
         let device = backend.borrow().device().clone();
         let whole = variant.pure().on(&device)?;
         let trivial = variant.trivial().and_then(|kernel| kernel.on(&device).ok());

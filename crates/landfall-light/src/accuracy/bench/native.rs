@@ -8,15 +8,15 @@ use super::clock::Elapsed;
 use super::errors::Errors;
 use super::report::Work;
 use super::rounds::{Part, Workload};
-use super::scene::Stage;
+use super::scene::BenchScene;
 use crate::culling;
 use crate::culling::Plan;
 use crate::shading_f32;
 use crate::shading_f32::{Form, Lights, Model, Shaded, Surface, execute, shade_all, surfaces};
 
-/// A form of the lighting over a stage.
+/// A form of the lighting over a scene.
 pub struct Compiled<'a> {
-    stage: &'a Stage,
+    stage: &'a BenchScene,
     model: Model,
     form: Form,
     surfaces: Vec<Surface>,
@@ -29,8 +29,8 @@ impl<'a> Compiled<'a> {
     /// A form that skips powers below `least`; 0 skips none.
     ///
     /// # Errors
-    /// A model of the stage that has no compiled form.
-    pub fn new(stage: &'a Stage, form: Form, least: f64) -> Result<Compiled<'a>, String> {
+    /// A model of the scene that has no compiled form.
+    pub fn new(stage: &'a BenchScene, form: Form, least: f64) -> Result<Compiled<'a>, String> {
         let model = Model::of(&stage.model).map_err(str::to_string)?;
         let surfaces = surfaces(&stage.frame, &stage.upload, &model, least);
         let lights = Lights::new(&stage.upload, &model);

@@ -11,7 +11,7 @@ use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A scene with its fragments and reference.
 #[derive(Clone, Debug)]
-pub struct Stage {
+pub struct BenchScene {
     /// The lights and materials.
     pub upload: Upload,
     /// The fragments, sorted by material.
@@ -22,11 +22,11 @@ pub struct Stage {
     truth: Vec<Option<[f64; 3]>>,
 }
 
-impl Stage {
+impl BenchScene {
     /// Lights a scene with the reference.
     ///
     /// If fragments times lights exceed `most`, an evenly spaced subset of the fragments is taken.
-    pub fn new(model: Model, upload: Upload, mut frame: Frame, most: u64) -> Stage {
+    pub fn new(model: Model, upload: Upload, mut frame: Frame, most: u64) -> BenchScene {
         let lights = &upload.lights;
         let lights = (lights.directional.len() + lights.point.len() + lights.spot.len()) as u64;
         let all = frame.fragments.len() as u64 * lights.max(1);
@@ -35,7 +35,7 @@ impl Stage {
         // A stable sort keeps the order within each draw.
         frame.fragments.sort_by_key(|fragment| fragment.material);
         let truth = truth(&model, &upload, &frame);
-        Stage { upload, frame, model, truth }
+        BenchScene { upload, frame, model, truth }
     }
 
     /// Returns the number of lights of all kinds.

@@ -1,4 +1,4 @@
-//! A shader over a stage's fragments on a backend, as a workload.
+//! A shader over a scene's fragments on a backend, as a workload.
 //!
 //! The uploads are prepared once ([`Uploaded`]); a run is the jobs of
 //! [`fragments`](landfall_exec::harness::fragments), including upload and read-back, which a shader
@@ -13,7 +13,7 @@ use super::errors::Errors;
 use super::rounds::{Part, Workload};
 use super::uploaded::Uploaded;
 use crate::render::Prepared;
-use crate::render::limits::within_turns;
+use crate::render::limits::check_iterations;
 use crate::render::planned::FragmentGroup;
 use landfall_exec::backend::Backend;
 use landfall_exec::harness::fragments::{FragmentShader, Input, InputKind};
@@ -21,18 +21,18 @@ use landfall_layout::Options;
 use landfall_layout::source::Source;
 
 /// A backend shared by several workloads.
-pub type Shared = Rc<RefCell<Box<dyn Backend>>>;
+pub type SharedBackend = Rc<RefCell<Box<dyn Backend>>>;
 
-/// A shader over a stage's fragments on a backend.
+/// A shader over a scene's fragments on a backend.
 pub struct Shader<'a> {
     uploaded: &'a Uploaded<'a>,
-    backend: Shared,
+    backend: SharedBackend,
     trivial: Option<(FragmentShader, Prepared)>,
 }
 
 impl<'a> Shader<'a> {
     /// Makes the workload of a shader on a backend.
-    pub fn new(uploaded: &'a Uploaded<'a>, backend: Shared) -> Shader<'a> {
+    pub fn new(uploaded: &'a Uploaded<'a>, backend: SharedBackend) -> Shader<'a> {
         let is_gl = backend.borrow().device().backend == BackendKind::Gl;
         let fragments = uploaded.stage.frame.fragments.len();
         let trivial = trivial(&uploaded.renderer.shader, is_gl, fragments);
@@ -48,7 +48,7 @@ impl<'a> Shader<'a> {
         let mut colors = vec![[0.0; 3]; stage.frame.fragments.len()];
         for FragmentGroup { fragments, prepared, walked, .. } in whole {
             let mut backend = self.backend.borrow_mut();
-            within_turns(backend.device(), *walked).map_err(|failure| failure.summary())?;
+            check_iterations(backend.device(), *walked).map_err(|failure| failure.summary())?;
             let shaded = renderer
                 .shader
                 .run(backend.as_mut(), &prepared.batch(*limit), |_, _| {})

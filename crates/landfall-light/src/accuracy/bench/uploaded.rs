@@ -1,4 +1,4 @@
-//! A stage prepared for a shader: the bindings of its fragments with all lights, without lights, or
+//! A scene prepared for a shader: the bindings of its fragments with all lights, without lights, or
 //! by a plan.
 //!
 //! Prepared once for each variant; used by the workloads of [`shader`](super::shader) on every
@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use super::scene::Stage;
+use super::scene::BenchScene;
 use crate::bind::{FragmentLights, OverflowPolicy};
 use crate::culling::Options;
 use crate::render;
@@ -14,12 +14,12 @@ use crate::render::planned::FragmentGroup;
 use crate::render::{Draw, Prepared, Renderer};
 use crate::shading_f32::Model;
 
-/// The bindings of a shader for a stage.
+/// The bindings of a shader for a scene.
 pub struct Uploaded<'a> {
-    pub(super) stage: &'a Stage,
+    pub(super) stage: &'a BenchScene,
     pub(super) renderer: &'a Renderer,
     pub(super) limit: Duration,
-    /// Fragments lit together; each is in one lot.
+    /// Fragments lit together; each is in one group.
     pub(super) whole: Vec<FragmentGroup>,
     /// The same without lights; `None` for a shader without light counts, which evaluates lights of
     /// zeros, and for a plan, which would differ without lights.
@@ -27,12 +27,12 @@ pub struct Uploaded<'a> {
 }
 
 impl<'a> Uploaded<'a> {
-    /// Prepares a stage for a shader; `limit` is a backend's time for a job.
+    /// Prepares a scene for a shader; `limit` is a backend's time for a job.
     ///
     /// # Errors
     /// A scene that does not fit the shader.
     pub fn new(
-        stage: &'a Stage,
+        stage: &'a BenchScene,
         renderer: &'a Renderer,
         limit: Duration,
     ) -> Result<Uploaded<'a>, String> {
@@ -56,12 +56,12 @@ impl<'a> Uploaded<'a> {
         Ok(Uploaded { stage, renderer, limit, whole, unlit })
     }
 
-    /// Prepares a stage with the lights that a plan leaves at each fragment.
+    /// Prepares a scene with the lights that a plan leaves at each fragment.
     ///
     /// # Errors
-    /// The same, and a stage whose model has no plan, or a plan that needs more than draws.
+    /// The same, and a scene whose model has no plan, or a plan that needs more than draws.
     pub fn by_plan(
-        stage: &'a Stage,
+        stage: &'a BenchScene,
         renderer: &'a Renderer,
         limit: Duration,
         options: &Options,
@@ -74,12 +74,13 @@ impl<'a> Uploaded<'a> {
                 "`interpolate` adds light that the shader of a bench does not compute".to_string()
             );
         }
-        let whole = renderer.lots_of_plan(&work, &plan).map_err(|error| error.to_string())?;
+        let whole =
+            renderer.plan_fragment_groups(&work, &plan).map_err(|error| error.to_string())?;
         Ok(Uploaded { stage, renderer, limit, whole, unlit: None })
     }
 
     /// Returns about that many fragments, evenly spaced.
-    pub(super) fn some(&self, about: usize) -> Vec<FragmentGroup> {
+    pub(super) fn sampled_groups(&self, about: usize) -> Vec<FragmentGroup> {
         let stride = self.stage.frame.fragments.len().div_ceil(about.max(1)).max(1);
         let mut before = 0;
         let each = self.whole.iter().map(|lot| {
@@ -91,7 +92,7 @@ impl<'a> Uploaded<'a> {
     }
 }
 
-fn work(stage: &Stage, limit: Duration) -> render::Work<'_> {
+fn work(stage: &BenchScene, limit: Duration) -> render::Work<'_> {
     render::Work {
         upload: &stage.upload,
         frame: &stage.frame,

@@ -51,7 +51,7 @@ fn read(text: &str) -> Result<StatedRanges, Refused> {
         let trimmed = code.trim();
         if trimmed.is_empty() {
             for part in comment.split([',', ';']) {
-                above.extend(named(part)?);
+                above.extend(named_range(part)?);
             }
             continue;
         }
@@ -72,14 +72,14 @@ fn read(text: &str) -> Result<StatedRanges, Refused> {
             let open = owner.clone();
             said.extend(above.drain(..).map(|(name, within)| ((open.clone(), name), within)));
         }
-        if let Some(within) = plain(comment)? {
+        if let Some(within) = unnamed_range(comment)? {
             let name = declared(trimmed);
             if !name.is_empty() {
                 said.insert((owner.clone(), name.to_string()), within);
             }
         }
         for part in comment.split([',', ';']) {
-            if let Some((name, within)) = named(part)? {
+            if let Some((name, within)) = named_range(part)? {
                 said.insert((owner.clone(), name), within);
             }
         }
@@ -122,7 +122,7 @@ fn declared(code: &str) -> &str {
 }
 
 /// Parses a comment that is only a range: `in 0..1`, `unit`, `cos`.
-fn plain(comment: &str) -> Result<Option<ValueRange>, Refused> {
+fn unnamed_range(comment: &str) -> Result<Option<ValueRange>, Refused> {
     let first = comment.split([',', ';']).next().unwrap_or_default().trim();
     let word = first.trim_end_matches('.');
     match word {
@@ -139,7 +139,7 @@ fn plain(comment: &str) -> Result<Option<ValueRange>, Refused> {
 }
 
 /// Parses `name: unit` or `name in 0..1`.
-fn named(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
+fn named_range(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
     let part = part.trim();
     if let Some((name, rest)) = part.split_once(" in ") {
         let is_name =
@@ -151,7 +151,7 @@ fn named(part: &str) -> Result<Option<(String, ValueRange)>, Refused> {
     if let Some((name, rest)) = part.split_once(':') {
         let name = name.trim();
         if identifiers(name).next() == Some(name) {
-            return Ok(plain(rest.trim())?.map(|within| (name.to_string(), within)));
+            return Ok(unnamed_range(rest.trim())?.map(|within| (name.to_string(), within)));
         }
     }
     Ok(None)

@@ -122,7 +122,7 @@ impl Domain {
             }
             let within = read(path, value)?;
             let mut found = false;
-            for at in meant(path, inputs) {
+            for at in inputs_named(path, inputs) {
                 self.put(at, within, &inputs[at])?;
                 found = true;
             }
@@ -144,8 +144,8 @@ impl Domain {
         }
         self.within[at] = match (input.scalar.kind, within) {
             (_, ValueRange::Any) => within,
-            (kind, _) if kind.is_float() => held(within, input)?,
-            _ => whole(within, input)?,
+            (kind, _) if kind.is_float() => rounded_to_type(within, input)?,
+            _ => integer_range(within, input)?,
         };
         Ok(())
     }
@@ -177,7 +177,7 @@ impl Domain {
                     })?
                 }
             };
-            let (first, second) = (meant(a, inputs), meant(b, inputs));
+            let (first, second) = (inputs_named(a, inputs), inputs_named(b, inputs));
             if first.is_empty() {
                 return Err(unknown(a, inputs));
             }
@@ -320,7 +320,7 @@ fn fit_unit(sample: &mut [u64], input: &Input, random: &mut Random) {
 }
 
 /// Returns the inputs that a path names: one, or all below it.
-fn meant(path: &str, inputs: &[Input]) -> Vec<usize> {
+fn inputs_named(path: &str, inputs: &[Input]) -> Vec<usize> {
     let is = |input: &Input| {
         input.path == path
             || input.path.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']))
@@ -377,7 +377,7 @@ pub(in crate::accuracy) fn range(path: &str, low: f64, high: f64) -> Result<Valu
 
 /// Returns the range of an input that some `f32` lies in, with the bounds as the `f32` that the same
 /// numbers are in a shader; wider floats keep theirs.
-fn held(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+fn rounded_to_type(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
     let (low, high) = within.bounds();
     let up = if f64::from(low as f32) < low { (low as f32).next_up() } else { low as f32 };
     if input.is_float() && f64::from(up) > high {
@@ -405,7 +405,7 @@ fn short(x: f64) -> String {
 }
 
 /// Returns the range of integers of an input's type within the bounds.
-fn whole(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
+fn integer_range(within: ValueRange, input: &Input) -> Result<ValueRange, Refused> {
     let (least, most, name) = match (input.scalar.kind, input.scalar.width) {
         (ScalarKind::Bool, _) => (0.0, 1.0, "bool"),
         (ScalarKind::Sint, 8) => (i64::MIN as f64, i64::MAX as f64, "i64"),

@@ -11,12 +11,12 @@ use landfall_layout::shape::Scalar;
 /// Returns the inputs of a function, including members of its blocks that only one of the others
 /// reads.
 pub(in crate::accuracy) fn shared(pure: &PureFunction, others: &[&PureFunction]) -> Inputs {
-    let theirs: Vec<One<'_>> =
+    let theirs: Vec<NamedScalar<'_>> =
         others.iter().flat_map(|other| scalars(other)).filter(|one| one.read).collect();
     let mut all = scalars(pure).into_iter();
     let sampled = pure.parameters.iter().map(|parameter| {
-        let own: Vec<One<'_>> = all.by_ref().take(parameter.scalars.len()).collect();
-        parameter.read || own.iter().any(|one| theirs.iter().any(|other| other.is(one)))
+        let own: Vec<NamedScalar<'_>> = all.by_ref().take(parameter.scalars.len()).collect();
+        parameter.read || own.iter().any(|one| theirs.iter().any(|other| other.matches(one)))
     });
     let sampled: Vec<bool> = sampled.collect();
     inputs_of(pure, &sampled)
@@ -35,7 +35,8 @@ pub(in crate::accuracy) fn matched(
     let mut sampled = vec![false; own.len()];
     inputs.iter().for_each(|input| sampled[input.range()].fill(true));
     let among = |at: &usize| sampled[*at];
-    let by_path = others.iter().map(|one| own.iter().position(|own| own.is(one)).filter(among));
+    let by_path =
+        others.iter().map(|one| own.iter().position(|own| own.matches(one)).filter(among));
     let by_path: Vec<Option<usize>> = by_path.collect();
     let in_turn = || (0..own.len()).map(|at| Some(at).filter(among)).collect();
     let read_in_turn = || {
@@ -43,8 +44,9 @@ pub(in crate::accuracy) fn matched(
         others.iter().map(|one| if one.read { read.next() } else { None }).collect()
     };
     let same = |a: Vec<Scalar>, b: Vec<Scalar>| a == b;
-    let all = |each: &[One<'_>]| each.iter().map(|one| one.kind).collect();
-    let read = |each: &[One<'_>]| each.iter().filter(|one| one.read).map(|one| one.kind).collect();
+    let all = |each: &[NamedScalar<'_>]| each.iter().map(|one| one.kind).collect();
+    let read =
+        |each: &[NamedScalar<'_>]| each.iter().filter(|one| one.read).map(|one| one.kind).collect();
     // A variant may read fewer inputs.
     let fits = |order: &Vec<Option<usize>>| {
         order.iter().zip(&others).all(|(at, one)| at.is_some() || !one.read)
@@ -70,23 +72,23 @@ pub(in crate::accuracy) fn matched(
 }
 
 /// A scalar of a function's parameters.
-struct One<'a> {
+struct NamedScalar<'a> {
     path: &'a str,
     kind: Scalar,
     read: bool,
 }
 
-impl One<'_> {
+impl NamedScalar<'_> {
     /// Whether it has the same name and type.
-    fn is(&self, other: &One<'_>) -> bool {
+    fn matches(&self, other: &NamedScalar<'_>) -> bool {
         self.path == other.path && self.kind == other.kind
     }
 }
 
-fn scalars(pure: &PureFunction) -> Vec<One<'_>> {
+fn scalars(pure: &PureFunction) -> Vec<NamedScalar<'_>> {
     let each = pure.parameters.iter().flat_map(|parameter| {
         let kinds = parameter.scalars.iter().zip(parameter.ty.scalars());
-        kinds.map(|(path, kind)| One { path, kind, read: parameter.read })
+        kinds.map(|(path, kind)| NamedScalar { path, kind, read: parameter.read })
     });
     each.collect()
 }

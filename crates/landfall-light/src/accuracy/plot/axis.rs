@@ -101,7 +101,7 @@ impl Axis {
         let (first, last) = ((self.low / step).ceil(), (self.high / step).floor());
         (0..=(last - first).max(0.0) as usize)
             .map(|i| (first + i as f64) * step)
-            .map(|number| Tick { at: self.at(number), text: plain(number, step) })
+            .map(|number| Tick { at: self.at(number), text: number_text(number, step) })
             .collect()
     }
 
@@ -141,7 +141,7 @@ fn ordered(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Formats a number with the digits that its step needs.
-fn plain(number: f64, step: f64) -> String {
+fn number_text(number: f64, step: f64) -> String {
     if number == 0.0 {
         return "0".to_string();
     }

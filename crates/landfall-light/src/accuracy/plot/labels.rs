@@ -73,14 +73,14 @@ pub fn place(labels: &[Label], taken: &[Area]) -> Vec<Placed> {
     labels
         .iter()
         .map(|label| {
-            let placed = one(label, &taken);
+            let placed = place_label(label, &taken);
             taken.push(placed.area);
             placed
         })
         .collect()
 }
 
-fn one(label: &Label, taken: &[Area]) -> Placed {
+fn place_label(label: &Label, taken: &[Area]) -> Placed {
     let Label { point, width, frame } = *label;
     let mut best: Option<(f64, Placed)> = None;
     for ring in 0..12 {

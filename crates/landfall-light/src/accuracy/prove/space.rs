@@ -31,7 +31,7 @@ impl<'a> Space<'a> {
         let mut units = Vec::new();
         for (nth, (input, within)) in inputs.iter().zip(&domain.within).enumerate() {
             for at in input.range() {
-                root[at] = whole(input, *within);
+                root[at] = input_range(input, *within);
                 of[at] = Some(nth);
             }
             if *within == ValueRange::Unit {
@@ -150,7 +150,7 @@ fn magnitude(high: f64) -> f64 {
 }
 
 /// Returns the numbers of an input within its domain.
-fn whole(input: &Input, within: ValueRange) -> Range {
+fn input_range(input: &Input, within: ValueRange) -> Range {
     let (low, high) = within.bounds();
     let of = |low: f64, high: f64| Range { low, high };
     match (input.scalar.kind, input.scalar.width) {

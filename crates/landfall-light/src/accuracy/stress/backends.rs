@@ -120,7 +120,7 @@ pub(super) fn reports(drivers: &Drivers<'_>, writing: &Writing<'_>) -> Vec<Backe
     for seen in drivers.records() {
         let case = |kept: &Answered| {
             let (sample, results) = &kept.sample;
-            written(writing, &seen.device, sample, results)
+            driver_case(writing, &seen.device, sample, results)
         };
         let odd = |why: DriverKeepReason| {
             let nth = why as usize;
@@ -166,7 +166,7 @@ fn failure(seen: &DriverRecord) -> Option<String> {
 
 /// Whether the error bounds of a driver are known: OpenGL compilers invert matrices by their own
 /// methods, which no specification bounds; on wgpu the inverse is Landfall's.
-fn known(pure: &PureFunction, device: &Device) -> bool {
+fn has_known_bounds(pure: &PureFunction, device: &Device) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let inverts = |text: &str| {
         text.split(|c| !is_word(c)).any(|word| matches!(word, "inverse" | "determinant"))
@@ -175,7 +175,12 @@ fn known(pure: &PureFunction, device: &Device) -> bool {
 }
 
 /// Returns a sample with a driver's results.
-fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f32]) -> DriverCase {
+fn driver_case(
+    writing: &Writing<'_>,
+    device: &Device,
+    sample: &Sample,
+    results: &[f32],
+) -> DriverCase {
     let Writing { pure, inputs, plan, .. } = writing;
     let truth = pure.call(&columns(std::slice::from_ref(sample)), 1, &settings(plan, false));
     let floats = floats(pure);
@@ -189,7 +194,7 @@ fn written(writing: &Writing<'_>, device: &Device, sample: &Sample, results: &[f
     DriverCase {
         outcome,
         results: results.to_vec(),
-        verdict: verdict(pure, sample, plan, results).filter(|_| known(pure, device)),
+        verdict: verdict(pure, sample, plan, results).filter(|_| has_known_bounds(pure, device)),
         condition: condition(pure, inputs, sample, plan),
         plausible: plausible(inputs, sample),
         case,

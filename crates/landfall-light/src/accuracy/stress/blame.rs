@@ -178,7 +178,7 @@ fn shares(step: &TracedOperation, part: usize) -> Vec<f64> {
         | Operation::Rem
         | Operation::Edge
         | Operation::Trigonometric
-        | Operation::Compare
+        | Operation::Compare(_)
         | Operation::Convert
         | Operation::Integer
         | Operation::Texture

@@ -80,10 +80,10 @@ pub(super) fn case(writing: &Writing<'_>, sample: &Sample) -> Case {
     }
     // Omitted values are zero.
     let data = Value::from(data);
-    if let Some(data) = some(&data) {
+    if let Some(data) = without_zeros(&data) {
         line.extend(["--data".to_string(), data.to_string()]);
     }
-    for (name, value) in given.into_iter().filter(|(_, value)| some(value).is_some()) {
+    for (name, value) in given.into_iter().filter(|(_, value)| without_zeros(value).is_some()) {
         line.extend(["--input".to_string(), format!("{name}={value}")]);
     }
     line.extend(fixed.iter().cloned());
@@ -162,15 +162,16 @@ pub fn command(arguments: &[String]) -> String {
 }
 
 /// Returns a value without members that are zero; `None` if nothing remains.
-fn some(value: &Value) -> Option<Value> {
+fn without_zeros(value: &Value) -> Option<Value> {
     let kept = match value {
         Value::Object(members) => {
-            let members =
-                members.iter().filter_map(|(key, value)| Some((key.clone(), some(value)?)));
+            let members = members
+                .iter()
+                .filter_map(|(key, value)| Some((key.clone(), without_zeros(value)?)));
             let members: serde_json::Map<String, Value> = members.collect();
             return (!members.is_empty()).then_some(Value::Object(members));
         }
-        Value::Array(items) => items.iter().any(|item| some(item).is_some()),
+        Value::Array(items) => items.iter().any(|item| without_zeros(item).is_some()),
         // Negative zero is kept.
         Value::Number(number) => number.as_f64().is_none_or(|x| x.to_bits() != 0),
         Value::Bool(set) => *set,

@@ -4,7 +4,7 @@
 //! for the one that introduced the error, and classifies them by operation and by the roles of
 //! their inputs. Used by [`find`](super::find).
 
-mod look;
+mod hazard;
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ use landfall_exec::interp::{
 };
 use landfall_ir::analysis::hazard::Hazard;
 
-use look::TracedSample;
+use hazard::TracedSample;
 
 /// A hazard found in a sample.
 #[derive(Clone, Debug)]

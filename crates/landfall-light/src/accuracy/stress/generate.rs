@@ -6,7 +6,7 @@
 use super::domain::{Domain, ValueRange};
 use super::exhaustive::ExhaustiveInputs;
 use super::input::{Inputs, Sample, float};
-use super::mutations::{Change, Mutation, mutations, some};
+use super::mutations::{Change, Mutation, limited, mutations};
 use super::random::Random;
 use super::scene;
 use super::scene::Setting;
@@ -90,7 +90,7 @@ const TAG_SCENES: u32 = 1 << 20;
 
 impl<'a> Generator<'a> {
     pub fn new(inputs: &'a Inputs, domain: &'a Domain, seed: u64) -> Generator<'a> {
-        let mutations = some(mutations(inputs), seed);
+        let mutations = limited(mutations(inputs), seed);
         Generator { inputs, domain, mutations, seed, every: None }
     }
 

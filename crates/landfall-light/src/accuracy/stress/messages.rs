@@ -6,7 +6,7 @@ use super::advice::Advice;
 use super::case::Case;
 use super::found::StressFinding;
 use super::measure::Outcome;
-use landfall_exec::interp::{Number, Operation};
+use landfall_exec::interp::{Comparison, Number, Operation};
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::format::phrases;
 
@@ -40,14 +40,22 @@ impl StressFinding {
         };
         let single = |n: &Number| number(f64::from(n.single));
         let operands: Vec<String> = operation.operands.iter().map(single).collect();
-        let name = name(operation.operation);
-        if self.hazard == Hazard::BranchDivergence {
-            let double = |n: &Number| number(n.double);
-            let exact: Vec<String> = operation.operands.iter().map(double).collect();
+        if let Operation::Compare(comparison) = operation.operation {
             let is = operation.result.single != 0.0;
-            let (operands, exact) = (operands.join(", "), exact.join(", "));
-            return format!("{name}({operands}) is {is}, in f64 {name}({exact}) is {}", !is);
+            let in_f32 = format!("{} is {is}", compared(comparison, &operands));
+            if self.hazard != Hazard::BranchDivergence {
+                return in_f32;
+            }
+            // All digits, because the shortest text of an f32 hides which side it is on.
+            let double = |n: &Number| format!("{:?}", n.double);
+            let exact: Vec<String> = operation.operands.iter().map(double).collect();
+            return format!(
+                "{in_f32} in f32, but {} is {} in f64",
+                compared(comparison, &exact),
+                !is
+            );
         }
+        let name = name(operation.operation);
         let (f32, f64) = (single(&operation.result), number(operation.result.double));
         let result = match f32 == f64 || self.breach.is_some() {
             true => format!("= {f32}"),
@@ -152,7 +160,7 @@ impl StressFinding {
 impl Advice {
     /// Returns the help of a finding.
     pub fn text(&self) -> String {
-        let code = format!("write `{}` for `{}`", self.code, self.before);
+        let code = format!("write `{}` instead of `{}`", self.code, self.before);
         let gain = match self.ulp_before {
             Some(before) => format!(
                 "{}: {} ULP instead of {} in {} samples around here",
@@ -194,6 +202,21 @@ impl Case {
     }
 }
 
+/// Returns a comparison as shaders spell it.
+fn compared(comparison: Comparison, operands: &[String]) -> String {
+    let operator = match comparison {
+        Comparison::Equal => " == ",
+        Comparison::NotEqual => " != ",
+        Comparison::Less => " < ",
+        Comparison::LessEqual => " <= ",
+        Comparison::Greater => " > ",
+        Comparison::GreaterEqual => " >= ",
+        Comparison::IsNan => return format!("isnan({})", operands.join(", ")),
+        Comparison::IsInf => return format!("isinf({})", operands.join(", ")),
+    };
+    operands.join(operator)
+}
+
 /// Returns the name of an operation in labels.
 pub fn name(operation: Operation) -> &'static str {
     match operation {
@@ -222,7 +245,7 @@ pub fn name(operation: Operation) -> &'static str {
         Operation::Distance => "distance",
         Operation::Normalize => "normalize",
         Operation::Cross => "cross",
-        Operation::Compare => "compare",
+        Operation::Compare(_) => "compare",
         Operation::Convert => "convert",
         Operation::Integer => "integer",
         Operation::Texture => "texture",

@@ -38,7 +38,7 @@ pub(super) struct Mutation {
 const MUTATIONS: usize = 6000;
 
 /// Limits the number of mutations: keeps the first, which are the most likely, and some others.
-pub(super) fn some(mut mutations: Vec<Mutation>, seed: u64) -> Vec<Mutation> {
+pub(super) fn limited(mut mutations: Vec<Mutation>, seed: u64) -> Vec<Mutation> {
     if mutations.len() > MUTATIONS {
         let mut random = Random::new(seed, 77);
         let mut rest = mutations.split_off(MUTATIONS / 2);

@@ -23,12 +23,12 @@ pub struct Operation {
     /// The operation.
     pub place: SourceLocation,
     /// The verdict.
-    pub known: Known,
+    pub known: OperationVerdict,
 }
 
 /// The verdict on an operation, with inputs by path.
 #[derive(Clone, Debug)]
-pub enum Known {
+pub enum OperationVerdict {
     /// It breaks at this input.
     Found(Box<Case>),
     /// It breaks nowhere in the domain.
@@ -38,7 +38,7 @@ pub enum Known {
 }
 
 impl Operation {
-    /// Returns what it means that it breaks.
+    /// Returns the effect on the result if it breaks.
     pub fn class(&self) -> Class {
         class(self.fault)
     }
@@ -46,9 +46,9 @@ impl Operation {
     /// Returns the verdict's name in messages and JSON.
     pub fn verdict(&self) -> &'static str {
         match self.known {
-            Known::Found(_) => "found",
-            Known::Absent => "absent",
-            Known::Open(_) => "open",
+            OperationVerdict::Found(_) => "found",
+            OperationVerdict::Absent => "absent",
+            OperationVerdict::Open(_) => "open",
         }
     }
 }
@@ -58,9 +58,9 @@ pub fn counts(operations: &[Operation], class: Class) -> [usize; 3] {
     let mut counts = [0; 3];
     for operation in operations.iter().filter(|operation| operation.class() == class) {
         match operation.known {
-            Known::Found(_) => counts[0] += 1,
-            Known::Absent => counts[1] += 1,
-            Known::Open(_) => counts[2] += 1,
+            OperationVerdict::Found(_) => counts[0] += 1,
+            OperationVerdict::Absent => counts[1] += 1,
+            OperationVerdict::Open(_) => counts[2] += 1,
         }
     }
     counts
@@ -96,9 +96,9 @@ pub(in crate::accuracy) fn operations(
             fault: goal.fault,
             place: goal.place.clone(),
             known: match &goal.verdict {
-                Verdict::Found(sample) => Known::Found(Box::new(writer.case(sample))),
-                Verdict::Absent => Known::Absent,
-                Verdict::Open(ranges) => Known::Open(open(ranges, goal)),
+                Verdict::Found(sample) => OperationVerdict::Found(Box::new(writer.case(sample))),
+                Verdict::Absent => OperationVerdict::Absent,
+                Verdict::Open(ranges) => OperationVerdict::Open(open(ranges, goal)),
             },
         })
         .collect();

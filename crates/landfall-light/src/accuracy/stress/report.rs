@@ -138,7 +138,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
         let other = made.against.as_ref();
         let other = other.map(|(other, order)| against(other, order, plan, &raw.sample));
         let advice = advised.advice(&raw.candidate, &raw.sample);
-        findings.push(StressFinding { against: other, advice, ..found(&writing, raw) });
+        findings.push(StressFinding { against: other, advice, ..finding(&writing, raw) });
     }
     for (code, count) in more {
         notes.push(format!("{code} also occurs in {count} further lines"));
@@ -187,7 +187,7 @@ pub(super) fn report(mut made: ReportParts<'_>) -> Report {
     }
 }
 
-fn found(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
+fn finding(writing: &Writing<'_>, raw: UnreportedFinding) -> StressFinding {
     let Writing { pure, inputs, plan, .. } = writing;
     let hazard = raw.candidate.hazard;
     let semantic = [

@@ -342,7 +342,7 @@ impl Check<'_> {
 /// Whether the result of a step is cut off at zero: by `max`, `clamp` or a branch.
 fn cut_at_zero(examined: &Examined, number: usize) -> bool {
     examined.trace.steps.iter().any(|step| {
-        let cuts = matches!(step.operation, Operation::Max | Operation::Clamp | Operation::Compare);
+        let cuts = matches!(step.operation, Operation::Max | Operation::Clamp | Operation::Compare(_));
         let reads = |o: &landfall_exec::interp::Operand| {
             matches!(o.source, Source::Step { step, .. } if step as usize == number)
         };

@@ -23,19 +23,19 @@ const ROUNDING: f64 = 1e-3;
 
 /// Returns the reading that agrees with the reference; `seen` holds the light of each. Readings of
 /// a later tier count only where none of an earlier one agrees.
-pub(super) fn compare(question: &BindingGroup, seen: &[Vec<f64>]) -> ReadingComparison {
+pub(super) fn compare(group: &BindingGroup, seen: &[Vec<f64>]) -> ReadingComparison {
     let same =
         |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()));
     if seen.windows(2).all(|pair| same(&pair[0], &pair[1])) {
         return ReadingComparison::Same;
     }
     let reference: Vec<f64> =
-        question.probes.iter().flat_map(|probe| probe.reference.iter().copied()).collect();
-    let last = question.readings.iter().map(|reading| reading.tier).max().unwrap_or(0);
+        group.probes.iter().flat_map(|probe| probe.reference.iter().copied()).collect();
+    let last = group.readings.iter().map(|reading| reading.tier).max().unwrap_or(0);
     for tier in 0..=last {
-        let of_tier = (0..seen.len()).filter(|&at| question.readings[at].tier == tier);
+        let of_tier = (0..seen.len()).filter(|&at| group.readings[at].tier == tier);
         let agreed: Vec<usize> = of_tier
-            .filter(|&at| agrees(&reference, &seen[at], question.ties, question.topic.lit_from()))
+            .filter(|&at| agrees(&reference, &seen[at], group.ties, group.topic.lit_from()))
             .collect();
         match agreed[..] {
             [] => {}

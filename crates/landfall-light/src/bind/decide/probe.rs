@@ -21,7 +21,7 @@ use landfall_exec::backend::Failure;
 use landfall_exec::harness::fragments::{Batch, FragmentShader};
 use landfall_exec::interp::Cpu;
 
-/// The light of a question.
+/// The light whose members are to be bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lamp {
     pub kind: Kind,

@@ -46,8 +46,8 @@ impl fmt::Display for Topic {
         f.write_str(match self {
             Topic::Direction => "sign",
             Topic::Cone => "sign and unit",
-            Topic::Range => "unit",
-            Topic::Attenuation => "order",
+            Topic::Range => "form of the range",
+            Topic::Attenuation => "order of the coefficients",
             Topic::Strength => "product with the intensity",
         })
     }
@@ -83,7 +83,7 @@ impl BindingGroup {
     }
 }
 
-/// A source for each member of a question.
+/// A source for each member of a group.
 #[derive(Clone, Debug)]
 pub(super) struct Reading {
     pub sources: Vec<Source>,
@@ -91,8 +91,8 @@ pub(super) struct Reading {
     pub tier: u8,
 }
 
-/// Returns the questions about the lights of a map. Members whose keys `given` accepts keep their
-/// sources.
+/// Returns the groups of members of lights whose sign or unit is open. Members whose keys `given`
+/// accepts keep their sources.
 pub(super) fn binding_groups(map: &BindingMap, given: &dyn Fn(&str) -> bool) -> Vec<BindingGroup> {
     let mut lights: Vec<(Kind, Slot)> = Vec::new();
     for member in &map.members {
@@ -163,7 +163,7 @@ impl Group<'_> {
 
     fn source(&self, part: LightPart) -> Source {
         let Group { kind, slot, .. } = *self;
-        Source::plain(Quantity::Light { kind, slot, part })
+        Source::scene(Quantity::Light { kind, slot, part })
     }
 
     fn lamp(&self) -> Lamp {

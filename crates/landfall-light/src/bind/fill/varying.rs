@@ -2,7 +2,7 @@
 //!
 //! Reads fragments and materials by the sources of a binding map.
 
-use super::given::surface;
+use super::values::surface;
 use super::{BlockWriter, Source};
 use crate::bind::quantity::{MaterialPart, Quantity};
 use crate::scene::{Material, Surface};
@@ -20,15 +20,15 @@ impl BlockWriter {
                 let channel = |at: usize| numbers.get(at).or(numbers.last()).copied();
                 let alpha = if numbers.len() == 4 { numbers[3] } else { 1.0 };
                 let rgb = [0, 1, 2].map(|at| channel(at).unwrap_or(0.0));
-                plain([rgb[0], rgb[1], rgb[2], alpha].map(|c| c as f32))
+                single_texel([rgb[0], rgb[1], rgb[2], alpha].map(|c| c as f32))
             }
-            Source::Scene { .. } | Source::Unknown => plain([0.0, 0.0, 0.0, 1.0]),
+            Source::Scene { .. } | Source::Unknown => single_texel([0.0, 0.0, 0.0, 1.0]),
         });
         each.collect()
     }
 
     fn texture(&self, material: &Material, part: MaterialPart) -> Image {
-        let Some(surface) = surface(material, part) else { return plain([0.0; 4]) };
+        let Some(surface) = surface(material, part) else { return single_texel([0.0; 4]) };
         match surface {
             Surface::Texture(texture) => {
                 let color = |texel: &[u8; 3]| {
@@ -39,10 +39,10 @@ impl BlockWriter {
                 Image { width: texture.width, height: texture.height, texels }
             }
             // A member holds the colour, which multiplies this.
-            Surface::Constant(_) if self.colours(part) => plain([1.0; 4]),
+            Surface::Constant(_) if self.colours(part) => single_texel([1.0; 4]),
             Surface::Constant(color) => {
                 let [r, g, b] = color.as_vec3().to_array();
-                plain([r, g, b, 1.0])
+                single_texel([r, g, b, 1.0])
             }
         }
     }
@@ -96,6 +96,6 @@ impl BlockWriter {
     }
 }
 
-fn plain(texel: [f32; 4]) -> Image {
+fn single_texel(texel: [f32; 4]) -> Image {
     Image { width: 1, height: 1, texels: vec![texel] }
 }

@@ -80,7 +80,7 @@ fn directional(walk: &mut Walk, at: &At<'_>) -> Option<DirectionalLight> {
 fn direction(walk: &mut Walk, object: &Object<'_>) -> Option<DVec3> {
     let at = walk.needed(object, "direction")?;
     let keep = match object.get("normalize") {
-        Some(at) => !walk.truth(&at)?,
+        Some(at) => !walk.boolean(&at)?,
         None => false,
     };
     if keep { walk.some_vector(&at) } else { walk.direction(&at) }
@@ -168,13 +168,13 @@ fn attenuation(walk: &mut Walk, at: &At<'_>) -> Option<Attenuation> {
         return None;
     }
     if let Some(constant) = object.get("constant").filter(|_| object.keys().count() == 1) {
-        alone(walk, &constant, found.constant);
+        warn_single_coefficient(walk, &constant, found.constant);
     }
     Some(found)
 }
 
 /// Warns about a single coefficient, where three were probably meant.
-fn alone(walk: &mut Walk, at: &At<'_>, constant: f64) {
+fn warn_single_coefficient(walk: &mut Walk, at: &At<'_>, constant: f64) {
     if constant == 1.0 {
         return;
     }

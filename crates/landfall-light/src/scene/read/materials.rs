@@ -95,7 +95,7 @@ fn surface(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Surfac
 fn texture(walk: &mut Walk, at: &At<'_>, open: &FileOpener<'_>) -> Option<Texture> {
     let object = walk.object(at, &["checker", "cells", "rows", "palette", "png", "srgb"])?;
     let srgb = match object.get("srgb") {
-        Some(at) => walk.truth(&at),
+        Some(at) => walk.boolean(&at),
         None => Some(false),
     };
     let given: Vec<&str> =

@@ -267,7 +267,7 @@ impl Walk {
     }
 
     /// Reads a boolean.
-    pub fn truth(&mut self, at: &At<'_>) -> Option<bool> {
+    pub fn boolean(&mut self, at: &At<'_>) -> Option<bool> {
         if let Value::Bool(value) = at.node.value {
             return Some(value);
         }
@@ -282,12 +282,12 @@ impl Walk {
             return Some(found.1);
         }
         let names: Vec<&str> = words.iter().map(|(name, _)| *name).collect();
-        self.no_word(at, word, &names);
+        self.unknown_word(at, word, &names);
         None
     }
 
     /// Reports an unknown word.
-    pub fn no_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
+    pub fn unknown_word(&mut self, at: &At<'_>, word: &str, names: &[&str]) {
         let near = nearest(word, names.iter().copied());
         let found =
             self.error(Code::WrongValue, at, format!("is {:?}, an unknown value", short(word)));

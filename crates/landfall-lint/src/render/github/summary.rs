@@ -4,7 +4,7 @@ use crate::render::{severity, short, totals};
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::text::escape::{markdown as plain, markdown_code as code};
 
-/// Bytes of rows; GitHub refuses a summary of more than 1 MiB.
+/// The most bytes of rows; GitHub rejects a summary of more than 1 MiB.
 const MOST_BYTES: usize = 900 << 10;
 
 pub(in crate::render) fn markdown(findings: &[&Finding], shaders: usize) -> String {
@@ -41,7 +41,7 @@ fn row(finding: &Finding) -> String {
     )
 }
 
-/// Text of ours in a cell: what stands in backticks is code, the rest is only text.
+/// Escapes a message for a table cell; text in backticks becomes code.
 fn cell(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {

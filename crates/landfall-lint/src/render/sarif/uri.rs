@@ -3,13 +3,13 @@
 /// A path as a URI.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Uri {
-    /// Relative to where the command ran.
+    /// Relative to the directory that the command ran in.
     Relative(String),
     /// `file:///…`.
     Absolute(String),
 }
 
-/// The URI of a path whose parts are separated by `/`.
+/// Returns the URI of a path whose parts are separated by `/`.
 pub(super) fn from_path(path: &str) -> Uri {
     let bytes = path.as_bytes();
     let drive = bytes.len() > 2 && bytes[0].is_ascii_alphabetic() && &bytes[1..3] == b":/";
@@ -20,7 +20,7 @@ pub(super) fn from_path(path: &str) -> Uri {
     }
 }
 
-/// Every byte that is not unreserved (section 2.3) as `%XX`, `/` apart.
+/// Escapes every byte except unreserved ones (section 2.3) and `/` as `%XX`.
 fn escaped(path: &str) -> String {
     let mut result = String::with_capacity(path.len());
     for byte in path.bytes() {

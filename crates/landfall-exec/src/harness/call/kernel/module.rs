@@ -51,7 +51,8 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         false => [compute, fragment],
         true => [fragment, compute],
     };
-    let at = |(stage, entry)| made(pure, places, bindings, entry).map(|module| (stage, module));
+    let at =
+        |(stage, entry)| build_module(pure, places, bindings, entry).map(|module| (stage, module));
     let made = at(first).or_else(|found| at(second).map_err(|_| found));
     let (stage, module) = made.map_err(|found| refused(found.first()))?;
     // Blocks that became variables of a lane are not bound, and their bindings may be reused.
@@ -81,7 +82,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
 }
 
 /// Returns the module, reduced to what a lane runs.
-fn made(
+fn build_module(
     pure: &PureFunction,
     places: &Places,
     bindings: [(u32, u32); 2],

@@ -274,8 +274,8 @@ impl<'p> User<'p> {
                     });
                     found.ok_or_else(|| {
                         let message = format!(
-                            "OpenGL: `{name}` has a byte layout that cannot be filled by \
-                             member; set it with --data"
+                            "OpenGL: `{name}` has a byte layout that cannot be filled member \
+                             by member; set it with --data"
                         );
                         Failure::refused(message, "")
                     })?

@@ -2,7 +2,7 @@
 //!
 //! After Higham, Accuracy and Stability of Numerical Algorithms (2002), 1.7 to 1.13, and Panchekha
 //! et al., Herbie (PLDI 2015). Whether a form is better at all is measured by
-//! [`advice`](super::advice).
+//! `advice`.
 
 use super::formula::Formula::{self, Call, Neg};
 use super::formula::{binary, call, number};

@@ -15,7 +15,7 @@ use landfall_layout::{Diagnostic, Error, Language, Severity, ShaderLayout};
 use crate::args::{Command, TextArgs};
 use crate::output::{FindingForm, Streams};
 
-/// What a name is given for.
+/// The kind of option that a name is given for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Constant,
@@ -30,14 +30,14 @@ const GATHER: &str = "#gather";
 
 /// A name that has no effect unless a shader has it.
 #[derive(Clone, Debug)]
-struct Given {
+struct NamedOption {
     kind: Kind,
     name: String,
     /// Where it is given.
     option: String,
 }
 
-impl Given {
+impl NamedOption {
     /// The name in caches, which tells kinds apart.
     fn key(&self) -> String {
         match self.kind {
@@ -97,7 +97,7 @@ impl Given {
 /// The names given, and those that some shader has.
 #[derive(Default)]
 struct Names {
-    given: Vec<Given>,
+    given: Vec<NamedOption>,
     matched: BTreeSet<String>,
     any: bool,
     /// Whether only some of the shaders are read.
@@ -118,24 +118,32 @@ pub fn begin(command: &Command, streams: &Streams) {
     names().is_part = matches!(command, Command::Check(args) if args.shard.is_some());
     let Some((text, defines)) = text_of(command) else { return };
     let option = if matches!(command, Command::Check(_)) { "--define" } else { "-D" };
-    let given = |kind, name: &String, option| Given {
+    let given = |kind, name: &String, option| NamedOption {
         kind,
         name: name.clone(),
         option: format!("{option} {name}"),
     };
     let constants = text.overrides.iter().map(|(name, _)| given(Kind::Constant, name, "-O"));
     let macros = defines.iter().map(|(name, _)| given(Kind::Macro, name, option));
-    let mut all: Vec<Given> = constants.chain(macros).collect();
+    let mut all: Vec<NamedOption> = constants.chain(macros).collect();
     if let Some(option) = unused::mediump(command) {
-        all.push(Given { kind: Kind::Precision, name: String::new(), option });
+        all.push(NamedOption { kind: Kind::Precision, name: String::new(), option });
     }
     if let Some(stage) = text.stage {
         let language = text.language.map(|language| language.language().name());
         let name = language.unwrap_or_default().to_string();
-        all.push(Given { kind: Kind::Stage, name, option: format!("--stage {}", stage.name()) });
+        all.push(NamedOption {
+            kind: Kind::Stage,
+            name,
+            option: format!("--stage {}", stage.name()),
+        });
     }
     if text.gather && unused::lays_out(command) {
-        all.push(Given { kind: Kind::Gather, name: String::new(), option: "--gather".to_string() });
+        all.push(NamedOption {
+            kind: Kind::Gather,
+            name: String::new(),
+            option: "--gather".to_string(),
+        });
     }
     names().given = all;
     include_dirs(&text.include_dirs, "`-I DIR` names a directory", streams);
@@ -157,7 +165,7 @@ pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
         ConfiguredKey::Permutations => (Kind::Macro, "permutations"),
     };
     let option = format!("{name}` in `{key}` of `{}", file.display());
-    let new = Given { kind, name: name.to_string(), option };
+    let new = NamedOption { kind, name: name.to_string(), option };
     let mut names = names();
     if !names.given.iter().any(|old| old.key() == new.key()) {
         names.given.push(new);
@@ -167,12 +175,12 @@ pub fn configured(key: ConfiguredKey, name: &str, file: &Path) {
 /// Warns about an option with a pattern that excludes nothing, unless only some shaders are read.
 pub fn excludes_nothing(option: String, streams: &Streams) {
     if !names().is_part {
-        without_effect(option, "no shader matches it", streams);
+        warn_option(option, "no shader matches it", streams);
     }
 }
 
 /// Warns about an option that has no effect.
-pub fn without_effect(option: String, why: &str, streams: &Streams) {
+pub fn warn_option(option: String, why: &str, streams: &Streams) {
     let error = Error::new(option, format!("has no effect: {why}"));
     warn(Code::UnusedOption, error, streams);
 }
@@ -194,8 +202,8 @@ fn known(files: &Files) -> Vec<String> {
     let given = names().given.clone();
     // Macros of the command line are files, too: `-D NAME`.
     let files: Vec<&File> = files.iter().filter(|file| !file.path.starts_with("-D ")).collect();
-    let known = |given: &&Given| files.iter().any(|file| given.is_in(file));
-    given.iter().filter(known).map(Given::key).collect()
+    let known = |given: &&NamedOption| files.iter().any(|file| given.is_in(file));
+    given.iter().filter(known).map(NamedOption::key).collect()
 }
 
 /// The names given that a shader has.

@@ -27,7 +27,8 @@ impl TracedSample<'_> {
         about: Vec<usize>,
         kind: Option<UndefinedKind>,
     ) -> Candidate {
-        let worst = step.results.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let worst =
+            step.results.iter().max_by(|a, b| absolute_error(a).total_cmp(&absolute_error(b)));
         let operation = Performed {
             operation: step.operation,
             operands: step.operands.iter().map(|o| o.number).collect(),
@@ -264,7 +265,7 @@ impl TracedSample<'_> {
     /// Returns the first comparison that `f32` and `f64` decide differently.
     pub fn diverged(&self) -> Option<Candidate> {
         let decides = |step: &&TracedOperation| {
-            step.operation == Operation::Compare
+            matches!(step.operation, Operation::Compare(_))
                 && step.results.iter().any(|n| f64::from(n.single) != n.double)
         };
         let step = self.graph.trace.steps.iter().find(decides)?;
@@ -395,7 +396,7 @@ fn smallest(step: &TracedOperation) -> f64 {
     magnitudes.filter(|x| *x > 0.0).fold(f64::INFINITY, f64::min)
 }
 
-fn apart(number: &Number) -> f64 {
+fn absolute_error(number: &Number) -> f64 {
     match (f64::from(number.single) - number.double).abs() {
         nan if nan.is_nan() => f64::INFINITY,
         off => off,
