@@ -442,7 +442,13 @@ fn bench() -> Bench {
         unit: Unit::Fragment,
         fragments: 243_037,
         lights: 6,
-        machine: Machine::here().after(),
+        machine: Machine {
+            processor: Some("AMD EPYC".to_string()),
+            threads: 2,
+            system: "linux x86_64".to_string(),
+            load: Some([0.5, 14.21]),
+            optimised: false,
+        },
         rows,
         failed: vec![Failed {
             variant: "robust".to_string(),
@@ -579,9 +585,9 @@ robust on gl: no driver
     golden().eq(
         conditions(&text),
         str![[r#"
-linux x86_64, 2 threads, AMD EPYC; load 14.21 before, 14.21 after; 12
-interleaved rounds; medians and quartiles; built without optimisation: times of
-Rust variants are not representative
+linux x86_64, 2 threads, AMD EPYC; load 0.5 before, 14.21 after; 12 interleaved
+rounds; medians and quartiles; built without optimisation: times of Rust
+variants are not representative
 
 "#]],
     );
@@ -603,7 +609,7 @@ Rust variants are not representative
     golden().eq(
         conditions(&nothing_ran),
         str![[r#"
-linux x86_64, 2 threads, AMD EPYC; load 14.21 before, 14.21 after; built without
+linux x86_64, 2 threads, AMD EPYC; load 0.5 before, 14.21 after; built without
 optimisation: times of Rust variants are not representative
 
 "#]],

@@ -416,7 +416,7 @@ void main() {}
             let columns = columns(&pure, 10, 1);
             match (name, on(backend.as_mut(), &pure, &columns, 10)) {
                 ("gl", Err(failure)) => {
-                    golden().eq(failure.message, str!["OpenGL: `Tight` has a byte layout that cannot be filled by member; set it with --data"]);
+                    golden().eq(failure.message, str!["OpenGL: `Tight` has a byte layout that cannot be filled member by member; set it with --data"]);
                 }
                 ("gl", Ok(_)) => panic!("it has no way to give it"),
                 (_, called) => {
