@@ -143,6 +143,43 @@ policy `bytes` forbids 0 changes, 1 approved
     assert_eq!(tree.run(&["lock", "--check", "--prune"]).code, 0);
 }
 
+/// `--accept` of `check` and `diff` obeys the policies that `lock` obeys.
+#[test]
+fn no_command_accepts_what_a_policy_forbids() {
+    let tree = Place::new("policy-accept");
+    tree.write("landfall.toml", "policy = \"bytes\"\n").write("shaders/light.frag", OLD);
+    assert_eq!(tree.run(&["lock"]).code, 0);
+    let lock = "layouts/shaders/light.frag.json";
+    let old = tree.read(lock);
+    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gamma; float bias;"));
+    tree.run(&["check", "--accept", "-f", "short"]).code(1).stdout_eq(str![[r#"
+shaders/light.frag:3:37: error[layout-drift] `Lights` differs from its lock: `bias` (`float`) uses former padding at 68; buffers filled for it are still read correctly, but the lock is out of date
+
+"#]]).stderr_eq(str![[r#"
+checked 1 shader: 1 error
+kept 1 lock: a policy forbids the changes; `landfall lock --approve REASON` approves them
+
+"#]]);
+    assert_eq!(tree.read(lock), old);
+    tree.run(&["diff", lock, "shaders/light.frag", "--accept"]).code(1).stderr_eq(str![[r#"
+error[policy-forbids]: `shaders/light.frag` has a change of block `Lights` that policy `bytes` forbids: `bias` (`float`) uses former padding at 68
+  |
+  = help: undo it, or approve it with `landfall lock --approve REASON`
+
+no lock was updated
+
+"#]]);
+    assert_eq!(tree.read(lock), old);
+    // What the policy allows is accepted, as is what was approved.
+    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gain;"));
+    assert_eq!(tree.run(&["check", "--accept"]).code, 0);
+    tree.write("shaders/light.frag", OLD.replace("float gamma;", "float gain; float bias;"));
+    assert_eq!(tree.run(&["lock", "--approve", "the uploader fills it"]).code, 0);
+    tree.write(lock, &old);
+    assert_eq!(tree.run(&["check", "--accept"]).code, 0);
+    assert_ne!(tree.read(lock), old);
+}
+
 #[test]
 fn policies_are_chosen_for_a_path() {
     let tree = Place::new("policy-path");

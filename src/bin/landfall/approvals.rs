@@ -5,10 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::Error;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::diff::{BlockDiff, Change, Policy};
 use landfall_layout::file::FileWriter;
 use landfall_layout::format::diff::Verdict;
+use landfall_layout::{Diagnostic, Error};
 use serde::{Deserialize, Serialize};
 
 use crate::read;
@@ -105,6 +106,19 @@ impl Approvals {
         blocks.iter().map(block).collect()
     }
 
+    /// The changes that a policy forbids and that are not approved.
+    pub fn forbidden<'b>(
+        &self,
+        policy: Policy,
+        shader: &str,
+        blocks: &'b [BlockDiff],
+    ) -> Vec<(&'b BlockDiff, &'b Change)> {
+        let verdicts = self.judge(policy, shader, blocks).into_iter().flatten();
+        let changes = blocks.iter().flat_map(|block| block.changes.iter().map(move |c| (block, c)));
+        let judged = changes.zip(verdicts);
+        judged.filter(|(_, verdict)| *verdict == Verdict::Forbidden).map(|(c, _)| c).collect()
+    }
+
     /// Adds approvals and writes the file.
     pub fn add(mut self, new: Vec<Approval>, writer: &FileWriter) -> Result<(), Error> {
         self.entries.retain(|entry| !new.iter().any(|other| other.is_same(entry)));
@@ -115,4 +129,16 @@ impl Approvals {
         let text = serde_json::to_string_pretty(&document).expect("approvals are strings");
         writer.write(&self.file, text + "\n").map(|_| ())
     }
+}
+
+/// The error about a change that a policy forbids.
+pub fn forbids(shader: &str, policy: Policy, block: &BlockDiff, change: &Change) -> Diagnostic {
+    let (block, policy) = (&block.name, policy.name());
+    let message = format!(
+        "has a change of block `{block}` that policy `{policy}` forbids: {}",
+        change.message
+    );
+    let found = Error::new(shader, message)
+        .with_help("undo it, or approve it with `landfall lock --approve REASON`");
+    Diagnostic { code: Code::PolicyForbids, ..found.into() }
 }

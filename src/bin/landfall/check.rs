@@ -14,6 +14,7 @@ mod fix;
 mod hash;
 mod key;
 mod pass;
+mod policies;
 #[cfg(feature = "exec")]
 mod proved;
 mod report_root;
@@ -53,6 +54,7 @@ use fix::AppliedFixes;
 use hash::Hash;
 use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
+use policies::Policies;
 use watched::Watched;
 
 /// The note without any locks, instead of a finding per shader.
@@ -113,6 +115,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         jobs: args.jobs,
         stdin,
         against: against.as_ref(),
+        policies: Policies::open(&config, args)?,
         locks,
         excluded: AtomicUsize::new(0),
         began,
@@ -397,6 +400,12 @@ fn closing_notes(
     }
     if pass.accepted > 0 {
         streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
+    }
+    if pass.kept_locks > 0 {
+        let kept = counted(pass.kept_locks, "lock");
+        streams.notes(&format!(
+            "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
+        ));
     }
     if basis.locks.is_none() && basis.against.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);

@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use landfall_layout::diff::{BlockDiff, Class, Policy, Side as Blocks, diff, verdict};
 use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
+use landfall_layout::source::Files;
 use landfall_layout::{Error, ShaderLayout, lock};
 
-use crate::approvals::Approvals;
+use crate::approvals::{Approvals, forbids};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
@@ -67,6 +68,17 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
         })
         .collect();
     print(args, &compared, streams)?;
+    let mut forbidden = Vec::new();
+    for ((pair, blocks), policy) in pairs.iter().zip(&found).zip(&judged) {
+        let Some((policy, _)) = policy.as_ref().filter(|_| args.accept) else { continue };
+        let changes = approvals.forbidden(*policy, &pair.file, blocks).into_iter();
+        forbidden.extend(changes.map(|(block, c)| forbids(&pair.file, *policy, block, c)));
+    }
+    if args.accept && !forbidden.is_empty() {
+        streams.report(&reading.style.text(&forbidden, &Files::default()));
+        streams.notes("no lock was updated\n");
+        return Ok(Outcome::Findings);
+    }
     if args.accept && !failed {
         for (old, new) in &sides {
             accept(old, new, &config, streams)?;

@@ -8,12 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::diff::{Side, diff};
 use landfall_layout::file::{FileWriter, Written};
-use landfall_layout::format::diff::Verdict;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock};
 
-use crate::approvals::{Approval, Approvals};
+use crate::approvals::{Approval, Approvals, forbids};
 use crate::args::LockArgs;
 use crate::config::{self, Config, slashes};
 use crate::inputs::{Input, Inputs};
@@ -181,28 +180,14 @@ impl Job<'_> {
         };
         let old = old.layout();
         let blocks = diff(Side::of(&old), Side::of(shader));
-        let verdicts = self.approvals.judge(policy, &key, &blocks);
-        for (block, verdicts) in blocks.iter().zip(verdicts) {
-            for (change, verdict) in block.changes.iter().zip(verdicts) {
-                if verdict != Verdict::Forbidden {
-                    continue;
-                }
-                if let Some(reason) = &self.args.approve {
-                    judged.approved.push(Approval::of(&key, block, change, reason));
-                    continue;
-                }
-                judged.forbidden = true;
-                let message = format!(
-                    "has a change of block `{}` that policy `{}` forbids: {}",
-                    block.name,
-                    policy.name(),
-                    change.message
-                );
-                let found = Error::new(path.display().to_string(), message)
-                    .with_help("undo it, or approve it with `landfall lock --approve REASON`");
-                let found = Diagnostic { code: Code::PolicyForbids, ..found.into() };
-                judged.findings.push_str(&self.style.text(&[found], &Files::default()));
+        for (block, change) in self.approvals.forbidden(policy, &key, &blocks) {
+            if let Some(reason) = &self.args.approve {
+                judged.approved.push(Approval::of(&key, block, change, reason));
+                continue;
             }
+            judged.forbidden = true;
+            let found = forbids(&path.display().to_string(), policy, block, change);
+            judged.findings.push_str(&self.style.text(&[found], &Files::default()));
         }
         judged
     }

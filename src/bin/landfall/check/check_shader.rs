@@ -22,6 +22,7 @@ use super::against::Against;
 use super::basis::Basis;
 use super::digests::Digests;
 use super::hash::Hash;
+use super::policies::Policies;
 use super::stamp::Stamp;
 use crate::config::Root;
 use crate::inputs::Input;
@@ -86,6 +87,8 @@ pub struct Job<'a> {
     pub texts: &'a HashMap<String, String>,
     /// Whether to write locks for changed layouts.
     pub accept: bool,
+    /// The policies for changes of layouts.
+    pub policies: &'a Policies<'a>,
     /// Hashes of files included by several shaders.
     pub hashes: Mutex<HashMap<String, Option<Hash>>>,
     /// When the check began.
@@ -108,6 +111,8 @@ pub struct Fresh {
     pub laid_out: Option<(Source, ShaderLayout)>,
     /// The path and text of the lock to write, if any.
     pub lock: Option<(PathBuf, String)>,
+    /// Whether a policy forbids to write it.
+    pub is_kept: bool,
 }
 
 /// The lock of a shader: its path, and its bytes if it exists.
@@ -308,7 +313,7 @@ impl Job<'_> {
         let mut findings: Vec<Finding> =
             warnings.into_iter().map(|d| d.located(&shader.files)).collect();
         let mut failed: Vec<Finding> = Vec::new();
-        let mut new_lock = None;
+        let (mut new_lock, mut is_kept) = (None, false);
         let mut lock_hash = None;
         let lock_path = lock.as_ref().map(|lock| lock.path.clone());
         let mut allowed = allows(&shader.files, shader.language);
@@ -321,7 +326,10 @@ impl Job<'_> {
                         let mut drifted = levels::at_levels(found, settings);
                         suppress(&mut drifted, &mut allowed);
                         lock_hash = hash;
-                        if self.accept && drifted.iter().any(is_drift) {
+                        let to_accept = self.accept && drifted.iter().any(is_drift);
+                        is_kept = to_accept
+                            && old.as_ref().is_some_and(|old| self.policies.forbid(&shader, old));
+                        if to_accept && !is_kept {
                             let text = lock::renew(&shader, old.as_ref());
                             lock_hash = Some(Hash::of(text.as_bytes()));
                             new_lock = Some((path, text));
@@ -375,7 +383,12 @@ impl Job<'_> {
             blocks: if is_failed { Digests::default() } else { digest(&shader).into() },
             allows: allowed,
         };
-        Fresh { checked, laid_out: (!is_failed).then_some((source, shader)), lock: new_lock }
+        Fresh {
+            checked,
+            laid_out: (!is_failed).then_some((source, shader)),
+            lock: new_lock,
+            is_kept,
+        }
     }
 
     /// Compares a shader with its lock, or with its layout at a revision.
@@ -457,5 +470,5 @@ fn failed(path: &str, hash: Hash, found: Diagnostic) -> Fresh {
         blocks: Digests::default(),
         allows: Vec::new(),
     };
-    Fresh { checked, laid_out: None, lock: None }
+    Fresh { checked, laid_out: None, lock: None, is_kept: false }
 }

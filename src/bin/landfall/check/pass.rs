@@ -16,6 +16,7 @@ use landfall_lint::digest;
 use super::against::Against;
 use super::basis::Basis;
 use super::check_shader::{Checked, Done, Job};
+use super::policies::Policies;
 use crate::args::Shard;
 use crate::config::{Exclude, Root};
 use crate::inputs::{Input, Inputs};
@@ -39,6 +40,7 @@ pub struct Run<'a> {
     pub stdin: HashMap<String, String>,
     /// The revision that layouts are compared with instead of locks.
     pub against: Option<&'a Against>,
+    pub policies: Policies<'a>,
     /// The writer of locks.
     pub locks: FileWriter,
     /// Number of excluded shaders.
@@ -95,6 +97,8 @@ pub struct Pass {
     pub restamped: usize,
     /// Number of locks written.
     pub accepted: usize,
+    /// Number of locks that a policy forbids to write.
+    pub kept_locks: usize,
     kept: usize,
 }
 
@@ -121,6 +125,7 @@ impl Run<'_> {
             known: &known,
             texts: &all,
             accept,
+            policies: &self.policies,
             hashes: Mutex::default(),
             began: self.began,
         };
@@ -195,6 +200,7 @@ impl Pass {
         let weight = fresh.weight();
         let number = self.checked.len();
         self.fresh += 1;
+        self.kept_locks += usize::from(fresh.is_kept);
         self.checked.push(fresh.checked);
         if let Some(laid_out) = fresh.laid_out {
             self.kept += weight;
