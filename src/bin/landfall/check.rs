@@ -51,7 +51,6 @@ use basis::{Basis, Scope};
 use cache::Cache;
 use check_shader::Checked;
 use fix::AppliedFixes;
-use hash::Hash;
 use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
 use policies::Policies;
@@ -147,10 +146,8 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         true => tree::sorted(tree::findings_in_shaders(&pass)),
         false => findings(args, &run, &mut pass, &mut cache, streams)?,
     };
-    if has_cache && !stopped && is_new(args, &pass, &cache, before) {
-        if let Err(error) = cache.write(&pass) {
-            cache_unused(&error, streams);
-        }
+    if has_cache && !stopped && cache::is_new(args, &pass, &cache, before) {
+        cache.write(&pass).unwrap_or_else(|error| cache::unused(&error, streams));
     }
     let texts = reports::Texts::new(run.stdin.clone());
     let writer = inputs(args, &config, &run, &pass);
@@ -171,14 +168,6 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     Ok(left_out.unwrap_or(outcome))
 }
 
-/// Whether the cache lacks results of this check.
-fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<Hash>) -> bool {
-    pass.fresh + pass.restamped > 0
-        || args.fix
-        || args.add_allow
-        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before
-}
-
 /// Searches for Rust files with mirrors while the cache is read, which takes as long.
 fn read_rust_and_cache(
     args: &CheckArgs,
@@ -186,18 +175,12 @@ fn read_rust_and_cache(
     basis: &Basis,
     streams: &Streams,
 ) -> (Result<Vec<RustFile>, Error>, Option<Cache>) {
-    let folder = cache_folder(args, config);
+    let folder = cache::folder(args, config);
     std::thread::scope(|scope| {
         let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths));
-        let cache = folder.and_then(|folder| open(folder, args, config, basis, streams));
+        let cache = folder.and_then(|folder| cache::open(folder, args, config, basis, streams));
         (rust.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), cache)
     })
-}
-
-/// The directory of caches, if one is used.
-fn cache_folder<'a>(args: &'a CheckArgs, config: &'a Config) -> Option<&'a Path> {
-    let folder = args.cache_dir.as_deref().or(config.cache_dir.as_deref());
-    folder.filter(|_| !args.no_cache)
 }
 
 /// Applies `--fix` or `--add-allow`; returns the pass over the final state.
@@ -325,23 +308,6 @@ fn left_out(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> 
     (!is_meant).then_some(Outcome::CouldNot)
 }
 
-/// Opens the cache for these settings; `None` without a key.
-fn open(
-    folder: &Path,
-    args: &CheckArgs,
-    config: &Config,
-    basis: &Basis,
-    streams: &Streams,
-) -> Option<Cache> {
-    let writer = config.writer(folder, args.cache_dir.is_some());
-    let key = key::key().inspect_err(|error| cache_unused(error, streams)).ok()?;
-    Some(Cache::open(folder, basis, key, writer))
-}
-
-fn cache_unused(error: &Error, streams: &Streams) {
-    streams.notes(&format!("the cache is not used: {error}\n"));
-}
-
 /// The files that a pass read, and those that it would have read if they existed.
 fn files_of(run: &Run<'_>, pass: &Pass) -> Vec<PathBuf> {
     let checked = pass.checked.iter();
@@ -388,7 +354,7 @@ fn closing_notes(
     applied: &AppliedFixes,
     streams: &Streams,
 ) {
-    if cache_folder(args, config).is_some() {
+    if cache::folder(args, config).is_some() {
         let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
     }

@@ -136,3 +136,19 @@ fn what_cannot_be_watched_is_refused() {
         assert_eq!(tree.run(arguments).code, 2, "{arguments:?}");
     }
 }
+
+/// A mirror in Rust and a baseline are no shaders.
+#[test]
+fn mirrors_and_the_baseline_are_watched() {
+    let tree = Place::new("check-watch-others");
+    let mirror = "// landfall: mirror(Light)\n#[repr(C)]\npub struct Light {\n    pub position: [f32; 4],\n    pub color: [f32; 4],\n}\n";
+    tree.write("a.frag", GOOD).write("mirror.rs", mirror);
+    assert_eq!(tree.run(&["check", "--baseline", "known.json", "--write-baseline"]).code, 0);
+    let watching = Watching::start(&tree, &["--baseline", "known.json"]);
+    watching.wait_for("watching");
+    tree.write("mirror.rs", mirror.replace("position: [f32; 4]", "position: [f32; 3]"));
+    watching.checks_again("mirror.rs");
+    tree.write("known.json", tree.read("known.json") + "\n");
+    watching.checks_again("known.json");
+    watching.stop();
+}

@@ -16,8 +16,12 @@ use super::basis::Basis;
 use super::check_shader::Checked;
 use super::digests::{CachedDigests, Digests};
 use super::hash::{Hash, seal};
+use super::key::key;
 use super::pass::Pass;
 use super::tree::Remembered;
+use crate::args::CheckArgs;
+use crate::config::Config;
+use crate::output::Streams;
 
 /// Maximum number of files in the directory.
 const MOST_FILES: usize = 16;
@@ -139,6 +143,37 @@ impl Cache {
             let _ = self.writer.remove(&path);
         }
     }
+}
+
+/// The directory of caches, if one is used.
+pub fn folder<'a>(args: &'a CheckArgs, config: &'a Config) -> Option<&'a Path> {
+    let folder = args.cache_dir.as_deref().or(config.cache_dir.as_deref());
+    folder.filter(|_| !args.no_cache)
+}
+
+/// Opens the cache for these settings; `None` without a key.
+pub fn open(
+    folder: &Path,
+    args: &CheckArgs,
+    config: &Config,
+    basis: &Basis,
+    streams: &Streams,
+) -> Option<Cache> {
+    let writer = config.writer(folder, args.cache_dir.is_some());
+    let key = key().inspect_err(|error| unused(error, streams)).ok()?;
+    Some(Cache::open(folder, basis, key, writer))
+}
+
+pub fn unused(error: &Error, streams: &Streams) {
+    streams.notes(&format!("the cache is not used: {error}\n"));
+}
+
+/// Whether the cache lacks results of this check.
+pub fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<Hash>) -> bool {
+    pass.fresh + pass.restamped > 0
+        || args.fix
+        || args.add_allow
+        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before
 }
 
 /// Whether a file is a cache, with any seal.
