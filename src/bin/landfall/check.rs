@@ -36,7 +36,7 @@ use std::time::SystemTime;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Severity, lock};
 use landfall_lint::settings::RustFile;
 use landfall_lint::{LINTS, Settings};
@@ -344,6 +344,11 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer.protect(run.basis.settings.rust_files.iter().map(|file| &file.path));
     writer.protect(&args.verified);
     writer.protect(config.file.as_deref());
+    // Shaders that were not reached before Ctrl-C, or are those of another shard.
+    let reports = args.formats.iter().filter_map(|report| report.file.as_deref());
+    let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_default();
+    writer.protect(reports.filter(|path| kind_of_path(&real(path)).is_some()));
+    writer.protect(&run.paths);
     writer
 }
 

@@ -63,7 +63,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let outcome = match (&args.out, args.check) {
         (Some(out), true) => check(out, &text, streams),
         (Some(out), false) => {
-            let named = args.files.iter().map(PathBuf::as_path);
+            let named = args.files.iter().chain(&config.file).map(PathBuf::as_path);
             write::protecting(named, shaders.iter().map(|s| &s.files)).write(out, &text)?;
             Outcome::Clean
         }

@@ -1,5 +1,6 @@
 //! Files that Landfall did not write, where locks, layouts and caches go: they stay.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
@@ -225,4 +226,92 @@ error[output]: `a.frag` is an input of this command, and would be overwritten
     fs::remove_file(&key).unwrap();
     assert_eq!(cached().code, 0);
     assert_eq!(names().collect::<Vec<_>>(), ["cache-key"]);
+}
+
+/// `gone/../a.frag` is `a.frag` as soon as `gone` is created for it.
+#[test]
+fn a_directory_that_is_not_there_leads_to_no_input() {
+    let place = Place::new("writers-gone");
+    place.write("a.frag", CLEAN).write("v.json", "{}");
+    let before = files(&place.0);
+    let mut said = BTreeSet::new();
+    for command in [
+        &["emit", "a.frag", "--lang", "c", "-o", "gone/../a.frag"][..],
+        &["emit", "a.frag", "--lang", "rust", "-o", "./gone/x/../../a.frag"],
+        &["encode", "a.frag", "v.json", "-o", "gone/../v.json"],
+        &["port", "a.frag", "--no-compiler", "-o", "gone/../a.frag"],
+        &["check", "a.frag", "-f", "json=gone/../a.frag"],
+        &["lock", "a.frag", "--locks", "gone/../locks"],
+        &["layout", "a.frag", "-f", "json", "--out", "gone/../out"],
+    ] {
+        let ran = place.run(command);
+        assert_eq!(ran.code, 2, "{command:?}: {}", ran.err);
+        said.extend(ran.err.lines().find(|line| line.starts_with("error")).map(str::to_string));
+        assert!(files(&place.0) == before && !place.has("gone"), "{command:?} wrote");
+    }
+    let said: Vec<String> = said.into_iter().collect();
+    golden().eq(
+        said.join("\n"),
+        str![[r#"
+error[output]: `./gone/x/../..` cannot be created as a directory: no such file or directory
+error[output]: `gone/../locks` cannot be created as a directory: no such file or directory
+error[output]: `gone/../out` cannot be created as a directory: no such file or directory
+error[output]: `gone/..` cannot be created as a directory: no such file or directory
+"#]],
+    );
+}
+
+/// Also by a link; another name of the same file is replaced, not the file.
+#[test]
+fn the_configuration_is_no_output() {
+    let place = Place::new("writers-configuration");
+    place.write("a.frag", CLEAN).write("v.json", "{}").write("x.toml", "gather = true\n");
+    place.write("landfall.toml", "gather = false\n");
+    std::os::unix::fs::symlink("landfall.toml", place.0.join("link.toml")).unwrap();
+    let before = files(&place.0);
+    for target in ["landfall.toml", "./link.toml"] {
+        let report = format!("json={target}");
+        for command in [
+            &["emit", "a.frag", "--lang", "c", "-o", target][..],
+            &["emit", "a.frag", "--lang", "rust", "--no-config", "-o", target],
+            &["port", "a.frag", "--no-compiler", "-o", target],
+            &["encode", "a.frag", "v.json", "-o", target],
+            &["check", "a.frag", "-f", &report],
+        ] {
+            let ran = place.run(command);
+            let said = ran.err.contains("is an input of this command, and would be overwritten");
+            assert!(ran.code == 2 && said, "{command:?}: {}", ran.err);
+            assert!(files(&place.0) == before, "{command:?} wrote");
+        }
+    }
+    let command = ["emit", "a.frag", "--lang", "c", "--config", "x.toml", "-o", "x.toml"];
+    place.run(&command).code(2);
+    assert!(files(&place.0) == before);
+}
+
+/// Shaders of another shard, and those that an interrupted check did not reach.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_report_is_not_written_over_a_shader_that_was_not_read() {
+    let place = Place::new("writers-unread");
+    for n in 0..4 {
+        place.write(&format!("s/{n}.frag"), CLEAN);
+    }
+    let before = files(&place.0);
+    for (n, shard) in (0..4).flat_map(|n| [(n, "1/2"), (n, "2/2")]) {
+        let report = format!("json=s/{n}.frag");
+        let ran = place.run(&["check", "s", "--shard", shard, "-f", &report]);
+        assert!(ran.code == 2 && files(&place.0) == before, "{n}, {shard}: {}", ran.err);
+    }
+    for n in 0..400 {
+        place.write(&format!("t/{n:03}.frag"), CLEAN);
+    }
+    let mut command = place.command(&["check", "t", "-j", "1", "-f", "json=t/399.frag"]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    let process = child.id().to_string();
+    Command::new("kill").args(["-INT", &process]).status().unwrap();
+    // Whether it was in time or not.
+    assert_ne!(child.wait().unwrap().code(), Some(0));
+    assert_eq!(place.read("t/399.frag"), CLEAN);
 }

@@ -26,8 +26,8 @@ pub use private::create_private;
 const PARTIAL_START: &str = ".landfall-";
 const PARTIAL_END: &str = ".partial";
 
-/// Files of patterns that exclude inputs.
-const IGNORE_FILES: [&str; 2] = [".gitignore", ".ignore"];
+/// Files that decide what commands read.
+const CONTROL_FILES: [&str; 4] = [".gitignore", ".ignore", "landfall.toml", ".landfall.toml"];
 
 /// The number of retries when another process removes the partial file.
 const ATTEMPTS: u32 = 3;
@@ -172,7 +172,7 @@ impl FileWriter {
             )
             .with_help("make it writable, or name another file"));
         }
-        fs::create_dir_all(folder).map_err(|cause| {
+        create_folder(folder).map_err(|cause| {
             let message = format!("cannot be created as a directory: {}", reason(&cause));
             Error::new(folder.display().to_string(), message)
         })?;
@@ -240,16 +240,15 @@ impl FileWriter {
 
     /// Fails if a file is an input.
     fn refuse_input(&self, path: &Path) -> Result<(), Error> {
-        let is_input = |found: Identity| {
+        let is_input = |found: &Identity| {
             found.node.is_some_and(|node| self.nodes.contains(&node))
                 || self.paths.contains(&found.path)
                 || self.is_named(&found.path)
         };
-        // Files that decide which files are inputs.
-        let is_ignore_file =
-            || IGNORE_FILES.iter().any(|name| path.ends_with(name)) && path.exists();
-        if !Identity::of(path).is_some_and(is_input) && !is_ignore_file() {
-            return Ok(());
+        let controls = |path: &Path| CONTROL_FILES.iter().any(|name| path.ends_with(name));
+        match Identity::of(path) {
+            Some(found) if controls(path) || controls(&found.path) || is_input(&found) => {}
+            Some(_) | None => return Ok(()),
         }
         let message = "is an input of this command, and would be overwritten";
         let shown = path.display().to_string();
@@ -337,6 +336,19 @@ fn real(path: &Path) -> PathBuf {
         (Some(_), Some(last @ Component::Normal(_))) => real(folder_of(&path)).join(last),
         _ => path,
     }
+}
+
+/// Creates a directory with those above it. The target of `missing/../a` is not known to be an input
+/// until `missing` exists, so such a path is refused, as by the system.
+fn create_folder(folder: &Path) -> io::Result<()> {
+    let parts: Vec<Component> = folder.components().collect();
+    for (at, _) in parts.iter().enumerate().filter(|(_, part)| **part == Component::ParentDir) {
+        let before: PathBuf = parts[..at].iter().collect();
+        if at > 0 {
+            fs::metadata(before)?;
+        }
+    }
+    fs::create_dir_all(folder)
 }
 
 /// Writes a temporary file, then renames it to `target`.
