@@ -34,7 +34,10 @@ mod verify;
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
+use landfall_layout::codegen::OutputLanguage;
+use landfall_layout::codegen::languages::{self, LANGUAGES};
 use landfall_layout::codegen::rust::{Modules, Vectors};
 use landfall_layout::format as emit;
 use landfall_layout::shape::DEFAULT_BLOCK;
@@ -242,8 +245,8 @@ pub struct EmitArgs {
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Language of the generated code
-    #[arg(short, long, value_name = "LANG")]
-    pub lang: EmitLang,
+    #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
+    pub lang: OutputLanguage,
     /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -283,22 +286,10 @@ pub struct EmitArgs {
     pub read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EmitLang {
-    /// `#[repr(C)]` structures for bytemuck, offsets checked at compile time
-    Rust,
-    /// A header for C11 and C++17, offsets checked at compile time
-    C,
-}
-
-impl EmitLang {
-    /// The name in messages.
-    pub fn shown(self) -> &'static str {
-        match self {
-            EmitLang::Rust => "Rust",
-            EmitLang::C => "C",
-        }
-    }
+fn output_languages() -> impl TypedValueParser<Value = OutputLanguage> {
+    let names = LANGUAGES.iter().map(|l| PossibleValue::new(l.name).help(l.about));
+    PossibleValuesParser::new(names)
+        .try_map(|name| languages::from_name(&name).ok_or("no such language"))
 }
 
 #[derive(Debug, clap::Args)]
