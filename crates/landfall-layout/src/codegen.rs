@@ -3,6 +3,7 @@
 pub mod c;
 mod language;
 pub mod languages;
+mod model;
 mod runtime_tail;
 pub mod rust;
 

@@ -100,7 +100,7 @@ pub enum Command {
     Layout(LayoutArgs),
     /// Explain the offset of a member, or find the member at a byte
     Explain(ExplainArgs),
-    /// Generate Rust or C structures that mirror blocks
+    /// Generate mirrors of blocks in Rust, C and other languages
     Emit(EmitArgs),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
     Port(PortArgs),
@@ -277,8 +277,8 @@ pub struct EmitArgs {
     /// Rust: omit the tables of offsets by name
     #[arg(help_heading = "Rust", long)]
     pub no_tables: bool,
-    /// C: prefix of every type, macro and function
-    #[arg(help_heading = "C", long, value_name = "TEXT", default_value = "")]
+    /// All but Rust: prefix of every name outside of a type
+    #[arg(help_heading = "Other languages", long, value_name = "TEXT", default_value = "")]
     pub prefix: String,
     #[command(flatten)]
     pub config: ConfigArgs,

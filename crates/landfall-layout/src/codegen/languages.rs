@@ -1,12 +1,22 @@
 //! The table of languages that mirrors are generated in.
 
+mod csharp;
+mod odin;
+mod typescript;
+mod zig;
+
+pub use csharp::CSHARP;
+pub use odin::ODIN;
+pub use typescript::TYPESCRIPT;
+pub use zig::ZIG;
+
 use super::c::{COptions, c};
 use super::language::{CodeOptions, CodeOutput, OutputLanguage};
 use super::rust::rust;
 use crate::ShaderLayout;
 
 /// All languages, in the order of the help.
-pub const LANGUAGES: &[OutputLanguage] = &[RUST, C];
+pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, ODIN, TYPESCRIPT, ZIG];
 
 /// Rust.
 pub const RUST: OutputLanguage = OutputLanguage {
