@@ -4,6 +4,7 @@
 
 mod csharp;
 mod odin;
+mod python;
 mod typescript;
 mod zig;
 

@@ -2,11 +2,13 @@
 
 mod csharp;
 mod odin;
+mod python;
 mod typescript;
 mod zig;
 
 pub use csharp::CSHARP;
 pub use odin::ODIN;
+pub use python::PYTHON;
 pub use typescript::TYPESCRIPT;
 pub use zig::ZIG;
 
@@ -16,7 +18,7 @@ use super::rust::rust;
 use crate::ShaderLayout;
 
 /// All languages, in the order of the help.
-pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, ODIN, TYPESCRIPT, ZIG];
+pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, ODIN, PYTHON, TYPESCRIPT, ZIG];
 
 /// Rust.
 pub const RUST: OutputLanguage = OutputLanguage {
