@@ -106,7 +106,7 @@ Lay out:
   explain  Explain the offset of a member, or find the member at a byte
 
 Generate:
-  emit     Generate Rust or C structures that mirror blocks
+  emit     Generate mirrors of blocks in Rust, C and other languages
   port     Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
   encode   Convert JSON values to the bytes of a block
   decode   Convert the bytes of a block to a table or JSON, and flag bad values

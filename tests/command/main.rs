@@ -12,6 +12,7 @@ mod cli_check;
 mod cli_codec;
 mod cli_diff;
 mod cli_emit;
+mod cli_emit_languages;
 mod cli_init;
 mod cli_lock;
 mod cli_policy;

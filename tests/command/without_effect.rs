@@ -245,6 +245,7 @@ fn options_of_emit_for_another_language_are_warned_of() {
         ran.err.lines().filter(|line| line.contains("unused-option")).count()
     };
     assert_eq!(said(&["c", "--vectors", "array", "--no-tables", "--crate-visible"]), 3);
+    assert_eq!(said(&["zig", "--vectors", "array", "--prefix", "a_"]), 1);
     assert_eq!(said(&["rust", "--prefix", "x_"]), 1);
     assert_eq!(said(&["rust", "--vectors", "array", "--no-tables"]), 0);
     assert_eq!(said(&["c", "--prefix", "x_"]), 0);

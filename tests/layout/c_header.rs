@@ -15,7 +15,7 @@ use support::known::{Oracle, Subject, explains};
 use support::leaf::{OracleBlock, What, differences};
 use support::run::{Batch, ask_glslang};
 
-fn lay_out(path: &str, text: &str) -> ShaderLayout {
+pub fn lay_out(path: &str, text: &str) -> ShaderLayout {
     let read = ReadOptions::default().with_target(Target::Vulkan);
     let layout =
         landfall_layout::layout(&Source::new(path, text), &Options::default().with_read(read));
@@ -24,7 +24,7 @@ fn lay_out(path: &str, text: &str) -> ShaderLayout {
 }
 
 /// Whether glslang departs from the specification in a block, in a way that is known.
-fn misread(batch: &Batch, oracle: &[OracleBlock], block: &str) -> bool {
+pub fn misread(batch: &Batch, oracle: &[OracleBlock], block: &str) -> bool {
     let ours = support::landfall::glsl_blocks(&batch.text(), Target::Vulkan);
     let block = batch.blocks.iter().find(|b| b.name == block).expect("asked of its blocks");
     let subject = Subject { block, standing: &batch.standing };
@@ -74,7 +74,7 @@ fn random_vulkan_blocks_are_filled_where_glslang_reads_them() {
 
 /// Blocks C has trouble with: keywords, clashes, one structure under several rules, padding of
 /// every kind, runtime-sized tails.
-const CORPUS: &[(&str, &str)] = &[
+pub const CORPUS: &[(&str, &str)] = &[
     (
         "names",
         "struct near { float far; float delete; float errno; };

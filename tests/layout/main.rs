@@ -10,6 +10,7 @@ mod codec;
 mod diff_mutations;
 mod fuzz;
 mod glsl;
+mod languages;
 mod lock;
 mod mirror_text;
 mod mirrors;

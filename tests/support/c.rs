@@ -7,10 +7,8 @@ use std::process::Command;
 
 use ::landfall_layout::codegen::c::{CLeaf, COutput};
 
+use super::image::{self, Shape, TAIL, Truth};
 use super::leaf::{OracleBlock, OracleLeaf};
-
-/// Elements a runtime-sized dimension is given.
-const TAIL: u64 = 3;
 
 /// A directory of this test's own.
 pub fn directory(name: &str) -> PathBuf {
@@ -69,36 +67,12 @@ struct Filled<'a> {
 
 impl Filled<'_> {
     fn counts(&self) -> Vec<u64> {
-        self.oracle.dims.iter().map(|dim| dim.unwrap_or(TAIL)).collect()
-    }
-
-    /// Columns, rows, and bytes of a component; whether it is a floating-point number of C.
-    fn shape(&self) -> (u64, u64, u64, bool) {
-        let word = self.oracle.ty.as_str();
-        let digits = |c: char| c.is_ascii_digit();
-        let (prefix, columns, rows) = match (word.split_once("vec"), word.split_once("mat")) {
-            (Some((prefix, rows)), _) => (prefix, "1", rows),
-            (_, Some((prefix, size))) => {
-                let (columns, rows) = size.split_once('x').unwrap_or((size, size));
-                (prefix, columns, rows)
-            }
-            _ => (word, "1", "1"),
-        };
-        let (width, float) = match prefix {
-            "" | "float" => (4, true),
-            "d" | "double" => (8, true),
-            "i" | "u" | "int" | "uint" => (4, false),
-            word => {
-                let bits: String = word.chars().filter(|c| digits(*c)).collect();
-                (bits.parse::<u64>().unwrap_or_else(|_| panic!("type {word}")) / 8, false)
-            }
-        };
-        (columns.parse().expect("columns"), rows.parse().expect("rows"), width, float)
+        image::counts(self.oracle)
     }
 
     /// The C statements that fill it.
     fn fill(&self) -> String {
-        let (columns, rows, width, _) = self.shape();
+        let Shape { columns, rows, width, .. } = Shape::of(self.oracle);
         let counts = self.counts();
         let mut text = String::from("    ");
         for (level, count) in counts.iter().enumerate() {
@@ -126,47 +100,6 @@ impl Filled<'_> {
              {{ (void)c; (void)r; {value}{of} = V{width}(k); k++; }}"
         );
         text
-    }
-
-    fn element_offset(&self, indices: &[u64]) -> u64 {
-        let strides = self.oracle.strides.iter().map(|s| s.expect("SPIR-V has every stride"));
-        self.oracle.offset + strides.zip(indices).map(|(stride, i)| stride * i).sum::<u64>()
-    }
-
-    /// Puts the same values into an image of the block, where the oracle says.
-    fn expect(&self, image: &mut [u8], k: &mut u64) {
-        let (columns, rows, width, float) = self.shape();
-        let counts = self.counts();
-        for element in 0..counts.iter().product::<u64>() {
-            let mut rest = element;
-            let mut indices = vec![0; counts.len()];
-            for (index, count) in indices.iter_mut().zip(&counts).rev() {
-                *index = rest % count;
-                rest /= count;
-            }
-            let start = self.element_offset(&indices);
-            for c in 0..columns {
-                for r in 0..rows {
-                    let stride = self.oracle.matrix_stride.unwrap_or(0);
-                    let inside = if self.oracle.row_major && columns > 1 {
-                        r * stride + c * width
-                    } else {
-                        c * stride + r * width
-                    };
-                    let at = (start + inside) as usize;
-                    let bytes: Vec<u8> = match (width, float) {
-                        (1, _) => vec![(*k % 251 + 1) as u8],
-                        (2, _) => ((*k % 65521 + 1) as u16).to_le_bytes().to_vec(),
-                        (4, true) => ((*k + 1) as f32).to_le_bytes().to_vec(),
-                        (4, false) => ((*k + 1) as u32).to_le_bytes().to_vec(),
-                        (_, true) => ((*k + 1) as f64).to_le_bytes().to_vec(),
-                        (_, false) => (*k + 1).to_le_bytes().to_vec(),
-                    };
-                    image[at..at + bytes.len()].copy_from_slice(&bytes);
-                    *k += 1;
-                }
-            }
-        }
     }
 
     /// C that prints what the table and the macro say of its last element, and that wants
@@ -274,13 +207,13 @@ pub fn hold(name: &str, output: &COutput, oracle: &[OracleBlock]) -> usize {
             let mut expected = vec![0; size];
             let mut k = 0;
             for subject in subjects {
-                subject.expect(&mut expected, &mut k);
+                image::fill(subject.oracle, &mut expected, &mut k, Truth::Number);
             }
             let differs = image.iter().zip(&expected).position(|(a, b)| a != b);
             assert_eq!(differs, None, "{name}, {compiler:?}: first wrong byte of {}", block.name);
             for subject in subjects {
                 let last: Vec<u64> = subject.counts().iter().map(|count| count - 1).collect();
-                let want = subject.element_offset(&last);
+                let want = image::element_offset(subject.oracle, &last);
                 let told = [number(&mut rest), number(&mut rest)];
                 assert_eq!(told, [want; 2], "{name}: {} {}", block.name, subject.c.path);
             }

@@ -24,6 +24,7 @@ pub mod generate;
 pub mod gl_types;
 pub mod glslang;
 pub mod glslang_server;
+pub mod image;
 pub mod jobs;
 pub mod known;
 pub mod landfall;

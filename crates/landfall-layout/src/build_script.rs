@@ -9,8 +9,9 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::codegen::c::{COptions, c};
-use crate::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
+use crate::codegen::languages::{C, RUST};
+use crate::codegen::rust::{Modules, Tables, Vectors, Visibility};
+use crate::codegen::{CodeOptions, OutputLanguage};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::error::Error;
 use crate::file::FileWriter;
@@ -37,22 +38,16 @@ use crate::{Options, ShaderLayout, layout};
 pub struct Build {
     shaders: Vec<PathBuf>,
     options: Options,
-    rust: RustOptions,
+    code: CodeOptions,
     outputs: Vec<Output>,
 }
 
 /// An output file.
 #[derive(Clone, Debug)]
 struct Output {
-    content: Content,
+    language: OutputLanguage,
     place: OutputBase,
     file: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Content {
-    RustMirrors,
-    CHeader,
 }
 
 /// The directory that an output path is relative to.
@@ -138,57 +133,69 @@ impl Build {
 
     /// Uses plain arrays instead of glam's types, so that the crate needs no glam.
     pub fn plain_arrays(mut self) -> Build {
-        self.rust.vectors = Vectors::Array;
+        self.code.rust.vectors = Vectors::Array;
         self
     }
 
     /// Makes the items `pub(crate)`.
     pub fn crate_visible(mut self) -> Build {
-        self.rust.visibility = Visibility::Crate;
+        self.code.rust.visibility = Visibility::Crate;
         self
     }
 
     /// Omits the tables from names to offsets.
     pub fn without_tables(mut self) -> Build {
-        self.rust.tables = Tables::Without;
+        self.code.rust.tables = Tables::Without;
         self
     }
 
     /// Sets the modules of the mirrors: by default one for each shader if there are several.
     pub fn modules(mut self, modules: Modules) -> Build {
-        self.rust.modules = modules;
+        self.code.rust.modules = modules;
         self
     }
 
     /// Names the mirror of a structure or block, `Light` or `lights.frag:Light`, or the module of a
     /// shader, `lights.frag`.
     pub fn rename(mut self, old: &str, new: &str) -> Build {
-        self.rust.rename.push((old.to_string(), new.to_string()));
+        self.code.rust.rename.push((old.to_string(), new.to_string()));
         self
     }
 
     /// Writes Rust mirrors of all blocks to `file` in `OUT_DIR`.
     pub fn mirrors(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::RustMirrors, OutputBase::OutDir, file.as_ref())
+        self.output(RUST, OutputBase::OutDir, file.as_ref())
     }
 
     /// Writes Rust mirrors of all blocks to `file` in the package, to be checked in.
     pub fn mirrors_in_package(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::RustMirrors, OutputBase::Package, file.as_ref())
+        self.output(RUST, OutputBase::Package, file.as_ref())
     }
 
     /// Writes a C11 and C++17 header of all blocks to `file` in `OUT_DIR`.
     pub fn c_header(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::CHeader, OutputBase::OutDir, file.as_ref())
+        self.output(C, OutputBase::OutDir, file.as_ref())
     }
 
     /// Writes a C11 and C++17 header of all blocks to `file` in the package, to be checked in.
     pub fn c_header_in_package(self, file: impl AsRef<Path>) -> Build {
-        self.output(Content::CHeader, OutputBase::Package, file.as_ref())
+        self.output(C, OutputBase::Package, file.as_ref())
     }
 
-    fn output(mut self, content: Content, place: OutputBase, file: &Path) -> Build {
-        self.outputs.push(Output { content, place, file: file.to_path_buf() });
+    /// Writes mirrors of all blocks in a [language](crate::codegen::languages) to `file` in
+    /// `OUT_DIR`.
+    pub fn emit(self, language: OutputLanguage, file: impl AsRef<Path>) -> Build {
+        self.output(language, OutputBase::OutDir, file.as_ref())
+    }
+
+    /// Writes mirrors of all blocks in a [language](crate::codegen::languages) to `file` in the
+    /// package, to be checked in.
+    pub fn emit_in_package(self, language: OutputLanguage, file: impl AsRef<Path>) -> Build {
+        self.output(language, OutputBase::Package, file.as_ref())
+    }
+
+    fn output(mut self, language: OutputLanguage, place: OutputBase, file: &Path) -> Build {
+        self.outputs.push(Output { language, place, file: file.to_path_buf() });
         self
     }
 
@@ -204,7 +211,9 @@ impl Build {
         let layouts = self.lay_out(&mut findings);
         let texts: Vec<String> = match findings.errors.is_empty() {
             true => {
-                self.outputs.iter().map(|out| self.text(&layouts, out, &mut findings)).collect()
+                let text =
+                    |out: &Output| self.text(&layouts, out.language, &out.file, &mut findings);
+                self.outputs.iter().map(text).collect()
             }
             false => Vec::new(),
         };
@@ -229,7 +238,7 @@ impl Build {
     pub fn generate_string(&self) -> Result<String, BuildError> {
         let mut findings = Findings::default();
         let layouts = self.lay_out(&mut findings);
-        let text = self.mirrors_of(&layouts, &mut findings);
+        let text = self.text(&layouts, RUST, Path::new(""), &mut findings);
         findings.into_result()?;
         Ok(text)
     }
@@ -265,23 +274,18 @@ impl Build {
         layouts
     }
 
-    fn text(&self, layouts: &[ShaderLayout], output: &Output, findings: &mut Findings) -> String {
-        match output.content {
-            Content::RustMirrors => self.mirrors_of(layouts, findings),
-            Content::CHeader => {
-                let name = output.file.file_name().unwrap_or_default().to_string_lossy();
-                let options = COptions { file: name.into_owned(), prefix: String::new() };
-                let output = c(&layouts.iter().collect::<Vec<_>>(), &options);
-                findings.left_out(&output.diagnostics, layouts);
-                output.text
-            }
-        }
-    }
-
-    fn mirrors_of(&self, layouts: &[ShaderLayout], findings: &mut Findings) -> String {
-        let inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
-        let options = RustOptions { inputs, ..self.rust.clone() };
-        let output = rust(&layouts.iter().collect::<Vec<_>>(), &options);
+    /// The text of a file with this name.
+    fn text(
+        &self,
+        layouts: &[ShaderLayout],
+        language: OutputLanguage,
+        file: &Path,
+        findings: &mut Findings,
+    ) -> String {
+        let mut options = self.code.clone();
+        options.rust.inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
+        options.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let output = language.generate(&layouts.iter().collect::<Vec<_>>(), &options);
         findings.left_out(&output.diagnostics, layouts);
         output.text
     }

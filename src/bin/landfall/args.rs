@@ -35,7 +35,10 @@ mod verify;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
+use landfall_layout::codegen::OutputLanguage;
+use landfall_layout::codegen::languages::{self, LANGUAGES};
 use landfall_layout::codegen::rust::{Modules, Vectors};
 use landfall_layout::format as emit;
 use landfall_layout::shape::DEFAULT_BLOCK;
@@ -99,7 +102,7 @@ pub enum Command {
     Layout(LayoutArgs),
     /// Explain the offset of a member, or find the member at a byte
     Explain(ExplainArgs),
-    /// Generate Rust or C structures that mirror blocks
+    /// Generate mirrors of blocks in Rust, C and other languages
     Emit(EmitArgs),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL
     Port(PortArgs),
@@ -244,8 +247,8 @@ pub struct EmitArgs {
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Language of the generated code
-    #[arg(short, long, value_name = "LANG")]
-    pub lang: EmitLang,
+    #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
+    pub lang: OutputLanguage,
     /// Write to FILE instead of stdout; a failure leaves FILE unchanged
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -276,8 +279,8 @@ pub struct EmitArgs {
     /// Rust: omit the tables of offsets by name
     #[arg(help_heading = "Rust", long)]
     pub no_tables: bool,
-    /// C: prefix of every type, macro and function
-    #[arg(help_heading = "C", long, value_name = "TEXT", default_value = "")]
+    /// All but Rust: prefix of every name outside of a type
+    #[arg(help_heading = "Other languages", long, value_name = "TEXT", default_value = "")]
     pub prefix: String,
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -285,22 +288,10 @@ pub struct EmitArgs {
     pub read: ReadArgs,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EmitLang {
-    /// `#[repr(C)]` structures for bytemuck, offsets checked at compile time
-    Rust,
-    /// A header for C11 and C++17, offsets checked at compile time
-    C,
-}
-
-impl EmitLang {
-    /// The name in messages.
-    pub fn shown(self) -> &'static str {
-        match self {
-            EmitLang::Rust => "Rust",
-            EmitLang::C => "C",
-        }
-    }
+fn output_languages() -> impl TypedValueParser<Value = OutputLanguage> {
+    let names = LANGUAGES.iter().map(|l| PossibleValue::new(l.name).help(l.about));
+    PossibleValuesParser::new(names)
+        .try_map(|name| languages::from_name(&name).ok_or("no such language"))
 }
 
 #[derive(Debug, clap::Args)]

@@ -1,15 +1,15 @@
-//! `landfall emit`: generates Rust or C mirrors of blocks and tables of offsets.
+//! `landfall emit`: generates mirrors of blocks and tables of offsets.
 
 use landfall_layout::diagnostic::Code;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall_layout::codegen::c::{COptions, c};
-use landfall_layout::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_layout::codegen::CodeOptions;
+use landfall_layout::codegen::rust::{Modules, Tables, Vectors, Visibility};
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
+use landfall_layout::{Diagnostic, Error, Severity};
 
-use crate::args::{EmitArgs, EmitLang};
+use crate::args::EmitArgs;
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, watch, without_effect, write};
@@ -51,7 +51,9 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Diagnostic::without_place(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
         report(&[what], &Files::default());
     }
-    let (text, refused) = text(args, config.rename, &shaders);
+    let options = options(args, config.rename);
+    let output = args.lang.generate(&shaders.iter().collect::<Vec<_>>(), &options);
+    let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
@@ -75,41 +77,24 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if failed { Outcome::CouldNot } else { outcome })
 }
 
-/// Returns the generated file and notes on omitted blocks.
-fn text(
-    args: &EmitArgs,
-    configured: Vec<(String, String)>,
-    shaders: &[ShaderLayout],
-) -> (String, Vec<Diagnostic>) {
-    let shaders: Vec<&ShaderLayout> = shaders.iter().collect();
-    match args.lang {
-        EmitLang::Rust => {
-            let mut options = RustOptions::default();
-            options.vectors =
-                args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
-            options.modules =
-                args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
-            options.rename = args.rename.clone();
-            options.project_renames = configured;
-            if args.crate_visible {
-                options.visibility = Visibility::Crate;
-            }
-            if args.no_tables {
-                options.tables = Tables::Without;
-            }
-            let output = rust(&shaders, &options);
-            (output.text, output.diagnostics)
-        }
-        EmitLang::C => {
-            let name = args.out.as_deref().and_then(Path::file_name);
-            let file = name.map_or("landfall.h".into(), |name| name.to_string_lossy());
-            let mut options = COptions::default();
-            options.file = file.into_owned();
-            options.prefix = args.prefix.clone();
-            let output = c(&shaders, &options);
-            (output.text, output.diagnostics)
-        }
+/// The options of the generated code; `renames` are those of the configuration.
+fn options(args: &EmitArgs, renames: Vec<(String, String)>) -> CodeOptions {
+    let mut options = CodeOptions::default();
+    let rust = &mut options.rust;
+    rust.vectors = args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
+    rust.modules = args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
+    rust.rename = args.rename.clone();
+    rust.project_renames = renames;
+    if args.crate_visible {
+        rust.visibility = Visibility::Crate;
     }
+    if args.no_tables {
+        rust.tables = Tables::Without;
+    }
+    let file = args.out.as_deref().and_then(Path::file_name).unwrap_or_default();
+    options.file = file.to_string_lossy().into_owned();
+    options.prefix = args.prefix.clone();
+    options
 }
 
 /// Compares the existing file with the generated one.

@@ -6,8 +6,8 @@
 //! expression of each leaf, `names` makes C identifiers, and `prelude` is the text all headers
 //! share.
 
-mod comments;
-mod names;
+pub(super) mod comments;
+pub(super) mod names;
 mod plain;
 mod prelude;
 mod reachable;

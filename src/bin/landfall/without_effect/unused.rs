@@ -8,7 +8,7 @@ use landfall_layout::diagnostic::Code;
 use super::{text_of, warn};
 #[cfg(feature = "exec")]
 use crate::args::BackendName;
-use crate::args::{Command, EmitArgs, EmitLang};
+use crate::args::{Command, EmitArgs};
 use crate::output::Streams;
 
 /// Warns about the options of a command that have no effect.
@@ -17,7 +17,7 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
     let mut add = |option: &str, why: &str| unused.push((option.to_string(), why.to_string()));
     if let Command::Emit(args) = command {
         unused_of_emit(args).into_iter().for_each(|option| {
-            add(option, &format!("on {}", args.lang.shown()));
+            add(option, &format!("on {}", args.lang.title));
         });
     }
     let named = text_of(command).is_some_and(|(text, _)| text.stdin_filename.is_some());
@@ -37,19 +37,18 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
     }
 }
 
-/// The options of `emit` that are for the other language.
+/// The options of `emit` that are for other languages.
 fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
-    let given = match args.lang {
-        EmitLang::Rust => vec![(!args.prefix.is_empty(), "--prefix")],
-        EmitLang::C => vec![
-            (args.vectors.is_some(), "--vectors"),
-            (args.crate_visible, "--crate-visible"),
-            (args.no_tables, "--no-tables"),
-            (args.modules.is_some(), "--modules"),
-            (!args.rename.is_empty(), "--rename"),
-        ],
-    };
-    given.into_iter().filter(|(is, _)| *is).map(|(_, option)| option).collect()
+    let given = [
+        (!args.prefix.is_empty(), "--prefix"),
+        (args.vectors.is_some(), "--vectors"),
+        (args.crate_visible, "--crate-visible"),
+        (args.no_tables, "--no-tables"),
+        (args.modules.is_some(), "--modules"),
+        (!args.rename.is_empty(), "--rename"),
+    ];
+    let unused = given.iter().filter(|(is, name)| *is && !args.lang.options.contains(name));
+    unused.map(|(_, option)| *option).collect()
 }
 
 /// Finds options of the commands that execute shaders.

@@ -5,7 +5,7 @@ use crate::source::Span;
 use crate::text::escape::is_bidi;
 
 /// The lines of comments, without their markers.
-pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
+pub(in crate::codegen) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
     let mut lines = Vec::new();
     for span in spans {
         let text = shader.files.text(*span);
@@ -27,7 +27,7 @@ pub(super) fn lines(spans: &[Span], shader: &ShaderLayout) -> Vec<String> {
 
 /// Escapes text for a C comment: no comment delimiters, trigraphs, line continuations, control or
 /// bidirectional characters.
-pub(super) fn safe(text: &str) -> String {
+pub(in crate::codegen) fn safe(text: &str) -> String {
     let text: String = text.chars().filter(|c| !c.is_control() && !is_bidi(*c)).collect();
     let mut text = text.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?");
     while text.ends_with('\\') {

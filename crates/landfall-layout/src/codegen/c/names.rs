@@ -132,7 +132,7 @@ fn identifier(name: &str) -> String {
 }
 
 /// Keeps ASCII letters, digits and underscores; writes other characters as `uHEX`.
-fn identifier_part(name: &str) -> String {
+pub(in crate::codegen) fn identifier_part(name: &str) -> String {
     let mut result = String::with_capacity(name.len());
     for c in name.chars() {
         if c.is_ascii_alphanumeric() || c == '_' {
@@ -145,7 +145,7 @@ fn identifier_part(name: &str) -> String {
 }
 
 /// Puts underscores between words: `PointLightBlock` becomes `Point_Light_Block`.
-pub(super) fn snake(name: &str) -> String {
+pub(in crate::codegen) fn snake(name: &str) -> String {
     let chars: Vec<char> = name.chars().collect();
     let mut result = String::with_capacity(name.len() + 4);
     for (i, &c) in chars.iter().enumerate() {
