@@ -71,6 +71,7 @@ impl Lock {
             files: self.files.clone(),
             diagnostics: Vec::new(),
             assumed_target: self.assumed_target,
+            interface: None,
         }
     }
 

@@ -1,6 +1,9 @@
 //! Layout of one shader: parses its text, lays out its blocks, collects diagnostics.
 
+use std::sync::Arc;
+
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::interface::Interface;
 use crate::layout::{BlockLayout, targets};
 use crate::shape::{Override, Rules};
 use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
@@ -18,6 +21,8 @@ pub struct Options {
     pub gather: bool,
     /// Whether to compare with naga and record on each leaf where naga's placement differs.
     pub naga: bool,
+    /// Whether to read what a program binds: entry points, resources, vertex inputs, constants.
+    pub interface: bool,
 }
 
 impl Options {
@@ -44,6 +49,12 @@ impl Options {
     pub fn with_naga(self, naga: bool) -> Options {
         Options { naga, ..self }
     }
+
+    /// Returns the options with the reading of the interface on or off.
+    #[must_use]
+    pub fn with_interface(self, interface: bool) -> Options {
+        Options { interface, ..self }
+    }
 }
 
 /// The block layouts and diagnostics of one shader.
@@ -67,6 +78,8 @@ pub struct ShaderLayout {
     /// The API assumed for a GLSL shader that tests for `VULKAN`, where neither options nor text
     /// name one and the blocks differ between the two.
     pub assumed_target: Option<Target>,
+    /// What a program binds, if [`Options::interface`] asks for it.
+    pub interface: Option<Arc<Interface>>,
 }
 
 impl ShaderLayout {
@@ -87,6 +100,7 @@ impl ShaderLayout {
             files: Files::default(),
             diagnostics: Vec::new(),
             assumed_target: None,
+            interface: None,
         }
     }
 
@@ -133,6 +147,9 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     }
     #[cfg(not(feature = "naga"))]
     let _ = bodies;
+    if options.interface && !shader.has_errors() {
+        shader.interface = Some(Arc::new(crate::syntax::interface(source, &options.read)));
+    }
     shader
 }
 
@@ -194,6 +211,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         files: parsed.files,
         diagnostics,
         assumed_target: None,
+        interface: None,
     }
 }
 

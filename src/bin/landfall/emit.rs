@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::codegen::c::{COptions, c};
-use landfall_layout::codegen::rust::{Modules, RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_layout::codegen::rust::{
+    Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility, rust,
+};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
@@ -27,7 +29,8 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {
-                let shader = landfall_layout::layout(&source, &read::options(&args.read));
+                let options = read::options(&args.read).with_interface(!args.bindings.is_empty());
+                let shader = landfall_layout::layout(&source, &options);
                 given::record_of(&shader);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
@@ -57,7 +60,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
         failed |= found.severity == Severity::Error;
     }
-    if refused.iter().any(|found| found.code == Code::BadName) {
+    if refused.iter().any(|found| matches!(found.code, Code::BadName | Code::NoBinding)) {
         return Ok(Outcome::CouldNot);
     }
     let outcome = match (&args.out, args.check) {
@@ -85,6 +88,7 @@ fn text(
     match args.lang {
         EmitLang::Rust => {
             let mut options = RustOptions::default();
+            bindings(args, &shaders, &mut options);
             options.vectors =
                 args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
             options.modules =
@@ -110,6 +114,43 @@ fn text(
             (output.text, output.diagnostics)
         }
     }
+}
+
+/// Sets the options of the bindings.
+fn bindings(args: &EmitArgs, shaders: &[&ShaderLayout], options: &mut RustOptions) {
+    let bindings = &mut options.bindings;
+    bindings.apis = args.bindings.iter().filter_map(|name| Api::from_name(name)).collect();
+    let files = |files: &str| files.split(',').map(str::to_string).collect();
+    bindings.programs =
+        args.program.iter().map(|(name, text)| (name.clone(), files(text))).collect();
+    bindings.dynamic_offsets = args.dynamic_offset.clone();
+    bindings.unfilterable = args.unfilterable.clone();
+    if let (true, Some(out)) = (args.embed_sources, &args.out) {
+        bindings.sources = Sources::Embedded;
+        let paths = shaders.iter().map(|shader| format!("{:?}", from_file(out, &shader.path)));
+        bindings.paths = paths.collect();
+    }
+}
+
+/// The path of a shader from the folder that a file is in.
+fn from_file(file: &Path, shader: &str) -> String {
+    let whole = |path: &Path| {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        let mut parts: Vec<String> = Vec::new();
+        for part in path.components() {
+            match part {
+                std::path::Component::ParentDir => drop(parts.pop()),
+                _ => parts.push(part.as_os_str().to_string_lossy().into_owned()),
+            }
+        }
+        parts
+    };
+    let (mut file, shader) = (whole(file), whole(Path::new(shader)));
+    file.pop();
+    let common = file.iter().zip(&shader).take_while(|(a, b)| a == b).count();
+    let up = std::iter::repeat_n("..", file.len() - common);
+    let down = shader[common..].iter().map(String::as_str);
+    up.chain(down).collect::<Vec<_>>().join("/")
 }
 
 /// Compares the existing file with the generated one.
