@@ -78,7 +78,8 @@ pub use landfall_layout::{
     ShaderLayout, Source, Span, Stage, Target, Type, layout,
 };
 pub use landfall_layout::{
-    buffer, build_script, codegen, diagnostic, diff, error, file, format, lock, port, shape, source,
+    buffer, build_script, codegen, diagnostic, diff, error, file, format, interface, lock, port,
+    shape, source,
 };
 
 #[cfg(feature = "cli")]

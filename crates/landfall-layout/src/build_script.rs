@@ -10,7 +10,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::codegen::languages::{C, RUST};
-use crate::codegen::rust::{Modules, Tables, Vectors, Visibility};
+use crate::codegen::rust::{Api, Modules, Sources, Tables, Vectors, Visibility};
 use crate::codegen::{CodeOptions, OutputLanguage};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::error::Error;
@@ -162,6 +162,56 @@ impl Build {
         self
     }
 
+    /// Adds to the Rust mirrors what a program needs of an API: layouts of bind groups and
+    /// pipelines, vertex structures, entry points, constants. `lights.vert` and `lights.frag` are
+    /// one program, `lights`; every other shader is one by itself.
+    ///
+    /// ```no_run
+    /// # extern crate landfall_layout as landfall;
+    /// # fn main() -> Result<(), landfall::BuildError> {
+    /// use landfall::codegen::rust::{Api, Sources};
+    ///
+    /// landfall::Build::new()
+    ///     .shader("shaders/lights.wgsl")
+    ///     .bindings(Api::Wgpu)
+    ///     .sources(Sources::Embedded)
+    ///     .mirrors("lights.rs")
+    ///     .run()
+    /// # }
+    /// ```
+    pub fn bindings(mut self, api: Api) -> Build {
+        self.code.rust.bindings.apis.push(api);
+        self.options.interface = true;
+        self
+    }
+
+    /// Makes these shaders one program of the bindings; `lights.wgsl:shade` takes one entry point
+    /// of a module.
+    pub fn program(mut self, name: &str, shaders: &[&str]) -> Build {
+        let shaders = shaders.iter().map(|shader| shader.to_string()).collect();
+        self.code.rust.bindings.programs.push((name.to_string(), shaders));
+        self
+    }
+
+    /// Binds a buffer, named by its block or its variable, with a dynamic offset.
+    pub fn dynamic_offset(mut self, name: &str) -> Build {
+        self.code.rust.bindings.dynamic_offsets.push(name.to_string());
+        self
+    }
+
+    /// Declares that a texture of floats is not filtered, or that a sampler does not filter.
+    pub fn unfilterable(mut self, name: &str) -> Build {
+        self.code.rust.bindings.unfilterable.push(name.to_string());
+        self
+    }
+
+    /// Adds the text of the shaders to the bindings for wgpu and OpenGL; a shader that includes
+    /// files has none.
+    pub fn sources(mut self, sources: Sources) -> Build {
+        self.code.rust.bindings.sources = sources;
+        self
+    }
+
     /// Writes Rust mirrors of all blocks to `file` in `OUT_DIR`.
     pub fn mirrors(self, file: impl AsRef<Path>) -> Build {
         self.output(RUST, OutputBase::OutDir, file.as_ref())
@@ -284,6 +334,8 @@ impl Build {
     ) -> String {
         let mut options = self.code.clone();
         options.rust.inputs = self.shaders.iter().map(|path| path.display().to_string()).collect();
+        let paths = self.shaders.iter().map(|path| path_expression(path));
+        options.rust.bindings.paths = paths.collect();
         options.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let output = language.generate(&layouts.iter().collect::<Vec<_>>(), &options);
         findings.left_out(&output.diagnostics, layouts);
@@ -313,13 +365,13 @@ impl Findings {
     /// Adds warnings for blocks without a mirror.
     fn left_out(&mut self, found: &[Diagnostic], layouts: &[ShaderLayout]) {
         for found in found {
-            // A name given to `rename` that is not an identifier.
-            if found.code == Code::BadName {
-                self.add(std::slice::from_ref(found), &Files::default());
-                continue;
-            }
             let shader = layouts.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
             let files = shader.map_or_else(Files::default, |shader| shader.files.clone());
+            // A name that is none, of `rename`; a resource that an API cannot bind.
+            if matches!(found.code, Code::BadName | Code::NoBinding) {
+                self.add(std::slice::from_ref(found), &files);
+                continue;
+            }
             self.warnings.insert(one_line(&advised(found), &files));
         }
     }
@@ -329,6 +381,15 @@ impl Findings {
             true => Ok(()),
             false => Err(BuildError { text: self.errors.trim_end().to_string() }),
         }
+    }
+}
+
+/// The path of a shader as an expression of the generated code.
+fn path_expression(path: &Path) -> String {
+    let text = path.display().to_string();
+    match path.is_absolute() {
+        true => format!("{text:?}"),
+        false => format!("concat!(env!(\"CARGO_MANIFEST_DIR\"), {:?})", format!("/{text}")),
     }
 }
 

@@ -19,6 +19,7 @@ pub(crate) mod examples;
 pub mod file;
 pub mod finding;
 pub mod format;
+pub mod interface;
 pub mod layout;
 pub mod lock;
 #[doc(hidden)]

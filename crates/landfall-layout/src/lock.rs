@@ -72,6 +72,7 @@ impl Lock {
             diagnostics: Vec::new(),
             assumed_target: self.assumed_target,
             opengl_es: false,
+            interface: None,
         }
     }
 

@@ -1,6 +1,9 @@
 //! Layout of one shader: parses its text, lays out its blocks, collects diagnostics.
 
+use std::sync::Arc;
+
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::interface::Interface;
 use crate::layout::{BlockLayout, targets};
 use crate::shape::{Override, Rules};
 use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
@@ -18,6 +21,8 @@ pub struct Options {
     pub gather: bool,
     /// Whether to compare with naga and record on each leaf where naga's placement differs.
     pub naga: bool,
+    /// Whether to read what a program binds: entry points, resources, vertex inputs, constants.
+    pub interface: bool,
 }
 
 impl Options {
@@ -43,6 +48,12 @@ impl Options {
     #[must_use]
     pub fn with_naga(self, naga: bool) -> Options {
         Options { naga, ..self }
+    }
+
+    /// Returns the options with the reading of the interface on or off.
+    #[must_use]
+    pub fn with_interface(self, interface: bool) -> Options {
+        Options { interface, ..self }
     }
 }
 
@@ -70,6 +81,8 @@ pub struct ShaderLayout {
     /// Whether it is GLSL ES that is read for OpenGL: the size that a driver reports of a block is
     /// up to the implementation (OpenGL ES 3.2 §7.6).
     pub opengl_es: bool,
+    /// What a program binds, if [`Options::interface`] asks for it.
+    pub interface: Option<Arc<Interface>>,
 }
 
 impl ShaderLayout {
@@ -91,6 +104,7 @@ impl ShaderLayout {
             diagnostics: Vec::new(),
             assumed_target: None,
             opengl_es: false,
+            interface: None,
         }
     }
 
@@ -137,6 +151,9 @@ pub fn layout_parsed(parsed: Parsed, source: &Source, options: &Options) -> Shad
     }
     #[cfg(not(feature = "naga"))]
     let _ = bodies;
+    if options.interface && !shader.has_errors() {
+        shader.interface = Some(Arc::new(crate::syntax::interface(source, &options.read)));
+    }
     shader
 }
 
@@ -199,6 +216,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         diagnostics,
         assumed_target: None,
         opengl_es: parsed.opengl_es,
+        interface: None,
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod wgsl;
 use std::borrow::Cow;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::interface::Interface;
 use crate::shape::Shape;
 use crate::source::{Files, Language, ReadOptions, Source, Span, Target};
 
@@ -47,6 +48,14 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
         parsed.diagnostics.push(warning.with_note(note).with_help("save the file without one"));
     }
     parsed
+}
+
+/// Returns what a program binds to a shader.
+pub fn interface(source: &Source, options: &ReadOptions) -> Interface {
+    match source.language {
+        Language::Glsl => glsl::interface::read(source, options),
+        Language::Wgsl => wgsl::interface::read(source, options),
+    }
 }
 
 /// Returns the first syntax error of a GLSL shader, function bodies included.

@@ -7,6 +7,7 @@ mod check;
 mod codec;
 #[cfg(feature = "completions")]
 mod completions;
+mod emit;
 mod examples;
 #[cfg(feature = "exec")]
 mod floats;
@@ -35,12 +36,8 @@ mod verify;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
-use landfall_layout::codegen::OutputLanguage;
-use landfall_layout::codegen::languages::{self, LANGUAGES};
-use landfall_layout::codegen::rust::{Modules, Vectors};
-use landfall_layout::format as emit;
+use landfall_layout::format;
 use landfall_layout::shape::DEFAULT_BLOCK;
 
 #[cfg(feature = "exec")]
@@ -51,6 +48,7 @@ pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, 
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "completions")]
 pub use completions::{CompletionsArgs, ManArgs};
+pub use emit::EmitArgs;
 #[cfg(feature = "exec")]
 pub use floats::FloatsArgs;
 #[cfg(feature = "exec")]
@@ -204,13 +202,13 @@ pub enum LayoutFormat {
 }
 
 impl LayoutFormat {
-    pub fn form(self) -> emit::Format {
+    pub fn form(self) -> format::Format {
         match self {
-            LayoutFormat::Table => emit::Format::Table,
-            LayoutFormat::Listing => emit::Format::Listing,
-            LayoutFormat::Json => emit::Format::Json,
-            LayoutFormat::Csv => emit::Format::Csv,
-            LayoutFormat::Md => emit::Format::Markdown,
+            LayoutFormat::Table => format::Format::Table,
+            LayoutFormat::Listing => format::Format::Listing,
+            LayoutFormat::Json => format::Format::Json,
+            LayoutFormat::Csv => format::Format::Csv,
+            LayoutFormat::Md => format::Format::Markdown,
         }
     }
 }
@@ -239,59 +237,6 @@ pub enum ExplainFormat {
     Human,
     /// JSON, described by `landfall schema explain`
     Json,
-}
-
-#[derive(Debug, clap::Args)]
-pub struct EmitArgs {
-    /// Files, directories and globs; their blocks go into one output file
-    #[arg(value_name = "FILE", required = true)]
-    pub files: Vec<PathBuf>,
-    /// Language of the generated code
-    #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
-    pub lang: OutputLanguage,
-    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
-    #[arg(short, long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// Write nothing; exit with 1 if FILE is out of date
-    #[arg(long, requires = "out")]
-    pub check: bool,
-    /// Rust: types of vectors and matrices [default: glam]
-    #[arg(
-        help_heading = "Rust", long, value_name = "TYPES",
-        value_parser = [Vectors::Glam.name(), Vectors::Array.name()]
-    )]
-    pub vectors: Option<String>,
-    /// Rust: a module for each shader, none, or one each where there are several [default: auto]
-    #[arg(
-        help_heading = "Rust", long, value_name = "WHICH",
-        value_parser = [Modules::Auto.name(), Modules::Each.name(), Modules::Flat.name()]
-    )]
-    pub modules: Option<String>,
-    /// Rust: name a structure or block (`Light`, `a.frag:Light`) or a module (`a.frag`)
-    #[arg(
-        help_heading = "Rust", long, value_name = "OLD=NEW",
-        value_parser = setting
-    )]
-    pub rename: Vec<(String, String)>,
-    /// Rust: make items `pub(crate)`
-    #[arg(help_heading = "Rust", long)]
-    pub crate_visible: bool,
-    /// Rust: omit the tables of offsets by name
-    #[arg(help_heading = "Rust", long)]
-    pub no_tables: bool,
-    /// All but Rust: prefix of every name outside of a type
-    #[arg(help_heading = "Other languages", long, value_name = "TEXT", default_value = "")]
-    pub prefix: String,
-    #[command(flatten)]
-    pub config: ConfigArgs,
-    #[command(flatten)]
-    pub read: ReadArgs,
-}
-
-fn output_languages() -> impl TypedValueParser<Value = OutputLanguage> {
-    let names = LANGUAGES.iter().map(|l| PossibleValue::new(l.name).help(l.about));
-    PossibleValuesParser::new(names)
-        .try_map(|name| languages::from_name(&name).ok_or("no such language"))
 }
 
 #[derive(Debug, clap::Args)]

@@ -5,9 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::codegen::CodeOptions;
-use landfall_layout::codegen::rust::{Modules, Tables, Vectors, Visibility};
+use landfall_layout::codegen::rust::{
+    Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility,
+};
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Severity};
+use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
 use crate::inputs::Inputs;
@@ -27,7 +29,8 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {
-                let shader = landfall_layout::layout(&source, &read::options(&args.read));
+                let options = read::options(&args.read).with_interface(!args.bindings.is_empty());
+                let shader = landfall_layout::layout(&source, &options);
                 without_effect::record_of(&shader);
                 report(&shader.diagnostics, &shader.files);
                 failed |= shader.has_errors();
@@ -51,15 +54,17 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Diagnostic::without_place(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
         report(&[what], &Files::default());
     }
-    let options = options(args, config.rename);
-    let output = args.lang.generate(&shaders.iter().collect::<Vec<_>>(), &options);
+    let whole: Vec<&ShaderLayout> = shaders.iter().collect();
+    let mut options = options(args, config.rename);
+    bindings(args, &whole, &mut options.rust);
+    let output = args.lang.generate(&whole, &options);
     let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
         let shader = shaders.iter().find(|shader| found.path.as_ref() == Some(&shader.path));
         report(std::slice::from_ref(found), shader.map_or(&Files::default(), |s| &s.files));
         failed |= found.severity == Severity::Error;
     }
-    if refused.iter().any(|found| found.code == Code::BadName) {
+    if refused.iter().any(|found| matches!(found.code, Code::BadName | Code::NoBinding)) {
         return Ok(Outcome::CouldNot);
     }
     let outcome = match (&args.out, args.check) {
@@ -95,6 +100,43 @@ fn options(args: &EmitArgs, renames: Vec<(String, String)>) -> CodeOptions {
     options.file = file.to_string_lossy().into_owned();
     options.prefix = args.prefix.clone();
     options
+}
+
+/// Sets the options of the bindings.
+fn bindings(args: &EmitArgs, shaders: &[&ShaderLayout], options: &mut RustOptions) {
+    let bindings = &mut options.bindings;
+    bindings.apis = args.bindings.iter().filter_map(|name| Api::from_name(name)).collect();
+    let files = |files: &str| files.split(',').map(str::to_string).collect();
+    bindings.programs =
+        args.program.iter().map(|(name, text)| (name.clone(), files(text))).collect();
+    bindings.dynamic_offsets = args.dynamic_offset.clone();
+    bindings.unfilterable = args.unfilterable.clone();
+    if let (true, Some(out)) = (args.embed_sources, &args.out) {
+        bindings.sources = Sources::Embedded;
+        let paths = shaders.iter().map(|shader| format!("{:?}", from_file(out, &shader.path)));
+        bindings.paths = paths.collect();
+    }
+}
+
+/// The path of a shader from the folder that a file is in.
+fn from_file(file: &Path, shader: &str) -> String {
+    let whole = |path: &Path| {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        let mut parts: Vec<String> = Vec::new();
+        for part in path.components() {
+            match part {
+                std::path::Component::ParentDir => drop(parts.pop()),
+                _ => parts.push(part.as_os_str().to_string_lossy().into_owned()),
+            }
+        }
+        parts
+    };
+    let (mut file, shader) = (whole(file), whole(Path::new(shader)));
+    file.pop();
+    let common = file.iter().zip(&shader).take_while(|(a, b)| a == b).count();
+    let up = std::iter::repeat_n("..", file.len() - common);
+    let down = shader[common..].iter().map(String::as_str);
+    up.chain(down).collect::<Vec<_>>().join("/")
 }
 
 /// Compares the existing file with the generated one.

@@ -3,9 +3,11 @@
 //! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
 //! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type,
 //! and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
-//! item each, which `modules` puts together. `docs` copies the shader's comments.
+//! item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
+//! what the rest of a program needs.
 
 mod array;
+mod bindings;
 mod check;
 mod docs;
 mod field;
@@ -26,6 +28,7 @@ mod table;
 mod tail;
 mod types;
 
+pub use bindings::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
 
 use crate::ShaderLayout;
@@ -130,6 +133,9 @@ pub struct RustOptions {
     /// The name of each shader in the text, in the order of the shaders. A shader without one is
     /// named by its path, or by its file name if the path is absolute.
     pub inputs: Vec<String>,
+    /// What the rest of a program needs; the layouts need their interfaces for it
+    /// ([`Options::interface`](crate::Options)).
+    pub bindings: BindingOptions,
 }
 
 /// Mirrors and tables as Rust text.
@@ -168,6 +174,11 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     }
     let mut text = header::header(&plan, options, &inputs, shaders);
     diagnostics.extend(modules::modules(&plan, options, &renames, &inputs, each, &mut text));
+    let public = match options.visibility {
+        Visibility::Public => "pub",
+        Visibility::Crate => "pub(crate)",
+    };
+    diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut text));
     diagnostics.extend(renames.unused(shaders, &inputs));
     RustOutput { text, diagnostics }
 }

@@ -91,6 +91,7 @@ codes! {
     NegativeAttenuation = "negative-attenuation";
     NegativeColor = "negative-color";
     NestedTooDeep = "nested-too-deep";
+    NoBinding = "no-binding";
     NoBlocks = "no-blocks";
     NoBytes = "no-bytes";
     NoCMirror = "no-c-mirror";

@@ -21,6 +21,8 @@ mod fallback {
         None
     }
 }
+mod handles;
+pub(super) mod interface;
 mod lengths;
 mod lexer;
 mod numbers;
@@ -30,6 +32,7 @@ mod reader;
 mod report;
 mod structs;
 mod types;
+mod uses;
 mod variables;
 
 use crate::diagnostic::Code;

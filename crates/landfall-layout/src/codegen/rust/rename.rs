@@ -83,7 +83,7 @@ impl Renames {
 }
 
 /// Whether `file` names a shader: its path, or the end of it.
-fn is_file(file: &str, input: &str) -> bool {
+pub(super) fn is_file(file: &str, input: &str) -> bool {
     let rest = input.strip_suffix(file);
     rest.is_some_and(|rest| !file.is_empty() && (rest.is_empty() || rest.ends_with('/')))
 }

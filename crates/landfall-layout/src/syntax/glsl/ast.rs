@@ -33,6 +33,17 @@ pub struct Expr<'a> {
     pub depth: u32,
 }
 
+impl<'a> Expr<'a> {
+    /// The variable that the expression is a part of, if it is one.
+    pub fn root(&self) -> Option<&'a str> {
+        match &self.kind {
+            ExprKind::Name(name) => Some(name),
+            ExprKind::Index(base, _) | ExprKind::Member(base, _) => base.root(),
+            _ => None,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub enum ExprKind<'a> {
     Number(&'a str),
@@ -155,6 +166,18 @@ pub enum Precision {
     Low,
     Medium,
     High,
+}
+
+impl<'a> TypeSpec<'a> {
+    /// The name of the type; `None` for a structure declared in place.
+    pub fn base_name(&self) -> Option<&'a str> {
+        match &self.base {
+            TypeBase::Name(name) => Some(name),
+            TypeBase::Struct(structure) => {
+                Some(structure.name.text).filter(|name| !name.is_empty() && *name != "struct")
+            }
+        }
+    }
 }
 
 #[derive(Debug)]

@@ -170,7 +170,7 @@ impl<'a> DeclarationReader<'a> {
     }
 }
 
-fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
+pub(super) fn address_space(qualifiers: &Qualifiers<'_>) -> AddressSpace {
     if qualifiers.find("push_constant").is_some() {
         AddressSpace::PushConstant
     } else if qualifiers.find("buffer_reference").is_some() {

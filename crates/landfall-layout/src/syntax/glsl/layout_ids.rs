@@ -23,6 +23,11 @@ pub(super) fn is_image_format(name: &str) -> bool {
     IMAGE_FORMATS.contains(&name)
 }
 
+/// The format of an image with that name, in any case.
+pub(super) fn format_named(name: &str) -> Option<&'static str> {
+    IMAGE_FORMATS.iter().copied().find(|format| format.eq_ignore_ascii_case(name))
+}
+
 /// Prefixes of families: image formats, blend equations, interlocks and the like.
 const PREFIXES: &[&str] = &[
     "blend_support_",

@@ -16,7 +16,7 @@ use crate::shape::Written;
 use crate::source::Span;
 use crate::syntax::constant::Fault;
 
-/// The attributes of a member or declaration that affect layouts and bindings.
+/// The attributes of a member or declaration that affect layouts and interfaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Attributes {
     pub(super) align: Option<Written>,
@@ -24,6 +24,7 @@ pub(super) struct Attributes {
     pub(super) group: Option<Written>,
     pub(super) binding: Option<Written>,
     pub(super) id: Option<Written>,
+    pub(super) location: Option<Written>,
 }
 
 /// Returns the attributes of a declaration.
@@ -38,6 +39,23 @@ pub(super) fn of_item<'a>(
 pub(super) fn read<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
+) -> Result<Attributes, Refused> {
+    read_those(reader, lexer, Wanted::OfLayouts)
+}
+
+/// The attributes that are evaluated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    OfLayouts,
+    /// `@location` as well, whose errors do not matter to a layout.
+    OfInputs,
+}
+
+/// Parses attributes, if there are any.
+pub(super) fn read_those<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut Lexer<'a>,
+    wanted: Wanted,
 ) -> Result<Attributes, Refused> {
     let mut attributes = Attributes::default();
     while lexer.take(b'@') {
@@ -54,6 +72,7 @@ pub(super) fn read<'a>(
             "group" => &mut attributes.group,
             "binding" => &mut attributes.binding,
             "id" => &mut attributes.id,
+            "location" if wanted == Wanted::OfInputs => &mut attributes.location,
             _ => {
                 skip_arguments(reader, lexer)?;
                 continue;
@@ -104,7 +123,10 @@ fn refuse(reader: &mut ModuleReader<'_>, trouble: ConstantError, at: Span, name:
 }
 
 /// Skips the `(…)` of an attribute that does not affect layouts.
-fn skip_arguments<'a>(reader: &mut ModuleReader<'a>, lexer: &mut Lexer<'a>) -> Result<(), Refused> {
+pub(super) fn skip_arguments<'a>(
+    reader: &mut ModuleReader<'a>,
+    lexer: &mut Lexer<'a>,
+) -> Result<(), Refused> {
     let mut depth = 0u32;
     loop {
         let token = lexer.next();

@@ -144,7 +144,7 @@ fn parse_setting(text: &str) -> Option<Value> {
 }
 
 /// Returns the component of the type in `: TYPE`, if present.
-fn declared_kind<'a>(
+pub(super) fn declared_kind<'a>(
     reader: &mut ModuleReader<'a>,
     lexer: &mut Lexer<'a>,
 ) -> Result<Option<Scalar>, Refused> {

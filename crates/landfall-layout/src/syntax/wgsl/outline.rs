@@ -47,7 +47,6 @@ pub(super) struct Item<'a> {
     /// The byte after the name.
     pub(super) rest: u32,
     /// One past the last byte.
-    #[cfg_attr(not(feature = "naga"), expect(dead_code, reason = "naga is given whole items"))]
     pub(super) end: u32,
     /// The address space of a `var<space>`, with its span.
     pub(super) space: Option<(&'a str, Span)>,

@@ -1,0 +1,85 @@
+//! Printing of modules as rustfmt formats them.
+
+use std::fmt::Write as _;
+
+/// Stands for the visibility; no name or path has it, as names are escaped.
+pub(super) const PUB: &str = "\u{1}";
+
+/// The inside of a module.
+pub(super) struct Module {
+    text: String,
+    /// `pub` or `pub(crate)`.
+    pub public: String,
+}
+
+impl Module {
+    pub(super) fn new(public: &str) -> Module {
+        Module { text: String::new(), public: public.to_string() }
+    }
+
+    pub(super) fn finished(self) -> String {
+        self.text
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.text.is_empty()
+    }
+
+    /// Appends an item with its documentation; [`PUB`] in it stands for the visibility.
+    pub(super) fn item(&mut self, about: &str, item: &str) {
+        if !self.text.is_empty() {
+            self.text.push('\n');
+        }
+        for line in about.lines() {
+            let _ = writeln!(self.text, "/// {line}");
+        }
+        self.text.push_str(&item.replace(PUB, &self.public));
+        if !self.text.ends_with('\n') {
+            self.text.push('\n');
+        }
+    }
+
+    /// Appends `const HEAD = VALUE;`, the value on its own line where it is too long.
+    pub(super) fn constant(&mut self, about: &str, head: &str, value: &str) {
+        let line = format!("{} const {head} = {value};", self.public);
+        let item = match line.chars().count() <= WIDTH {
+            true => line,
+            false => format!("{} const {head} =\n    {value};", self.public),
+        };
+        self.item(about, &item);
+    }
+
+    /// Appends a module; one without items is left out.
+    pub(super) fn module(&mut self, about: &str, name: &str, inside: Module) {
+        if inside.is_empty() {
+            return;
+        }
+        let inside = indented(&inside.text, 1);
+        self.item(about, &format!("{PUB} mod {name} {{\n{inside}}}\n"));
+    }
+}
+
+/// A text with each line indented.
+pub(super) fn indented(text: &str, levels: usize) -> String {
+    let mut inside = String::with_capacity(text.len() * 5 / 4);
+    for line in text.lines() {
+        if !line.is_empty() {
+            inside.push_str(&"    ".repeat(levels));
+        }
+        inside.push_str(line);
+        inside.push('\n');
+    }
+    inside
+}
+
+/// The columns that an item of a program has: its module stands in that of the API.
+pub(super) const WIDTH: usize = 100 - 8;
+
+/// `[items]` over several lines, one each; a single structure keeps the brackets on its own lines.
+pub(super) fn lines(items: &[String]) -> String {
+    if let [one] = items {
+        return format!("[{one}]");
+    }
+    let inside: String = items.iter().map(|item| format!("{item},\n")).collect();
+    format!("[\n{}]", indented(&inside, 1))
+}

@@ -1,0 +1,84 @@
+//! Arguments of `emit`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use landfall_layout::codegen::OutputLanguage;
+use landfall_layout::codegen::languages::{self, LANGUAGES};
+use landfall_layout::codegen::rust::{Api, Modules, Vectors};
+
+use super::{ConfigArgs, ReadArgs, setting};
+
+#[derive(Debug, clap::Args)]
+pub struct EmitArgs {
+    /// Files, directories and globs; their blocks go into one output file
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Language of the generated code
+    #[arg(short, long, value_name = "LANG", value_parser = output_languages())]
+    pub lang: OutputLanguage,
+    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Write nothing; exit with 1 if FILE is out of date
+    #[arg(long, requires = "out")]
+    pub check: bool,
+    /// Rust: types of vectors and matrices [default: glam]
+    #[arg(
+        help_heading = "Rust", long, value_name = "TYPES",
+        value_parser = [Vectors::Glam.name(), Vectors::Array.name()]
+    )]
+    pub vectors: Option<String>,
+    /// Rust: a module for each shader, none, or one each where there are several [default: auto]
+    #[arg(
+        help_heading = "Rust", long, value_name = "WHICH",
+        value_parser = [Modules::Auto.name(), Modules::Each.name(), Modules::Flat.name()]
+    )]
+    pub modules: Option<String>,
+    /// Rust: name a structure or block (`Light`, `a.frag:Light`) or a module (`a.frag`)
+    #[arg(
+        help_heading = "Rust", long, value_name = "OLD=NEW",
+        value_parser = setting
+    )]
+    pub rename: Vec<(String, String)>,
+    /// Rust: make items `pub(crate)`
+    #[arg(help_heading = "Rust", long)]
+    pub crate_visible: bool,
+    /// Rust: omit the tables of offsets by name
+    #[arg(help_heading = "Rust", long)]
+    pub no_tables: bool,
+    /// Rust: add bindings for an API: layouts, vertices, entry points, constants
+    #[arg(
+        help_heading = "Bindings", long, value_name = "API", value_delimiter = ',',
+        value_parser = Api::NAMES.iter().map(|(name, _)| *name).collect::<Vec<_>>()
+    )]
+    pub bindings: Vec<String>,
+    /// Make shaders one program [default: `a.vert` with `a.frag`, others alone]
+    #[arg(
+        help_heading = "Bindings", long, value_name = "NAME=FILES",
+        value_parser = setting, requires = "bindings"
+    )]
+    pub program: Vec<(String, String)>,
+    /// Bind this buffer with a dynamic offset
+    #[arg(help_heading = "Bindings", long, value_name = "NAME", requires = "bindings")]
+    pub dynamic_offset: Vec<String>,
+    /// wgpu: this texture of floats is not filtered, or this sampler does not filter
+    #[arg(help_heading = "Bindings", long, value_name = "NAME", requires = "bindings")]
+    pub unfilterable: Vec<String>,
+    /// wgpu, gl: add the shaders' text, by `include_str!`
+    #[arg(help_heading = "Bindings", long, requires_all = ["bindings", "out"])]
+    pub embed_sources: bool,
+    /// All but Rust: prefix of every name outside of a type
+    #[arg(help_heading = "Other languages", long, value_name = "TEXT", default_value = "")]
+    pub prefix: String,
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+fn output_languages() -> impl TypedValueParser<Value = OutputLanguage> {
+    let names = LANGUAGES.iter().map(|l| PossibleValue::new(l.name).help(l.about));
+    PossibleValuesParser::new(names)
+        .try_map(|name| languages::from_name(&name).ok_or("no such language"))
+}
