@@ -143,8 +143,11 @@ fn limit(process: u32, limits: &Limits) {
     }
 }
 
+/// Other systems limit a process from within only.
 #[cfg(not(target_os = "linux"))]
-fn limit(_: u32, _: &Limits) {}
+fn limit(_: u32, limits: &Limits) {
+    let _ = limits.memory;
+}
 
 #[cfg(unix)]
 fn in_own_group(command: &mut Command) {
