@@ -10,6 +10,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity};
 
 use crate::args::EmitArgs;
+use crate::config::Config;
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, given, read, watch, write};
@@ -51,7 +52,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
             Diagnostic::without_place(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
         report(&[what], &Files::default());
     }
-    let options = options(args, config.rename);
+    let options = options(args, config);
     let output = args.lang.generate(&shaders.iter().collect::<Vec<_>>(), &options);
     let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
@@ -77,14 +78,16 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if failed { Outcome::CouldNot } else { outcome })
 }
 
-/// The options of the generated code; `renames` are those of the configuration.
-fn options(args: &EmitArgs, renames: Vec<(String, String)>) -> CodeOptions {
+/// The options of the generated code.
+fn options(args: &EmitArgs, config: Config) -> CodeOptions {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;
     rust.vectors = args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
     rust.modules = args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
     rust.rename = args.rename.clone();
-    rust.project_renames = renames;
+    rust.project_renames = config.rename;
+    rust.types = args.types.clone();
+    rust.project_types = config.types;
     if args.crate_visible {
         rust.visibility = Visibility::Crate;
     }

@@ -108,6 +108,7 @@ impl Printer<'_> {
     pub(super) fn ty(&self, ty: &RustType) -> String {
         match ty {
             RustType::Named(name) => name.to_string(),
+            RustType::User(user) => user.path.to_string(),
             RustType::Array(element, len) => format!("[{}; {len}]", self.ty(element)),
             RustType::GeneratedType(id) => self.name(*id).to_string(),
         }

@@ -120,7 +120,7 @@ impl {name} {{
     // The elements before the last, with their padding; their type may be another than the last's.
     let padded = match &tight.head {
         RustType::GeneratedType(id) => matches!(out.plan.get(*id), GeneratedType::Padded(_)),
-        RustType::Named(_) | RustType::Array(..) => false,
+        RustType::Named(_) | RustType::User(_) | RustType::Array(..) => false,
     };
     let one = |at: &str, indent: &str| match padded {
         true => format!("{head}::new(values[{at}])"),
