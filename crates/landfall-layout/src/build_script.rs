@@ -162,6 +162,13 @@ impl Build {
         self
     }
 
+    /// Lets all types of the mirrors derive a trait, `serde::Serialize`, beside `Clone`, `Copy`,
+    /// `Debug` and `PartialEq`.
+    pub fn derive(mut self, path: &str) -> Build {
+        self.code.rust.derives.push(path.to_string());
+        self
+    }
+
     /// Gives a type (`vec3`), structure (`Light`) or member (`Light.position`) of the shaders a type
     /// of the program, `crate::engine::Pos3`: plain data of the same size, which is asserted, that
     /// implements `Debug`, `PartialEq` and `bytemuck::Pod`.

@@ -277,6 +277,9 @@ pub struct EmitArgs {
         value_parser = setting
     )]
     pub types: Vec<(String, String)>,
+    /// Rust: derive a trait for all types, such as `serde::Serialize`
+    #[arg(help_heading = "Rust", long = "derive", value_name = "TRAIT")]
+    pub derives: Vec<String>,
     /// Rust: make items `pub(crate)`
     #[arg(help_heading = "Rust", long)]
     pub crate_visible: bool,

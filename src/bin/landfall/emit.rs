@@ -88,6 +88,7 @@ fn options(args: &EmitArgs, config: Config) -> CodeOptions {
     rust.project_renames = config.rename;
     rust.types = args.types.clone();
     rust.project_types = config.types;
+    rust.derives = args.derives.clone();
     if args.crate_visible {
         rust.visibility = Visibility::Crate;
     }

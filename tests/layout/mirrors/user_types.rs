@@ -169,6 +169,46 @@ fn a_type_that_is_none_or_fits_nothing_is_named() {
     assert!(!output.text.contains("mod c"));
 }
 
+/// `PartialOrd` for floats of all kinds; nothing is derived twice.
+#[test]
+fn every_type_derives_what_is_asked_for() {
+    let text = "#version 450\n#extension GL_EXT_shader_16bit_storage : require\n\
+                struct S { bool on; mat3 m; float w[2]; };\n\
+                layout(std140) uniform B { S s[2]; vec3 v; } b;\n\
+                layout(std430) buffer H { float16_t h; } h;\nvoid main() {}\n";
+    let mut options = options(&[]);
+    options.derives = ["PartialOrd", "Debug", "crate::Marked"].map(str::to_string).to_vec();
+    let output = rust(&[&laid_out("a.frag", text)], &options);
+    assert!(output.diagnostics.is_empty(), "{:?}", output.diagnostics);
+    // A derive of the program's own would be a crate of its own.
+    let text = output.text.replace(", crate::Marked", "");
+    assert_ne!(text, output.text);
+    let directory = scratch("derives");
+    fs::write(directory.join("mirrors.rs"), text).expect("scratch can be written to");
+    let path = directory.join("main.rs");
+    let main = "mod mirrors { include!(\"mirrors.rs\"); }
+use mirrors::*;
+fn is<T: PartialOrd + core::fmt::Debug + bytemuck::Pod>() {}
+fn main() {
+    is::<B>();
+    is::<S>();
+    is::<H>();
+    is::<F16>();
+    assert!(Bool::new(false) < Bool::new(true));
+    let init = SInit { on: true, m: [[1.0; 3]; 3], w: [1.0, 2.0] };
+    assert!(init < SInit { on: true, m: [[1.0; 3]; 3], w: [1.0, 3.0] });
+}
+";
+    fs::write(&path, main).expect("scratch can be written to");
+    run(crates(Math::Simd), &path, "2021");
+    options.derives = vec!["Clone)] fn f() {}".to_string()];
+    let bad = rust(&[&laid_out("a.frag", "layout(std140) uniform B { vec3 v; };")], &options);
+    assert_eq!(
+        bad.diagnostics[0].message,
+        "`Clone)] fn f() {}` cannot be derived: it is no path in Rust"
+    );
+}
+
 /// Against the crate `half`: every number of 16 bits, and numbers of 32 bits around all of them.
 #[test]
 fn sixteen_bit_floats_are_converted_as_half_does() {

@@ -25,7 +25,15 @@ pub const RUST: OutputLanguage = OutputLanguage {
     name: "rust",
     title: "Rust",
     about: "`#[repr(C)]` structures for bytemuck, offsets checked at compile time",
-    options: &["--vectors", "--modules", "--rename", "--type", "--crate-visible", "--no-tables"],
+    options: &[
+        "--vectors",
+        "--modules",
+        "--rename",
+        "--type",
+        "--derive",
+        "--crate-visible",
+        "--no-tables",
+    ],
     write: |shaders, options| {
         let output = rust(shaders, &options.rust);
         CodeOutput { text: output.text, diagnostics: output.diagnostics }

@@ -132,6 +132,8 @@ pub struct RustOptions {
     /// Rust. Each must be plain data of the same size, which is asserted, and implement `Debug`,
     /// `PartialEq` and `bytemuck::Pod`.
     pub types: Vec<(String, String)>,
+    /// Traits that all types derive beside `Clone`, `Copy`, `Debug` and `PartialEq`: `serde::Serialize`.
+    pub derives: Vec<String>,
     /// As `types`, for all shaders of a project: none has to be used by these shaders.
     pub project_types: Vec<(String, String)>,
     /// The name of each shader in the text, in the order of the shaders. A shader without one is
@@ -164,6 +166,7 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     let (renames, mut diagnostics) = rename::Renames::new(options);
     let (types, bad) = user_types::UserTypes::new(options);
     diagnostics.extend(bad);
+    diagnostics.extend(user_types::bad_derives(options));
     let mut plan = plan::Plan::new(options.vectors, &renames, &types, !each);
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {

@@ -96,6 +96,16 @@ impl Printer<'_> {
         all.filter(|(id, _)| self.plan.module_of(*id) == self.module)
     }
 
+    /// The line of the derives that the program adds, which stands before another attribute, or
+    /// nothing.
+    pub(super) fn derives(&self) -> String {
+        let known =
+            |derive: &&String| !DERIVES.split(&['(', ')', ',', ' '][..]).any(|d| d == *derive);
+        let more: Vec<&str> =
+            self.options.derives.iter().filter(known).map(String::as_str).collect();
+        if more.is_empty() { String::new() } else { format!("#[derive({})]\n", more.join(", ")) }
+    }
+
     /// `pub` or `pub(crate)`.
     pub(super) fn visibility(&self) -> &'static str {
         match self.options.visibility {

@@ -23,11 +23,11 @@ pub(super) fn small_types(out: &Printer<'_>, text: &mut Text) {
 }
 
 fn bool_type(out: &Printer<'_>, text: &mut Text, name: &str) {
-    let public = out.visibility();
+    let (public, derives) = (out.visibility(), out.derives());
     let _ = write!(
         text,
         "/// A `bool` as shaders store it: 4 bytes, where all but 0 is true.
-#[repr(transparent)]
+{derives}#[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 {public} struct {name}(u32);
 
@@ -113,7 +113,7 @@ const BF16: &str = "
 ";
 
 fn bits_type(out: &Printer<'_>, text: &mut Text, name: &str, bits: Bits) {
-    let public = out.visibility();
+    let (public, derives) = (out.visibility(), out.derives());
     let (what, ty) = match bits {
         Bits::Bool => unreachable!("printed by `bool_type`"),
         Bits::F16 => ("A 16-bit float (IEEE 754 binary16)", "u16"),
@@ -124,7 +124,7 @@ fn bits_type(out: &Printer<'_>, text: &mut Text, name: &str, bits: Bits) {
     let _ = write!(
         text,
         "/// {what}, as its bits.
-#[repr(transparent)]
+{derives}#[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 {public} struct {name}({public} {ty});
 
@@ -172,8 +172,12 @@ fn leaf_type(out: &Printer<'_>, text: &mut Text, name: &str, leaf: LeafType) {
     let stored = stored(leaf, &cell);
     doc(text, "", &[about(leaf)]);
     let transparent = "#[repr(transparent)]";
-    let _ =
-        write!(text, "{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n", out.visibility());
+    let _ = write!(
+        text,
+        "{}{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n",
+        out.derives(),
+        out.visibility()
+    );
     new(out, text, name, &plain, leaf);
     default(text, name);
     match leaf.shape {

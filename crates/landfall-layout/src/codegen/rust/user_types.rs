@@ -70,6 +70,18 @@ impl UserTypes {
     }
 }
 
+/// An error for each trait to derive that is no path in Rust.
+pub(super) fn bad_derives(options: &RustOptions) -> Vec<Diagnostic> {
+    let is_path = |path: &&String| is_type(path) && !path.contains('<');
+    let bad = options.derives.iter().filter(|path| !is_path(path));
+    bad.map(|path| {
+        let message = format!("`{path}` cannot be derived: it is no path in Rust");
+        Diagnostic::without_place(Code::BadName, Severity::Error, message)
+            .with_help("write a path such as `serde::Serialize`")
+    })
+    .collect()
+}
+
 /// Whether a text is a path with generic arguments, and nothing that could end it.
 fn is_type(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_:<>, ".contains(c);
