@@ -8,7 +8,7 @@ use crate::support::command::Place;
 fn every_language_is_written_checked_and_prefixed() {
     let place = Place::new("emit-languages");
     let light = "layout(std140) uniform Light { vec3 pos; float power; };\n";
-    place.write("light.frag", &format!("#version 450\n{light}"));
+    place.write("light.frag", format!("#version 450\n{light}"));
     for language in landfall_layout::codegen::languages::LANGUAGES {
         let emit =
             ["emit", "light.frag", "--lang", language.name, "--out", "code", "--prefix", "eng_"];
@@ -21,7 +21,7 @@ fn every_language_is_written_checked_and_prefixed() {
     }
     let numbered = "struct S { vec3 a; float b[2]; };
         layout(std140) uniform A { S s; } a; layout(std430) buffer B { S s; } b;";
-    place.write("two.comp", &format!("#version 450\n{numbered}\nvoid main() {{}}\n"));
+    place.write("two.comp", format!("#version 450\n{numbered}\nvoid main() {{}}\n"));
     place.run(&["emit", "two.comp", "--lang", "zig", "--out", "code"]).code(0).stderr_eq(str![[
         r#"
 warning[numbered-name]: `S` of two.comp is named `S_2`: another type is `S`
@@ -35,7 +35,7 @@ warning[numbered-name]: `S` of two.comp is named `S_2`: another type is `S`
 fn types_of_the_program_come_from_flags_and_the_configuration() {
     let place = Place::new("emit-types");
     let light = "layout(std140) uniform Light { vec3 pos; float power; vec3 color; };\n";
-    place.write("light.frag", &format!("#version 450\n{light}"));
+    place.write("light.frag", format!("#version 450\n{light}"));
     place.write("landfall.toml", "[types]\nvec3 = \"crate::Vec\"\nmat4 = \"crate::Mat\"\n");
     let emit = ["emit", "light.frag", "--lang", "rust"];
     let flagged = [&emit[..], &["--type", "Light.pos=crate::Pos<f32>"]].concat();
