@@ -1,4 +1,4 @@
-//! Ten lines: the mirrors of the shaders, made anew whenever a shader or an include changes.
+//! The mirrors of the shaders, made anew whenever a shader or an include changes.
 
 fn main() -> Result<(), landfall::BuildError> {
     landfall::Build::new()
@@ -8,5 +8,6 @@ fn main() -> Result<(), landfall::BuildError> {
         .define("MAX_LIGHTS", "128")
         .mirrors("lights.rs")
         .c_header("lights.h")
+        .emit(landfall::codegen::languages::ZIG, "lights.zig")
         .run()
 }

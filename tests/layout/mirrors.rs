@@ -7,6 +7,7 @@ use crate::support;
 
 mod corpus;
 mod fill;
+mod user_types;
 use crate::support::rustc;
 
 use std::collections::HashMap;

@@ -55,7 +55,7 @@ pub enum Truth {
 
 /// Whether the `k`th component is true.
 pub fn truth(k: u64) -> bool {
-    k % 3 == 0
+    k.is_multiple_of(3)
 }
 
 /// The length of each dimension.

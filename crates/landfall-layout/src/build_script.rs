@@ -212,6 +212,21 @@ impl Build {
         self
     }
 
+    /// Lets all types of the mirrors derive a trait, `serde::Serialize`, beside `Clone`, `Copy`,
+    /// `Debug` and `PartialEq`.
+    pub fn derive(mut self, path: &str) -> Build {
+        self.code.rust.derives.push(path.to_string());
+        self
+    }
+
+    /// Gives a type (`vec3`), structure (`Light`) or member (`Light.position`) of the shaders a type
+    /// of the program, `crate::engine::Pos3`: plain data of the same size, which is asserted, that
+    /// implements `Debug`, `PartialEq` and `bytemuck::Pod`.
+    pub fn map_type(mut self, of: &str, path: &str) -> Build {
+        self.code.rust.types.push((of.to_string(), path.to_string()));
+        self
+    }
+
     /// Writes Rust mirrors of all blocks to `file` in `OUT_DIR`.
     pub fn mirrors(self, file: impl AsRef<Path>) -> Build {
         self.output(RUST, OutputBase::OutDir, file.as_ref())

@@ -66,6 +66,8 @@ pub struct Config {
     has_api: bool,
     /// New names for mirrors, of `[rename]`.
     pub rename: Vec<(String, String)>,
+    /// Types of the program for mirrors, of `[types]`.
+    pub types: Vec<(String, String)>,
     /// The policy for changes of layouts, if set.
     policy: Option<Policy>,
     /// Policies for some files, as globs; a later one takes precedence.
@@ -140,7 +142,8 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         rules: rules.and_then(Rules::from_name),
         gather: keys.bool("gather").unwrap_or(false),
         has_api: api.is_some(),
-        rename: renames(keys),
+        rename: strings(keys, "rename", "{ Light = \"GpuLight\" }", "new name"),
+        types: strings(keys, "types", "{ vec3 = \"crate::Vec3\" }", "type"),
         policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
             let (file, policy) = (keys.needed("file"), keys.needed("policy"));
@@ -154,14 +157,13 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
     }
 }
 
-/// The new names of mirrors.
-fn renames(keys: &Keys<'_>) -> Vec<(String, String)> {
-    let rows = keys.rows("rename", "{ Light = \"GpuLight\" }").into_iter();
+/// A table of strings; `what` they are is for messages.
+fn strings(keys: &Keys<'_>, key: &'static str, example: &str, what: &str) -> Vec<(String, String)> {
+    let rows = keys.rows(key, example).into_iter();
     rows.filter_map(|(old, row)| match row.text() {
         Some(new) => Some((old.value, new.value)),
         None => {
-            let message =
-                format!("the new name of `{}` is {}, not a string", old.value, row.kind());
+            let message = format!("the {what} of `{}` is {}, not a string", old.value, row.kind());
             keys.add(Diagnostic::error(Code::WrongType, row.span(), message));
             None
         }

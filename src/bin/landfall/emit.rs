@@ -12,6 +12,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
+use crate::config::Config;
 use crate::inputs::Inputs;
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{config, read, watch, without_effect, write};
@@ -55,7 +56,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(&[what], &Files::default());
     }
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
-    let mut options = options(args, config.rename);
+    let mut options = options(args, &config);
     bindings(args, &whole, &mut options.rust);
     let output = args.lang.generate(&whole, &options);
     let (text, refused) = (output.text, output.diagnostics);
@@ -82,14 +83,17 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     Ok(if failed { Outcome::CouldNot } else { outcome })
 }
 
-/// The options of the generated code; `renames` are those of the configuration.
-fn options(args: &EmitArgs, renames: Vec<(String, String)>) -> CodeOptions {
+/// The options of the generated code.
+fn options(args: &EmitArgs, config: &Config) -> CodeOptions {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;
     rust.vectors = args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
     rust.modules = args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
     rust.rename = args.rename.clone();
-    rust.project_renames = renames;
+    rust.project_renames = config.rename.clone();
+    rust.types = args.types.clone();
+    rust.project_types = config.types.clone();
+    rust.derives = args.derives.clone();
     if args.crate_visible {
         rust.visibility = Visibility::Crate;
     }

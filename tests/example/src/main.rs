@@ -11,7 +11,11 @@ mod gpu {
 use bytemuck::Zeroable;
 use glam::{Mat3, Mat4, Vec3};
 
+/// For the parts of a program that are in Zig.
+const IN_ZIG: &str = include_str!(concat!(env!("OUT_DIR"), "/lights.zig"));
+
 fn main() {
+    assert!(IN_ZIG.contains("pub const PointLight = extern struct {"));
     let mut lights = gpu::Lights::zeroed();
     for (i, light) in lights.lights.iter_mut().enumerate().take(3) {
         let i = i as f32;

@@ -30,6 +30,7 @@ fn method(code: &str) -> Option<String> {
         "--define" => pair("define", "1"),
         "-O" => pair("specialise", "VALUE"),
         "--rename" => pair("rename", "NAME"),
+        "--type" => pair("map_type", "PATH"),
         "--gather" => "Build::gather_loose_uniforms()".to_string(),
         "--target" => match value {
             "vulkan" => "Build::target(Target::Vulkan)".to_string(),

@@ -29,6 +29,8 @@ pub const RUST: OutputLanguage = OutputLanguage {
         "--vectors",
         "--modules",
         "--rename",
+        "--type",
+        "--derive",
         "--crate-visible",
         "--no-tables",
         "--bindings",

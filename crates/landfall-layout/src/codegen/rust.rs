@@ -1,7 +1,7 @@
 //! Rust mirrors of blocks, and tables from member names to offsets.
 //!
 //! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
-//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type,
+//! each member (with `types`, `user_types`, `leaf` and `array`), `naming`, `names` and `rename` name every type,
 //! and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
 //! item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
 //! what the rest of a program needs.
@@ -27,6 +27,7 @@ mod strided;
 mod table;
 mod tail;
 mod types;
+mod user_types;
 
 pub use bindings::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
@@ -130,6 +131,14 @@ pub struct RustOptions {
     pub rename: Vec<(String, String)>,
     /// As `rename`, for all shaders of a project: none has to be among these shaders.
     pub project_renames: Vec<(String, String)>,
+    /// The program's own types: what they are for (`vec3`, `Light`, `Light.position`) and a path in
+    /// Rust. Each must be plain data of the same size, which is asserted, and implement `Debug`,
+    /// `PartialEq` and `bytemuck::Pod`.
+    pub types: Vec<(String, String)>,
+    /// Traits that all types derive beside `Clone`, `Copy`, `Debug` and `PartialEq`: `serde::Serialize`.
+    pub derives: Vec<String>,
+    /// As `types`, for all shaders of a project: none has to be used by these shaders.
+    pub project_types: Vec<(String, String)>,
     /// The name of each shader in the text, in the order of the shaders. A shader without one is
     /// named by its path, or by its file name if the path is absolute.
     pub inputs: Vec<String>,
@@ -161,7 +170,10 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
         Modules::Flat => false,
     };
     let (renames, mut diagnostics) = rename::Renames::new(options);
-    let mut plan = plan::Plan::new(options.vectors, &renames, !each);
+    let (types, bad) = user_types::UserTypes::new(options);
+    diagnostics.extend(bad);
+    diagnostics.extend(user_types::bad_derives(options));
+    let mut plan = plan::Plan::new(options.vectors, &renames, &types, !each);
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
             match refuse::reason(block, shader.language) {
@@ -180,5 +192,6 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     };
     diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut text));
     diagnostics.extend(renames.unused(shaders, &inputs));
+    diagnostics.extend(types.unused());
     RustOutput { text, diagnostics }
 }

@@ -41,6 +41,15 @@ pub struct EmitArgs {
         value_parser = setting
     )]
     pub rename: Vec<(String, String)>,
+    /// Rust: use a type of the program for a type (`vec3`), a structure, or a member (`Light.pos`)
+    #[arg(
+        help_heading = "Rust", long = "type", value_name = "OF=PATH",
+        value_parser = setting
+    )]
+    pub types: Vec<(String, String)>,
+    /// Rust: derive a trait for all types, such as `serde::Serialize`
+    #[arg(help_heading = "Rust", long = "derive", value_name = "TRAIT")]
+    pub derives: Vec<String>,
     /// Rust: make items `pub(crate)`
     #[arg(help_heading = "Rust", long)]
     pub crate_visible: bool,

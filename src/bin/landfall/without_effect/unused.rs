@@ -47,6 +47,8 @@ fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
         (args.modules.is_some(), "--modules"),
         (!args.rename.is_empty(), "--rename"),
         (!args.bindings.is_empty(), "--bindings"),
+        (!args.types.is_empty(), "--type"),
+        (!args.derives.is_empty(), "--derive"),
     ];
     let unused = given.iter().filter(|(is, name)| *is && !args.lang.options.contains(name));
     unused.map(|(_, option)| *option).collect()

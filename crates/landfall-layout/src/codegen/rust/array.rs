@@ -2,19 +2,19 @@
 //!
 //! [`super::plan`] calls this for every member; this calls it back for structures.
 
-use crate::layout::MemberLayout;
+use crate::layout::{MemberLayout, measure};
 use crate::shape::{ArrayLen, Type};
 
 use super::leaf;
 use super::plan::{MemberRoom, Plan};
-use super::types::{GeneratedType, Padded, RustType, Sized, Tight};
+use super::types::{GeneratedType, Padded, RustType, Sized, Tight, UserType};
 
 /// The type of a member at `place`, without its dimensions before `dim`.
 pub(super) fn member_type(
     plan: &mut Plan,
     member: &MemberLayout,
     dim: usize,
-    place: &MemberRoom,
+    place: &MemberRoom<'_>,
 ) -> Sized {
     let Some(len) = member.dims.get(dim) else {
         return element_type(plan, member, place);
@@ -45,7 +45,12 @@ pub(super) fn member_type(
     Sized { ty, size }
 }
 
-fn element_type(plan: &mut Plan, member: &MemberLayout, place: &MemberRoom) -> Sized {
+fn element_type(plan: &mut Plan, member: &MemberLayout, place: &MemberRoom<'_>) -> Sized {
+    if let Some(path) = plan.user_types.of(place.owner, member) {
+        let size = measure::element_size(member, place.rules);
+        let user = UserType { path, size, align: place.align };
+        return Sized { ty: RustType::User(user), size };
+    }
     match member.ty.innermost() {
         Type::Struct(s) => plan.structure(s, member, place),
         ty => leaf::leaf(plan, ty, member.matrix_stride, member.row_major, place.align),

@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::print::{Printer, Text, call};
-use super::types::GeneratedType;
+use super::types::{GeneratedType, RustType, UserType};
 
 pub(super) fn checks(out: &Printer<'_>, text: &mut Text) {
     for (id, made) in out.generated_types() {
@@ -25,9 +25,43 @@ pub(super) fn checks(out: &Printer<'_>, text: &mut Text) {
                     let what = format!("offset of `{}` of {of}", field.name);
                     assert(out, text, &actual, field.offset, &what);
                 }
+                let fields = mirror.fields.iter().map(|field| (&field.ty, &field.name));
+                let tail = mirror.tail.iter().map(|tail| (&tail.element, &tail.member));
+                for (ty, name) in fields.chain(tail) {
+                    if let Some(user) = user_type(out, ty) {
+                        user_check(out, text, user, &format!("`{name}` of {of}"));
+                    }
+                }
             }
         }
     }
+}
+
+/// The type of the program in a field's type.
+fn user_type<'a>(out: &'a Printer<'_>, ty: &'a RustType) -> Option<&'a UserType> {
+    match ty {
+        RustType::Named(_) => None,
+        RustType::User(user) => Some(user),
+        RustType::Array(element, _) => user_type(out, element),
+        RustType::GeneratedType(id) => match out.plan.get(*id) {
+            GeneratedType::Padded(padded) => user_type(out, &padded.inner),
+            GeneratedType::Tight(tight) => user_type(out, &tight.element),
+            // They have checks of their own.
+            GeneratedType::Bits(_) | GeneratedType::Leaf(_) | GeneratedType::Mirror(_) => None,
+        },
+    }
+}
+
+/// Prints the assertions on a type of the program.
+fn user_check(out: &Printer<'_>, text: &mut Text, user: &UserType, of: &str) {
+    let UserType { path, size, align } = user;
+    assert(out, text, &size_of(path), *size, &format!("size of `{path}`, the type for {of}"));
+    let what = format!("alignment of `{path}`, the type for {of}, is more than {align}");
+    let _ = writeln!(
+        text,
+        "#[rustfmt::skip]\nconst _: () = assert!(core::mem::align_of::<{path}>() <= {align}, {:?});",
+        what.replace(['{', '}'], "_")
+    );
 }
 
 fn size(out: &Printer<'_>, text: &mut Text, name: &str, bytes: u64) {

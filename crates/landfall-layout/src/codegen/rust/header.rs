@@ -96,7 +96,7 @@ fn glam_name(ty: &RustType) -> Option<&'static str> {
     match ty {
         RustType::Named(name) => Some(name),
         RustType::Array(element, _) => glam_name(element),
-        RustType::GeneratedType(_) => None,
+        RustType::GeneratedType(_) | RustType::User(_) => None,
     }
 }
 

@@ -10,7 +10,7 @@ use super::{Vectors, leaf};
 /// The host type of a value stored as `ty`; `None` if it is `ty`.
 pub(super) fn natural(out: &Printer<'_>, ty: &RustType) -> Option<String> {
     match ty {
-        RustType::Named(_) => None,
+        RustType::Named(_) | RustType::User(_) => None,
         RustType::Array(element, len) => natural(out, element).map(|ty| format!("[{ty}; {len}]")),
         RustType::GeneratedType(id) => match out.plan.get(*id) {
             GeneratedType::Mirror(_) => None,

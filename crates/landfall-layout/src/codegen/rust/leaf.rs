@@ -90,7 +90,7 @@ fn matrix(plan: &mut Plan, scalar: Scalar, shape: Shape, align: u64) -> Sized {
     match column.ty {
         // One type for the whole matrix instead of an array of small ones.
         RustType::GeneratedType(_) => generated(plan, LeafType { scalar, shape, unaligned }, size),
-        RustType::Named(_) | RustType::Array(..) => {
+        RustType::Named(_) | RustType::User(_) | RustType::Array(..) => {
             Sized { ty: RustType::Array(Box::new(column.ty), columns.into()), size }
         }
     }

@@ -28,7 +28,7 @@ fn structure(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &M
     let docs = &out.plan.docs[&id];
     let public = out.visibility();
     doc(text, "", &docs.lines());
-    let _ = writeln!(text, "#[repr(C)]\n{DERIVES}");
+    let _ = writeln!(text, "{}#[repr(C)]\n{DERIVES}", out.derives());
     let gaps = mirror.gaps();
     if mirror.fields.is_empty() && gaps.iter().all(Option::is_none) {
         let _ = writeln!(text, "{public} struct {} {{}}\n", out.name(id));
@@ -58,6 +58,7 @@ fn init(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &Mirror
     let (name, init, public) = (out.name(id), &out.names.inits[&id], out.visibility());
     doc(text, "", &[format!("The members of [`{name}`] by name, for `{name}::new`.")]);
     text.push_str("#[derive(Clone, Copy, Debug, PartialEq)]\n#[allow(dead_code)]\n");
+    text.push_str(&out.derives());
     let _ = writeln!(text, "{public} struct {init} {{");
     let docs = &out.plan.docs[&id];
     for field in mirror.in_text_order() {

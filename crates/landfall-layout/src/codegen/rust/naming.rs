@@ -217,6 +217,7 @@ fn name_tables(plan: &Plan<'_>, here: Module, scope: &mut Scope, names: &mut Nam
 fn type_name(ty: &RustType, made: &[String]) -> String {
     match ty {
         RustType::Named(name) => camel(last(name)),
+        RustType::User(user) => camel(last(user.path.split('<').next().unwrap_or_default())),
         RustType::Array(element, len) => format!("{}X{len}", type_name(element, made)),
         RustType::GeneratedType(id) => last(&made[id.0]).to_string(),
     }

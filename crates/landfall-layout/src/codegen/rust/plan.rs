@@ -19,6 +19,7 @@ use super::rename::Renames;
 use super::types::{
     Field, GeneratedType, GeneratedTypeId, Mirror, Module, RuntimeTail, RustType, Sized,
 };
+use super::user_types::UserTypes;
 use crate::codegen::runtime_tail::tail_size;
 
 /// All types and tables of the output.
@@ -42,6 +43,7 @@ pub(super) struct Plan<'a> {
     /// The module of the shader at hand.
     module: usize,
     renames: &'a Renames,
+    pub(super) user_types: &'a UserTypes,
     flat: bool,
 }
 
@@ -61,7 +63,9 @@ pub(super) struct PlannedBlock<'a> {
 
 /// The space available for a member.
 #[derive(Clone, Copy)]
-pub(super) struct MemberRoom {
+pub(super) struct MemberRoom<'n> {
+    /// The name in the shader of the structure or block that the member is of.
+    pub(super) owner: &'n str,
     /// Bytes up to the next member.
     pub(super) room: u64,
     /// The guaranteed alignment of its start, at most 16.
@@ -71,7 +75,12 @@ pub(super) struct MemberRoom {
 
 impl<'a> Plan<'a> {
     /// An empty plan; `flat` puts all shaders into one module.
-    pub(super) fn new(vectors: Vectors, renames: &'a Renames, flat: bool) -> Plan<'a> {
+    pub(super) fn new(
+        vectors: Vectors,
+        renames: &'a Renames,
+        user_types: &'a UserTypes,
+        flat: bool,
+    ) -> Plan<'a> {
         Plan {
             vectors,
             made: Vec::new(),
@@ -85,6 +94,7 @@ impl<'a> Plan<'a> {
             rules: FxHashMap::default(),
             module: 0,
             renames,
+            user_types,
             flat,
         }
     }
@@ -106,7 +116,7 @@ impl<'a> Plan<'a> {
         let (fixed, last) = split_tail(layout);
         let end = last.and_then(|tail| tail.offset).unwrap_or(whole);
         let align = divisor(end).min(divisor(layout.align.unwrap_or(1)));
-        let place = MemberRoom { room: end, align, rules: layout.rules };
+        let place = MemberRoom { owner: &layout.name, room: end, align, rules: layout.rules };
         let fields = self.fields(fixed, end, &place);
         let name = self.renamed(&layout.name, camel);
         let tail = last.map(|tail| self.tail(tail, end, layout, &name));
@@ -230,7 +240,7 @@ impl<'a> Plan<'a> {
         &mut self,
         s: &Struct,
         member: &MemberLayout,
-        at: &MemberRoom,
+        at: &MemberRoom<'_>,
     ) -> Sized {
         let members = &member.members;
         let reach = reach(members);
@@ -239,8 +249,8 @@ impl<'a> Plan<'a> {
         let padded = reach.next_multiple_of(align);
         let size = if padded <= at.room { padded } else { reach };
         let align = at.align.min(divisor(align)).min(divisor(size));
-        let fields = self.fields(members, size, &MemberRoom { align, ..*at });
         let name = if s.name.is_empty() { &member.name } else { &s.name };
+        let fields = self.fields(members, size, &MemberRoom { owner: name, align, ..*at });
         let name = self.renamed(name, camel);
         let origin = self.origin.expect("structures are met in blocks");
         let id = self.mirror(Mirror { name, fields, size, tail: None }, at.rules, || {
@@ -250,7 +260,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The fields of a structure or block that ends at `end`.
-    fn fields(&mut self, members: &[MemberLayout], end: u64, place: &MemberRoom) -> Vec<Field> {
+    fn fields(&mut self, members: &[MemberLayout], end: u64, place: &MemberRoom<'_>) -> Vec<Field> {
         let mut names = Scope::default();
         let names: Vec<String> = members.iter().map(|m| names.take(&snake(&m.name))).collect();
         // Vulkan takes explicit offsets in any order; a mirror has them in ascending order.
@@ -276,7 +286,7 @@ impl<'a> Plan<'a> {
     ) -> RuntimeTail {
         let stride = member.strides[0];
         let align = divisor(stride).min(divisor(member.align.unwrap_or(1)));
-        let place = MemberRoom { room: stride, align, rules: block.rules };
+        let place = MemberRoom { owner: &block.name, room: stride, align, rules: block.rules };
         let element = member_type(self, member, 1, &place);
         RuntimeTail {
             member: member.name.to_string(),

@@ -96,6 +96,16 @@ impl Printer<'_> {
         all.filter(|(id, _)| self.plan.module_of(*id) == self.module)
     }
 
+    /// The line of the derives that the program adds, which stands before another attribute, or
+    /// nothing.
+    pub(super) fn derives(&self) -> String {
+        let known =
+            |derive: &&String| !DERIVES.split(&['(', ')', ',', ' '][..]).any(|d| d == *derive);
+        let more: Vec<&str> =
+            self.options.derives.iter().filter(known).map(String::as_str).collect();
+        if more.is_empty() { String::new() } else { format!("#[derive({})]\n", more.join(", ")) }
+    }
+
     /// `pub` or `pub(crate)`.
     pub(super) fn visibility(&self) -> &'static str {
         match self.options.visibility {
@@ -108,6 +118,7 @@ impl Printer<'_> {
     pub(super) fn ty(&self, ty: &RustType) -> String {
         match ty {
             RustType::Named(name) => name.to_string(),
+            RustType::User(user) => user.path.to_string(),
             RustType::Array(element, len) => format!("[{}; {len}]", self.ty(element)),
             RustType::GeneratedType(id) => self.name(*id).to_string(),
         }

@@ -23,11 +23,11 @@ pub(super) fn small_types(out: &Printer<'_>, text: &mut Text) {
 }
 
 fn bool_type(out: &Printer<'_>, text: &mut Text, name: &str) {
-    let public = out.visibility();
+    let (public, derives) = (out.visibility(), out.derives());
     let _ = write!(
         text,
         "/// A `bool` as shaders store it: 4 bytes, where all but 0 is true.
-#[repr(transparent)]
+{derives}#[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 {public} struct {name}(u32);
 
@@ -56,8 +56,64 @@ impl From<{name}> for bool {{
     );
 }
 
+/// Conversions of IEEE 754 binary16.
+const F16: &str = "
+    /// The nearest number, ties to even; infinite from 65520.
+    PUBLIC fn from_f32(value: f32) -> Self {
+        let bits = value.to_bits();
+        let rest = bits & 0x7fff_ffff;
+        let half = if rest > 0x7f80_0000 {
+            0x7e00 | rest >> 13 & 0x3ff
+        } else if rest >= 0x477f_f000 {
+            0x7c00
+        } else if rest >= 0x3880_0000 {
+            let rest = rest - 0x3800_0000;
+            (rest + 0xfff + (rest >> 13 & 1)) >> 13
+        } else if rest > 0x3300_0000 {
+            // A multiple of 2^-24.
+            let shift = 126 - (rest >> 23);
+            let whole = rest & 0x007f_ffff | 0x0080_0000;
+            let (down, lost) = (whole >> shift, whole & ((1 << shift) - 1));
+            let tie = 1 << (shift - 1);
+            down + u32::from(lost > tie || lost == tie && down & 1 == 1)
+        } else {
+            0
+        };
+        Self((bits >> 16 & 0x8000 | half) as u16)
+    }
+
+    /// The same number.
+    PUBLIC fn to_f32(self) -> f32 {
+        let bits = u32::from(self.0);
+        let (sign, rest) = ((bits & 0x8000) << 16, bits & 0x7fff);
+        let positive = match rest >> 10 {
+            0 => (rest as f32 / 16_777_216.0).to_bits(),
+            31 => 0x7f80_0000 | (rest & 0x3ff) << 13,
+            _ => (rest << 13) + 0x3800_0000,
+        };
+        f32::from_bits(sign | positive)
+    }
+";
+
+/// Conversions of bfloat16.
+const BF16: &str = "
+    /// The nearest number, ties to even.
+    PUBLIC fn from_f32(value: f32) -> Self {
+        let bits = value.to_bits();
+        Self(match value.is_nan() {
+            true => (bits >> 16 | 0x40) as u16,
+            false => ((bits + 0x7fff + (bits >> 16 & 1)) >> 16) as u16,
+        })
+    }
+
+    /// The same number.
+    PUBLIC fn to_f32(self) -> f32 {
+        f32::from_bits(u32::from(self.0) << 16)
+    }
+";
+
 fn bits_type(out: &Printer<'_>, text: &mut Text, name: &str, bits: Bits) {
-    let public = out.visibility();
+    let (public, derives) = (out.visibility(), out.derives());
     let (what, ty) = match bits {
         Bits::Bool => unreachable!("printed by `bool_type`"),
         Bits::F16 => ("A 16-bit float (IEEE 754 binary16)", "u16"),
@@ -68,7 +124,7 @@ fn bits_type(out: &Printer<'_>, text: &mut Text, name: &str, bits: Bits) {
     let _ = write!(
         text,
         "/// {what}, as its bits.
-#[repr(transparent)]
+{derives}#[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 {public} struct {name}({public} {ty});
 
@@ -83,10 +139,14 @@ impl {name} {{
     {public} const fn to_bits(self) -> {ty} {{
         self.0
     }}
-}}
-
 "
     );
+    match bits {
+        Bits::F16 => text.push_str(&F16.replace("PUBLIC", public)),
+        Bits::Bf16 => text.push_str(&BF16.replace("PUBLIC", public)),
+        Bits::Bool | Bits::F8E5m2 | Bits::F8E4m3 => {}
+    }
+    text.push_str("}\n\n");
 }
 
 /// A leaf as a plain array of components.
@@ -112,8 +172,12 @@ fn leaf_type(out: &Printer<'_>, text: &mut Text, name: &str, leaf: LeafType) {
     let stored = stored(leaf, &cell);
     doc(text, "", &[about(leaf)]);
     let transparent = "#[repr(transparent)]";
-    let _ =
-        write!(text, "{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n", out.visibility());
+    let _ = write!(
+        text,
+        "{}{transparent}\n{DERIVES}\n{} struct {name}({stored});\n\n",
+        out.derives(),
+        out.visibility()
+    );
     new(out, text, name, &plain, leaf);
     default(text, name);
     match leaf.shape {

@@ -15,10 +15,11 @@ pub(super) fn padded(out: &Printer<'_>, text: &mut Text, name: &str, padded: &Pa
     let Padded { size, stride, .. } = padded;
     let pad = stride - size;
     let (values, array) = (format!("[{inner}; N]"), "[Self; N]");
+    let derives = out.derives();
     let _ = write!(
         text,
         "/// An element of {size} bytes and {pad} bytes of padding.
-#[repr(C)]
+{derives}#[repr(C)]
 {DERIVES}
 {public} struct {name} {{
     /// The element.
@@ -98,10 +99,11 @@ pub(super) fn tight(out: &Printer<'_>, text: &mut Text, name: &str, tight: &Tigh
     let (element, head, len) = (out.ty(&tight.element), out.ty(&tight.head), tight.len);
     let last = len - 1;
     let of = format!("[{element}; {len}]");
+    let derives = out.derives();
     let _ = write!(
         text,
         "/// An array of {len} elements: what follows it begins in the padding of the last one.
-#[repr(C)]
+{derives}#[repr(C)]
 {DERIVES}
 {public} struct {name} {{
     head: [{head}; {last}],
@@ -120,7 +122,7 @@ impl {name} {{
     // The elements before the last, with their padding; their type may be another than the last's.
     let padded = match &tight.head {
         RustType::GeneratedType(id) => matches!(out.plan.get(*id), GeneratedType::Padded(_)),
-        RustType::Named(_) | RustType::Array(..) => false,
+        RustType::Named(_) | RustType::User(_) | RustType::Array(..) => false,
     };
     let one = |at: &str, indent: &str| match padded {
         true => format!("{head}::new(values[{at}])"),

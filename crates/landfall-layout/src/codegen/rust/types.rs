@@ -3,6 +3,8 @@
 //! [`super::plan`] makes them, the printers read them. A generated type is a [`GeneratedType`], referred
 //! to by its [`GeneratedTypeId`].
 
+use std::sync::Arc;
+
 use crate::codegen::runtime_tail::TailSize;
 use crate::shape::{Scalar, ScalarKind};
 
@@ -15,6 +17,19 @@ pub(super) enum RustType {
     Array(Box<RustType>, u64),
     /// A generated type.
     GeneratedType(GeneratedTypeId),
+    /// A type of the program.
+    User(UserType),
+}
+
+/// A type of the program, and what the shader asks of it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct UserType {
+    /// Its path in Rust.
+    pub(super) path: Arc<str>,
+    /// Its size in bytes.
+    pub(super) size: u64,
+    /// The most that its alignment may be.
+    pub(super) align: u64,
 }
 
 /// Index of a [`GeneratedType`].
