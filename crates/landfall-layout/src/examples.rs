@@ -160,5 +160,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         files,
         diagnostics: vec![],
         assumed_target: None,
+        interface: None,
     }
 }
