@@ -525,6 +525,7 @@ fn bindings_follow_the_mirrors_with_a_module_for_each_program() {
         bindings,
         str![[r#"
  OpenGL.
+#[allow(dead_code)]
 pub mod gl_bindings {
     /// The program of `shaders/surface.vert`, `shaders/surface.frag`.
     pub mod surface {

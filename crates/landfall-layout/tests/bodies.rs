@@ -126,7 +126,7 @@ fn mutants(text: &str, seed: &mut u64) -> Vec<String> {
         .char_indices()
         .filter(|(at, c)| {
             let before = body[..*at].chars().next_back();
-            !c.is_whitespace() && !(is_word(*c) && before.is_some_and(is_word))
+            !(c.is_whitespace() || is_word(*c) && before.is_some_and(is_word))
         })
         .map(|(at, _)| at)
         .collect();

@@ -30,6 +30,11 @@ fn method(code: &str) -> Option<String> {
         "--define" => pair("define", "1"),
         "-O" => pair("specialise", "VALUE"),
         "--rename" => pair("rename", "NAME"),
+        "--program" => {
+            let (name, files) = value.split_once('=').unwrap_or((value, "FILE"));
+            let files: Vec<&str> = files.split(',').collect();
+            format!("Build::program({name:?}, &{files:?})")
+        }
         "--gather" => "Build::gather_loose_uniforms()".to_string(),
         "--target" => match value {
             "vulkan" => "Build::target(Target::Vulkan)".to_string(),
@@ -71,6 +76,10 @@ mod tests {
             (
                 "give it a name: `--rename a.frag:Light=NAME`",
                 "give it a name: `Build::rename(\"a.frag:Light\", \"NAME\")`",
+            ),
+            (
+                "give it a name: `--program NAME=a.vert,a.frag`",
+                "give it a name: `Build::program(\"NAME\", &[\"a.vert\", \"a.frag\"])`",
             ),
             (
                 "macro `A` keeps its definition from `--define`",

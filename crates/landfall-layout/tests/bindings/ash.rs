@@ -254,13 +254,13 @@ impl<'t> Module<'t> {
             ["OpTypeStruct", members @ ..] => {
                 let offset = |at: usize| {
                     let rows = self.members.iter().map(Vec::as_slice);
-                    let found = rows.filter_map(|row| match row {
+                    let mut found = rows.filter_map(|row| match row {
                         [of, index, "Offset", offset] if *of == id && **index == at.to_string() => {
                             offset.parse::<u64>().ok()
                         }
                         _ => None,
                     });
-                    found.last().expect("an offset")
+                    found.next_back().expect("an offset")
                 };
                 let ends = members.iter().enumerate().map(|(at, ty)| offset(at) + self.size(ty));
                 ends.max().unwrap_or(0).next_multiple_of(16)

@@ -2,6 +2,7 @@
 //! every entry point with them on the Vulkan driver, and refuses each of them with a fault in it.
 
 mod ash;
+mod errors;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -104,6 +105,8 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
         };
         programs.push(row.replace("PUSH", push));
     }
+    let arrays = generated(&[format!("{TESTS}/compiled/arrays.wgsl")], Api::WgpuMajor(major));
+    let _ = write!(text, "pub mod arrays {{\n{arrays}}}\n\n");
     assert!(programs.len() >= 20, "{} programs", programs.len());
     assert_formatted(&folder, &formatted);
     let list = programs.concat();

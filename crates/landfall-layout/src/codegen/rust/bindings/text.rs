@@ -47,6 +47,14 @@ impl Module {
         self.item(about, &if skip { format!("#[rustfmt::skip]\n{line}") } else { line });
     }
 
+    /// Appends a module of items that a program need not use; one without items is left out.
+    pub(super) fn module_of_any(&mut self, about: &str, name: &str, inside: Module) {
+        if !inside.is_empty() {
+            let inside = indented(&inside.text, 1);
+            self.item(about, &format!("#[allow(dead_code)]\n{PUB} mod {name} {{\n{inside}}}\n"));
+        }
+    }
+
     /// Appends a module; one without items is left out.
     pub(super) fn module(&mut self, about: &str, name: &str, inside: Module) {
         if inside.is_empty() {
