@@ -32,8 +32,8 @@ pub enum Pipeline {
 }
 
 pub struct Render {
-    /// The text of a vertex shader, if the module has none that fits.
-    pub vertex_text: Option<&'static str>,
+    /// The vertex shader, if the module has none that fits.
+    pub vertex_module: Option<fn(&Device) -> ShaderModule>,
     pub vertex: &'static str,
     pub fragment: Option<&'static str>,
     pub buffer: Option<(u64, Vec<VertexAttribute>)>,
@@ -111,6 +111,18 @@ fn open() -> (Device, String) {
     (device.0, format!("{}, {}", info.name, info.driver_info))
 }
 
+/// A module of WGSL.
+fn wgsl(device: &Device, text: &'static str) -> ShaderModule {
+    let source = ShaderSource::Wgsl(text.into());
+    device.create_shader_module(ShaderModuleDescriptor { label: None, source })
+}
+
+/// A module of GLSL.
+fn glsl(device: &Device, text: &'static str, stage: naga::ShaderStage) -> ShaderModule {
+    let source = ShaderSource::Glsl { shader: text.into(), stage, defines: Default::default() };
+    device.create_shader_module(ShaderModuleDescriptor { label: None, source })
+}
+
 /// Runs what may be invalid.
 fn checked<T>(device: &Device, make: impl FnOnce() -> T) -> Result<T, String> {
     #[cfg(feature = "v27")]
@@ -167,10 +179,7 @@ fn render(
     layout: &PipelineLayout,
     module: &ShaderModule,
 ) -> Result<(), String> {
-    let other = of.vertex_text.map(|text| {
-        let source = ShaderSource::Wgsl(text.into());
-        device.create_shader_module(ShaderModuleDescriptor { label: None, source })
-    });
+    let other = of.vertex_module.map(|module| module(device));
     let buffers: Vec<_> = buffer
         .iter()
         .map(|(array_stride, attributes)| VertexBufferLayout {

@@ -466,3 +466,117 @@ error[not-portable]: `gl_LightSource` is state of the fixed-function pipeline, w
 "#]]);
     place.run(&["port", "nowhere.frag"]).code(2);
 }
+
+const SURFACE: &str = "#version 450
+layout(set = 0, binding = 1) uniform Camera { mat4 view; } camera;
+layout(set = 0, binding = 2) uniform sampler2D albedo;
+layout(location = 0) in vec2 uv;
+layout(location = 0) out vec4 color;
+void main() { color = camera.view * texture(albedo, uv); }
+";
+
+#[test]
+fn bindings_follow_the_mirrors_with_a_module_for_each_program() {
+    let place = Place::new("emit-bindings");
+    place.write("shaders/surface.frag", SURFACE);
+    place.write("shaders/surface.vert", "#version 450\nlayout(location = 0) in vec3 at;\nvoid main() { gl_Position = vec4(at, 1.0); }\n");
+    let files = ["shaders/surface.vert", "shaders/surface.frag"];
+    let out = ["--out", "src/gpu.rs", "--bindings", "gl", "--embed-sources"];
+    let all: Vec<&str> = ["emit", "--lang", "rust"].into_iter().chain(files).chain(out).collect();
+    place.write("src/main.rs", "");
+    place.run(&all).code(0).stderr_eq("");
+    let text = place.read("src/gpu.rs");
+    let (_, bindings) = text.split_once("/// Bindings for").expect("bindings");
+    command::golden().eq(
+        bindings,
+        str![[r#"
+ OpenGL.
+#[allow(dead_code)]
+pub mod gl_bindings {
+    /// The program of `shaders/surface.vert`, `shaders/surface.frag`.
+    pub mod surface {
+        /// The text of `shaders/surface.vert`.
+        pub const VERTEX_SOURCE: &str = include_str!("../shaders/surface.vert");
+
+        /// The text of `shaders/surface.frag`.
+        pub const FRAGMENT_SOURCE: &str = include_str!("../shaders/surface.frag");
+
+        /// The name of the uniform block `Camera`.
+        pub const CAMERA_BLOCK: &str = "Camera";
+
+        /// The bytes that a buffer of `Camera` holds at least.
+        pub const CAMERA_SIZE: usize = 64;
+
+        /// The binding of the uniform block `Camera`.
+        pub const CAMERA_BINDING: u32 = 1;
+
+        /// The name of the sampler `albedo`.
+        pub const ALBEDO_UNIFORM: &str = "albedo";
+
+        /// The binding of the sampler `albedo`.
+        pub const ALBEDO_BINDING: u32 = 2;
+
+        /// The name of the vertex attribute `at`.
+        pub const AT_ATTRIBUTE: &str = "at";
+
+        /// The location of the vertex attribute `at`.
+        pub const AT_LOCATION: u32 = 0;
+    }
+}
+
+"#]],
+    );
+    place.run(&[&all[..], &["--check"]].concat()).code(0).stderr_eq("");
+    // wgpu has no texture with its sampler: nothing is written.
+    let wgpu = ["emit", "--lang", "rust", "--bindings", "wgpu", "--out", "new.rs"];
+    let wgpu: Vec<&str> = wgpu.into_iter().chain(files).collect();
+    place.run(&wgpu).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[no-binding]: wgpu has no texture with a sampler of its own, such as `albedo`
+ --> shaders/surface.frag:3:48
+  |
+3 | layout(set = 0, binding = 2) uniform sampler2D albedo;
+  |                                                ^^^^^^
+  |
+  = help: separate it, as `landfall port --to naga` does
+
+
+"#]]);
+    assert!(!place.has("new.rs"));
+}
+
+#[test]
+fn options_of_bindings_that_name_nothing_are_said() {
+    let place = Place::new("emit-bindings-named");
+    place.write("a.wgsl", "@group(0) @binding(0) var<uniform> scene: vec4f;\n@fragment fn shade() -> @location(0) vec4f { return scene; }\n");
+    let emit = ["emit", "--lang", "rust", "a.wgsl", "--bindings", "wgpu,wgpu-29", "--out", "a.rs"];
+    place.run(&emit).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[bad-name]: bindings for wgpu_bindings are asked for twice
+  |
+  = help: name one version of an API
+
+
+"#]]);
+    let emit = ["emit", "--lang", "rust", "a.wgsl", "--bindings", "wgpu", "--out", "a.rs"];
+    let named = ["--dynamic-offset", "scenes", "--unfilterable", "albedo"];
+    place.run(&[&emit[..], &named].concat()).code(0).stderr_eq(str![[r#"
+warning[unused-option]: the dynamic offset of `scenes` has no effect: nothing has that name
+  |
+  = help: did you mean `scene`?
+
+warning[unused-option]: the filtering of `albedo` has no effect: nothing has that name
+  |
+  = help: write the name of a resource that the program uses
+
+
+"#]]);
+    let program = ["--program", "all=b.wgsl", "--program", "one=a.wgsl:shad"];
+    place.run(&[&emit[..], &program].concat()).code(2).stderr_eq(str![[r#"
+error[bad-name]: program `all` names `b.wgsl`, which is no shader here
+  |
+  = help: did you mean `a.wgsl`?
+
+error[bad-name]: a.wgsl has no entry point `shad`
+
+
+"#]]);
+}

@@ -93,6 +93,7 @@ particles: 176 bytes for 5
     an_include_that_another_shadows_is_read_again();
     a_grown_structure_no_longer_compiles_with_the_old_call();
     a_broken_shader_is_shown_with_its_line();
+    a_body_that_no_compiler_takes_is_shown_with_its_line();
     a_vanished_include_is_named();
 }
 
@@ -123,6 +124,8 @@ particles: 176 bytes for 5
 /// A new file is found before the one that was included: the mirrors follow it.
 fn an_include_that_another_shadows_is_read_again() {
     let copy = Copy::new("shadowed");
+    // The shader itself uses the member as well.
+    copy.edit("build.rs", ".define(", ".unchecked_bodies([\"lights.frag\"])\n        .define(");
     assert!(cargo(&copy.0, "build").status.success());
     let light = copy.0.join("shaders/include/light.glsl");
     let text =
@@ -195,6 +198,52 @@ landfall failed
         assert!(told.contains(part), "`{part}` is missing from\n{told}");
     }
     assert!(!told.contains("panicked"), "{told}");
+}
+
+fn a_body_that_no_compiler_takes_is_shown_with_its_line() {
+    let copy = Copy::new("body");
+    copy.edit("shaders/lights.frag", "lights[i].color *", "lights[i].colour *");
+    copy.edit("shaders/lights.frag", "camera.normals * sum", "camera.normals * total");
+    copy.edit("shaders/particles.comp", "void main() {", "void main() {\n    alive + ;");
+    let build = cargo(&copy.0, "build");
+    assert!(!build.status.success());
+    golden().eq(
+        landfalls(&text(&build.stderr)),
+        str![[r#"
+landfall failed
+
+  error[unknown-member]: `PointLight` has no member `colour`
+    --> shaders/lights.frag:31:32
+     |
+  31 |         sum += scene.lights[i].colour * scene.lights[i].intensity * window * window;
+     |                                ^^^^^^
+     |
+     = note: `Build::unchecked_bodies(["shaders/lights.frag"])` takes the shader as it is
+     = help: did you mean `color`?
+
+  error[unknown-name]: `total` is not declared
+    --> shaders/lights.frag:33:35
+     |
+  33 |     color = vec4(camera.normals * total + camera.eye * camera.fog_density[0], 1.0);
+     |                                   ^^^^^
+     |
+     = note: `Build::unchecked_bodies(["shaders/lights.frag"])` takes the shader as it is
+
+  error[syntax]: expected an expression, found `;`
+    --> shaders/particles.comp:17:13
+     |
+  17 |     alive + ;
+     |             ^
+     |
+     = note: `Build::unchecked_bodies(["shaders/particles.comp"])` takes the shader as it is
+
+"#]],
+    );
+    // Named, they are taken as they are.
+    let both = ".unchecked_bodies([\"lights.frag\", \"shaders/particles.comp\"])";
+    copy.edit("build.rs", ".define(", &format!("{both}\n        .define("));
+    let build = cargo(&copy.0, "build");
+    assert!(build.status.success(), "{}", text(&build.stderr));
 }
 
 fn a_vanished_include_is_named() {

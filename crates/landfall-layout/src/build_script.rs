@@ -40,6 +40,8 @@ pub struct Build {
     options: Options,
     code: CodeOptions,
     outputs: Vec<Output>,
+    /// Shaders whose function bodies are not looked at.
+    unchecked_bodies: Vec<String>,
 }
 
 /// An output file.
@@ -182,6 +184,13 @@ impl Build {
     pub fn bindings(mut self, api: Api) -> Build {
         self.code.rust.bindings.apis.push(api);
         self.options.interface = true;
+        self
+    }
+
+    /// Takes shaders whose function bodies no compiler takes: by default a syntax error in a body, a
+    /// name that is not declared and a member that a structure does not have are errors of the build.
+    pub fn unchecked_bodies<'s>(mut self, shaders: impl IntoIterator<Item = &'s str>) -> Build {
+        self.unchecked_bodies.extend(shaders.into_iter().map(str::to_string));
         self
     }
 
@@ -334,9 +343,22 @@ impl Build {
             }
             findings.watched.extend(files.into_iter().filter(|file| file.is_file()));
             findings.add(&shader.diagnostics, &shader.files);
+            if !shader.has_errors() && !self.is_unchecked(path) {
+                let taken =
+                    format!("`Build::unchecked_bodies([{path:?}])` takes the shader as it is");
+                let errors = crate::syntax::body_errors(&source, &self.options.read);
+                let errors: Vec<_> =
+                    errors.into_iter().map(|error| error.with_note(&taken)).collect();
+                findings.add(&errors, &shader.files);
+            }
             layouts.push(shader);
         }
         layouts
+    }
+
+    /// Whether the bodies of a shader are taken as they are.
+    fn is_unchecked(&self, path: &Path) -> bool {
+        self.unchecked_bodies.iter().any(|unchecked| path.ends_with(unchecked))
     }
 
     /// The text of a file with this name.

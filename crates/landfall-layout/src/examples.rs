@@ -161,5 +161,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         diagnostics: vec![],
         assumed_target: None,
         opengl_es: false,
+        interface: None,
     }
 }

@@ -66,6 +66,15 @@ pub fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic
     }
 }
 
+/// Returns what no compiler takes in the function bodies of a shader whose declarations have no
+/// errors: the first syntax error of GLSL, or every variable and member that is not declared.
+pub fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
+    match source.language {
+        Language::Glsl => glsl::body_errors(source, options),
+        Language::Wgsl => wgsl::body_errors(source),
+    }
+}
+
 /// Returns a text without its line continuations, which WGSL does not have.
 pub fn joined_lines(text: &str, language: Language) -> Cow<'_, str> {
     match language {

@@ -5,7 +5,8 @@
 //! copies the lights that the shader reads into a buffer, a second one lights 64 points; the
 //! program fails if a member that comes back is not the one that was written.
 
-/// The generated mirrors: `Lights` and `PointLight`, and a module of offsets for each.
+/// The generated mirrors: `Lights` and `PointLight`, and a module of offsets for each; and the
+/// bindings of the two programs that the shader's entry points make.
 mod gpu {
     include!(concat!(env!("OUT_DIR"), "/lights.rs"));
 }
@@ -17,6 +18,7 @@ use std::error::Error;
 
 use bytemuck::Zeroable as _;
 use glam::Vec3;
+use gpu::wgpu_bindings::floor;
 use wgpu::util::DeviceExt as _;
 
 /// Points of the floor that are lit.
@@ -114,28 +116,34 @@ impl Gpu {
         })
     }
 
-    /// The shader, and its uniform buffer with these bytes.
-    fn load(&self, upload: &[u8]) -> (wgpu::ShaderModule, wgpu::Buffer) {
-        let module =
-            self.device.create_shader_module(wgpu::include_wgsl!("../shaders/lights.wgsl"));
-        let uniform = self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    /// A uniform buffer with these bytes.
+    fn uniform(&self, upload: &[u8]) -> wgpu::Buffer {
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("lights"),
             contents: upload,
             usage: wgpu::BufferUsages::UNIFORM,
-        });
-        (module, uniform)
+        })
     }
 
     /// Runs both entry points; returns the lights that the shader reads and the lit points.
     fn run(&self, upload: &[u8], lights: usize) -> Result<(Vec<f32>, Vec<f32>), Box<dyn Error>> {
-        let (module, uniform) = self.load(upload);
+        let uniform = self.uniform(upload);
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let seen = self.buffer(lights * FLOATS, storage);
         let lit = self.buffer(POINTS * 4, storage);
 
+        let group = floor::Group0 {
+            scene: uniform.as_entire_buffer_binding(),
+            seen: seen.as_entire_buffer_binding(),
+            lit: lit.as_entire_buffer_binding(),
+        }
+        .bind(&self.device, &floor::Group0::layout(&self.device));
+
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        self.dispatch(&mut encoder, &module, "copy_lights", &uniform, (1, &seen), lights);
-        self.dispatch(&mut encoder, &module, "light_floor", &uniform, (2, &lit), POINTS);
+        let size = floor::COPY_LIGHTS_WORKGROUP_SIZE;
+        self.dispatch(&mut encoder, floor::COPY_LIGHTS_ENTRY, size, &group, lights);
+        let size = floor::LIGHT_FLOOR_WORKGROUP_SIZE;
+        self.dispatch(&mut encoder, floor::LIGHT_FLOOR_ENTRY, size, &group, POINTS);
         let copies = [&seen, &lit].map(|buffer| {
             let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
             let copy = self.buffer(buffer.size() as usize / 4, mapped);
@@ -164,36 +172,26 @@ impl Gpu {
         })
     }
 
-    /// Records `entry` for so many invocations. It reads the uniform buffer and writes the
-    /// buffer at the binding; a derived layout has no other.
+    /// Records `entry` for so many invocations.
     fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        module: &wgpu::ShaderModule,
         entry: &str,
-        uniform: &wgpu::Buffer,
-        (binding, written): (u32, &wgpu::Buffer),
+        [width, ..]: [u32; 3],
+        group: &wgpu::BindGroup,
         invocations: usize,
     ) {
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
-            layout: None,
-            module,
+            layout: Some(&floor::pipeline_layout(&self.device)),
+            module: &floor::shader_module(&self.device),
             entry_point: Some(entry),
             compilation_options: Default::default(),
             cache: None,
         });
-        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                wgpu::BindGroupEntry { binding, resource: written.as_entire_binding() },
-            ],
-        });
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bind_group, &[]);
-        pass.dispatch_workgroups(invocations.div_ceil(64) as u32, 1, 1);
+        pass.set_bind_group(floor::Group0::INDEX, group, &[]);
+        pass.dispatch_workgroups((invocations as u32).div_ceil(width), 1, 1);
     }
 }

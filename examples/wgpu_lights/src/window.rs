@@ -9,6 +9,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 
+use crate::gpu::wgpu_bindings::window as bindings;
 use crate::{Gpu, instance};
 
 /// Opens the window, draws into it and returns when it is closed.
@@ -76,13 +77,14 @@ impl View {
             .get_default_config(&gpu.adapter, size.width.max(1), size.height.max(1))
             .ok_or("the adapter cannot draw to this window")?;
         surface.configure(&gpu.device, &config);
-        let (module, uniform) = gpu.load(upload);
+        let uniform = gpu.uniform(upload);
+        let module = bindings::shader_module(&gpu.device);
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("floor"),
-            layout: None,
+            layout: Some(&bindings::pipeline_layout(&gpu.device)),
             vertex: wgpu::VertexState {
                 module: &module,
-                entry_point: Some("corner"),
+                entry_point: Some(bindings::CORNER_ENTRY),
                 compilation_options: Default::default(),
                 buffers: &[],
             },
@@ -91,18 +93,15 @@ impl View {
             multisample: Default::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
-                entry_point: Some("shade"),
+                entry_point: Some(bindings::SHADE_ENTRY),
                 compilation_options: Default::default(),
                 targets: &[Some(config.format.into())],
             }),
             multiview_mask: None,
             cache: None,
         });
-        let lights = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let lights = bindings::Group0 { scene: uniform.as_entire_buffer_binding() }
+            .bind(&gpu.device, &bindings::Group0::layout(&gpu.device));
         Ok(View { window, surface, config, gpu, pipeline, lights })
     }
 
@@ -140,7 +139,7 @@ impl View {
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.lights, &[]);
+        pass.set_bind_group(bindings::Group0::INDEX, &self.lights, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);

@@ -31,6 +31,11 @@ fn method(code: &str) -> Option<String> {
         "-O" => pair("specialise", "VALUE"),
         "--rename" => pair("rename", "NAME"),
         "--type" => pair("map_type", "PATH"),
+        "--program" => {
+            let (name, files) = value.split_once('=').unwrap_or((value, "FILE"));
+            let files: Vec<&str> = files.split(',').collect();
+            format!("Build::program({name:?}, &{files:?})")
+        }
         "--gather" => "Build::gather_loose_uniforms()".to_string(),
         "--target" => match value {
             "vulkan" => "Build::target(Target::Vulkan)".to_string(),
@@ -72,6 +77,10 @@ mod tests {
             (
                 "give it a name: `--rename a.frag:Light=NAME`",
                 "give it a name: `Build::rename(\"a.frag:Light\", \"NAME\")`",
+            ),
+            (
+                "give it a name: `--program NAME=a.vert,a.frag`",
+                "give it a name: `Build::program(\"NAME\", &[\"a.vert\", \"a.frag\"])`",
             ),
             (
                 "macro `A` keeps its definition from `--define`",

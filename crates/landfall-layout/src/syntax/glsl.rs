@@ -23,6 +23,7 @@ mod line_numbers;
 mod macros;
 mod member_uses;
 mod members;
+mod name_errors;
 mod nested;
 pub mod parser;
 mod preprocess;
@@ -35,6 +36,7 @@ mod splice;
 mod target;
 mod texts;
 pub mod types;
+mod walk;
 
 use std::borrow::Cow;
 
@@ -135,6 +137,17 @@ pub(super) fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Dia
     let mut shader = parse(source, options, &texts, false);
     let error = shader.parser.complete(&mut shader.items, source.stage).err();
     error.map(|error| *error.diagnostic())
+}
+
+/// Returns what no compiler takes in function bodies: the first syntax error, or every name that is
+/// not declared.
+pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
+    let texts = Texts::new();
+    let mut shader = parse(source, options, &texts, false);
+    match shader.parser.complete(&mut shader.items, source.stage) {
+        Err(error) => vec![*error.diagnostic()],
+        Ok(()) => name_errors::undeclared(&shader.items, &shader.parser),
+    }
 }
 
 /// Returns the values of `KEY = N` in the layout qualifiers of global declarations, by the first

@@ -25,6 +25,7 @@ mod handles;
 pub(super) mod interface;
 mod lengths;
 mod lexer;
+mod name_errors;
 mod numbers;
 mod outline;
 mod predeclared;
@@ -94,6 +95,15 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let standard_uniforms = outline.standard_uniforms;
     let bodies = outline.bodies;
     Parsed { shape, files, diagnostics, bodies, standard_uniforms, ..Parsed::default() }
+}
+
+/// Returns an error for each name in function bodies that no declaration has.
+pub(crate) fn body_errors(source: &Source) -> Vec<Diagnostic> {
+    let outline = outline::read(&source.text, &mut Reports::default());
+    match outline.incomplete {
+        true => Vec::new(),
+        false => name_errors::undeclared(&source.text, &outline),
+    }
 }
 
 /// Returns the functions of a text, attributes included.

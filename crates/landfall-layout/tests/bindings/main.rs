@@ -1,6 +1,9 @@
 //! Generated bindings, compiled and run: wgpu of each supported major version makes a pipeline of
 //! every entry point with them on the Vulkan driver, and refuses each of them with a fault in it.
 
+mod ash;
+mod errors;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -78,7 +81,7 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
         let at = programs.len();
         let file = folder.join(format!("s{at}.wgsl"));
         fs::write(&file, &shader).expect("scratch can be written to");
-        let generated = generated(&file, &shader, major);
+        let generated = generated(&[file.display().to_string()], Api::WgpuMajor(major));
         let alone = file.with_extension("rs");
         fs::write(&alone, &generated).expect("scratch can be written to");
         formatted.push(alone);
@@ -87,6 +90,23 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
         let is_exact = !shader.contains("naga-disagrees");
         programs.push(program(at, &path, is_exact, &generated, &parsed));
     }
+    for (name, row) in glsl_programs() {
+        let stages = if name == "wave" { &["vert", "frag"][..] } else { &["comp"][..] };
+        let files = stages.iter().map(|stage| format!("{TESTS}/shaders/glsl/{name}.{stage}"));
+        let generated = generated(&files.collect::<Vec<_>>(), Api::WgpuMajor(major));
+        let alone = folder.join(format!("{name}.rs"));
+        fs::write(&alone, &generated).expect("scratch can be written to");
+        formatted.push(alone);
+        let _ = write!(text, "pub mod {name} {{\n{generated}}}\n\n");
+        let push = if major == WgpuMajor::V27 {
+            "PUSH_CONSTANT_RANGE.range.end"
+        } else {
+            "IMMEDIATE_SIZE"
+        };
+        programs.push(row.replace("PUSH", push));
+    }
+    let arrays = generated(&[format!("{TESTS}/compiled/arrays.wgsl")], Api::WgpuMajor(major));
+    let _ = write!(text, "pub mod arrays {{\n{arrays}}}\n\n");
     assert!(programs.len() >= 20, "{} programs", programs.len());
     assert_formatted(&folder, &formatted);
     let list = programs.concat();
@@ -110,6 +130,35 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
     assert!(said.lines().skip(1).all(|line| line.contains("faults refused")), "{said}");
 }
 
+/// The rows of the programs of GLSL, with `PUSH` for the size of the push constants.
+fn glsl_programs() -> [(&'static str, &'static str); 2] {
+    let wave = "Program { name: \"wave\",
+            groups: vec![(0, wave::wgpu_bindings::wave::Group0::ENTRIES.to_vec()),
+                (1, wave::wgpu_bindings::wave::Group1::ENTRIES.to_vec())],
+            immediates: wave::wgpu_bindings::wave::PUSH, is_exact: true,
+            module: |device| glsl(device, wave::wgpu_bindings::wave::FRAGMENT_SOURCE,
+                naga::ShaderStage::Fragment),
+            layout: wave::wgpu_bindings::wave::pipeline_layout,
+            pipelines: vec![Pipeline::Render(Render {
+                vertex_module: Some(|device| glsl(device,
+                    wave::wgpu_bindings::wave::VERTEX_SOURCE, naga::ShaderStage::Vertex)),
+                vertex: wave::wgpu_bindings::wave::MAIN_ENTRY,
+                fragment: Some(wave::wgpu_bindings::wave::MAIN_ENTRY),
+                buffer: Some((std::mem::size_of::<wave::wgpu_bindings::wave::MainVertex>() as u64,
+                    wave::wgpu_bindings::wave::MainVertex::ATTRIBUTES.to_vec())),
+                targets: vec![TextureFormat::Rgba8Unorm], has_depth: false, samples: 1,
+                constants: vec![] })] },\n";
+    let total = "Program { name: \"total\",
+            groups: vec![(0, total::wgpu_bindings::total::Group0::ENTRIES.to_vec())],
+            immediates: 0, is_exact: true,
+            module: |device| glsl(device, total::wgpu_bindings::total::SOURCE,
+                naga::ShaderStage::Compute),
+            layout: total::wgpu_bindings::total::pipeline_layout,
+            pipelines: vec![Pipeline::Compute {
+                entry: total::wgpu_bindings::total::MAIN_ENTRY, constants: vec![] }] },\n";
+    [("wave", wave), ("total", total)]
+}
+
 /// Panics where rustfmt would change one of the files.
 fn assert_formatted(folder: &Path, files: &[PathBuf]) {
     // Its defaults, not this project's.
@@ -124,22 +173,29 @@ fn assert_formatted(folder: &Path, files: &[PathBuf]) {
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stdout));
 }
 
-/// The mirrors and bindings of a shader.
-fn generated(file: &Path, text: &str, major: WgpuMajor) -> String {
-    let source = Source::new(file.display().to_string(), text);
-    let shader = layout(&source, &Options::default().with_interface(true));
-    assert!(!shader.has_errors(), "{}: {:?}", file.display(), shader.diagnostics);
+/// The mirrors and bindings of the shaders of one program.
+fn generated(files: &[String], api: Api) -> String {
+    let read = |file: &String| {
+        let text = fs::read_to_string(file).expect("a shader");
+        let source = Source::new(file.clone(), text);
+        let shader = layout(&source, &Options::default().with_interface(true));
+        assert!(!shader.has_errors(), "{file}: {:?}", shader.diagnostics);
+        shader
+    };
+    let shaders: Vec<_> = files.iter().map(read).collect();
     let mut options = RustOptions::default();
     options.vectors = Vectors::Array;
     options.tables = Tables::Without;
-    options.bindings.apis = vec![Api::WgpuMajor(major)];
+    options.bindings.apis = vec![api];
+    options.bindings.dynamic_offsets = vec!["Camera".to_string()];
     options.bindings.sources = Sources::LoadedInDebug;
-    options.bindings.paths = vec![format!("{:?}", file.display().to_string())];
-    options.inputs = vec![file.file_name().expect("a file").to_string_lossy().into_owned()];
-    let output = rust(&[&shader], &options);
+    options.bindings.paths = files.iter().map(|file| format!("{file:?}")).collect();
+    let name = |file: &String| file.rsplit('/').next().expect("a name").to_string();
+    options.inputs = files.iter().map(name).collect();
+    let output = rust(&shaders.iter().collect::<Vec<_>>(), &options);
     let errors: Vec<_> =
         output.diagnostics.iter().filter(|one| one.code.name() == "no-binding").collect();
-    assert!(errors.is_empty(), "{}: {errors:?}", file.display());
+    assert!(errors.is_empty(), "{files:?}: {errors:?}");
     output.text
 }
 
@@ -191,7 +247,7 @@ fn program(
                 let buffer = buffer(&bindings, generated, &entry.name);
                 let _ = writeln!(
                     pipelines,
-                    "                Pipeline::Render(Render {{ vertex_text: None, vertex: {name}, \
+                    "                Pipeline::Render(Render {{ vertex_module: None, vertex: {name}, \
                      fragment: None, buffer: {buffer}, targets: vec![], has_depth: true, samples: \
                      1, constants: {constants} }}),"
                 );
@@ -346,7 +402,11 @@ fn render(
             text.push_str(
                 "}\n@vertex\nfn made() -> Out {\n    var out: Out;\n    return out;\n}\n",
             );
-            (format!("Some({text:?})"), "\"made\"".to_string(), "None".to_string())
+            (
+                format!("Some(|device| wgsl(device, {text:?}))"),
+                "\"made\"".to_string(),
+                "None".to_string(),
+            )
         }
     };
     let outputs = locations(module, entry, true);
@@ -370,7 +430,7 @@ fn render(
         inside || is_depth(result.binding.as_ref())
     });
     format!(
-        "                Pipeline::Render(Render {{ vertex_text: {text}, vertex: {vertex}, fragment: \
+        "                Pipeline::Render(Render {{ vertex_module: {text}, vertex: {vertex}, fragment: \
          Some({bindings}::{}_ENTRY), buffer: {buffer}, targets: vec![{targets}], has_depth: \
          {has_depth}, samples: 1, constants: {constants} }}),\n",
         screaming(&entry.name)

@@ -149,13 +149,21 @@ pub(super) fn modules(
     let mut scope = Scope::default();
     for program in &mut programs {
         let usual = module(&program.name);
-        let given = scope.take(&usual);
+        // As for the modules of shaders, directories are put before a name that another has.
+        let folder = program.shaders.first().and_then(|shader| shader.input.rsplit_once('/'));
+        let folders: Vec<&str> = folder.map_or("", |(folder, _)| folder).split('/').collect();
+        let longer = (0..folders.len()).rev().map(|at| {
+            let folders = folders[at..].join("_").replace(|c: char| !c.is_alphanumeric(), "_");
+            module(&format!("{folders}_{}", program.name))
+        });
+        let free = std::iter::once(usual.clone()).chain(longer).find(|name| scope.is_free(name));
+        let given = scope.take(&free.unwrap_or_else(|| usual.clone()));
         if given != usual {
             let message =
                 format!("the program of {} is named `{given}`: another is `{usual}`", program.of());
             found.push(
                 Diagnostic::without_place(Code::NumberedName, Severity::Warning, message)
-                    .with_help("put it into a program of its own name"),
+                    .with_help(format!("give it a name: `--program NAME={}`", program.files())),
             );
         }
         program.name = given;
@@ -184,7 +192,8 @@ pub(super) fn modules(
             inside.module(&about, &program.name, body);
         }
         let mut whole = text::Module::new(public);
-        whole.module(&format!("Bindings for {}.", api.described()), api.module(), inside);
+        let about = format!("Bindings for {}.", api.described());
+        whole.module_of_any(&about, api.module(), inside);
         if !text.ends_with("\n\n") {
             text.push('\n');
         }

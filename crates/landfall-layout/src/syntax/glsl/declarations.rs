@@ -182,15 +182,11 @@ impl<'a> DeclarationReader<'a> {
     }
 
     fn report_unused_broken_types(&mut self) {
-        let types = std::mem::take(&mut self.types);
-        let mut unreported: Vec<_> = types
-            .into_values()
-            .filter_map(|named| match named {
-                Named::Broken { why, reported: false, .. } => Some(why),
-                Named::Broken { .. } | Named::Struct(_) | Named::Reference => None,
-            })
-            .flatten()
-            .collect();
+        let unreported = self.types.values().filter_map(|named| match named {
+            Named::Broken { why, reported: false, .. } => Some(why),
+            Named::Broken { .. } | Named::Struct(_) | Named::Reference => None,
+        });
+        let mut unreported: Vec<_> = unreported.flatten().cloned().collect();
         unreported.sort_by_key(|d| d.labels.first().map(|label| (label.at.file, label.at.start)));
         for diagnostic in unreported {
             self.report(diagnostic);

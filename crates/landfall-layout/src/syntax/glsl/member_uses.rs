@@ -3,13 +3,12 @@
 
 use rustc_hash::FxHashMap;
 
-use super::ast::{
-    Condition, Declaration, Expr, ExprKind, FunctionDecl, Item, Statement, StatementKind, TypeBase,
-};
+use super::ast::{Declaration, Expr, ExprKind, FunctionDecl, Item, Statement, TypeBase};
 use super::constants::Constants;
 use super::declarations::{Unknown, Unsized};
 use super::evaluate::{Names, Problem, evaluate, kind_of};
 use super::types::{Builtin, builtin};
+use super::walk::{self, Part};
 use crate::shape::Type;
 use crate::source::Span;
 use crate::syntax::constant::Value;
@@ -85,67 +84,12 @@ impl<'m, 'a> Uses<'m, 'a> {
     }
 
     fn statements(&mut self, statements: &[Statement<'a>]) {
-        self.scopes.push(Scope::default());
-        statements.iter().for_each(|statement| self.statement(statement));
-        self.scopes.pop();
-    }
-
-    fn statement(&mut self, statement: &Statement<'a>) {
-        match &statement.kind {
-            StatementKind::Declaration(declaration) => self.declaration(declaration),
-            StatementKind::Expression(e)
-            | StatementKind::Case(e)
-            | StatementKind::Return(Some(e)) => self.expression(e),
-            StatementKind::Block(statements) => self.statements(statements),
-            StatementKind::If(condition, accept, reject) => {
-                self.scopes.push(Scope::default());
-                self.condition(condition);
-                self.statements(std::slice::from_ref(accept));
-                if let Some(reject) = reject {
-                    self.statements(std::slice::from_ref(reject));
-                }
-                self.scopes.pop();
-            }
-            StatementKind::For(parts) => {
-                self.scopes.push(Scope::default());
-                self.statement(&parts.init);
-                if let Some(condition) = &parts.condition {
-                    self.condition(condition);
-                }
-                if let Some(step) = &parts.step {
-                    self.expression(step);
-                }
-                self.statements(std::slice::from_ref(&parts.body));
-                self.scopes.pop();
-            }
-            StatementKind::While(condition, body) => {
-                self.scopes.push(Scope::default());
-                self.condition(condition);
-                self.statements(std::slice::from_ref(body));
-                self.scopes.pop();
-            }
-            StatementKind::DoWhile(body, condition) => {
-                self.statements(std::slice::from_ref(body));
-                self.expression(condition);
-            }
-            StatementKind::Switch(selector, statements) => {
-                self.expression(selector);
-                self.statements(statements);
-            }
-            StatementKind::Empty
-            | StatementKind::Default
-            | StatementKind::Break
-            | StatementKind::Continue
-            | StatementKind::Discard
-            | StatementKind::Return(None) => {}
-        }
-    }
-
-    fn condition(&mut self, condition: &Condition<'a>) {
-        match condition {
-            Condition::Expression(e) => self.expression(e),
-            Condition::Declaration(declaration) => self.declaration(declaration),
-        }
+        walk::scope(statements, &mut |part| match part {
+            Part::Open => self.scopes.push(Scope::default()),
+            Part::Close => drop(self.scopes.pop()),
+            Part::Declaration(declaration) => self.declaration(declaration),
+            Part::Expression(e) => self.expression(e),
+        });
     }
 
     /// A name hides another from the end of its initialiser (GLSL 4.60 §4.2.2).
@@ -219,19 +163,7 @@ impl<'m, 'a> Uses<'m, 'a> {
                 }
                 self.expression(index);
             }
-            ExprKind::Unary(_, a)
-            | ExprKind::Step(_, a)
-            | ExprKind::Member(a, _)
-            | ExprKind::Length(a) => self.expression(a),
-            ExprKind::Binary(_, a, b) | ExprKind::Assign(_, a, b) | ExprKind::Comma(a, b) => {
-                self.expression(a);
-                self.expression(b);
-            }
-            ExprKind::Choose(parts) => parts.iter().for_each(|e| self.expression(e)),
-            ExprKind::Call(_, all) | ExprKind::Construct(_, all) | ExprKind::List(all) => {
-                all.iter().for_each(|e| self.expression(e));
-            }
-            ExprKind::Number(_) | ExprKind::Bool(_) | ExprKind::Name(_) => {}
+            _ => walk::operands(e, &mut |operand| self.expression(operand)),
         }
     }
 

@@ -3,10 +3,8 @@
 
 use rustc_hash::FxHashSet;
 
-use super::ast::{
-    Condition, Declaration, Expr, ExprKind, FunctionDecl, Statement, StatementKind, TypeBase,
-    TypeSpec,
-};
+use super::ast::{Declaration, Expr, ExprKind, FunctionDecl, Statement, TypeBase, TypeSpec};
+use super::walk::{self, Part};
 
 /// A use of a name that no local declaration hides.
 #[derive(Clone, Copy, Debug)]
@@ -42,61 +40,12 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
     }
 
     fn scope(&mut self, statements: &[Statement<'a>]) {
-        self.locals.push(FxHashSet::default());
-        statements.iter().for_each(|statement| self.statement(statement));
-        self.locals.pop();
-    }
-
-    fn statement(&mut self, statement: &Statement<'a>) {
-        match &statement.kind {
-            StatementKind::Declaration(declaration) => self.declaration(declaration),
-            StatementKind::Expression(e)
-            | StatementKind::Case(e)
-            | StatementKind::Return(Some(e)) => self.expression(e),
-            StatementKind::Block(statements) => self.scope(statements),
-            StatementKind::If(condition, accept, reject) => {
-                self.locals.push(FxHashSet::default());
-                self.condition(condition);
-                self.scope(std::slice::from_ref(accept));
-                reject.iter().for_each(|reject| self.scope(std::slice::from_ref(reject)));
-                self.locals.pop();
-            }
-            StatementKind::For(parts) => {
-                self.locals.push(FxHashSet::default());
-                self.statement(&parts.init);
-                parts.condition.iter().for_each(|condition| self.condition(condition));
-                parts.step.iter().for_each(|step| self.expression(step));
-                self.scope(std::slice::from_ref(&parts.body));
-                self.locals.pop();
-            }
-            StatementKind::While(condition, body) => {
-                self.locals.push(FxHashSet::default());
-                self.condition(condition);
-                self.scope(std::slice::from_ref(body));
-                self.locals.pop();
-            }
-            StatementKind::DoWhile(body, condition) => {
-                self.scope(std::slice::from_ref(body));
-                self.expression(condition);
-            }
-            StatementKind::Switch(selector, statements) => {
-                self.expression(selector);
-                self.scope(statements);
-            }
-            StatementKind::Empty
-            | StatementKind::Default
-            | StatementKind::Break
-            | StatementKind::Continue
-            | StatementKind::Discard
-            | StatementKind::Return(None) => {}
-        }
-    }
-
-    fn condition(&mut self, condition: &Condition<'a>) {
-        match condition {
-            Condition::Expression(e) => self.expression(e),
-            Condition::Declaration(declaration) => self.declaration(declaration),
-        }
+        walk::scope(statements, &mut |part| match part {
+            Part::Open => self.locals.push(FxHashSet::default()),
+            Part::Close => drop(self.locals.pop()),
+            Part::Declaration(declaration) => self.declaration(declaration),
+            Part::Expression(e) => self.expression(e),
+        });
     }
 
     /// Walks over a declaration, global ones included, whose initialisers are parsed.
@@ -141,36 +90,16 @@ impl<'a, F: FnMut(Use<'_, 'a>)> Scopes<'a, F> {
     /// Walks over an expression.
     pub fn expression(&mut self, e: &Expr<'a>) {
         match &e.kind {
-            ExprKind::Name(name) => {
-                if !self.is_local(name) {
-                    (self.found)(Use::Name(name));
-                }
-            }
-            ExprKind::Unary(_, a)
-            | ExprKind::Step(_, a)
-            | ExprKind::Member(a, _)
-            | ExprKind::Length(a) => self.expression(a),
-            ExprKind::Binary(_, a, b)
-            | ExprKind::Assign(_, a, b)
-            | ExprKind::Comma(a, b)
-            | ExprKind::Index(a, b) => {
-                self.expression(a);
-                self.expression(b);
-            }
-            ExprKind::Choose(parts) => parts.iter().for_each(|e| self.expression(e)),
-            ExprKind::Call(name, all) => {
-                if !self.is_local(name.text) {
-                    (self.found)(Use::Call(name.text));
-                }
-                all.iter().for_each(|e| self.expression(e));
+            ExprKind::Name(name) if !self.is_local(name) => (self.found)(Use::Name(name)),
+            ExprKind::Call(name, _) if !self.is_local(name.text) => {
+                (self.found)(Use::Call(name.text));
             }
             ExprKind::Construct(ty, all) => {
                 self.ty(ty);
                 (self.found)(Use::Construct(all));
-                all.iter().for_each(|e| self.expression(e));
             }
-            ExprKind::List(all) => all.iter().for_each(|e| self.expression(e)),
-            ExprKind::Number(_) | ExprKind::Bool(_) => {}
+            _ => {}
         }
+        walk::operands(e, &mut |operand| self.expression(operand));
     }
 }

@@ -1,4 +1,4 @@
-//! The module-scope names that functions use; local names hide them by scope (WGSL §5).
+//! The names that functions use, resolved by scope: local names hide those of the module (WGSL §5).
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -34,12 +34,31 @@ pub(super) fn read<'a>(text: &'a str, outline: &Outline<'a>) -> Uses {
     let mut uses = Uses::default();
     for (index, item) in outline.items.iter().enumerate() {
         if item.class == Class::Fn {
-            let mut body = Body { outline, scopes: vec![Scope::default()], pending: None };
-            let used = body.read(text, item, &mut uses.pairs);
+            let mut used = FxHashSet::default();
+            let pairs = &mut uses.pairs;
+            walk(text, outline, item, &mut |names, word, _, lexer| {
+                if let Word::Module(of) = word {
+                    used.insert(of);
+                }
+                pairs.extend(names.pair(word, lexer));
+            });
             uses.functions.insert(index, used);
         }
     }
     uses
+}
+
+/// What a word in a function is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Word {
+    /// A name of the module, by its index in the outline.
+    Module(usize),
+    /// A name that is declared in the function.
+    Local,
+    /// A member or components: what follows `.`.
+    Member,
+    /// A keyword, a predeclared name, or none.
+    Other,
 }
 
 #[derive(Default)]
@@ -49,61 +68,64 @@ struct Scope<'a> {
     is_loop: bool,
 }
 
-struct Body<'o, 'a> {
+/// The names in effect at a place in a function.
+pub(super) struct Names<'o, 'a> {
     outline: &'o Outline<'a>,
     scopes: Vec<Scope<'a>>,
     /// A local name that is declared from the next `;`.
     pending: Option<&'a str>,
 }
 
-impl<'a> Body<'_, 'a> {
-    fn read(
-        &mut self,
-        text: &'a str,
-        item: &Item<'a>,
-        pairs: &mut Vec<(usize, usize)>,
-    ) -> FxHashSet<usize> {
-        let mut used = FxHashSet::default();
-        let mut lexer = Lexer::new(text, item.rest);
-        let mut before = None;
-        let mut in_body = false;
-        loop {
-            let token = lexer.next();
-            if token.kind == Kind::End || token.start >= item.end {
-                return used;
-            }
-            match token.kind {
-                Kind::Sign(b'{') => {
-                    in_body = true;
-                    self.scopes.push(Scope::default());
-                }
-                Kind::Sign(b'}') => self.close(),
-                Kind::Sign(b';') => self.declare(),
-                Kind::Word if !matches!(before, Some(b'.' | b'@')) => {
-                    let word = lexer.text_of(token);
-                    match word {
-                        "let" | "const" | "var" => self.pending = declared(&mut lexer),
-                        "for" => self.scopes.push(Scope { is_loop: true, ..Scope::default() }),
-                        _ if !in_body && lexer.peek().is(b':') => {
-                            self.scopes[0].names.insert(word);
-                        }
-                        _ => {
-                            used.extend(self.global(word));
-                            if sampler_call(word) {
-                                pairs.extend(self.pair(&lexer));
-                            }
-                        }
-                    }
-                }
-                Kind::Word | Kind::Number | Kind::Sign(_) | Kind::End => {}
-            }
-            before = match token.kind {
-                Kind::Sign(sign) => Some(sign),
-                Kind::Word | Kind::Number | Kind::End => None,
-            };
+/// Passes the words of a function's body to `see`, with the lexer after each. Words that declare a
+/// name and attributes are left out.
+pub(super) fn walk<'a>(
+    text: &'a str,
+    outline: &Outline<'a>,
+    item: &Item<'a>,
+    see: &mut impl FnMut(&Names<'_, 'a>, Word, Token, &Lexer<'a>),
+) {
+    let mut names = Names { outline, scopes: vec![Scope::default()], pending: None };
+    let mut lexer = Lexer::new(text, item.rest);
+    let mut before = None;
+    let mut in_body = false;
+    loop {
+        let token = lexer.next();
+        if token.kind == Kind::End || token.start >= item.end {
+            return;
         }
+        match token.kind {
+            Kind::Sign(b'{') => {
+                in_body = true;
+                names.scopes.push(Scope::default());
+            }
+            Kind::Sign(b'}') => names.close(),
+            Kind::Sign(b';') => names.declare(),
+            Kind::Sign(b'@') => skip_attribute(&mut lexer),
+            Kind::Word if !in_body => {
+                let word = lexer.text_of(token);
+                if lexer.peek().is(b':') {
+                    names.scopes[0].names.insert(word);
+                }
+            }
+            Kind::Word => {
+                let word = lexer.text_of(token);
+                match word {
+                    _ if before == Some(b'.') => see(&names, Word::Member, token, &lexer),
+                    "let" | "const" | "var" => names.pending = declared(&mut lexer),
+                    "for" => names.scopes.push(Scope { is_loop: true, ..Scope::default() }),
+                    _ => see(&names, names.of(word), token, &lexer),
+                }
+            }
+            Kind::Number | Kind::Sign(_) | Kind::End => {}
+        }
+        before = match token.kind {
+            Kind::Sign(sign) => Some(sign),
+            Kind::Word | Kind::Number | Kind::End => None,
+        };
     }
+}
 
+impl<'a> Names<'_, 'a> {
     /// Leaves a scope, and that of a loop with the loop's body.
     fn close(&mut self) {
         self.declare();
@@ -119,16 +141,23 @@ impl<'a> Body<'_, 'a> {
         }
     }
 
-    /// The declaration that a name stands for at module scope.
-    fn global(&self, name: &str) -> Option<usize> {
-        let is_local = self.scopes.iter().any(|scope| scope.names.contains(name));
-        self.outline.names.get(name).copied().filter(|_| !is_local)
+    /// What a name stands for.
+    fn of(&self, name: &str) -> Word {
+        if self.scopes.iter().any(|scope| scope.names.contains(name)) {
+            return Word::Local;
+        }
+        self.outline.names.get(name).map_or(Word::Other, |index| Word::Module(*index))
+    }
+
+    /// The local names.
+    pub(super) fn locals(&self) -> impl Iterator<Item = &'a str> {
+        self.scopes.iter().flat_map(|scope| &scope.names).copied()
     }
 
     /// The texture and the sampler in the arguments of a call.
-    fn pair(&self, call: &Lexer<'a>) -> Option<(usize, usize)> {
+    fn pair(&self, word: Word, call: &Lexer<'a>) -> Option<(usize, usize)> {
         let mut lexer = call.clone();
-        if !lexer.take(b'(') {
+        if word != Word::Other || !lexer.take(b'(') {
             return None;
         }
         let mut first = self.argument(&mut lexer);
@@ -143,7 +172,10 @@ impl<'a> Body<'_, 'a> {
     fn argument(&self, lexer: &mut Lexer<'a>) -> Option<usize> {
         let first: Token = lexer.peek();
         let found = match first.kind {
-            Kind::Word => self.global(lexer.text_of(first)),
+            Kind::Word => match self.of(lexer.text_of(first)) {
+                Word::Module(index) => Some(index),
+                Word::Local | Word::Member | Word::Other => None,
+            },
             Kind::Number | Kind::Sign(_) | Kind::End => None,
         };
         let mut depth = 0u32;
@@ -163,8 +195,20 @@ impl<'a> Body<'_, 'a> {
     }
 }
 
-fn sampler_call(name: &str) -> bool {
-    name.starts_with("textureSample") || name.starts_with("textureGather")
+/// Skips the name of an attribute and its arguments.
+fn skip_attribute(lexer: &mut Lexer<'_>) {
+    lexer.next();
+    if lexer.take(b'(') {
+        let mut depth = 1u32;
+        while depth > 0 {
+            match lexer.next().kind {
+                Kind::Sign(b'(') => depth += 1,
+                Kind::Sign(b')') => depth -= 1,
+                Kind::End => return,
+                Kind::Word | Kind::Number | Kind::Sign(_) => {}
+            }
+        }
+    }
 }
 
 /// The name after `let`, `const` or `var`.

@@ -45,6 +45,11 @@ impl Program<'_> {
         all.join(", ")
     }
 
+    /// Its shaders, as an option names them.
+    pub(super) fn files(&self) -> String {
+        self.shaders.iter().map(|shader| shader.input).collect::<Vec<_>>().join(",")
+    }
+
     /// The groups that bindings are in, in order.
     pub(super) fn groups(&self) -> Vec<u32> {
         let mut groups: Vec<u32> =
@@ -293,7 +298,9 @@ fn join<'a>(bindings: &mut Vec<Binding<'a>>, new: Binding<'a>, found: &mut Vec<D
             "the other is declared in {}; the two differ in name, kind or size",
             known.shader.path
         ));
-        found.push(error.with_help("give one another binding, or put them into two programs"));
+        found.push(error.with_help(
+            "give one another binding, or name two programs: `--program NAME=FILE:ENTRY`",
+        ));
         return;
     }
     add(&mut known.stages, &new.stages);

@@ -31,7 +31,7 @@ impl Module {
             self.text.push('\n');
         }
         for line in about.lines() {
-            let _ = writeln!(self.text, "/// {line}");
+            let _ = writeln!(self.text, "{}", format!("/// {line}").trim_end());
         }
         self.text.push_str(&item.replace(PUB, &self.public));
         if !self.text.ends_with('\n') {
@@ -39,14 +39,20 @@ impl Module {
         }
     }
 
-    /// Appends `const HEAD = VALUE;`, the value on its own line where it is too long.
+    /// Appends `const HEAD = VALUE;`, which rustfmt leaves alone where it is too long.
     pub(super) fn constant(&mut self, about: &str, head: &str, value: &str) {
         let line = format!("{} const {head} = {value};", self.public);
-        let item = match line.chars().count() <= WIDTH {
-            true => line,
-            false => format!("{} const {head} =\n    {value};", self.public),
-        };
-        self.item(about, &item);
+        // A macro in a macro is broken earlier.
+        let skip = line.chars().count() > WIDTH || value.contains("concat!");
+        self.item(about, &if skip { format!("#[rustfmt::skip]\n{line}") } else { line });
+    }
+
+    /// Appends a module of items that a program need not use; one without items is left out.
+    pub(super) fn module_of_any(&mut self, about: &str, name: &str, inside: Module) {
+        if !inside.is_empty() {
+            let inside = indented(&inside.text, 1);
+            self.item(about, &format!("#[allow(dead_code)]\n{PUB} mod {name} {{\n{inside}}}\n"));
+        }
     }
 
     /// Appends a module; one without items is left out.

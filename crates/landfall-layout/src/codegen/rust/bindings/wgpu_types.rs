@@ -138,7 +138,7 @@ fn binding_type(
             Family::Acceleration,
         ),
         ResourceKind::Combined(..) => {
-            let help = "separate it, as `landfall port --to vulkan --separate-samplers` does";
+            let help = "separate it, as `landfall port --to naga` does";
             return Err(none("texture with a sampler of its own", help));
         }
         ResourceKind::TexelBuffer { .. } => return Err(none("texel buffers", "")),

@@ -1,0 +1,210 @@
+//! Names in function bodies that no declaration of the shader has: variables, and members of
+//! structures and blocks.
+//!
+//! Scopes are not followed: a name that is declared anywhere counts as declared, a type is known
+//! only where all declarations of the name agree, and a member of unknown type need only be one of
+//! some structure. So nothing is reported that a compiler accepts. Functions are not looked at.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::ast::{
+    BlockDecl, Declaration, Expr, ExprKind, Item, Name, Statement, StructDecl, TypeBase, TypeSpec,
+};
+use super::parser::Parser;
+use crate::Diagnostic;
+use crate::diagnostic::Code;
+use crate::source::Span;
+use crate::text::edit_distance::nearest;
+
+use super::walk::{self, Part};
+
+/// The members of a structure or block with the names of their types; `None` where two
+/// declarations differ or the type is not a name.
+type Types<'a> = FxHashMap<&'a str, Option<&'a str>>;
+
+/// What a shader declares, and the names it uses.
+#[derive(Default)]
+struct Names<'t, 'a> {
+    variables: Types<'a>,
+    /// `None` for a name that two structures have.
+    structures: FxHashMap<&'a str, Option<Types<'a>>>,
+    members: FxHashSet<&'a str>,
+    uses: Vec<&'t Expr<'a>>,
+}
+
+/// Returns an error for each such name in declarations whose expressions and bodies are parsed.
+pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Diagnostic> {
+    let mut names = Names::default();
+    for item in items {
+        match item {
+            Item::Variables(declaration) => names.declaration(declaration),
+            Item::Block(block) | Item::Interface(block) => names.block(block),
+            Item::Function(function) => {
+                names.ty(&function.returns);
+                for parameter in &function.parameters {
+                    names.ty(&parameter.ty);
+                    names.declare(parameter.name.text, &parameter.ty);
+                }
+                function.body.iter().for_each(|body| names.body(body));
+            }
+            Item::Requalified(_, name) => drop(names.variables.insert(name.text, None)),
+            // Whatever it declares, it may be any name in it.
+            Item::Other(tokens) => {
+                for token in &parser.tokens()[tokens.clone()] {
+                    names.variables.insert(token.text, None);
+                    names.structures.insert(token.text, None);
+                    names.members.insert(token.text);
+                }
+            }
+            Item::Defaults(_) | Item::Precision(_) => {}
+        }
+    }
+    names.uses.iter().filter_map(|e| names.error(e)).collect()
+}
+
+impl<'t, 'a> Names<'t, 'a> {
+    fn declare(&mut self, name: &'a str, ty: &TypeSpec<'a>) {
+        add(&mut self.variables, name, ty.base_name());
+    }
+
+    fn ty(&mut self, ty: &'t TypeSpec<'a>) {
+        if let TypeBase::Struct(structure) = &ty.base {
+            self.structure(structure);
+        }
+    }
+
+    fn structure(&mut self, structure: &'t StructDecl<'a>) {
+        let members = self.members_of(&structure.members);
+        self.named(structure.name.text, members);
+    }
+
+    fn named(&mut self, name: &'a str, members: Types<'a>) {
+        let known = self.structures.insert(name, Some(members));
+        if known.is_some() {
+            self.structures.insert(name, None);
+        }
+    }
+
+    fn members_of(&mut self, declared: &'t [Declaration<'a>]) -> Types<'a> {
+        let mut members = Types::default();
+        for declaration in declared {
+            self.ty(&declaration.ty);
+            for declarator in &declaration.names {
+                self.members.insert(declarator.name.text);
+                add(&mut members, declarator.name.text, declaration.ty.base_name());
+            }
+        }
+        members
+    }
+
+    fn block(&mut self, block: &'t BlockDecl<'a>) {
+        let members = self.members_of(&block.members);
+        match &block.instance {
+            Some(instance) => add(&mut self.variables, instance.text, Some(block.name.text)),
+            None => members.iter().for_each(|(name, ty)| add(&mut self.variables, name, *ty)),
+        }
+        // The type of a buffer reference is its block.
+        self.named(block.name.text, members);
+    }
+
+    fn declaration(&mut self, declaration: &'t Declaration<'a>) {
+        self.ty(&declaration.ty);
+        for declarator in &declaration.names {
+            self.declare(declarator.name.text, &declaration.ty);
+            if let Some(init) = &declarator.init {
+                self.expression(init);
+            }
+        }
+    }
+
+    fn body(&mut self, statements: &'t [Statement<'a>]) {
+        walk::scope(statements, &mut |part| match part {
+            // Scopes are not followed.
+            Part::Open | Part::Close => {}
+            Part::Declaration(declaration) => self.declaration(declaration),
+            Part::Expression(e) => self.expression(e),
+        });
+    }
+
+    fn expression(&mut self, e: &'t Expr<'a>) {
+        match &e.kind {
+            ExprKind::Name(_) | ExprKind::Member(..) => self.uses.push(e),
+            ExprKind::Construct(ty, _) => self.ty(ty),
+            _ => {}
+        }
+        walk::operands(e, &mut |operand| self.expression(operand));
+    }
+
+    fn error(&self, e: &Expr<'a>) -> Option<Diagnostic> {
+        match &e.kind {
+            ExprKind::Name(name) => {
+                let is_known = self.variables.contains_key(name)
+                    || self.structures.contains_key(name)
+                    || is_predeclared(name);
+                let message = format!("`{name}` is not declared");
+                let near = || nearest(name, self.variables.keys().copied());
+                (!is_known).then(|| error(Code::UnknownName, e.span, message, near()))
+            }
+            ExprKind::Member(base, member) => self.member_error(base, member),
+            _ => None,
+        }
+    }
+
+    fn member_error(&self, base: &Expr<'a>, member: &Name<'a>) -> Option<Diagnostic> {
+        if is_predeclared(base.root()?) {
+            return None;
+        }
+        let of = self.type_of(base);
+        let message = match of.and_then(|ty| Some((ty, self.structures.get(ty)?.as_ref()?))) {
+            Some((_, members)) if members.contains_key(member.text) => return None,
+            Some((ty, _)) => format!("`{ty}` has no member `{}`", member.text),
+            None if is_swizzle(member.text) || self.members.contains(member.text) => return None,
+            None => format!("no structure has a member `{}`", member.text),
+        };
+        let known = of.and_then(|ty| self.structures.get(ty)?.as_ref());
+        let near = match known {
+            Some(members) => nearest(member.text, members.keys().copied()),
+            None => nearest(member.text, self.members.iter().copied()),
+        };
+        Some(error(Code::UnknownMember, member.span, message, near))
+    }
+
+    /// The name of the type of an expression or of its elements, if it is known.
+    fn type_of(&self, e: &Expr<'a>) -> Option<&'a str> {
+        match &e.kind {
+            ExprKind::Name(name) => *self.variables.get(name)?,
+            ExprKind::Index(base, _) => self.type_of(base),
+            ExprKind::Member(base, member) => {
+                let members = self.structures.get(self.type_of(base)?)?.as_ref()?;
+                *members.get(member.text)?
+            }
+            _ => None,
+        }
+    }
+}
+
+fn add<'a>(types: &mut Types<'a>, name: &'a str, ty: Option<&'a str>) {
+    let known = types.entry(name).or_insert(ty);
+    if *known != ty {
+        *known = None;
+    }
+}
+
+/// Whether the language, an extension or the preprocessor may declare a name.
+fn is_predeclared(name: &str) -> bool {
+    name.starts_with("gl_") || name.contains("__")
+}
+
+/// Whether a member may be components of a vector.
+fn is_swizzle(member: &str) -> bool {
+    let sets = ["xyzw", "rgba", "stpq"];
+    member.len() <= 4 && sets.iter().any(|set| member.chars().all(|c| set.contains(c)))
+}
+
+fn error(code: Code, span: Span, message: String, near: Option<&str>) -> Diagnostic {
+    let error = Diagnostic::error(code, span, message);
+    match near {
+        Some(near) => error.with_help(format!("did you mean `{near}`?")),
+        None => error,
+    }
+}
