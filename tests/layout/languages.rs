@@ -1,6 +1,6 @@
 //! Generated code in the languages of the table beside Rust and C. Each is compiled where it is
 //! compiled, and run: every leaf of random blocks is filled by its name and found in the bytes where
-//! glslang's SPIR-V says it is.
+//! glslang's SPIR-V says it is, and where landfall writes it by name.
 
 mod csharp;
 mod odin;
@@ -11,8 +11,10 @@ mod zig;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use landfall_layout::buffer::Components;
 use landfall_layout::codegen::{CodeOptions, CodeOutput, OutputLanguage, languages};
-use landfall_layout::{Options, ShaderLayout, Source, Target};
+use landfall_layout::shape::{Scalar, ScalarKind};
+use landfall_layout::{BlockLayout, Options, ShaderLayout, Source, Target};
 
 use crate::c_header::{CORPUS, lay_out, misread};
 use crate::support;
@@ -34,6 +36,8 @@ struct Block {
     name: String,
     leaves: Vec<Leaf>,
     has_tail: bool,
+    /// As landfall lays it out.
+    ours: BlockLayout,
 }
 
 struct Leaf {
@@ -84,7 +88,7 @@ impl Case {
                 })
                 .collect();
             let has_tail = leaves.iter().any(Leaf::is_in_tail);
-            Block { name: block.name, leaves, has_tail }
+            Block { name: block.name, leaves, has_tail, ours: ours.clone() }
         });
         Case { name: name.to_string(), blocks: blocks.collect(), output }
     }
@@ -189,6 +193,7 @@ fn hold(language: OutputLanguage, refuses: bool, print: impl Fn(&Path, &Case) ->
             let differs = bytes.iter().zip(&expected).position(|(a, b)| a != b);
             let at = (language.title, &case.name, &block.name);
             assert_eq!(differs, None, "{at:?}: first wrong byte");
+            assert!(by_name(block, size) == expected, "{at:?}: bytes by name");
             held += 1;
         }
         assert!(rest.is_empty());
@@ -201,6 +206,46 @@ fn hold(language: OutputLanguage, refuses: bool, print: impl Fn(&Path, &Case) ->
         }
     }
     assert!(held >= 170, "{held} held");
+}
+
+/// The bytes that landfall writes by the names of the leaves, element by element.
+fn by_name(block: &Block, size: usize) -> Vec<u8> {
+    let mut bytes = vec![0; size];
+    let mut k = 0;
+    for leaf in &block.leaves {
+        let counts = leaf.counts();
+        for element in 0..counts.iter().product::<u64>() {
+            let (mut rest, mut indices) = (element, vec![0; counts.len()]);
+            for (index, count) in indices.iter_mut().zip(&counts).rev() {
+                (*index, rest) = (rest % count, rest / count);
+            }
+            // The index of a runtime-sized array stays open.
+            let open = usize::from(leaf.is_in_tail());
+            let path = indices.iter().enumerate().fold(leaf.oracle.path.clone(), |path, (i, n)| {
+                let text = if i < open { "[ ]".to_string() } else { format!("[{n}]") };
+                path.replacen("[]", &text, 1)
+            });
+            let path = path.replace("[ ]", "[]");
+            let element = if open == 1 { indices[0] as usize } else { 0 };
+            let components = Components::of(&block.ours, &path).expect("a leaf");
+            let (columns, rows) = components.shape();
+            let Scalar { kind, width, .. } = components.scalar();
+            let numbers: Vec<f64> = (k..k + (columns * rows) as u64)
+                .map(|k| match (kind, width) {
+                    (ScalarKind::Bool, _) => f64::from(u8::from(image::truth(k))),
+                    (ScalarKind::Sint, 1) => f64::from((k % 251 + 1) as u8 as i8),
+                    (ScalarKind::Sint, 2) => f64::from((k % 65521 + 1) as u16 as i16),
+                    (ScalarKind::Float, 2) => half::f16::from_bits((k % 65521 + 1) as u16).to_f64(),
+                    (_, 1) => (k % 251 + 1) as f64,
+                    (_, 2) => (k % 65521 + 1) as f64,
+                    _ => (k + 1) as f64,
+                })
+                .collect();
+            assert_eq!(components.write(&mut bytes, element, &numbers), numbers.len());
+            k += numbers.len() as u64;
+        }
+    }
+    bytes
 }
 
 /// Every block of every shader of this repository, loose uniforms gathered, in one file.

@@ -50,7 +50,7 @@ fn program(case: &Case) -> String {
         text =
             text.replace("    static void Set(ref Bool32 to, ulong k) { to = k % 3 == 0; }\n", "");
     }
-    for (number, Block { name, leaves, has_tail }) in case.blocks.iter().enumerate() {
+    for (number, Block { name, leaves, has_tail, .. }) in case.blocks.iter().enumerate() {
         let has_head = leaves.iter().any(|leaf| !leaf.is_in_tail());
         let size = match has_tail {
             true => format!("{name}.SizeFor({TAIL})"),

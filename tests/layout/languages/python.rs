@@ -49,7 +49,7 @@ def fill(a, k, columns, rows, width, floats, row_major, is_bool):
 
 fn program(case: &Case) -> String {
     let mut text = SUPPORT.to_string();
-    for Block { name, leaves, has_tail } in &case.blocks {
+    for Block { name, leaves, has_tail, .. } in &case.blocks {
         let lower = name.to_lowercase();
         let _ = match has_tail {
             true => writeln!(text, "buffer, head, tail = blocks.{lower}_allocate({TAIL})"),

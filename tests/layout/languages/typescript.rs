@@ -75,7 +75,7 @@ function take<T>(count: number, value: (k: number) => T): T[] {
 
 fn program(case: &Case) -> String {
     let mut text = SUPPORT.to_string();
-    for Block { name, leaves, has_tail } in &case.blocks {
+    for Block { name, leaves, has_tail, .. } in &case.blocks {
         let n = if *has_tail { TAIL.to_string() } else { String::new() };
         let _ = writeln!(text, "{{\n  const block = blocks.{name}.create({n});\n  k = 0;");
         for leaf in leaves {

@@ -49,7 +49,7 @@ fn set(p: anytype, k: *u64, is_bool: bool) void {
 
 fn program(case: &Case) -> String {
     let mut text = SUPPORT.to_string();
-    for (number, Block { name, leaves, has_tail }) in case.blocks.iter().enumerate() {
+    for (number, Block { name, leaves, has_tail, .. }) in case.blocks.iter().enumerate() {
         let size = match has_tail {
             true => format!("blocks.{name}.size_for({TAIL})"),
             false => format!("@sizeOf(blocks.{name})"),
