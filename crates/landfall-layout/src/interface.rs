@@ -1,7 +1,7 @@
 //! What a program binds to a shader: entry points, resources, vertex inputs and constants.
 //!
 //! Read by [`syntax`](mod@crate::syntax) on request ([`Options::interface`](crate::Options)), and
-//! written as code by [`codegen::bindings`](mod@crate::codegen::bindings).
+//! written as code by [`RustOptions::bindings`](crate::codegen::rust::RustOptions::bindings).
 
 use std::sync::Arc;
 
