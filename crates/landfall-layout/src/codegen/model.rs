@@ -6,6 +6,8 @@
 mod header;
 mod names;
 
+use std::fmt::Write as _;
+
 use rustc_hash::{FxHashMap, FxHashSet};
 
 pub(super) use header::header;
@@ -189,6 +191,13 @@ impl Matrix {
     /// The number of stored vectors, and of components in each.
     pub fn stored(self) -> (u8, u8) {
         if self.row_major { (self.rows, self.columns) } else { (self.columns, self.rows) }
+    }
+}
+
+/// Writes line comments that begin with `marker`.
+pub(super) fn comment(marker: &str, lines: &[String], indent: &str, text: &mut String) {
+    for line in lines {
+        let _ = writeln!(text, "{indent}{marker} {line}");
     }
 }
 

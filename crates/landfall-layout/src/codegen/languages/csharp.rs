@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 use crate::ShaderLayout;
 use crate::codegen::language::{CodeOptions, CodeOutput, OutputLanguage};
-use crate::codegen::model::{Member, Model, Naming, Placement, Structure, Tail, header};
+use crate::codegen::model::{Member, Model, Naming, Placement, Structure, Tail, comment, header};
 use support::Support;
 
 /// C#.
@@ -59,7 +59,7 @@ fn print(model: &Model, structure: &Structure, support: &mut Support, text: &mut
     let Structure { name, size, .. } = structure;
     let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
-    comment(&structure.comment, "", text);
+    comment("//", &structure.comment, "", text);
     let shader = &structure.shader_name;
     let _ = writeln!(text, "// `{shader}`: {size} bytes{upto}, {}.", structure.rules.name());
     let only_tail = *size == 0;
@@ -193,10 +193,4 @@ fn copies_and_check(
         );
     }
     text.push_str("    }\n");
-}
-
-fn comment(lines: &[String], indent: &str, text: &mut String) {
-    for line in lines {
-        let _ = writeln!(text, "{indent}// {line}");
-    }
 }

@@ -8,7 +8,8 @@ use rustc_hash::FxHashSet;
 use crate::ShaderLayout;
 use crate::codegen::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::codegen::model::{
-    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, free, gaps, header,
+    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, free, gaps,
+    header,
 };
 use crate::shape::{Scalar, ScalarKind};
 
@@ -66,7 +67,7 @@ fn print(model: &Model, structure: &Structure, taken: &mut FxHashSet<String>, te
     let Structure { name, size, .. } = structure;
     let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
-    comment(&structure.comment, "", text);
+    comment("//", &structure.comment, "", text);
     let shader = &structure.shader_name;
     let _ = writeln!(text, "// `{shader}`: {size} bytes{upto}, {}.", structure.rules.name());
     let packed = if structure.packed { " #packed" } else { "" };
@@ -77,7 +78,7 @@ fn print(model: &Model, structure: &Structure, taken: &mut FxHashSet<String>, te
             let _ = writeln!(text, "\t_: [{bytes}]u8,");
         }
         if let Some(member) = members.next() {
-            comment(&member.comment, "\t", text);
+            comment("//", &member.comment, "\t", text);
             let Member { name, shader_type, offset, ty, .. } = member;
             let ty = spelled(model, ty);
             let _ = writeln!(text, "\t{name}: {ty}, // {shader_type}, offset {offset}");
@@ -120,7 +121,7 @@ fn print_tail(
     }
     let shader = &member.shader_name;
     text.push('\n');
-    comment(&member.comment, "", text);
+    comment("//", &member.comment, "", text);
     let _ = write!(
         text,
         "// One element of `{shader}`: {}, offset {offset}, stride {stride}.
@@ -189,11 +190,5 @@ fn component(scalar: Scalar) -> &'static str {
         (_, 2) => "u16",
         (_, 8) => "u64",
         _ => "u32",
-    }
-}
-
-fn comment(lines: &[String], indent: &str, text: &mut String) {
-    for line in lines {
-        let _ = writeln!(text, "{indent}// {line}");
     }
 }

@@ -8,7 +8,7 @@ use crate::ShaderLayout;
 use crate::codegen::c::names::snake;
 use crate::codegen::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::codegen::model::{
-    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, free, header,
+    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, free, header,
 };
 use crate::shape::{Scalar, ScalarKind};
 
@@ -86,12 +86,12 @@ fn write(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
 fn print(model: &Model, structure: &Structure, taken: &mut FxHashSet<String>, text: &mut String) {
     let Structure { name, size, .. } = structure;
     text.push_str("\n\n");
-    comment(&structure.comment, "", text);
+    comment("#", &structure.comment, "", text);
     let _ =
         writeln!(text, "# `{}`: {size} bytes, {}", structure.shader_name, structure.rules.name());
     let _ = writeln!(text, "{name} = _structure(\n    {size},\n    [");
     for member in &structure.members {
-        comment(&member.comment, "        ", text);
+        comment("#", &member.comment, "        ", text);
         let Member { shader_name, shader_type, offset, ty, .. } = member;
         let format = format(model, ty);
         let bytes = ty.whole();
@@ -141,7 +141,7 @@ fn print_tail(
         ty = format!("_padded({ty}, {stride})");
     }
     text.push('\n');
-    comment(&member.comment, "", text);
+    comment("#", &member.comment, "", text);
     let _ = write!(
         text,
         "# One element of `{}`: offset {size}, stride {stride}
@@ -241,10 +241,4 @@ fn quoted(scalar: Scalar) -> String {
         ) => 'u',
     };
     format!("\"<{kind}{}\"", scalar.width)
-}
-
-fn comment(lines: &[String], indent: &str, text: &mut String) {
-    for line in lines {
-        let _ = writeln!(text, "{indent}# {line}");
-    }
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use crate::ShaderLayout;
 use crate::codegen::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::codegen::model::{
-    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, gaps, header,
+    Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, gaps, header,
 };
 use crate::shape::{Scalar, ScalarKind};
 
@@ -60,7 +60,7 @@ fn print(model: &Model, structure: &Structure, text: &mut String) {
     let Structure { name, size, align, .. } = structure;
     let upto = if structure.tail.is_some() { " before its runtime-sized tail" } else { "" };
     text.push('\n');
-    comment(&structure.comment, "", text);
+    comment("///", &structure.comment, "", text);
     let _ = writeln!(
         text,
         "/// `{}`: {size} bytes{upto}, {}.",
@@ -126,7 +126,7 @@ fn check(actual: &str, expected: u64, what: &str, text: &mut String) {
 }
 
 fn field(model: &Model, member: &Member, align: u64, text: &mut String) {
-    comment(&member.comment, "    ", text);
+    comment("///", &member.comment, "    ", text);
     let Member { name, shader_type, offset, ty, .. } = member;
     let lowered =
         if model.natural_align(ty) > align { format!(" align({align})") } else { String::new() };
@@ -172,7 +172,7 @@ fn print_tail(model: &Model, structure: &Structure, tail: &Tail, text: &mut Stri
 ",
         shader = member.shader_name,
     );
-    comment(&member.comment, "    ", text);
+    comment("///", &member.comment, "    ", text);
     let _ = write!(
         text,
         "    /// {shader_type}, offset {offset}: the elements that a shader counts in `bytes`.
@@ -224,11 +224,5 @@ fn component(scalar: Scalar) -> &'static str {
         (_, 8) => "u64",
         // A `bool` of a buffer is a 32-bit integer.
         _ => "u32",
-    }
-}
-
-fn comment(lines: &[String], indent: &str, text: &mut String) {
-    for line in lines {
-        let _ = writeln!(text, "{indent}/// {line}");
     }
 }

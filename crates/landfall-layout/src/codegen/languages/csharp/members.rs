@@ -16,7 +16,7 @@ pub(super) fn member(
 ) {
     let Member { name, shader_type, offset, ty, .. } = member;
     let element = spelled(model, ty, support);
-    comment(&member.comment, "    ", text);
+    comment("//", &member.comment, "    ", text);
     let _ = writeln!(text, "    // {shader_type}, offset {offset}");
     if ty.dims.is_empty() {
         let _ = writeln!(text, "    [FieldOffset({offset})] public {element} {name};");
@@ -51,7 +51,7 @@ pub(super) fn of_tail(
     let mut dims = vec![(format!("(bytes.LongLength - {offset}) / {stride}"), stride)];
     dims.extend(ty.dims.iter().map(|dim| (dim.len.to_string(), dim.stride)));
     let Access { parameters, place } = access(*offset, &dims, support);
-    comment(&member.comment, "    ", text);
+    comment("//", &member.comment, "    ", text);
     let _ = write!(
         text,
         "    // {shader_type}, offset {offset}: an element in a buffer.
