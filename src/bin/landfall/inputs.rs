@@ -9,7 +9,7 @@ use ignore::{DirEntry, WalkBuilder};
 use landfall_layout::{Error, other_language, source};
 
 use crate::read::is_stdin;
-use crate::walk::FilteredWalk;
+use crate::walk::{FilteredWalk, Listing, without_dot};
 use crate::watch;
 
 /// One shader to read.
@@ -26,6 +26,8 @@ pub struct Inputs {
     arguments: std::vec::IntoIter<PathBuf>,
     walk: Option<Search>,
     seen: Option<HashSet<PathBuf>>,
+    /// What an earlier walk has found.
+    listing: Listing,
 }
 
 /// A directory being searched.
@@ -33,7 +35,8 @@ struct Search {
     root: PathBuf,
     /// The argument on the command line.
     argument: PathBuf,
-    walk: Box<dyn Iterator<Item = Result<DirEntry, Error>> + Send>,
+    /// The files below the root.
+    files: Box<dyn Iterator<Item = Result<PathBuf, Error>> + Send>,
     glob: Option<GlobMatcher>,
     found: bool,
     /// The unsupported shading languages of skipped files.
@@ -42,9 +45,14 @@ struct Search {
 
 impl Inputs {
     pub fn new(arguments: Vec<PathBuf>) -> Inputs {
+        Inputs::listed(arguments, Listing::default())
+    }
+
+    /// Inputs of which those in listed directories are known.
+    pub fn listed(arguments: Vec<PathBuf>, listing: Listing) -> Inputs {
         // A single argument yields no duplicates.
         let seen = (arguments.len() > 1).then(HashSet::new);
-        Inputs { arguments: arguments.into_iter(), walk: None, seen }
+        Inputs { arguments: arguments.into_iter(), walk: None, seen, listing }
     }
 
     fn is_new(&mut self, path: &Path) -> bool {
@@ -57,7 +65,8 @@ impl Inputs {
             return Some(Ok(Input { path: argument, relative: PathBuf::from("stdin") }));
         }
         if argument.is_dir() {
-            self.walk = Some(Search::directory(argument));
+            let listed = self.listing.below(&argument);
+            self.walk = Some(Search::directory(argument, listed));
             return None;
         }
         let is_glob = argument.to_str().is_some_and(|text| text.contains(['*', '?', '[', '{']));
@@ -103,12 +112,14 @@ impl Iterator for Inputs {
 }
 
 impl Search {
-    fn directory(root: PathBuf) -> Search {
-        let walk = Box::new(FilteredWalk::new(&root));
+    fn directory(root: PathBuf, listed: Option<Vec<PathBuf>>) -> Search {
         Search {
             argument: root.clone(),
+            files: match listed {
+                Some(files) => Box::new(files.into_iter().map(Ok)),
+                None => Box::new(files(FilteredWalk::new(&root))),
+            },
             root,
-            walk,
             glob: None,
             found: false,
             others: BTreeSet::new(),
@@ -140,13 +151,13 @@ impl Search {
             .sort_by_file_name(|a, b| a.cmp(b))
             .build();
         let shown = root.display().to_string();
-        let walk = Box::new(walk.map(move |entry| {
+        let walk = walk.map(move |entry| {
             entry.map_err(|cause| Error::new(&shown, format!("cannot be searched: {cause}")))
-        }));
+        });
         Ok(Search {
             root,
             argument: argument.to_path_buf(),
-            walk,
+            files: Box::new(files(walk)),
             glob: Some(matcher),
             found: false,
             others: BTreeSet::new(),
@@ -154,20 +165,15 @@ impl Search {
     }
 
     fn next(&mut self) -> Option<Result<Input, Error>> {
-        while let Some(entry) = self.walk.next() {
-            let entry = match entry {
-                Ok(entry) => entry,
+        while let Some(path) = self.files.next() {
+            let path = match path {
+                Ok(path) => path,
                 Err(error) => {
                     // Reported for the directory of the argument.
                     self.found = true;
                     return Some(Err(error));
                 }
             };
-            if entry.file_type().is_none_or(|kind| kind.is_dir()) {
-                continue;
-            }
-            let path = entry.into_path();
-            let path = path.strip_prefix("./").map(Path::to_path_buf).unwrap_or(path);
             if !self.takes(&path) {
                 self.others.extend(other_language::of_path(&path));
                 continue;
@@ -212,6 +218,18 @@ impl Search {
     }
 }
 
+/// The files of a walk, without `./` at their start.
+fn files<W>(walk: W) -> impl Iterator<Item = Result<PathBuf, Error>>
+where
+    W: Iterator<Item = Result<DirEntry, Error>>,
+{
+    walk.filter_map(|entry| match entry {
+        Ok(entry) if entry.file_type().is_none_or(|kind| kind.is_dir()) => None,
+        Ok(entry) => Some(Ok(without_dot(entry.path()).to_path_buf())),
+        Err(error) => Some(Err(error)),
+    })
+}
+
 /// Maximum nesting of braces in a glob.
 const DEEPEST_BRACES: usize = 16;
 
@@ -244,4 +262,56 @@ fn ends_with_star(glob: &Path) -> bool {
 /// Converts a path to one that stays below the directory it is joined to.
 fn inside(path: &Path) -> PathBuf {
     path.components().filter(|part| matches!(part, Component::Normal(_))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Files and ignore files below a directory of its own.
+    fn tree(name: &str) -> PathBuf {
+        let root =
+            std::env::temp_dir().join(format!("landfall-inputs-{}-{name}", std::process::id()));
+        for (path, text) in [
+            (".ignore", "gone.frag\n/a/b/only-from-root.frag\n"),
+            ("a/.ignore", "*.vert\n!kept.vert\n"),
+            ("a/b/light.frag", ""),
+            ("a/b/only-from-root.frag", ""),
+            ("a/b/kept.vert", ""),
+            ("a/b/gone.frag", ""),
+            ("a/b-2/main.wgsl", ""),
+            ("a/b.frag", ""),
+            ("a/dropped.vert", ""),
+            ("a/effect.hlsl", ""),
+            ("a/.hidden/light.frag", ""),
+            ("ab/light.frag", ""),
+            ("main.rs", ""),
+        ] {
+            let path = root.join(path);
+            std::fs::create_dir_all(path.parent().expect("below the root")).expect("created");
+            std::fs::write(path, text).expect("written");
+        }
+        root
+    }
+
+    #[test]
+    fn listed_inputs_are_those_of_a_search() {
+        let root = tree("listed");
+        let listing = || {
+            let mut listing = Listing::default();
+            FilteredWalk::new(&root).for_each(|entry| listing.add(&entry.expect("readable")));
+            listing
+        };
+        let mut found = Vec::new();
+        for folder in ["", "a", "a/b", "a/b-2", "a/.hidden", "ab"] {
+            let folder = root.join(folder);
+            let searched: Vec<_> = Inputs::new(vec![folder.clone()]).collect();
+            let listed: Vec<_> = Inputs::listed(vec![folder], listing()).collect();
+            assert_eq!(listed, searched);
+            found.push(searched.len());
+        }
+        assert_eq!(found, [5, 4, 2, 1, 1, 1]);
+        assert_eq!(listing().below(&root.join("a/.hidden")), None, "no walk passed through it");
+        std::fs::remove_dir_all(root).expect("removed");
+    }
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::args::MergeArgs;
 use crate::check::baseline::{Baseline, Scope};
 use crate::check::check_shader::Checked;
-use crate::check::{NO_LOCKS, reports, shard, tree};
+use crate::check::tree::{self, Memory};
+use crate::check::{NO_LOCKS, reports, shard};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
 use crate::write;
@@ -20,7 +21,7 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let basis = &whole.basis;
     let root = Root::new(Path::new(&basis.root))?;
     // The shaders are stored without their findings, which follow separately.
-    let over_all = tree::findings(&mut whole.pass, basis, &root, &mut None, &[]);
+    let over_all = tree::findings(&mut whole.pass, basis, &root, &mut Memory::default(), &[]);
     let findings = tree::sorted(over_all.into_iter().chain(whole.findings).collect());
     let texts = reports::Texts::new(HashMap::new());
     let scope = Scope { pass: &whole.pass, basis, root: &root, texts: &texts };

@@ -2,11 +2,12 @@
 //!
 //! An ignore file that is a pipe or a device ends the walk, as reading it may never end.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use ignore::{DirEntry, Walk, WalkBuilder};
-use landfall_layout::Error;
+use landfall_layout::{Error, other_language, source};
 
 /// The ignore files that a walk reads in each directory.
 const IGNORE_FILES: [&str; 3] = [".ignore", ".gitignore", ".git/info/exclude"];
@@ -50,6 +51,43 @@ impl Iterator for FilteredWalk {
             let root = self.root.display().to_string();
             Error::new(root, format!("cannot be searched: {cause}"))
         }))
+    }
+}
+
+/// The shaders that a walk has found, so that a later search of one of its directories need not read
+/// the directories again.
+#[derive(Default)]
+pub struct Listing {
+    /// The index of the first file in each directory or below it.
+    folders: HashMap<PathBuf, usize>,
+    files: Vec<PathBuf>,
+}
+
+impl Listing {
+    /// Adds an entry of a walk.
+    pub fn add(&mut self, entry: &DirEntry) {
+        let path = without_dot(entry.path());
+        if entry.file_type().is_some_and(|kind| kind.is_dir()) {
+            self.folders.insert(path.to_path_buf(), self.files.len());
+        } else if source::kind_of_path(path).is_some() || other_language::of_path(path).is_some() {
+            self.files.push(path.to_path_buf());
+        }
+    }
+
+    /// The files below a directory in the order of its own walk, if a walk has passed through it.
+    pub fn below(&self, folder: &Path) -> Option<Vec<PathBuf>> {
+        let folder = without_dot(folder);
+        let first = *self.folders.get(folder)?;
+        let is_below = |file: &&PathBuf| folder == Path::new(".") || file.starts_with(folder);
+        Some(self.files[first..].iter().take_while(is_below).cloned().collect())
+    }
+}
+
+/// A path without `./` at its start.
+pub fn without_dot(path: &Path) -> &Path {
+    match path.strip_prefix(".") {
+        Ok(rest) if !rest.as_os_str().is_empty() => rest,
+        Ok(_) | Err(_) => path,
     }
 }
 

@@ -15,21 +15,21 @@ use super::check_shader::Checked;
 use super::fix::{self, AppliedFixes};
 use super::pass::{Pass, Run};
 use super::reports::Texts;
-use super::tree::{self, Remembered};
+use super::tree::{self, Memory};
 use crate::output::{Failure, Streams};
 
 /// Inserts comments for the findings that `chosen` returns; returns the pass over the final state.
 pub fn add(
     run: &Run<'_>,
     mut pass: Pass,
-    remembered: &mut Option<Remembered>,
+    memory: &mut Memory,
     chosen: &dyn Fn(Vec<Finding>, &Pass) -> Vec<Finding>,
     streams: &Streams,
 ) -> Result<(Pass, AppliedFixes), Failure> {
     let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
     for whole_file in [false, true] {
-        let before = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
+        let before = tree::findings(&mut pass, run.basis, run.root, memory, &[]);
         let files: HashSet<&String> = pass.checked.iter().flat_map(Checked::files).collect();
         let wanted: Vec<Finding> = chosen(before.clone(), &pass)
             .into_iter()
@@ -53,7 +53,7 @@ pub fn add(
         }
         let failures = pass.failures();
         pass = run.pass(pass.into_known(), &HashMap::new(), false, streams)?;
-        let after = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
+        let after = tree::findings(&mut pass, run.basis, run.root, memory, &[]);
         let known: HashSet<_> = before.iter().map(key).collect();
         let odd: HashSet<&str> = after
             .iter()

@@ -3,7 +3,6 @@
 //! A truncated or modified file, or one with the seal of another key or version, is ignored. Of
 //! concurrent runs, the last one to finish replaces the file.
 
-use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,12 +12,12 @@ use landfall_layout::file::FileWriter;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
-use super::check_shader::Checked;
+use super::check_shader::{Checked, Known};
 use super::digests::{CachedDigests, Digests};
 use super::hash::{Hash, seal};
 use super::key::key;
 use super::pass::Pass;
-use super::tree::Remembered;
+use super::tree::{Memory, Remembered};
 use crate::args::CheckArgs;
 use crate::config::Config;
 use crate::output::Streams;
@@ -34,12 +33,11 @@ const MARK: &str = "landfall-check-cache ";
 #[derive(Default)]
 pub struct Cache {
     file: PathBuf,
-    key: Vec<u8>,
     /// The hash of everything besides its files that findings of a shader depend on.
     basis: Hash,
     writer: FileWriter,
-    pub known: HashMap<String, Checked>,
-    pub tree: Option<Remembered>,
+    pub known: Known,
+    pub tree: Memory,
 }
 
 #[derive(Serialize)]
@@ -50,7 +48,7 @@ struct Written<'a> {
 
 #[derive(Deserialize)]
 struct Read {
-    checked: Vec<Checked>,
+    checked: Vec<Box<Checked>>,
     tree: Option<Remembered>,
 }
 
@@ -59,21 +57,23 @@ impl Cache {
     pub fn open(folder: &Path, basis: &Basis, key: Vec<u8>, writer: FileWriter) -> Cache {
         let basis = Hash::of(format!("{} {}", program(), basis.fingerprint().as_str()).as_bytes());
         let file = folder.join(format!("check-{}.json", basis.short()));
-        let cache = Cache { file, key, basis, writer, ..Cache::default() };
+        let tree = Memory { secret: key, remembered: None };
+        let cache = Cache { file, basis, writer, known: Known::new(), tree };
         let bytes = is_ours(&cache.file).then(|| fs::read(&cache.file).ok()).flatten();
         let text = bytes.and_then(|bytes| String::from_utf8(bytes).ok());
-        let read = text.and_then(|text| cache.read(&text));
+        let read = text.and_then(|text| cache.read(text));
         match read {
             Some(read) => {
                 let known = read.checked.into_iter().map(|c| (c.path.clone(), c)).collect();
-                Cache { known, tree: read.tree, ..cache }
+                let tree = Memory { remembered: read.tree, ..cache.tree };
+                Cache { known, tree, ..cache }
             }
             None => cache,
         }
     }
 
     /// The content of a file whose seal is valid.
-    fn read(&self, text: &str) -> Option<Read> {
+    fn read(&self, text: String) -> Option<Read> {
         let (sum, json) = text.strip_prefix(MARK)?.split_once('\n')?;
         let json = json.strip_suffix('\n')?;
         if sum != self.seal(json) {
@@ -81,7 +81,9 @@ impl Cache {
         }
         let (results, digests) = json.split_once('\n')?;
         let mut read: Read = serde_json::from_str(results).ok()?;
-        let digests = CachedDigests::new(digests);
+        let end = text.len() - 1;
+        let digests = end - digests.len()..end;
+        let digests = CachedDigests::new(text, digests);
         for (index, checked) in read.checked.iter_mut().enumerate() {
             checked.blocks = Digests::Cached(Arc::clone(&digests), index);
         }
@@ -90,13 +92,15 @@ impl Cache {
 
     /// The seal of the data for these settings.
     fn seal(&self, json: &str) -> String {
-        seal(&self.key, &[self.basis.as_str(), json])
+        seal(&self.tree.secret, [self.basis.as_str(), json])
     }
 
     /// Writes the results of this check, and the cached ones of other shaders.
     pub fn write(&self, pass: &Pass) -> Result<(), Error> {
         let mut all: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
-        all.extend(pass.left.values().filter(|other| Path::new(&other.path).is_file()));
+        all.extend(
+            pass.left.values().map(Box::as_ref).filter(|other| Path::new(&other.path).is_file()),
+        );
         // The first record of a shader, from this check, wins.
         all.sort_by(|a, b| a.path.cmp(&b.path));
         all.dedup_by(|a, b| a.path == b.path);
@@ -104,7 +108,8 @@ impl Cache {
         let digests = serde_json::to_string(&digests).expect("a list");
         let bare =
             |checked: &&Checked| Checked { blocks: Digests::default(), ..(*checked).clone() };
-        let written = Written { checked: all.iter().map(bare).collect(), tree: &self.tree };
+        let written =
+            Written { checked: all.iter().map(bare).collect(), tree: &self.tree.remembered };
         let results = serde_json::to_string(&written).expect("keys are strings");
         let json = format!("{results}\n{digests}");
         let folder = self.file.parent().unwrap_or(Path::new("."));
@@ -169,11 +174,11 @@ pub fn unused(error: &Error, streams: &Streams) {
 }
 
 /// Whether the cache lacks results of this check.
-pub fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<Hash>) -> bool {
+pub fn is_new(args: &CheckArgs, pass: &Pass, cache: &Cache, before: Option<&str>) -> bool {
     pass.fresh + pass.restamped > 0
         || args.fix
         || args.add_allow
-        || cache.tree.as_ref().map(|tree| tree.key.clone()) != before
+        || cache.tree.remembered.as_ref().map(|tree| tree.seal.as_str()) != before
 }
 
 /// Whether a file is a cache, with any seal.

@@ -66,6 +66,9 @@ pub struct Checked {
     pub allows: Vec<Allow>,
 }
 
+/// Earlier results by path. Boxed: tables of thousands of results would be moved while they grow.
+pub type Known = HashMap<String, Box<Checked>>;
+
 impl Checked {
     /// The shader and its includes.
     pub fn files(&self) -> impl Iterator<Item = &String> + Clone {
@@ -81,8 +84,7 @@ pub struct Job<'a> {
     pub root: &'a Root,
     /// The revision that layouts are compared with instead of locks.
     pub against: Option<&'a Against>,
-    /// Earlier results by path.
-    pub known: &'a HashMap<String, Checked>,
+    pub known: &'a Known,
     /// Texts that replace the files of these paths.
     pub texts: &'a HashMap<String, String>,
     /// Whether to write locks for changed layouts.

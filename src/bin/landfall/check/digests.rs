@@ -1,6 +1,7 @@
 //! The digests of a shader's blocks. Those of a cache are parsed when a lint over all shaders needs
 //! them, which is not while no shader changes.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use landfall_lint::digest::BlockDigest;
@@ -17,14 +18,16 @@ pub enum Digests {
 /// The digests of all shaders of a cache.
 #[derive(Debug)]
 pub struct CachedDigests {
-    json: String,
+    file: String,
+    json: Range<usize>,
     parsed: OnceLock<Vec<Vec<BlockDigest>>>,
 }
 
 impl CachedDigests {
-    /// `json` has a valid seal, so that this version of landfall has written it.
-    pub fn new(json: &str) -> Arc<CachedDigests> {
-        Arc::new(CachedDigests { json: json.to_string(), parsed: OnceLock::new() })
+    /// The digests at `json` in the text of a cache, which is kept rather than copied. It has a
+    /// valid seal, so that this version of landfall has written it.
+    pub fn new(file: String, json: Range<usize>) -> Arc<CachedDigests> {
+        Arc::new(CachedDigests { file, json, parsed: OnceLock::new() })
     }
 }
 
@@ -33,7 +36,8 @@ impl Digests {
         match self {
             Digests::Parsed(digests) => digests,
             Digests::Cached(cached, index) => {
-                let parse = || serde_json::from_str(&cached.json).expect("sealed digests");
+                let json = &cached.file[cached.json.clone()];
+                let parse = || serde_json::from_str(json).expect("sealed digests");
                 cached.parsed.get_or_init(parse).get(*index).map_or(&[], Vec::as_slice)
             }
         }

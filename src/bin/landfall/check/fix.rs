@@ -17,7 +17,7 @@ use landfall_lint::fix::{Fixed, apply};
 
 use super::pass::{Pass, Run};
 use super::reports::Texts;
-use super::tree::{self, Remembered};
+use super::tree::{self, Memory};
 use crate::output::{Failure, Streams};
 
 /// Maximum number of rounds, in case two lints undo each other's edits.
@@ -38,13 +38,13 @@ pub struct AppliedFixes {
 pub fn fix(
     run: &Run<'_>,
     mut pass: Pass,
-    remembered: &mut Option<Remembered>,
+    memory: &mut Memory,
     streams: &Streams,
 ) -> Result<(Pass, AppliedFixes), Failure> {
     let mut applied = AppliedFixes::default();
     let mut refused: HashSet<String> = HashSet::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, memory, &[]);
         findings.retain(|f| f.fix.iter().all(|edit| !refused.contains(&edit.at.path)));
         let texts = Texts::new(HashMap::new());
         let fixed = changed(apply(&findings, &|path| texts.of(path)));
@@ -97,13 +97,13 @@ pub fn revert(
 pub fn preview(
     run: &Run<'_>,
     mut pass: Pass,
-    remembered: &mut Option<Remembered>,
+    memory: &mut Memory,
     streams: &Streams,
 ) -> Result<Vec<(String, Arc<str>, String)>, Failure> {
     let mut before: HashMap<String, Arc<str>> = HashMap::new();
     let mut after: HashMap<String, String> = HashMap::new();
     for _ in 0..MOST_ROUNDS {
-        let mut findings = tree::findings(&mut pass, run.basis, run.root, remembered, &[]);
+        let mut findings = tree::findings(&mut pass, run.basis, run.root, memory, &[]);
         let inputs: HashSet<&str> = pass.checked.iter().map(|c| c.path.as_str()).collect();
         // Includes are read from disk, unfixed: their spans are valid for one round only.
         findings.retain(|f: &Finding| {

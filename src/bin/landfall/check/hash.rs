@@ -33,7 +33,7 @@ impl Hash {
 
 /// A message authentication code in hexadecimal: SipHash-2-4 of 128 bits, a tenth of the time of
 /// HMAC-SHA256. Its key is the start of the SHA-256 of `key`.
-pub fn seal(key: &[u8], parts: &[&str]) -> String {
+pub fn seal<'a>(key: &[u8], parts: impl IntoIterator<Item = &'a str>) -> String {
     let digest = hmac_sha256::Hash::hash(key);
     let key: &[u8; 16] = digest.first_chunk().expect("32 bytes");
     let mut hasher = SipHasher24::new_with_key(key);
@@ -77,10 +77,10 @@ mod tests {
     #[test]
     fn a_seal_changes_with_its_key_its_text_and_the_place_of_the_parts() {
         let seals = [
-            seal(b"key", &["ab", "c"]),
-            seal(b"kez", &["ab", "c"]),
-            seal(b"key", &["a", "bc"]),
-            seal(b"key", &["ab", "d"]),
+            seal(b"key", ["ab", "c"]),
+            seal(b"kez", ["ab", "c"]),
+            seal(b"key", ["a", "bc"]),
+            seal(b"key", ["ab", "d"]),
         ];
         for (i, one) in seals.iter().enumerate() {
             assert!(seals[..i].iter().all(|other| other != one), "{seals:?}");

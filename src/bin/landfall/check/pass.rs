@@ -15,12 +15,13 @@ use landfall_lint::digest;
 
 use super::against::Against;
 use super::basis::Basis;
-use super::check_shader::{Checked, Done, Job};
+use super::check_shader::{Checked, Done, Job, Known};
 use super::policies::Policies;
 use crate::args::Shard;
 use crate::config::{Exclude, Root};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, Streams};
+use crate::walk::Listing;
 use crate::work;
 
 /// Maximum bytes of layouts kept for lints over all shaders; beyond, layouts are recomputed.
@@ -33,6 +34,8 @@ pub struct Run<'a> {
     pub basis: &'a Basis,
     pub root: &'a Root,
     pub paths: Vec<PathBuf>,
+    /// The shaders that the search for Rust files has found, for the first pass.
+    pub listing: Mutex<Listing>,
     pub exclude: &'a Exclude,
     pub shard: Option<Shard>,
     pub jobs: Option<NonZeroUsize>,
@@ -61,14 +64,14 @@ pub struct PartialFindings {
 }
 
 impl PartialFindings {
-    fn add(&mut self, done: &Done, known: &HashMap<String, Checked>) {
+    fn add(&mut self, done: &Done, known: &Known) {
         let checked = match done {
             Done::NoInput(found) => {
                 self.findings.push((**found).clone());
                 self.failures += 1;
                 return;
             }
-            Done::Same(path, _) => known.get(path),
+            Done::Same(path, _) => known.get(path).map(Box::as_ref),
             Done::Fresh(fresh) => Some(&fresh.checked),
         };
         self.shaders += 1;
@@ -90,7 +93,7 @@ pub struct Pass {
     /// Layouts by the index of their shader.
     pub laid_out: HashMap<usize, (Source, ShaderLayout)>,
     /// Cached shaders that are not inputs of this pass.
-    pub left: HashMap<String, Checked>,
+    pub left: Known,
     /// Number of shaders laid out.
     pub fresh: usize,
     /// Number of unchanged shaders with new stamps.
@@ -106,12 +109,12 @@ impl Run<'_> {
     /// Checks all shaders; `texts` replace the files of their paths.
     pub fn pass(
         &self,
-        mut known: HashMap<String, Checked>,
+        mut known: Known,
         texts: &HashMap<String, String>,
         accept: bool,
         streams: &Streams,
     ) -> Result<Pass, Failure> {
-        let mut pass = Pass::default();
+        let mut pass = Pass { checked: Vec::with_capacity(known.len()), ..Pass::default() };
         *self.so_far.lock().unwrap_or_else(PoisonError::into_inner) = PartialFindings::default();
         let mut all = self.stdin.clone();
         all.extend(texts.iter().map(|(path, text)| (path.clone(), text.clone())));
@@ -129,8 +132,10 @@ impl Run<'_> {
             hashes: Mutex::default(),
             began: self.began,
         };
+        let listing =
+            std::mem::take(&mut *self.listing.lock().unwrap_or_else(PoisonError::into_inner));
         work::ordered(
-            Inputs::new(self.paths.clone()).filter(|input| self.is_ours(input)),
+            Inputs::listed(self.paths.clone(), listing).filter(|input| self.is_ours(input)),
             self.jobs,
             |input| {
                 let done = job.check(input);
@@ -158,7 +163,7 @@ impl Run<'_> {
         for (number, path, stamps) in same {
             if let Some(known) = known.remove(&path) {
                 let stamps = stamps.unwrap_or_else(|| known.stamps.clone());
-                pass.checked[number] = Checked { stamps, ..known };
+                pass.checked[number] = Checked { stamps, ..*known };
             }
         }
         pass.left = known;
@@ -231,9 +236,9 @@ impl Pass {
     }
 
     /// The results per shader, for the next pass.
-    pub fn into_known(self) -> HashMap<String, Checked> {
+    pub fn into_known(self) -> Known {
         let mut known = self.left;
-        known.extend(self.checked.into_iter().map(|checked| (checked.path.clone(), checked)));
+        known.extend(self.checked.into_iter().map(|c| (c.path.clone(), Box::new(c))));
         known
     }
 }

@@ -12,13 +12,14 @@ use landfall_lint::settings::{RustFile, Settings};
 use super::basis::Basis;
 use crate::config::Config;
 use crate::read;
-use crate::walk::FilteredWalk;
+use crate::walk::{FilteredWalk, Listing};
 
 /// The start of a comment that marks a mirror.
 const MARK: &[u8] = b"landfall: mirror";
 
-/// The Rust files with mirrors, if a lint of mirrors is enabled. Comments are searched in the named directories and Rust files, or
-/// in the configuration's directory if no path is named.
+/// The Rust files with mirrors, if a lint of mirrors is enabled, and the shaders beside them.
+/// Comments are searched in the named directories and Rust files, or in the configuration's
+/// directory if no path is named.
 ///
 /// # Errors
 ///
@@ -27,9 +28,10 @@ pub fn files(
     config: &Config,
     settings: &Settings,
     named: &[PathBuf],
-) -> Result<Vec<RustFile>, Error> {
+) -> Result<(Vec<RustFile>, Listing), Error> {
+    let mut listing = Some(Listing::default());
     if !Basis::wants_rust(settings) {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), Listing::default()));
     }
     let mut files: BTreeMap<String, RustFile> = BTreeMap::new();
     let mut take = |path: &Path, shown: String| {
@@ -50,12 +52,23 @@ pub fn files(
     let everything = [config.root.path("")];
     let folders = if named.is_empty() { &everything[..] } else { named };
     for folder in folders.iter().filter(|path| path.is_dir()) {
-        // What cannot be searched is reported with the shaders.
-        for entry in FilteredWalk::new(folder).filter_map(Result::ok) {
+        for entry in FilteredWalk::new(folder) {
+            let Ok(entry) = entry else {
+                // What cannot be searched is reported with the shaders, which need walks of their own.
+                listing = None;
+                continue;
+            };
+            if let Some(listing) = &mut listing {
+                listing.add(&entry);
+            }
             let path = entry.path();
+            let is_excluded = || {
+                let below = config.root.below(path);
+                below.is_some_and(|below| config.exclude.takes(&below))
+            };
+            // Most files are not Rust; the name costs least.
             let is_rust = path.extension().is_some_and(|e| e == "rs") && path.is_file();
-            let below = config.root.below(path);
-            if !is_rust || below.is_some_and(|below| config.exclude.takes(&below)) {
+            if !is_rust || is_excluded() {
                 continue;
             }
             // Unreadable files are skipped, as they may contain no mirror.
@@ -65,5 +78,5 @@ pub fn files(
             }
         }
     }
-    Ok(files.into_values().collect())
+    Ok((files.into_values().collect(), listing.unwrap_or_default()))
 }

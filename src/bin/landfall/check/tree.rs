@@ -15,33 +15,41 @@ use landfall_lint::{Check, Subject, levels, lint, not_proved, run};
 
 use super::basis::Basis;
 use super::check_shader::Checked;
-use super::hash::Hash;
+use super::hash::seal;
 use super::pass::{Pass, source};
 use crate::config::{Root, slashes};
 
 /// The findings of lints over all shaders before `allow` comments, cached while no shader changes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Remembered {
-    pub key: Hash,
+    /// The seal of everything that they depend on.
+    pub seal: String,
     pub findings: Vec<Finding>,
 }
 
-/// All findings of a run in their final order; updates `remembered`.
+/// The cached findings of lints over all shaders, and the secret of their seal.
+#[derive(Default)]
+pub struct Memory {
+    pub secret: Vec<u8>,
+    pub remembered: Option<Remembered>,
+}
+
+/// All findings of a run in their final order; updates `memory`.
 ///
 /// `elsewhere` are the findings from reports of `verify` and from proofs.
 pub fn findings(
     pass: &mut Pass,
     basis: &Basis,
     root: &Root,
-    remembered: &mut Option<Remembered>,
+    memory: &mut Memory,
     elsewhere: &[Finding],
 ) -> Vec<Finding> {
-    let key = key(pass, basis);
-    let over_all = match remembered {
-        Some(remembered) if remembered.key == key => remembered.findings.clone(),
+    let seal = seal_of(pass, basis, &memory.secret);
+    let over_all = match &memory.remembered {
+        Some(remembered) if remembered.seal == seal => remembered.findings.clone(),
         _ => {
             let findings = run_tree_lints(pass, basis, &basis.options());
-            *remembered = Some(Remembered { key, findings: findings.clone() });
+            memory.remembered = Some(Remembered { seal, findings: findings.clone() });
             findings
         }
     };
@@ -84,23 +92,16 @@ pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
     findings
 }
 
-/// The hash of everything that lints over all shaders depend on.
-fn key(pass: &Pass, basis: &Basis) -> Hash {
-    let mut text = String::new();
-    let mut add = |part: &str| {
-        text.push_str(part);
-        text.push('\n');
-    };
+/// The seal of everything that lints over all shaders depend on.
+fn seal_of(pass: &Pass, basis: &Basis, secret: &[u8]) -> String {
     let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
     shaders.sort_by(|a, b| a.path.cmp(&b.path));
-    for checked in shaders {
-        add(&format!("{} {}", checked.path, checked.hash.as_str()));
-        for (include, hash) in &checked.includes {
-            add(&format!("{include} {}", hash.as_str()));
-        }
-    }
-    add(&basis.over_all());
-    Hash::of(text.as_bytes())
+    let files = shaders.into_iter().flat_map(|checked| {
+        let includes = checked.includes.iter().map(|(path, hash)| (path, hash));
+        std::iter::once((&checked.path, &checked.hash)).chain(includes)
+    });
+    let parts = files.flat_map(|(path, hash)| [path.as_str(), hash.as_str()]);
+    seal(secret, parts.chain([basis.over_all().as_str()]))
 }
 
 /// Runs the lints over all shaders.

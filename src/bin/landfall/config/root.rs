@@ -111,7 +111,8 @@ pub fn relative_path(from: &Path, to: &Path) -> PathBuf {
 
 /// A path with `/` between its parts.
 pub fn slashes(path: &Path) -> String {
-    let text = path.display().to_string();
+    // Paths are UTF-8 almost always.
+    let text = path.to_str().map_or_else(|| path.display().to_string(), str::to_string);
     if std::path::MAIN_SEPARATOR == '/' {
         text
     } else {
