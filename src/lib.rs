@@ -73,14 +73,21 @@
 //! new variant of these is a new major version.
 
 pub use landfall_layout::{
-    AddressSpace, ArrayLen, BlockLayout, Buffer, BufferError, Build, BuildError, Diagnostic, Error,
-    Files, Label, Language, Leaf, MemberLayout, Options, ReadOptions, Rules, Severity,
-    ShaderLayout, Source, Span, Stage, Target, Type, layout,
+    AddressSpace, ArrayLen, BlockLayout, Buffer, BufferError, Diagnostic, Error, Files, Label,
+    Language, Leaf, MemberLayout, Options, ReadOptions, Rules, Severity, ShaderLayout, Source,
+    Span, Stage, Target, Type, layout,
 };
 pub use landfall_layout::{
-    buffer, build_script, codegen, diagnostic, diff, error, file, format, interface, lock, port,
-    shape, source,
+    buffer, diagnostic, diff, error, file, format, interface, lock, port, shape, source,
 };
+
+pub use landfall_codegen::{Build, BuildError, build_script};
+
+/// Code generated from layouts: mirrors of blocks in the languages of one
+/// [table](codegen::languages).
+pub mod codegen {
+    pub use landfall_codegen::{CodeOptions, CodeOutput, OutputLanguage, c, languages, rust};
+}
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]

@@ -9,7 +9,7 @@ fn every_language_is_written_checked_and_prefixed() {
     let place = Place::new("emit-languages");
     let light = "layout(std140) uniform Light { vec3 pos; float power; };\n";
     place.write("light.frag", format!("#version 450\n{light}"));
-    for language in landfall_layout::codegen::languages::LANGUAGES {
+    for language in landfall_codegen::languages::LANGUAGES {
         let emit =
             ["emit", "light.frag", "--lang", language.name, "--out", "code", "--prefix", "eng_"];
         place.run(&emit).code(0);

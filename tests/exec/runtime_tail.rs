@@ -8,12 +8,12 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
+use landfall_codegen::c::{COptions, c};
+use landfall_codegen::rust::{RustOptions, rust};
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::backend::{Backend, Grid, StageCode};
 use landfall_ir::Module;
-use landfall_layout::codegen::c::{COptions, c};
-use landfall_layout::codegen::rust::{RustOptions, rust};
 use landfall_layout::{Options, Source, Stage, layout};
 
 use crate::support::jobs::{glsl, job, module, output, storage, words};

@@ -1,5 +1,5 @@
-//! What users of the façade see: the public items of `landfall-layout` that `src/lib.rs` re-exports,
-//! and what stands in their signatures.
+//! What users of the façade see: the public items of `landfall-layout` and `landfall-codegen` that
+//! `src/lib.rs` re-exports, and what stands in their signatures.
 //!
 //! Reads text, not types: a name in a signature is of another crate if the file imports it from
 //! there. Macros are not expanded.
@@ -10,10 +10,15 @@ use crate::imports::imports;
 use crate::token::{Token, matching, tokens, without_tests};
 use crate::tree::{File, Path};
 
-const LAYOUT: &str = "crates/landfall-layout/";
+/// The crates that the façade re-exports, by the name in code, and their folders.
+const SHOWN: [(&str, &str); 2] = [
+    ("landfall_layout", "crates/landfall-layout/"),
+    ("landfall_codegen", "crates/landfall-codegen/"),
+];
 
 /// Enums that users see and that get no further variant without a new major version, and why.
 const CLOSED: &[(&str, &str)] = &[
+    ("Access", "read, written, or both, in steps or at once"),
     ("Answer", "a query is about a member or a byte"),
     ("ArrayLen", "a length is a number, open, or given by a constant: all code of layouts decides"),
     ("ByteOwner", "a byte is in a component, in padding or in neither"),
@@ -22,6 +27,9 @@ const CLOSED: &[(&str, &str)] = &[
     ("Language", "a front end, rules and spelling of its own: all code decides"),
     ("MatrixLayout", "by columns or by rows"),
     ("Paint", "with colours or without"),
+    ("Rules", "all code of layouts and every generator decides for each"),
+    ("Sampled", "a texel is a float, an integer of either sign, or a depth"),
+    ("ScalarKind", "all code of layouts and every generator decides for each"),
     ("Segment", "a path has names and indices"),
     ("Severity", "there is a layout or there is none"),
     ("Type", "all code of layouts decides for each type"),
@@ -130,13 +138,28 @@ pub fn problems(files: &[File]) -> Vec<String> {
 }
 
 fn problems_beside(files: &[File], closed: &[(&str, &str)]) -> Vec<String> {
+    let mut open: BTreeSet<&str> = closed.iter().map(|(name, _)| *name).collect();
+    let mut found: Vec<String> =
+        SHOWN.iter().flat_map(|shown| problems_in(*shown, files, &mut open)).collect();
+    found.extend(
+        open.into_iter().map(|name| format!("`{name}` is listed as closed, and is not seen")),
+    );
+    found
+}
+
+/// What is wrong in one crate; the closed enums that it shows leave `open`.
+fn problems_in(
+    (name, folder): (&str, &str),
+    files: &[File],
+    open: &mut BTreeSet<&str>,
+) -> Vec<String> {
     let text = |path: &str| files.iter().find(|f| f.path == path).map_or("", |f| f.text.as_str());
     let facade = text("src/lib.rs");
     let named = documented(facade);
-    let others = dependencies(text(&format!("{LAYOUT}Cargo.toml")));
+    let others = dependencies(text(&format!("{folder}Cargo.toml")));
     let mut sources: BTreeMap<Path, (&str, Vec<Token<'_>>)> = BTreeMap::new();
     for file in files {
-        let inside = file.path.strip_prefix(LAYOUT).and_then(|path| path.strip_prefix("src/"));
+        let inside = file.path.strip_prefix(folder).and_then(|path| path.strip_prefix("src/"));
         let Some(inside) = inside.and_then(|path| path.strip_suffix(".rs")) else { continue };
         let path = if inside == "lib" { "" } else { inside };
         let path = path.split('/').filter(|part| !part.is_empty()).map(str::to_string).collect();
@@ -146,13 +169,12 @@ fn problems_beside(files: &[File], closed: &[(&str, &str)]) -> Vec<String> {
         sources.iter().map(|(path, (_, tokens))| (path, items(tokens))).collect();
     let mut seen = BTreeSet::new();
     for import in imports(&tokens(facade)) {
-        if import.path[0] == "landfall_layout" {
+        if import.path[0] == name {
             reach(&import.path[1..], &modules, &mut seen);
         }
     }
     let types: BTreeSet<&str> = seen.iter().filter_map(|(_, name)| name.as_deref()).collect();
     let mut found = Vec::new();
-    let mut open: BTreeSet<&str> = closed.iter().map(|(name, _)| *name).collect();
     for (path, items) in &modules {
         let (file, tokens) = &sources[*path];
         let foreign = foreign(tokens, &others);
@@ -186,9 +208,6 @@ fn problems_beside(files: &[File], closed: &[(&str, &str)]) -> Vec<String> {
             }
         }
     }
-    found.extend(
-        open.into_iter().map(|name| format!("`{name}` is listed as closed, and is not seen")),
-    );
     found
 }
 
@@ -273,6 +292,7 @@ fn dependencies(manifest: &str) -> BTreeSet<String> {
     names
         .filter(|name| !name.is_empty() && *name != "#")
         .map(|name| name.replace('-', "_"))
+        .filter(|name| SHOWN.iter().all(|(shown, _)| shown != name))
         .collect()
 }
 

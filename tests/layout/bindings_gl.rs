@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use glow::HasContext as _;
-use landfall_layout::codegen::rust::{Api, RustOptions, rust};
+use landfall_codegen::rust::{Api, RustOptions, rust};
 use landfall_layout::{Options, Source, layout};
 
 use crate::support::driver::{self, Driver};

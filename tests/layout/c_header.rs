@@ -6,7 +6,7 @@ use crate::support;
 
 use std::path::Path;
 
-use landfall_layout::codegen::c::{COptions, c};
+use landfall_codegen::c::{COptions, c};
 use landfall_layout::{Options, ReadOptions, ShaderLayout, Source, Target};
 use support::c::{BOTH, Compiler, compile, compile_and_run, directory, hold};
 use support::generate::{COMMON, Diet, VULKAN, random};

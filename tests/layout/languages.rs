@@ -11,8 +11,8 @@ mod zig;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use landfall_codegen::{CodeOptions, CodeOutput, OutputLanguage, languages};
 use landfall_layout::buffer::Components;
-use landfall_layout::codegen::{CodeOptions, CodeOutput, OutputLanguage, languages};
 use landfall_layout::shape::{Scalar, ScalarKind};
 use landfall_layout::{BlockLayout, Options, ShaderLayout, Source, Target};
 

@@ -10,7 +10,7 @@ use crate::support::command::golden;
 
 use landfall_exec::processor::Stopwatch;
 
-use landfall_layout::codegen::rust::{Modules, RustOptions, RustOutput, Tables, Vectors, rust};
+use landfall_codegen::rust::{Modules, RustOptions, RustOutput, Tables, Vectors, rust};
 use landfall_layout::{ArrayLen, Options, ShaderLayout, Source, layout};
 
 fn laid_out(path: &str, text: &str) -> ShaderLayout {

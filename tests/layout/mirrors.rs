@@ -13,7 +13,7 @@ use crate::support::rustc;
 use std::collections::HashMap;
 use std::fs;
 
-use landfall_layout::codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
+use landfall_codegen::rust::{RustOptions, Tables, Vectors, Visibility, rust};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::{Options, ShaderLayout, Source, layout};
 use rustc::{Math, Target, assert_formatted, check, crates, run, scratch, shown};

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use ::landfall_layout::codegen::c::{CLeaf, COutput};
+use ::landfall_codegen::c::{CLeaf, COutput};
 
 use super::image::{self, Shape, TAIL, Truth};
 use super::leaf::{OracleBlock, OracleLeaf};

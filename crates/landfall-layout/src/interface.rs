@@ -1,7 +1,7 @@
 //! What a program binds to a shader: entry points, resources, vertex inputs and constants.
 //!
 //! Read by [`syntax`](mod@crate::syntax) on request ([`Options::interface`](crate::Options)), and
-//! written as code by [`RustOptions::bindings`](crate::codegen::rust::RustOptions::bindings).
+//! which `RustOptions::bindings` of `landfall-codegen` writes as code.
 
 use std::sync::Arc;
 
@@ -128,7 +128,6 @@ pub enum Comparison {
 /// How a shader may access a buffer or image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
-#[non_exhaustive]
 pub enum Access {
     Read,
     Write,
@@ -153,7 +152,6 @@ pub struct Texture {
 /// The component that sampling returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
-#[non_exhaustive]
 pub enum Sampled {
     Float,
     Sint,

@@ -1,4 +1,4 @@
-//! Byte layouts of GLSL and WGSL blocks: parsing, layout rules, locks, buffers and code generation.
+//! Byte layouts of GLSL and WGSL blocks: parsing, layout rules, locks and buffers.
 //!
 //! # Types of other crates
 //!
@@ -8,8 +8,6 @@
 //! is one of this crate.
 
 pub mod buffer;
-pub mod build_script;
-pub mod codegen;
 pub mod diagnostic;
 pub mod diff;
 pub mod error;
@@ -39,7 +37,6 @@ pub mod syntax;
 pub mod text;
 
 pub use buffer::{Buffer, BufferError};
-pub use build_script::{Build, BuildError};
 pub use diagnostic::{Diagnostic, Label, Severity};
 pub use error::Error;
 pub use layout::{BlockLayout, Leaf, MemberLayout};

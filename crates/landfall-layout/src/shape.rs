@@ -13,7 +13,6 @@ pub(crate) use spelled::wgsl_scalar;
 /// The kind of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
-#[non_exhaustive]
 pub enum ScalarKind {
     Bool,
     Sint,
@@ -236,7 +235,6 @@ impl AddressSpace {
 
 /// The layout rules of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Rules {
     /// OpenGL 4.6 §7.6.2.2, std140.
     Std140,

@@ -48,8 +48,14 @@ pub fn since(shader: &ShaderLayout, revision: &str, old: &ShaderLayout) -> Vec<F
 
 fn compare(shader: &ShaderLayout, old: &ShaderLayout, revision: Option<&str>) -> Vec<Finding> {
     let changed = diff(Side::of(old), Side::of(shader));
-    let compared =
-        Compared { name: &shader.path, old, new: shader, blocks: &changed, judged: None };
+    let compared = Compared {
+        name: &shader.path,
+        old,
+        new: shader,
+        blocks: &changed,
+        judged: None,
+        rust_field: |_, _| None,
+    };
     changed.iter().map(|block| of_block(&compared, block, revision)).collect()
 }
 

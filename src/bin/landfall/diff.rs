@@ -65,6 +65,7 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
             new: &pair.new,
             blocks,
             judged: judged.as_ref().map(|(policy, verdicts)| (*policy, verdicts.as_slice())),
+            rust_field: landfall_codegen::rust::field,
         })
         .collect();
     print(args, &compared, streams)?;

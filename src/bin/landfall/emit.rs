@@ -4,10 +4,8 @@ use landfall_layout::diagnostic::Code;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use landfall_layout::codegen::CodeOptions;
-use landfall_layout::codegen::rust::{
-    Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility,
-};
+use landfall_codegen::CodeOptions;
+use landfall_codegen::rust::{Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use landfall_layout::codegen::languages::ODIN;
+use landfall_codegen::languages::ODIN;
 
 use super::{Block, Leaf, all_shaders, cases, hostile};
 use crate::support::image::Shape;

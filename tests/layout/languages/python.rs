@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use landfall_layout::codegen::languages::PYTHON;
+use landfall_codegen::languages::PYTHON;
 
 use super::{Block, Case, Leaf, all_shaders, directory, hold, hostile, installed, output_of, said};
 use crate::support::image::{Shape, TAIL};

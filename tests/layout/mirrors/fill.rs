@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-use landfall_layout::codegen::rust::Vectors;
+use landfall_codegen::rust::Vectors;
 
 use super::support::blocks::{Basic, Scalar};
 

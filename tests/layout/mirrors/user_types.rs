@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use landfall_layout::codegen::rust::{RustOptions, Vectors, rust};
+use landfall_codegen::rust::{RustOptions, Vectors, rust};
 
 use super::laid_out;
 use super::support::rustc::{Math, Target, check, crates, run, scratch, shown};

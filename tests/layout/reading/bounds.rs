@@ -7,7 +7,7 @@ use crate::support::command::golden;
 use std::path::{Path, PathBuf};
 
 use ::landfall::{Options, Source, layout};
-use landfall_layout::codegen::c::{COptions, c};
+use landfall_codegen::c::{COptions, c};
 use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_layout::naga_front::glsl_module;
 use landfall_layout::port::{PortOptions, port};

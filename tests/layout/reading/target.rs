@@ -119,12 +119,12 @@ std140
     assert_eq!((again.assumed_target, again.text()), (Some(Target::OpenGl), lock));
     let json = lock::read("a.json", &json).unwrap();
     assert_eq!(json.assumed_target, Some(Target::OpenGl));
-    let rust = landfall_layout::codegen::rust::rust(&[&shader], &Default::default()).text;
+    let rust = landfall_codegen::rust::rust(&[&shader], &Default::default()).text;
     golden().eq(
         assumed(&rust),
         str!["// (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],
     );
-    let c = landfall_layout::codegen::c::c(&[&shader], &Default::default()).text;
+    let c = landfall_codegen::c::c(&[&shader], &Default::default()).text;
     golden().eq(
         assumed(&c),
         str![" *   (read for OpenGL, as the shader names no API; its blocks differ for Vulkan)"],

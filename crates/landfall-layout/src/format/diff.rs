@@ -13,7 +13,6 @@ use super::json::{Tool, to_lines};
 use super::paint::{CAUTION, FAINT, STRONG};
 use super::{Paint, SCHEMA_VERSION, phrases};
 use crate::ShaderLayout;
-use crate::codegen::rust;
 use crate::diff::{BlockDiff, Change, Class, Policy};
 use crate::layout::{BlockLayout, targets};
 use crate::source::Target;
@@ -41,6 +40,8 @@ pub struct Compared<'a> {
     pub blocks: &'a [BlockDiff],
     /// The verdict on each change of each block, if a policy applies to the shader.
     pub judged: Option<(Policy, &'a [Vec<Verdict>])>,
+    /// The field of a block's Rust mirror at a path, if it has one.
+    pub rust_field: fn(&BlockLayout, &str) -> Option<String>,
 }
 
 /// The verdict of a policy on a change.
@@ -72,7 +73,7 @@ impl<'a> Compared<'a> {
         let named = |block: Option<&BlockLayout>| {
             let block =
                 block.filter(|block| block.leaves.len() * diff.changes.len() <= MOST_NAMED)?;
-            rust::field(block, &change.path)
+            (self.rust_field)(block, &change.path)
         };
         named(self.was(diff)).or_else(|| named(self.is(diff)))
     }

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use landfall_layout::codegen::OutputLanguage;
-use landfall_layout::codegen::languages::{self, LANGUAGES};
-use landfall_layout::codegen::rust::{Api, Modules, Vectors};
+use landfall_codegen::OutputLanguage;
+use landfall_codegen::languages::{self, LANGUAGES};
+use landfall_codegen::rust::{Api, Modules, Vectors};
 
 use super::{ConfigArgs, ReadArgs, setting};
 

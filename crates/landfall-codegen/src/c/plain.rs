@@ -1,0 +1,60 @@
+//! C types of scalars, vectors and matrices.
+
+use landfall_layout::layout::MemberLayout;
+use landfall_layout::shape::{Scalar, ScalarKind, Type};
+
+/// A C type, and the access expression of its leaves.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CType {
+    /// The type before the name: `float`, `PointLight`.
+    pub base: String,
+    /// The array lengths after the name: `[3]`.
+    pub brackets: Vec<u64>,
+    /// `sizeof`, in bytes.
+    pub size: u64,
+    /// The largest alignment C may give it.
+    pub align: u64,
+    /// The access from the name to a leaf or structure: `[].value`.
+    pub access: String,
+}
+
+/// The C type of a scalar, vector or matrix.
+pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
+    let (scalar, brackets) = match ty {
+        Type::Scalar(scalar) | Type::Atomic(scalar) => (*scalar, vec![]),
+        Type::Vector { scalar, rows } => (*scalar, vec![u64::from(*rows)]),
+        Type::Matrix { scalar, columns, rows } => {
+            let vectors = if member.row_major { *rows } else { *columns };
+            let stride = member.matrix_stride.expect("a placed matrix has a stride");
+            (*scalar, vec![u64::from(vectors), stride / u64::from(scalar.width)])
+        }
+        Type::Address(_) => (Scalar::U64, vec![]),
+        Type::Struct(_) | Type::Array { .. } => unreachable!("only called with what has no parts"),
+    };
+    let width = u64::from(scalar.width);
+    CType {
+        base: c_scalar(scalar).to_string(),
+        size: width * brackets.iter().product::<u64>(),
+        brackets,
+        align: width,
+        access: String::new(),
+    }
+}
+
+fn c_scalar(scalar: Scalar) -> &'static str {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => "uint32_t",
+        (ScalarKind::Sint, 1) => "int8_t",
+        (ScalarKind::Sint, 2) => "int16_t",
+        (ScalarKind::Sint, 8) => "int64_t",
+        (ScalarKind::Sint, _) => "int32_t",
+        (ScalarKind::Float, 8) => "double",
+        (ScalarKind::Float, 4) => "float",
+        // C has no type for the others, so their bits are stored.
+        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 1) => "uint8_t",
+        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, 2) => "uint16_t",
+        (ScalarKind::Uint, 8) => "uint64_t",
+        (ScalarKind::Uint | ScalarKind::Float | ScalarKind::Bfloat, _) => "uint32_t",
+        (ScalarKind::FloatE5m2 | ScalarKind::FloatE4m3, _) => "uint8_t",
+    }
+}

@@ -1,0 +1,66 @@
+//! What a language of generated code is: its name, what it is for, and the function that writes it.
+//!
+//! [`languages`](super::languages) lists all of them.
+
+use std::fmt;
+
+use super::rust::RustOptions;
+use landfall_layout::{Diagnostic, ShaderLayout};
+
+/// A language that mirrors are generated in.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub struct OutputLanguage {
+    /// The name in `--lang`.
+    pub name: &'static str,
+    /// The name in messages.
+    pub title: &'static str,
+    /// One line of help.
+    pub about: &'static str,
+    /// The options of `landfall emit` that have an effect on it only or on some languages only.
+    pub options: &'static [&'static str],
+    pub(super) write: fn(&[&ShaderLayout], &CodeOptions) -> CodeOutput,
+}
+
+/// Options of generated code; each language reads those that it has.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct CodeOptions {
+    /// Options of Rust mirrors.
+    pub rust: RustOptions,
+    /// The name of the file that is written, if known.
+    pub file: String,
+    /// The prefix of every name outside of a type.
+    pub prefix: String,
+}
+
+/// Generated code, and the diagnostics of the blocks it leaves out.
+#[derive(Clone, Debug)]
+pub struct CodeOutput {
+    /// The text of the file.
+    pub text: String,
+    /// An error for every block that the language cannot mirror; `text` holds the others.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl OutputLanguage {
+    /// Writes one file for the blocks of `shaders`. Skips loose uniforms, which have no offsets; lay
+    /// the shader out with `gather` to include them.
+    pub fn generate(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+        (self.write)(shaders, options)
+    }
+}
+
+impl fmt::Debug for OutputLanguage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("OutputLanguage").field(&self.name).finish()
+    }
+}
+
+impl PartialEq for OutputLanguage {
+    fn eq(&self, other: &OutputLanguage) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for OutputLanguage {}

@@ -1,0 +1,63 @@
+//! The table of languages that mirrors are generated in.
+
+mod csharp;
+mod odin;
+mod python;
+mod typescript;
+mod zig;
+
+pub use csharp::CSHARP;
+pub use odin::ODIN;
+pub use python::PYTHON;
+pub use typescript::TYPESCRIPT;
+pub use zig::ZIG;
+
+use super::c::{COptions, c};
+use super::language::{CodeOptions, CodeOutput, OutputLanguage};
+use super::rust::rust;
+use landfall_layout::ShaderLayout;
+
+/// All languages, in the order of the help.
+pub const LANGUAGES: &[OutputLanguage] = &[RUST, C, CSHARP, ODIN, PYTHON, TYPESCRIPT, ZIG];
+
+/// Rust.
+pub const RUST: OutputLanguage = OutputLanguage {
+    name: "rust",
+    title: "Rust",
+    about: "`#[repr(C)]` structures for bytemuck, offsets checked at compile time",
+    options: &[
+        "--vectors",
+        "--modules",
+        "--rename",
+        "--type",
+        "--derive",
+        "--crate-visible",
+        "--no-tables",
+        "--bindings",
+    ],
+    write: |shaders, options| {
+        let output = rust(shaders, &options.rust);
+        CodeOutput { text: output.text, diagnostics: output.diagnostics }
+    },
+};
+
+/// C11 and C++17.
+pub const C: OutputLanguage = OutputLanguage {
+    name: "c",
+    title: "C",
+    about: "A header for C11 and C++17, offsets checked at compile time",
+    options: &["--prefix"],
+    write: c_header,
+};
+
+fn c_header(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
+    let CodeOptions { file, prefix, .. } = options;
+    let file = if file.is_empty() { "landfall.h" } else { file };
+    let output = c(shaders, &COptions { file: file.to_string(), prefix: prefix.clone() });
+    CodeOutput { text: output.text, diagnostics: output.diagnostics }
+}
+
+/// Finds a language by its name in `--lang`.
+pub fn from_name(name: &str) -> Option<OutputLanguage> {
+    LANGUAGES.iter().copied().find(|language| language.name == name)
+}

@@ -1,0 +1,203 @@
+//! The types that members need: vectors, matrices, booleans of 32 bits, and the class of checks.
+
+use std::fmt::Write as _;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::c::names::identifier_part;
+use crate::model::{Matrix, Model, free};
+use landfall_layout::shape::{Scalar, ScalarKind};
+
+/// The types used so far.
+pub(super) struct Support {
+    prefix: String,
+    taken: FxHashSet<String>,
+    check: String,
+    /// The name of each type by its preferred name.
+    names: FxHashMap<String, String>,
+    text: String,
+}
+
+impl Support {
+    pub fn new(model: &Model, prefix: &str) -> Support {
+        let mut taken: FxHashSet<String> =
+            model.structures.iter().map(|structure| structure.name.clone()).collect();
+        let prefix = identifier_part(prefix);
+        let check = free(format!("{prefix}Layouts"), &mut taken);
+        let mut text = format!(
+            "
+// Checks of layouts and indices.
+public static class {check}
+{{
+    // Throws if a size or offset of a structure is not the shader's.
+    public static void Check()
+    {{
+"
+        );
+        for structure in model.structures.iter().filter(|structure| structure.size > 0) {
+            let _ = writeln!(text, "        {}.Check();", structure.name);
+        }
+        text.push_str(
+            "    }
+
+    internal static void Same(string what, int actual, int expected)
+    {
+        if (actual != expected)
+        {
+            throw new InvalidOperationException(
+                what + \" is \" + actual + \", in the shader \" + expected);
+        }
+    }
+
+    internal static long Index(long i, long n)
+    {
+        if (i < 0 || i >= n)
+        {
+            throw new IndexOutOfRangeException(\"index \" + i + \" is not below \" + n);
+        }
+        return i;
+    }
+}
+",
+        );
+        Support { prefix, taken, check, names: FxHashMap::default(), text }
+    }
+
+    /// The class of checks, by a name that no member hides.
+    pub fn check(&self) -> String {
+        format!("global::{}", self.check)
+    }
+
+    pub fn text(self) -> String {
+        self.text
+    }
+
+    /// The type of a scalar.
+    pub fn scalar(&mut self, scalar: Scalar) -> String {
+        if scalar.kind != ScalarKind::Bool {
+            return component(scalar).0.to_string();
+        }
+        self.named("Bool32", |name| {
+            format!(
+                "
+// A `bool` of a buffer: 32 bits, 0 or 1.
+[StructLayout(LayoutKind.Sequential, Pack = 1, Size = 4)]
+public struct {name}
+{{
+    public uint Bits;
+
+    public static implicit operator {name}(bool value)
+    {{
+        return new {name} {{ Bits = value ? 1u : 0u }};
+    }}
+
+    public static implicit operator bool({name} value)
+    {{
+        return value.Bits != 0;
+    }}
+}}
+"
+            )
+        })
+    }
+
+    /// The type of a vector: fields `X`, `Y`, `Z` and `W`.
+    pub fn vector(&mut self, scalar: Scalar, rows: u8) -> String {
+        let part = self.scalar(scalar);
+        let fields = &["X", "Y", "Z", "W"][..usize::from(rows)];
+        let parameters: Vec<String> =
+            fields.iter().map(|field| format!("{part} {}", field.to_lowercase())).collect();
+        let sets: String = fields
+            .iter()
+            .map(|field| format!("        {field} = {};\n", field.to_lowercase()))
+            .collect();
+        let declared = fields.join(", ");
+        self.named(&format!("{}{rows}", component(scalar).1), |name| {
+            format!(
+                "
+[StructLayout(LayoutKind.Sequential, Pack = 1)]
+public struct {name}
+{{
+    public {part} {declared};
+
+    public {name}({})
+    {{
+{sets}    }}
+}}
+",
+                parameters.join(", ")
+            )
+        })
+    }
+
+    /// The type of a matrix, with an indexer by column and row.
+    pub fn matrix(&mut self, matrix: Matrix) -> String {
+        let Matrix { scalar, columns, rows, stride, row_major } = matrix;
+        let (part, word) = component(scalar);
+        let order = if row_major { "Rows" } else { "" };
+        let size = stride * u64::from(matrix.stored().0);
+        let (vector, lane) = if row_major { ("row", "column") } else { ("column", "row") };
+        let (check, width) = (self.check(), scalar.width);
+        let place = format!("{vector}Place * {stride} + {lane}Place * {width}");
+        let body = |statement: &str, name: &str| {
+            format!(
+                "        {{
+            long columnPlace = {check}.Index(column, {columns}), rowPlace = {check}.Index(row, {rows});
+            fixed ({name}* self = &this)
+            {{
+                {statement}
+            }}
+        }}
+"
+            )
+        };
+        self.named(&format!("{word}{columns}x{rows}Stride{stride}{order}"), |name| {
+            let at = format!("*({part}*)((byte*)self + {place})");
+            let get = body(&format!("return {at};"), name);
+            let set = body(&format!("{at} = value;"), name);
+            format!(
+                "
+// {columns} columns of {rows} rows, {stride} bytes from one {vector} to the next.
+[StructLayout(LayoutKind.Sequential, Pack = 1, Size = {size})]
+public unsafe struct {name}
+{{
+    public {part} this[int column, int row]
+    {{
+        get
+{get}        set
+{set}    }}
+}}
+"
+            )
+        })
+    }
+
+    /// The name of a type; `print` returns its text, which is added once.
+    fn named(&mut self, preferred: &str, print: impl Fn(&str) -> String) -> String {
+        if let Some(known) = self.names.get(preferred) {
+            return known.clone();
+        }
+        let name = free(format!("{}{preferred}", self.prefix), &mut self.taken);
+        self.text.push_str(&print(&name));
+        self.names.insert(preferred.to_string(), name.clone());
+        name
+    }
+}
+
+/// The C# type of a component, and its part of the names of vectors; of those that C# lacks, the
+/// bits.
+fn component(scalar: Scalar) -> (&'static str, &'static str) {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Bool, _) => ("uint", "Bool"),
+        (ScalarKind::Float, 8) => ("double", "Double"),
+        (ScalarKind::Float, 4) => ("float", "Float"),
+        (ScalarKind::Sint, 1) => ("sbyte", "SByte"),
+        (ScalarKind::Sint, 2) => ("short", "Short"),
+        (ScalarKind::Sint, 8) => ("long", "Long"),
+        (ScalarKind::Sint, _) => ("int", "Int"),
+        (_, 1) => ("byte", "Byte"),
+        (_, 2) => ("ushort", "UShort"),
+        (_, 8) => ("ulong", "ULong"),
+        _ => ("uint", "UInt"),
+    }
+}

@@ -1,0 +1,15 @@
+//! Code generated from layouts: mirrors of blocks in the languages of one [table](languages), and
+//! the API for build scripts.
+//!
+//! Public signatures name no type of another crate than `landfall-layout`.
+
+pub mod build_script;
+pub mod c;
+mod language;
+pub mod languages;
+mod model;
+mod runtime_tail;
+pub mod rust;
+
+pub use build_script::{Build, BuildError};
+pub use language::{CodeOptions, CodeOutput, OutputLanguage};

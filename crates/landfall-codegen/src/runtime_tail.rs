@@ -1,0 +1,35 @@
+//! The size of a buffer whose runtime-sized tail is to have a number of elements, for all languages.
+
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::Rules;
+
+/// The sizes that a buffer may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct TailSize {
+    /// The least size in bytes that an API accepts.
+    pub(super) least: u64,
+    /// The size in bytes is a multiple of this.
+    pub(super) multiple: u64,
+}
+
+/// The sizes for a block whose tail begins at `offset`.
+///
+/// A shader counts as many elements as fit behind `offset`, so a buffer must not be rounded up to
+/// the alignment of the block. OpenGL demands room for one element (4.6 §7.3.1,
+/// `BUFFER_DATA_SIZE`), and Vulkan nothing. WebGPU demands the size of the structure with one
+/// element, which is rounded up (§ minimum buffer binding size), and a multiple of 4.
+pub(super) fn tail_size(block: &BlockLayout, offset: u64, stride: u64) -> TailSize {
+    match block.rules {
+        Rules::Wgsl => TailSize { least: block.size.unwrap_or(0), multiple: 4 },
+        Rules::Std140 | Rules::Std430 | Rules::Scalar => {
+            TailSize { least: offset + stride, multiple: 1 }
+        }
+    }
+}
+
+impl TailSize {
+    /// Whether `offset + n * stride` may miss the multiple.
+    pub(super) fn must_round(self, offset: u64, stride: u64) -> bool {
+        !offset.is_multiple_of(self.multiple) || !stride.is_multiple_of(self.multiple)
+    }
+}

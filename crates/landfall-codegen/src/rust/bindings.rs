@@ -1,0 +1,227 @@
+//! What the rest of a program needs beside the mirrors: layouts of bind groups and pipelines,
+//! vertex structures, entry points, constants and the shader's text, for one API each.
+//!
+//! `program` joins the shaders of one program; `wgpu` (with `wgpu_types` and `constants`), `ash` and
+//! `gl` print one module each, with `vertex` and `source`.
+
+mod ash;
+mod constants;
+mod gl;
+mod program;
+mod source;
+mod text;
+mod vertex;
+mod wgpu;
+mod wgpu_types;
+
+use landfall_layout::ShaderLayout;
+use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
+use landfall_layout::text::edit_distance::nearest;
+
+use super::RustOptions;
+use super::names::{Scope, module};
+use program::Program;
+
+/// The API that bindings are written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Api {
+    /// wgpu, the newest major version that this version of landfall knows: 30.
+    Wgpu,
+    /// wgpu of that major version.
+    WgpuMajor(WgpuMajor),
+    /// Vulkan through ash 0.38.
+    Ash,
+    /// OpenGL: names, bindings and locations as constants.
+    OpenGl,
+}
+
+/// The major versions of wgpu whose API is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[allow(missing_docs)]
+#[non_exhaustive]
+pub enum WgpuMajor {
+    V27,
+    V28,
+    V29,
+    V30,
+}
+
+impl WgpuMajor {
+    /// The newest one.
+    pub const NEWEST: WgpuMajor = WgpuMajor::V30;
+
+    fn number(self) -> u32 {
+        match self {
+            WgpuMajor::V27 => 27,
+            WgpuMajor::V28 => 28,
+            WgpuMajor::V29 => 29,
+            WgpuMajor::V30 => 30,
+        }
+    }
+}
+
+impl Api {
+    /// The names in `--bindings`, in the order of their documentation.
+    pub const NAMES: &[(&'static str, Api)] = &[
+        ("wgpu", Api::Wgpu),
+        ("wgpu-30", Api::WgpuMajor(WgpuMajor::V30)),
+        ("wgpu-29", Api::WgpuMajor(WgpuMajor::V29)),
+        ("wgpu-28", Api::WgpuMajor(WgpuMajor::V28)),
+        ("wgpu-27", Api::WgpuMajor(WgpuMajor::V27)),
+        ("ash", Api::Ash),
+        ("gl", Api::OpenGl),
+    ];
+
+    /// The variant with this name.
+    pub fn from_name(name: &str) -> Option<Api> {
+        Api::NAMES.iter().find(|(known, _)| *known == name).map(|(_, api)| *api)
+    }
+
+    /// The name of the module that is written.
+    fn module(self) -> &'static str {
+        match self {
+            Api::Wgpu | Api::WgpuMajor(_) => "wgpu_bindings",
+            Api::Ash => "ash_bindings",
+            Api::OpenGl => "gl_bindings",
+        }
+    }
+
+    /// The API in prose.
+    fn described(self) -> String {
+        match self {
+            Api::Wgpu => format!("wgpu {}", WgpuMajor::NEWEST.number()),
+            Api::WgpuMajor(major) => format!("wgpu {}", major.number()),
+            Api::Ash => "Vulkan, through ash 0.38".to_string(),
+            Api::OpenGl => "OpenGL".to_string(),
+        }
+    }
+}
+
+/// Where the generated code takes the text of a shader from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Sources {
+    /// Nowhere: no text is written.
+    #[default]
+    Without,
+    /// The text is part of the program.
+    Embedded,
+    /// With `debug_assertions` the file is read when the program asks; else the text is embedded.
+    LoadedInDebug,
+}
+
+/// Options of the bindings.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct BindingOptions {
+    /// The APIs, one module each.
+    pub apis: Vec<Api>,
+    /// Programs of several shaders: a name and the shaders' files, or `FILE:ENTRY` for some entry
+    /// points of a WGSL module. Without, `a.vert` and `a.frag` are one program, and every other
+    /// shader is one.
+    pub programs: Vec<(String, Vec<String>)>,
+    /// Names of buffers that are bound with a dynamic offset.
+    pub dynamic_offsets: Vec<String>,
+    /// Names of textures of floats that are not filtered, and of samplers that do not filter.
+    pub unfilterable: Vec<String>,
+    /// Where the text of the shaders comes from.
+    pub sources: Sources,
+    /// The expression of each shader's path, in the order of the shaders: `"a.wgsl"`, or
+    /// `concat!(env!("CARGO_MANIFEST_DIR"), "/a.wgsl")`. A shader without one has no text.
+    pub paths: Vec<String>,
+}
+
+/// Prints the modules of all APIs; returns errors about what an API cannot bind.
+pub(super) fn modules(
+    shaders: &[&ShaderLayout],
+    inputs: &[String],
+    options: &RustOptions,
+    public: &str,
+    text: &mut String,
+) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let bindings = &options.bindings;
+    if bindings.apis.is_empty() {
+        return found;
+    }
+    let mut programs = program::programs(shaders, inputs, bindings, &mut found);
+    let mut scope = Scope::default();
+    for program in &mut programs {
+        let usual = module(&program.name);
+        // As for the modules of shaders, directories are put before a name that another has.
+        let folder = program.shaders.first().and_then(|shader| shader.input.rsplit_once('/'));
+        let folders: Vec<&str> = folder.map_or("", |(folder, _)| folder).split('/').collect();
+        let longer = (0..folders.len()).rev().map(|at| {
+            let folders = folders[at..].join("_").replace(|c: char| !c.is_alphanumeric(), "_");
+            module(&format!("{folders}_{}", program.name))
+        });
+        let free = std::iter::once(usual.clone()).chain(longer).find(|name| scope.is_free(name));
+        let given = scope.take(&free.unwrap_or_else(|| usual.clone()));
+        if given != usual {
+            let message =
+                format!("the program of {} is named `{given}`: another is `{usual}`", program.of());
+            found.push(
+                Diagnostic::without_place(Code::NumberedName, Severity::Warning, message)
+                    .with_help(format!("give it a name: `--program NAME={}`", program.files())),
+            );
+        }
+        program.name = given;
+    }
+    found.extend(unused(&programs, bindings));
+    let mut seen = Vec::new();
+    for &api in &bindings.apis {
+        if seen.contains(&api.module()) {
+            let message = format!("bindings for {} are asked for twice", api.module());
+            let error = Diagnostic::without_place(Code::BadName, Severity::Error, message);
+            found.push(error.with_help("name one version of an API"));
+            continue;
+        }
+        seen.push(api.module());
+        let mut inside = text::Module::new(public);
+        for program in &programs {
+            let mut body = text::Module::new(public);
+            let mut errors = match api {
+                Api::Wgpu => wgpu::program(program, bindings, WgpuMajor::NEWEST, &mut body),
+                Api::WgpuMajor(major) => wgpu::program(program, bindings, major, &mut body),
+                Api::Ash => ash::program(program, bindings, &mut body),
+                Api::OpenGl => gl::program(program, bindings, &mut body),
+            };
+            found.append(&mut errors);
+            let about = format!("The program of {}.", program.of());
+            inside.module(&about, &program.name, body);
+        }
+        let mut whole = text::Module::new(public);
+        let about = format!("Bindings for {}.", api.described());
+        whole.module_of_any(&about, api.module(), inside);
+        if !text.ends_with("\n\n") {
+            text.push('\n');
+        }
+        text.push_str(whole.finished().trim_end());
+        text.push('\n');
+    }
+    found
+}
+
+/// A warning for each name in the options that no resource has.
+fn unused(programs: &[Program<'_>], options: &BindingOptions) -> Vec<Diagnostic> {
+    let known: Vec<&str> = programs
+        .iter()
+        .flat_map(|program| &program.bindings)
+        .flat_map(|one| [one.block.map(|block| &*block.name), Some(&*one.resource.name)])
+        .flatten()
+        .collect();
+    let named = options.dynamic_offsets.iter().map(|name| ("dynamic offset", name));
+    let named = named.chain(options.unfilterable.iter().map(|name| ("filtering", name)));
+    named
+        .filter(|(_, name)| !known.contains(&name.as_str()))
+        .map(|(what, name)| {
+            let message = format!("the {what} of `{name}` has no effect: nothing has that name");
+            let found = Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);
+            match nearest(name, known.iter().copied()) {
+                Some(near) => found.with_help(format!("did you mean `{near}`?")),
+                None => found.with_help("write the name of a resource that the program uses"),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,54 @@
+//! The blocks that have no mirror, and their diagnostics.
+
+use landfall_layout::diagnostic::Code;
+use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::layout::{BlockLayout, MemberLayout};
+use landfall_layout::shape::{AddressSpace, ArrayLen};
+use landfall_layout::source::Language;
+
+/// The largest mirror in bytes: a Rust type has at most `isize::MAX`, also on 32-bit targets.
+const LARGEST_MIRROR: u64 = i32::MAX as u64;
+
+/// The error of a block that cannot be mirrored; `None` if it can.
+pub(super) fn reason(block: &BlockLayout, language: Language) -> Option<Diagnostic> {
+    let name = &block.name;
+    if block.space == AddressSpace::Default {
+        let message = "no mirror is generated for uniforms outside blocks: they are set one by one";
+        return Some(
+            Diagnostic::warning(Code::NotMirrored, block.span, message)
+                .with_help("lay them out as one block with `--gather`"),
+        );
+    }
+    if let Some((member, constant)) = block.members.iter().find_map(sized_by_override) {
+        let message = format!(
+            "block `{name}` has no mirror: the size of `{}` depends on `{constant}`, \
+             which has no value",
+            member.name
+        );
+        let kind = match language {
+            Language::Glsl => "specialisation constant",
+            Language::Wgsl => "override",
+        };
+        return Some(
+            Diagnostic::error(Code::NotMirrored, member.span, message)
+                .with_help(format!("give the {kind} a value: `-O {constant}=16`")),
+        );
+    }
+    let size = block.size.unwrap_or(0);
+    if size > LARGEST_MIRROR {
+        let message = format!("block `{name}` has no mirror: it is {size} bytes large");
+        return Some(Diagnostic::error(Code::NotMirrored, block.span, message).with_note(format!(
+            "a Rust type is at most `isize::MAX` bytes large, {LARGEST_MIRROR} on 32-bit targets"
+        )));
+    }
+    None
+}
+
+/// The first member whose size depends on a constant without a value, and that constant's name.
+fn sized_by_override(member: &MemberLayout) -> Option<(&MemberLayout, &str)> {
+    let own = member.dims.iter().find_map(|len| match len {
+        ArrayLen::Override(name) => Some((member, &**name)),
+        ArrayLen::Fixed(_) | ArrayLen::Runtime => None,
+    });
+    own.or_else(|| member.members.iter().find_map(sized_by_override))
+}

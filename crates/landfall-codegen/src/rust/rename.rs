@@ -1,0 +1,98 @@
+//! Names that the configuration gives to structures, blocks and shaders' modules.
+
+use std::cell::RefCell;
+
+use rustc_hash::FxHashSet;
+
+use landfall_layout::ShaderLayout;
+use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
+use landfall_layout::layout::MemberLayout;
+use landfall_layout::shape::Type;
+use landfall_layout::text::edit_distance::nearest;
+
+use super::{RustOptions, names};
+
+/// The renames, and which of them were used.
+#[derive(Default)]
+pub(super) struct Renames {
+    /// The items to rename, each with its new name.
+    all: Vec<(String, String)>,
+    /// How many of them, from the first, name something of these shaders.
+    needed: usize,
+    used: RefCell<FxHashSet<usize>>,
+}
+
+impl Renames {
+    /// Reads the renames; one whose new name Rust does not take is reported and left out.
+    pub(super) fn new(options: &RustOptions) -> (Renames, Vec<Diagnostic>) {
+        let all = options.rename.iter().chain(&options.project_renames).cloned();
+        let (good, bad): (Vec<_>, Vec<_>) = all.partition(|(_, new)| names::is_identifier(new));
+        let bad = bad.into_iter().map(|(old, new)| {
+            let message = format!("`{old}` cannot be renamed `{new}`: it is no name in Rust");
+            Diagnostic::without_place(Code::BadName, Severity::Error, message)
+                .with_help("a name has ASCII letters, digits and underscores, and is no keyword")
+        });
+        let needed = good.len().min(options.rename.len());
+        (Renames { all: good, needed, used: RefCell::default() }, bad.collect())
+    }
+
+    /// The new name of a structure or block of a shader: of `lights.frag:Light`, or of `Light`.
+    pub(super) fn new_name(&self, input: &str, name: &str) -> Option<&str> {
+        let qualified = |old: &str| {
+            let (file, of) = old.rsplit_once(':')?;
+            Some(of == name && is_file(file, input))
+        };
+        self.find(|old| qualified(old) == Some(true)).or_else(|| self.find(|old| old == name))
+    }
+
+    /// The new name of a shader's module.
+    pub(super) fn of_shader(&self, input: &str) -> Option<&str> {
+        self.find(|old| is_file(old, input))
+    }
+
+    fn find(&self, is: impl Fn(&str) -> bool) -> Option<&str> {
+        let at = self.all.iter().position(|(old, _)| is(old))?;
+        self.used.borrow_mut().insert(at);
+        Some(&self.all[at].1)
+    }
+
+    /// A warning for each rename that nothing was found for.
+    pub(super) fn unused(&self, shaders: &[&ShaderLayout], inputs: &[String]) -> Vec<Diagnostic> {
+        let used = self.used.borrow();
+        let unused =
+            self.all[..self.needed].iter().enumerate().filter(|(at, _)| !used.contains(at));
+        let mut known: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        for block in shaders.iter().flat_map(|shader| &shader.blocks) {
+            known.push(&block.name);
+            structures(&block.members, &mut known);
+        }
+        unused
+            .map(|(_, (old, _))| {
+                let message = format!("the rename of `{old}` has no effect: nothing has that name");
+                let found =
+                    Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);
+                match nearest(old, known.iter().copied()) {
+                    Some(near) => found.with_help(format!("did you mean `{near}`?")),
+                    None => found.with_help(
+                        "write the name of a structure or block, `FILE:NAME`, or a shader's file",
+                    ),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Whether `file` names a shader: its path, or the end of it.
+pub(super) fn is_file(file: &str, input: &str) -> bool {
+    let rest = input.strip_suffix(file);
+    rest.is_some_and(|rest| !file.is_empty() && (rest.is_empty() || rest.ends_with('/')))
+}
+
+fn structures<'a>(members: &'a [MemberLayout], known: &mut Vec<&'a str>) {
+    for member in members {
+        if let Type::Struct(s) = member.ty.innermost() {
+            known.push(&s.name);
+            structures(&member.members, known);
+        }
+    }
+}
