@@ -38,7 +38,9 @@ impl Browser {
         let port = lines
             .by_ref()
             .map_while(Result::ok)
-            .find_map(|line| Some(line.rsplit_once("successfully on port ")?.1.trim_end_matches('.').to_string()))
+            .find_map(|line| {
+                Some(line.rsplit_once("successfully on port ")?.1.trim_end_matches('.').to_string())
+            })
             .expect("chromedriver prints its port");
         // Its pipe stays open, or it would end.
         std::thread::spawn(move || lines.for_each(drop));
@@ -120,8 +122,7 @@ impl Browser {
     pub fn show_as(&self, width: u32, scheme: &str) {
         let feature = json!([{"name": "prefers-color-scheme", "value": scheme}]);
         self.devtools("Emulation.setEmulatedMedia", json!({"features": feature}));
-        let size =
-            json!({"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false});
+        let size = json!({"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false});
         self.devtools("Emulation.setDeviceMetricsOverride", size);
     }
 

@@ -12,8 +12,8 @@ pub struct Folder(PathBuf);
 
 impl Folder {
     pub fn new(name: &str) -> Folder {
-        let path = std::env::temp_dir()
-            .join(format!("landfall-report-{name}-{}", std::process::id()));
+        let path =
+            std::env::temp_dir().join(format!("landfall-report-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
         Folder(path)

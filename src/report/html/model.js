@@ -98,7 +98,8 @@ function gaps(place) {
       after = member.name;
     }
   }
-  if (whole > end) push('tail padding', whole, null);
+  // What follows a runtime-sized array are its further elements.
+  if (whole > end && !place.members.some(isEndless)) push('tail padding', whole, null);
   return found;
 }
 
@@ -119,7 +120,8 @@ function partsOfStruct(place) {
 /** An element of an array and the padding up to the next one. */
 function partsOfElement(array, index) {
   const element = elementPlace(array, index);
-  const next = Math.min(array.start + (index + 1) * array.stride, array.end);
+  const after = array.start + (index + 1) * array.stride;
+  const next = array.endless ? after : Math.min(after, array.end);
   const pad = element.kind !== 'array' && element.end < next;
   return pad ? [element, tail('element', element, element.path, element.end, next)] : [element];
 }
