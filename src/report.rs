@@ -12,6 +12,7 @@ pub mod coverage;
 mod device;
 #[cfg(feature = "exec")]
 pub mod devices;
+pub mod html;
 #[cfg(feature = "analysis")]
 pub mod lights;
 #[cfg(feature = "exec")]

@@ -27,6 +27,19 @@ pub enum ScalarKind {
 }
 
 impl ScalarKind {
+    /// The name of the kind: `sint`, `float`, `float_e5m2`.
+    pub fn name(self) -> &'static str {
+        match self {
+            ScalarKind::Bool => "bool",
+            ScalarKind::Sint => "sint",
+            ScalarKind::Uint => "uint",
+            ScalarKind::Float => "float",
+            ScalarKind::Bfloat => "bfloat",
+            ScalarKind::FloatE5m2 => "float_e5m2",
+            ScalarKind::FloatE4m3 => "float_e4m3",
+        }
+    }
+
     /// Whether it is a floating-point format.
     pub fn is_float(self) -> bool {
         match self {

@@ -26,6 +26,7 @@ mod prove;
 mod read;
 #[cfg(feature = "exec")]
 mod render;
+mod report;
 #[cfg(feature = "exec")]
 mod run;
 #[cfg(feature = "exec")]
@@ -44,7 +45,7 @@ use landfall_layout::shape::DEFAULT_BLOCK;
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
 use budget::seconds;
-pub use check::{CheckArgs, ConfigArgs, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
+pub use check::{CheckArgs, ConfigArgs, Form, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "completions")]
 pub use completions::{CompletionsArgs, ManArgs};
@@ -71,6 +72,7 @@ pub use prove::{ProveArgs, ProveFormat};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
+pub use report::ReportArgs;
 #[cfg(feature = "exec")]
 pub use run::{RunArgs, RunFormat};
 #[cfg(feature = "exec")]
@@ -100,6 +102,8 @@ pub enum Command {
     Layout(LayoutArgs),
     /// Explain the offset of a member, or find the member at a byte
     Explain(ExplainArgs),
+    /// Draw memory maps of all blocks, with the findings, as one HTML file
+    Report(ReportArgs),
     /// Generate mirrors of blocks in Rust, C and other languages
     Emit(EmitArgs),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL

@@ -13,6 +13,7 @@ mod digests;
 mod fix;
 mod hash;
 mod key;
+mod page;
 mod pass;
 mod policies;
 #[cfg(feature = "exec")]
@@ -41,7 +42,7 @@ use landfall_layout::{Diagnostic, Error, Severity, lock};
 use landfall_lint::settings::RustFile;
 use landfall_lint::{LINTS, Settings};
 
-use crate::args::{CheckArgs, ReadArgs, Report};
+use crate::args::{CheckArgs, Form, ReadArgs, Report};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::walk::Listing;
@@ -160,6 +161,7 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         true => (findings, None),
         false => permitted.judge(findings, &pass, &run, &texts, (&writer, streams))?,
     };
+    let title = if args.is_report { "Landfall report" } else { "Landfall check" };
     let result = reports::Result {
         findings: &findings,
         shaders: pass.checked.len(),
@@ -167,8 +169,13 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         texts: &texts,
         permitted,
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
+        page: Some(&|| page::page(&run, &pass, &findings, title)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
+    if args.is_report {
+        streams.report(&failures_text(&run, &pass).unwrap_or_default());
+        return Ok(left_out.unwrap_or(outcome));
+    }
     closing_notes(&pass, &basis, (args, &config), &applied, streams);
     if !args.watch {
         // The process ends: to free thousands of results takes 3 % of a check from the cache.
@@ -281,7 +288,8 @@ fn first_pass(
 fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
     let (so_far, stdin) = (Arc::clone(&run.so_far), run.stdin.clone());
     let (statistics, streams) = (args.statistics, streams.for_thread());
-    let formats: Vec<_> = args.formats.iter().filter(|r| r.file.is_none()).cloned().collect();
+    let to_stdout = |report: &&Report| report.file.is_none() && report.format != Form::Html;
+    let formats: Vec<_> = args.formats.iter().filter(to_stdout).cloned().collect();
     if formats.is_empty() && !args.formats.is_empty() {
         return watch::on_end(|| ());
     }
@@ -296,6 +304,7 @@ fn report_on_end(args: &CheckArgs, run: &Run<'_>, streams: &Streams) {
             texts: &texts,
             permitted: None,
             shard: None,
+            page: None,
         };
         let _ = reports::write(&result, &formats, statistics, FileWriter::default(), &streams);
     });
@@ -335,7 +344,8 @@ fn lock_of(run: &Run<'_>, checked: &Checked) -> Option<PathBuf> {
 /// A writer that does not overwrite inputs of the check.
 fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> FileWriter {
     // The summary of a step is a file, too.
-    let writes = |report: &Report| report.file.is_some() || report.format == ReportFormat::Github;
+    let github = Form::Findings(ReportFormat::Github);
+    let writes = |report: &Report| report.file.is_some() || report.format == github;
     if !args.formats.iter().any(writes) && !args.write_baseline {
         return FileWriter::default();
     }
@@ -403,7 +413,8 @@ fn refuse(args: &CheckArgs) -> Result<(), Error> {
     if let Some(error) = reports::refused(&args.formats) {
         return Err(error);
     }
-    let has_json = args.formats.iter().any(|report| report.format == ReportFormat::Json);
+    let json = Form::Findings(ReportFormat::Json);
+    let has_json = args.formats.iter().any(|report| report.format == json);
     if let (Some(shard), false) = (args.shard, has_json) {
         let name = format!("--shard {}/{}", shard.index, shard.count);
         let help = format!("add `--format json=shard-{}.json`", shard.index);
@@ -455,26 +466,33 @@ fn diff(
     cache: &mut Cache,
     streams: &Streams,
 ) -> Result<Outcome, Failure> {
-    let failures = pass.failures();
-    let failed: Vec<_> = tree::findings_in_shaders(&pass)
-        .into_iter()
-        .filter(|f| landfall_lint::lint(&f.code).is_none())
-        .collect();
+    let failures = failures_text(run, &pass);
     let files = fix::preview(run, pass, &mut cache.tree, streams)?;
     streams.source(&fix::patch(&files))?;
     streams.finish()?;
-    if failures > 0 {
-        let texts = reports::Texts::new(run.stdin.clone());
-        let options = landfall_lint::render::ReportOptions {
-            paint: landfall_layout::format::Paint::Plain,
-            text: &|path| texts.of(path),
-            shaders: failed.len(),
-        };
-        streams.report(&landfall_lint::render::report(&failed, ReportFormat::Human, &options));
+    if let Some(text) = failures {
+        streams.report(&text);
         return Ok(Outcome::CouldNot);
     }
     streams.notes(&format!("{} would be fixed\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
+}
+
+/// What is wrong with shaders that could not be checked; `None` if all could.
+fn failures_text(run: &Run<'_>, pass: &Pass) -> Option<String> {
+    if pass.failures() == 0 {
+        return None;
+    }
+    let is_failure = |finding: &Finding| landfall_lint::lint(&finding.code).is_none();
+    let failed: Vec<Finding> =
+        tree::findings_in_shaders(pass).into_iter().filter(is_failure).collect();
+    let texts = reports::Texts::new(run.stdin.clone());
+    let options = landfall_lint::render::ReportOptions {
+        paint: landfall_layout::format::Paint::Plain,
+        text: &|path| texts.of(path),
+        shaders: failed.len(),
+    };
+    Some(landfall_lint::render::report(&failed, ReportFormat::Human, &options))
 }
 
 /// Replaces former lint codes by the current ones, with a note for each.

@@ -4,17 +4,20 @@ mod side;
 
 use std::path::{Path, PathBuf};
 
+use landfall::report::html::{Page, Part};
 use landfall_layout::diff::{BlockDiff, Class, Policy, Side as Blocks, diff, verdict};
 use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
+use landfall_layout::format::{Paint, escape_controls};
 use landfall_layout::source::Files;
+use landfall_layout::text::escape;
 use landfall_layout::{Error, ShaderLayout, lock};
 
 use crate::approvals::{Approvals, forbids};
 use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::{git, watch};
+use crate::{git, watch, write};
 use side::{Entry, Reading, Side, nothing};
 
 /// Width in columns without a terminal.
@@ -68,7 +71,8 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
             rust_field: landfall_codegen::rust::field,
         })
         .collect();
-    print(args, &compared, streams)?;
+    let protected = pairs.iter().flat_map(|pair| [&pair.old.files, &pair.new.files]);
+    print(args, &config, &compared, protected, streams)?;
     let mut forbidden = Vec::new();
     for ((pair, blocks), policy) in pairs.iter().zip(&found).zip(&judged) {
         let Some((policy, _)) = policy.as_ref().filter(|_| args.accept) else { continue };
@@ -222,20 +226,59 @@ fn keys(side: &Side) -> Vec<String> {
     }
 }
 
-fn print(args: &DiffArgs, all: &[Compared<'_>], streams: &Streams) -> Result<(), Failure> {
-    match args.format {
-        DiffFormat::Json => streams.json(&json(all)),
-        DiffFormat::Md => streams.product(&markdown(all)),
+/// Prints the changes, or writes them to `--out`.
+fn print<'a>(
+    args: &'a DiffArgs,
+    config: &'a Config,
+    all: &[Compared<'_>],
+    shaders: impl IntoIterator<Item = &'a Files>,
+    streams: &Streams,
+) -> Result<(), Failure> {
+    let paint = if args.out.is_some() { Paint::Plain } else { streams.paint };
+    let text = match args.format {
+        DiffFormat::Json => json(all),
+        DiffFormat::Md => markdown(all),
+        DiffFormat::Html => page(all),
         DiffFormat::Human => {
             let terminal = || terminal_size::terminal_size().map(|(width, _)| width.0.into());
             let width = Width::Columns(args.width.or_else(terminal).unwrap_or(COLUMNS));
-            for compared in all.iter().filter(|compared| !compared.blocks.is_empty()) {
-                streams.product(&human(compared, width, streams.paint))?;
-                streams.product("\n")?;
-            }
-            streams.product(&summary(all))
+            let changed = all.iter().filter(|compared| !compared.blocks.is_empty());
+            let texts = changed.map(|compared| human(compared, width, paint) + "\n");
+            texts.collect::<String>() + &summary(all)
         }
+    };
+    let Some(out) = &args.out else {
+        return match args.format {
+            DiffFormat::Json => streams.json(&text),
+            DiffFormat::Html => streams.source(&text),
+            DiffFormat::Md | DiffFormat::Human => streams.product(&text),
+        };
+    };
+    let text = match args.format {
+        DiffFormat::Json => escape::json(&text).into_owned(),
+        DiffFormat::Html => text,
+        DiffFormat::Md | DiffFormat::Human => escape_controls(text, paint),
+    };
+    let named = args.sides.iter().chain(&config.file).map(PathBuf::as_path);
+    write::protecting(named, shaders).write(out, &text)?;
+    Ok(())
+}
+
+/// The page with the old and the new map of each changed block.
+fn page(all: &[Compared<'_>]) -> String {
+    let mut page = Page::default();
+    for compared in all.iter().filter(|compared| !compared.blocks.is_empty()) {
+        let new = compared.new;
+        let shader = ShaderLayout::empty(new.path.clone(), new.language, new.stage);
+        page.add(&Part {
+            path: compared.name,
+            shader: &shader,
+            by_rules: &[],
+            findings: &[],
+            compared: Some(compared),
+        });
     }
+    page.finish("Landfall diff")
 }
 
 /// Updates the locks of the side that has them; of the new side if both have.

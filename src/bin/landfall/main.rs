@@ -43,6 +43,7 @@ mod prove;
 mod read;
 #[cfg(feature = "exec")]
 mod render;
+mod report;
 mod rule;
 #[cfg(feature = "exec")]
 mod run;
@@ -74,6 +75,7 @@ fn main() -> ExitCode {
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
+        Command::Report(args) => report::run(args, &streams),
         Command::Emit(args) => emit::run(args, &streams),
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),

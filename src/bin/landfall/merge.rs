@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::args::MergeArgs;
+use landfall_layout::Error;
+
+use crate::args::{Form, MergeArgs};
 use crate::check::baseline::{Baseline, Scope};
 use crate::check::check_shader::Checked;
 use crate::check::tree::{self, Memory};
@@ -15,6 +17,13 @@ use crate::write;
 pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if let Some(error) = reports::refused(&args.formats) {
         return Err(error);
+    }
+    if args.formats.iter().any(|report| report.format == Form::Html) {
+        return Err(Error::new(
+            "--format html",
+            "shows layouts, which reports of shards do not hold",
+        )
+        .with_help("write the page with `landfall report`"));
     }
     let mut whole = shard::merge_reports(&args.reports)?;
     whole.basis.read_rust_files()?;
@@ -40,6 +49,7 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
         texts: &texts,
         permitted,
         shard: None,
+        page: None,
     };
     let mut writer = write::writer();
     writer.protect(&args.reports);

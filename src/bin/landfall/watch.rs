@@ -168,7 +168,9 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
         Command::Stress(args) => (args.time.saturating_mul(2), wait_for_report),
         #[cfg(feature = "exec")]
         Command::Prove(args) => (args.time.saturating_mul(2), wait_for_report),
-        Command::Check(_) => (Duration::ZERO, || thread::sleep(CHECK_PATIENCE)),
+        Command::Check(_) | Command::Report(_) => {
+            (Duration::ZERO, || thread::sleep(CHECK_PATIENCE))
+        }
         _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
     let watch = Watch {

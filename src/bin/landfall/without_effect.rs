@@ -276,6 +276,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
     let read = match command {
         Command::Layout(args) => &args.read,
         Command::Explain(args) => &args.read,
+        Command::Report(args) => &args.read,
         Command::Emit(args) => &args.read,
         Command::Port(args) => &args.read,
         Command::Encode(args) => &args.read,

@@ -43,7 +43,7 @@ pub fn text(block: &BlockLayout, language: Language, answer: &Answer, paint: Pai
 
 fn path_text(explanation: &Explanation, rules: Rules, paint: Paint, text: &mut String) {
     for step in &explanation.steps {
-        let (why, cited) = reason(step, rules);
+        let (why, cited) = reason(&step.kind, step.adds, rules);
         text.push_str(&format!(
             "\n  {}  {}\n",
             paint.text(STRONG, &step.path),
@@ -95,9 +95,10 @@ fn every_element(step: &Step) -> Option<String> {
     }
 }
 
-/// The explanation of a step, and the rules it cites.
-fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
-    match &step.kind {
+/// The explanation of a step that adds that many bytes, and the rules it cites.
+#[doc(hidden)]
+pub fn reason(kind: &StepKind, adds: u64, rules: Rules) -> (Vec<String>, Vec<String>) {
+    match kind {
         StepKind::Member {
             rule,
             own_align,
@@ -114,16 +115,13 @@ fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
                 false => format!("alignment {own_align}, raised to {align} in the shader"),
             }];
             why.push(match (after, written) {
-                (_, true) => format!("the shader puts it at offset {}", step.adds),
+                (_, true) => format!("the shader puts it at offset {}", adds),
                 (None, false) => "the first member: starts at 0".to_string(),
-                (Some(after), false) if previous_end == &step.adds => {
+                (Some(after), false) if *previous_end == adds => {
                     format!("`{after}` ends at {previous_end}, a multiple of {align}")
                 }
                 (Some(after), false) => {
-                    format!(
-                        "`{after}` ends at {previous_end}, rounded up to {align}: {}",
-                        step.adds
-                    )
+                    format!("`{after}` ends at {previous_end}, rounded up to {align}: {}", adds)
                 }
             });
             if let (Some(own), Some(size)) = (own_size, size) {
@@ -141,7 +139,7 @@ fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
             }];
             let elements = len.map_or_else(|| "any number of".to_string(), |n| n.to_string());
             why.push(match index {
-                Some(index) => format!("{index} × {stride} = {}", step.adds),
+                Some(index) => format!("{index} × {stride} = {}", adds),
                 None => format!("every one of {elements} elements, the first shown"),
             });
             (why, cited)
@@ -149,19 +147,19 @@ fn reason(step: &Step, rules: Rules) -> (Vec<String>, Vec<String>) {
         StepKind::Column { index, stride, column_size } => {
             let why = vec![
                 format!("matrix stride {stride}: columns of {column_size} bytes"),
-                format!("{index} × {stride} = {}", step.adds),
+                format!("{index} × {stride} = {}", adds),
             ];
             (why, vec![])
         }
         StepKind::ColumnAcrossRows { index, width, stride } => {
             let why = vec![
                 format!("stored by rows: a column's components lie {stride} bytes apart"),
-                format!("{index} × {width} = {}", step.adds),
+                format!("{index} × {width} = {}", adds),
             ];
             (why, vec![])
         }
         StepKind::Component { index, stride } => {
-            (vec![format!("component {index}: {index} × {stride} = {}", step.adds)], vec![])
+            (vec![format!("component {index}: {index} × {stride} = {}", adds)], vec![])
         }
     }
 }
@@ -358,6 +356,6 @@ fn step_object(step: &Step, rules: Rules) -> StepObject<'_> {
         base: step.base,
         adds: step.adds,
         offset: step.base + step.adds,
-        reason: reason(step, rules).0,
+        reason: reason(&step.kind, step.adds, rules).0,
     }
 }

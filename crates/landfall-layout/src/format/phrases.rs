@@ -59,7 +59,7 @@ pub(super) fn block_name(block: &BlockLayout) -> String {
 
 /// A block's set and binding: `set 0, binding 3` in GLSL, `@group(0) @binding(3)` in WGSL, empty
 /// without either.
-pub(super) fn slot(block: &BlockLayout, language: Language) -> String {
+pub fn slot(block: &BlockLayout, language: Language) -> String {
     let (group, binding, join) = match language {
         Language::Glsl => (
             block.group.map(|n| format!("set {n}")),
@@ -80,7 +80,7 @@ const MOST_OPAQUE: usize = 10_000;
 
 /// The paths of a block's samplers and images, also in structures: `lights[].shadow`. After
 /// [`MOST_OPAQUE`] paths the last one is `…`.
-pub(super) fn opaque(block: &BlockLayout) -> Vec<String> {
+pub fn opaque(block: &BlockLayout) -> Vec<String> {
     let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
     block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));
     if paths.len() > MOST_OPAQUE {
@@ -101,7 +101,7 @@ fn opaque_in(member: &MemberLayout, parent: &str, paths: &mut Vec<String>) {
 }
 
 /// The number of buffers of an array of blocks; `None` if it is not fixed.
-pub(super) fn buffers(block: &BlockLayout) -> Option<u64> {
+pub fn buffers(block: &BlockLayout) -> Option<u64> {
     block.count.iter().try_fold(1u64, |product, len| match len {
         ArrayLen::Fixed(n) => Some(product.saturating_mul(u64::from(*n))),
         ArrayLen::Runtime | ArrayLen::Override(_) => None,

@@ -9,13 +9,13 @@ use landfall_lint::render::ReportFormat;
 use super::TextArgs;
 use super::levels::LevelArgs;
 
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 pub struct CheckArgs {
     /// Files, directories and globs; - reads stdin [default: `paths` of the configuration, or .]
     #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// Report format (human, short, json, github, sarif or junit) and file; repeat it for several
-    /// reports, at most one of them to stdout [default: human]
+    /// Report format (human, short, json, github, sarif, junit or html) and file; repeat it for
+    /// several reports, at most one of them to stdout [default: human]
     #[arg(
         help_heading = "Reports", short, long = "format", value_name = "FORMAT[=FILE]",
         value_parser = report
@@ -84,6 +84,9 @@ pub struct CheckArgs {
     pub levels: LevelArgs,
     #[command(flatten)]
     pub text: TextArgs,
+    /// Whether this is `report`, which shows findings and does not fail for them.
+    #[arg(skip)]
+    pub is_report: bool,
 }
 
 /// The choice of the configuration file.
@@ -139,9 +142,18 @@ pub enum RuleFormat {
 /// The format and destination of a report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
-    pub format: ReportFormat,
+    pub format: Form,
     /// `None` for stdout.
     pub file: Option<PathBuf>,
+}
+
+/// The form of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Findings alone.
+    Findings(ReportFormat),
+    /// A page of findings and layouts.
+    Html,
 }
 
 /// Part `index` of `count`, counted from 1.
@@ -151,13 +163,14 @@ pub struct Shard {
     pub count: u32,
 }
 
-const FORMATS: [(&str, ReportFormat); 6] = [
-    ("human", ReportFormat::Human),
-    ("short", ReportFormat::Short),
-    ("json", ReportFormat::Json),
-    ("github", ReportFormat::Github),
-    ("sarif", ReportFormat::Sarif),
-    ("junit", ReportFormat::Junit),
+const FORMATS: [(&str, Form); 7] = [
+    ("human", Form::Findings(ReportFormat::Human)),
+    ("short", Form::Findings(ReportFormat::Short)),
+    ("json", Form::Findings(ReportFormat::Json)),
+    ("github", Form::Findings(ReportFormat::Github)),
+    ("sarif", Form::Findings(ReportFormat::Sarif)),
+    ("junit", Form::Findings(ReportFormat::Junit)),
+    ("html", Form::Html),
 ];
 
 /// Parses `FORMAT` or `FORMAT=FILE`.
@@ -190,7 +203,8 @@ mod tests {
 
     #[test]
     fn a_report_may_name_its_file() {
-        let sarif = Report { format: ReportFormat::Sarif, file: Some(PathBuf::from("a=b.sarif")) };
+        let sarif = Form::Findings(ReportFormat::Sarif);
+        let sarif = Report { format: sarif, file: Some(PathBuf::from("a=b.sarif")) };
         assert_eq!(report("sarif=a=b.sarif"), Ok(sarif));
         assert_eq!(report("short").map(|report| report.file), Ok(None));
         assert!(report("json=").is_err() && report("xml").is_err());

@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 21] = [
+pub const EXAMPLES: [(&str, &[Example]); 22] = [
     (
         "layout",
         &[
@@ -29,6 +29,19 @@ pub const EXAMPLES: [(&str, &[Example]); 21] = [
             (
                 "The member at byte 172 of a block",
                 "landfall explain shaders/light_arrays/lights.wgsl @172 -b PointLightBlock",
+            ),
+        ],
+    ),
+    (
+        "report",
+        &[
+            (
+                "Memory maps and findings of all shaders of a directory in one page",
+                "landfall report shaders/light_arrays --out report.html",
+            ),
+            (
+                "The same for CI, which fails for findings",
+                "landfall check shaders/light_arrays --format html=report.html",
             ),
         ],
     ),

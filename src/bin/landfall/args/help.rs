@@ -13,7 +13,7 @@ use crate::stdout;
 
 /// The commands by what people do with them, in the order of the help.
 const GROUPS: [(&str, &[&str]); 6] = [
-    ("Lay out", &["layout", "explain"]),
+    ("Lay out", &["layout", "explain", "report"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
     ("Guard", &["init", "lock", "check", "diff", "merge", "rule"]),
     ("Prove", &["verify", "prove", "run", "devices"]),

@@ -54,6 +54,9 @@ pub struct DiffArgs {
     /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: DiffFormat,
+    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
+    #[arg(short, long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
     /// Exit with 1 only on breaking changes
     #[arg(long)]
     pub breaking: bool,
@@ -81,6 +84,8 @@ pub enum DiffFormat {
     Json,
     /// Markdown, for pull-request comments
     Md,
+    /// A page with the old and the new memory map of each block
+    Html,
 }
 
 fn policy(text: &str) -> Result<Policy, String> {

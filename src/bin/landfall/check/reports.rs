@@ -14,7 +14,7 @@ use landfall_layout::format::phrases::counted;
 use landfall_lint::render::{ReportFormat, ReportOptions, github_summary, report};
 
 use super::report_root::ReportRoot;
-use crate::args::Report;
+use crate::args::{Form, Report};
 use crate::output::{Failure, Outcome, Streams};
 
 /// The code of findings about entries of a baseline that match nothing.
@@ -60,6 +60,8 @@ pub struct Result<'a> {
     pub permitted: Option<usize>,
     /// The value of the field `shard` in the JSON report of a shard.
     pub shard: Option<String>,
+    /// Renders the HTML page; `None` without layouts.
+    pub page: Option<&'a dyn Fn() -> String>,
 }
 
 /// The error if two reports have the same destination.
@@ -81,7 +83,7 @@ pub fn write(
     mut writer: FileWriter,
     streams: &Streams,
 ) -> std::result::Result<Outcome, Failure> {
-    let human = [Report { format: ReportFormat::Human, file: None }];
+    let human = [Report { format: Form::Findings(ReportFormat::Human), file: None }];
     let formats = if formats.is_empty() { &human[..] } else { formats };
     let text = |path: &str| result.texts.of(path);
     let options = |paint| ReportOptions { paint, text: &text, shaders: result.shaders };
@@ -95,14 +97,20 @@ pub fn write(
     };
     for requested in formats {
         if let Some(file) = &requested.file {
-            let findings = findings_of(requested.format);
-            let text = report(findings, requested.format, &options(Paint::Plain));
-            writer.write(file, with_shard(text, requested.format, result))?;
+            let text = match requested.format {
+                Form::Findings(format) => {
+                    let text = report(findings_of(format), format, &options(Paint::Plain));
+                    with_shard(text, format, result)
+                }
+                Form::Html => page(result),
+            };
+            writer.write(file, text)?;
             // No report overwrites another, even through links.
             writer.protect([file]);
         }
     }
-    if formats.iter().any(|requested| requested.format == ReportFormat::Github) {
+    let github = Form::Findings(ReportFormat::Github);
+    if formats.iter().any(|requested| requested.format == github) {
         if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())
         {
             // Earlier commands of the step may have written to the file.
@@ -110,33 +118,13 @@ pub fn write(
             writer.append(Path::new(&path), text)?;
         }
     }
-    if let Some(requested) = formats.iter().find(|requested| requested.file.is_none()) {
-        let for_people = match requested.format {
-            ReportFormat::Human | ReportFormat::Short => true,
-            ReportFormat::Json
-            | ReportFormat::Github
-            | ReportFormat::Sarif
-            | ReportFormat::Junit => false,
-        };
-        let paint = if for_people { streams.paint } else { Paint::Plain };
-        let denied: Vec<Finding>;
-        let findings = if for_people && streams.is_quiet() {
-            let loud = result.findings.iter().filter(|finding| finding.level() == Level::Deny);
-            denied = loud.cloned().collect();
-            &denied
-        } else {
-            findings_of(requested.format)
-        };
-        let text = report(findings, requested.format, &options(paint));
-        let text = with_shard(text, requested.format, result);
-        match requested.format {
-            ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => {
-                streams.product(&text)?;
-            }
-            ReportFormat::Json | ReportFormat::Sarif => streams.json(&text)?,
-            // Workflow commands, already escaped.
-            ReportFormat::Github => streams.exactly(&text)?,
+    let to_stdout = formats.iter().find(|requested| requested.file.is_none());
+    match to_stdout.map(|requested| requested.format) {
+        Some(Form::Findings(format)) => {
+            print(result, format, findings_of(format), &options, streams)?;
         }
+        Some(Form::Html) => streams.source(&page(result))?,
+        None => {}
     }
     streams.finish()?;
     if statistics {
@@ -144,6 +132,44 @@ pub fn write(
     }
     streams.notes(&summary(result));
     Ok(outcome(result))
+}
+
+/// Writes a report of findings to stdout.
+fn print<'a>(
+    result: &Result<'_>,
+    format: ReportFormat,
+    findings: &[Finding],
+    options: &dyn Fn(Paint) -> ReportOptions<'a>,
+    streams: &Streams,
+) -> std::result::Result<(), Failure> {
+    let for_people = match format {
+        ReportFormat::Human | ReportFormat::Short => true,
+        ReportFormat::Json | ReportFormat::Github | ReportFormat::Sarif | ReportFormat::Junit => {
+            false
+        }
+    };
+    let paint = if for_people { streams.paint } else { Paint::Plain };
+    let denied: Vec<Finding>;
+    let findings = if for_people && streams.is_quiet() {
+        let loud = result.findings.iter().filter(|finding| finding.level() == Level::Deny);
+        denied = loud.cloned().collect();
+        &denied
+    } else {
+        findings
+    };
+    let text = report(findings, format, &options(paint));
+    let text = with_shard(text, format, result);
+    match format {
+        ReportFormat::Human | ReportFormat::Short | ReportFormat::Junit => streams.product(&text),
+        ReportFormat::Json | ReportFormat::Sarif => streams.json(&text),
+        // Workflow commands, already escaped.
+        ReportFormat::Github => streams.exactly(&text),
+    }
+}
+
+/// The HTML page; only `merge`, which refuses it, has none.
+fn page(result: &Result<'_>) -> String {
+    result.page.map(|page| page()).unwrap_or_default()
 }
 
 fn outcome(result: &Result<'_>) -> Outcome {

@@ -118,6 +118,7 @@ pub fn lays_out(command: &Command) -> bool {
         command,
         Command::Layout(_)
             | Command::Explain(_)
+            | Command::Report(_)
             | Command::Emit(_)
             | Command::Encode(_)
             | Command::Decode(_)

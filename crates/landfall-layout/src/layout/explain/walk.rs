@@ -119,26 +119,8 @@ impl<'a> Walk<'a> {
             };
         };
         let member = &members[i];
-        let rules = self.block.rules;
-        let previous = i.checked_sub(1).map(|i| &members[i]);
-        let previous_end = match previous.and_then(|m| Some((m.offset?, m.size?))) {
-            Some((offset, size)) => offset + size,
-            // After a runtime-sized member: the furthest end so far.
-            None => structure(&members[..i], rules).data_size,
-        };
-        let offset = member.offset.unwrap_or(0);
-        let align = member.align.unwrap_or(1);
-        let own = own_size(member, rules);
-        let kind = StepKind::Member {
-            rule: rule_of(&member.ty, rules, member),
-            own_align: own_align(member, rules),
-            align,
-            after: previous.map(|m| m.name.clone()),
-            previous_end,
-            written: offset != previous_end.next_multiple_of(align),
-            size: member.size,
-            own_size: (reach(member) > own).then_some(own),
-        };
+        let (kind, offset) =
+            (StepKind::of_member(members, i, self.block.rules), member.offset.unwrap_or(0));
         let text = if self.path.is_empty() { name.to_string() } else { format!(".{name}") };
         self.step(&text, self.spelled(&member.ty), offset, kind);
         self.place = WalkPosition::Member(member, 0);
@@ -194,26 +176,14 @@ impl<'a> Walk<'a> {
         if let (Some(index), Some(len)) = (index, len) {
             self.in_range(index, len, "elements")?;
         }
-        let rules = self.block.rules;
         let stride = member.strides[indexed];
         let Some(adds) = index.unwrap_or(0).checked_mul(stride).filter(|n| *n < 1 << 62) else {
             let (path, index) = (self.path.clone(), index.unwrap_or(0));
             let len = LARGEST_BLOCK / stride.max(1);
             return self.fail(PathErrorKind::OutOfRange { path, index, len, what: "elements" });
         };
-        let mut array = &member.ty;
-        for _ in 0..indexed {
-            array = element_of(array);
-        }
-        let below = element_of(array);
-        let kind = StepKind::Element {
-            index,
-            len,
-            stride,
-            element_size: unrounded_element(member, indexed, rules),
-            align: own_align(member, rules),
-            rule: rule_of(array, rules, member),
-        };
+        let below = element_of(array_at(member, indexed));
+        let kind = StepKind::of_element(member, indexed, index, self.block.rules);
         let text = index.map_or_else(|| "[]".to_string(), |i| format!("[{i}]"));
         self.step(&text, self.spelled(below), adds, kind);
         self.place = WalkPosition::Member(member, indexed + 1);
@@ -227,13 +197,9 @@ impl<'a> Walk<'a> {
         self.in_range(index, u64::from(*columns), "columns")?;
         let width = u64::from(scalar.width);
         let stride = member.matrix_stride.unwrap_or(0);
-        let (adds, apart, kind) = if member.row_major {
-            let kind = StepKind::ColumnAcrossRows { index, width, stride };
-            (index * width, stride, kind)
-        } else {
-            let column_size = matrix_vector(member).map_or(0, |vector| vector.bytes);
-            (index * stride, width, StepKind::Column { index, stride, column_size })
-        };
+        let (adds, apart) =
+            if member.row_major { (index * width, stride) } else { (index * stride, width) };
+        let kind = StepKind::of_column(member, index, width);
         let column = Type::Vector { scalar: *scalar, rows: *rows };
         self.step(&format!("[{index}]"), self.spelled(&column), adds, kind);
         let components = Components { scalar: *scalar, count: u64::from(*rows), stride: apart };
@@ -286,6 +252,69 @@ impl<'a> Walk<'a> {
             WalkPosition::Component(scalar) => Some(scalar.width.into()),
         }
     }
+}
+
+impl StepKind {
+    /// The reason for the offset of the member at an index of a block or structure; not for loose
+    /// uniforms, which have no offsets.
+    #[must_use]
+    pub fn of_member(members: &[MemberLayout], index: usize, rules: Rules) -> StepKind {
+        let member = &members[index];
+        let previous = index.checked_sub(1).map(|i| &members[i]);
+        let previous_end = match previous.and_then(|m| Some((m.offset?, m.size?))) {
+            Some((offset, size)) => offset + size,
+            // After a runtime-sized member: the furthest end so far.
+            None => structure(&members[..index], rules).data_size,
+        };
+        let offset = member.offset.unwrap_or(0);
+        let align = member.align.unwrap_or(1);
+        let own = own_size(member, rules);
+        StepKind::Member {
+            rule: rule_of(&member.ty, rules, member),
+            own_align: own_align(member, rules),
+            align,
+            after: previous.map(|m| m.name.clone()),
+            previous_end,
+            written: offset != previous_end.next_multiple_of(align),
+            size: member.size,
+            own_size: (reach(member) > own).then_some(own),
+        }
+    }
+
+    /// The reason for the stride of a dimension of an array member; `index` as in
+    /// [`StepKind::Element`].
+    #[must_use]
+    pub fn of_element(
+        member: &MemberLayout,
+        dim: usize,
+        index: Option<u64>,
+        rules: Rules,
+    ) -> StepKind {
+        StepKind::Element {
+            index,
+            len: fixed(&member.dims[dim]),
+            stride: member.strides[dim],
+            element_size: unrounded_element(member, dim, rules),
+            align: own_align(member, rules),
+            rule: rule_of(array_at(member, dim), rules, member),
+        }
+    }
+
+    /// The reason for the place of a column of a matrix member whose components have `width` bytes.
+    #[must_use]
+    pub fn of_column(member: &MemberLayout, index: u64, width: u64) -> StepKind {
+        let stride = member.matrix_stride.unwrap_or(0);
+        if member.row_major {
+            return StepKind::ColumnAcrossRows { index, width, stride };
+        }
+        let column_size = matrix_vector(member).map_or(0, |vector| vector.bytes);
+        StepKind::Column { index, stride, column_size }
+    }
+}
+
+/// The type of a member below its first `dim` dimensions.
+fn array_at(member: &MemberLayout, dim: usize) -> &Type {
+    (0..dim).fold(&member.ty, |ty, _| element_of(ty))
 }
 
 fn element_of(ty: &Type) -> &Type {

@@ -1,0 +1,15 @@
+//! `landfall report`: the layouts and findings of shaders as one HTML page.
+//!
+//! The findings are those of `check`, whose page this is.
+
+use crate::args::ReportArgs;
+use crate::check;
+use crate::output::{Failure, Outcome, Streams};
+
+pub fn run(args: &ReportArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    Ok(match check::run(&args.check(), streams)? {
+        // They are in the report.
+        Outcome::Findings => Outcome::Clean,
+        outcome => outcome,
+    })
+}

@@ -1,0 +1,216 @@
+//! A shader as JSON for the page: its blocks under every set of rules, its findings, and what
+//! changed since its lock or its other side.
+
+use std::collections::HashMap;
+
+use landfall_layout::finding::Finding;
+use landfall_layout::format::diff::{Compared, Verdict};
+use landfall_layout::format::phrases;
+use landfall_layout::layout::padding::summary;
+use landfall_layout::layout::targets;
+use landfall_layout::source::Language;
+use landfall_layout::{AddressSpace, BlockLayout, Rules, ShaderLayout};
+use serde::Serialize;
+
+use super::member::{Context, Member, members};
+
+/// The rules that the page compares, in the order of its switches.
+pub const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
+
+/// The most leaves of a block that is shown under other rules than its own; bounds the file.
+pub const MOST_UNDER_ALL_RULES: usize = 4096;
+
+/// A shader of the page.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// The shader's path as the page shows it.
+    pub path: &'a str,
+    /// Its layout; empty where only changes are shown.
+    pub shader: &'a ShaderLayout,
+    /// Its layouts by [`RULES`]; may be empty.
+    pub by_rules: &'a [(Rules, ShaderLayout)],
+    /// What was found in it.
+    pub findings: &'a [&'a Finding],
+    /// How its layout differs from the other side.
+    pub compared: Option<&'a Compared<'a>>,
+}
+
+/// Texts that many members share, by their index in the page.
+#[derive(Debug, Default)]
+pub(super) struct Texts {
+    pub all: Vec<String>,
+    known: HashMap<String, usize>,
+}
+
+impl Texts {
+    pub fn index(&mut self, text: String) -> usize {
+        let next = self.all.len();
+        let index = *self.known.entry(text).or_insert_with_key(|text| {
+            self.all.push(text.clone());
+            next
+        });
+        index
+    }
+}
+
+#[derive(Serialize)]
+struct Shader<'a> {
+    path: &'a str,
+    language: &'static str,
+    stage: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed: Option<String>,
+    blocks: Vec<Block<'a>>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    findings: &'a [&'a Finding],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    changes: Vec<Change<'a>>,
+}
+
+#[derive(Serialize)]
+struct Block<'a> {
+    name: &'a str,
+    instance: Option<&'a str>,
+    space: &'static str,
+    slot: String,
+    /// Number of buffers of an array of blocks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    buffers: Option<u64>,
+    /// The block's own rules; `None` for loose uniforms.
+    rules: Option<&'static str>,
+    rules_declared: bool,
+    line: u32,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    opaque: Vec<String>,
+    layouts: Vec<Layout<'a>>,
+}
+
+#[derive(Serialize)]
+struct Layout<'a> {
+    rules: &'static str,
+    size: Option<u64>,
+    data_size: Option<u64>,
+    align: Option<u64>,
+    /// Bytes of padding.
+    padding: Option<u64>,
+    members: Vec<Member<'a>>,
+}
+
+#[derive(Serialize)]
+struct Change<'a> {
+    name: &'a str,
+    class: &'static str,
+    old: Option<Block<'a>>,
+    new: Option<Block<'a>>,
+    list: Vec<ChangeLine<'a>>,
+}
+
+#[derive(Serialize)]
+struct ChangeLine<'a> {
+    kind: &'static str,
+    class: &'static str,
+    path: &'a str,
+    old: Option<&'a str>,
+    new: Option<&'a str>,
+    message: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<String>,
+}
+
+/// The JSON of a shader.
+pub(super) fn shader(part: &Part<'_>, texts: &mut Texts) -> String {
+    let shader = part.shader;
+    let blocks = shader.blocks.iter().map(|own| {
+        let same = |other: &&BlockLayout| {
+            (&other.name, &other.instance, other.span) == (&own.name, &own.instance, own.span)
+        };
+        let others = part
+            .by_rules
+            .iter()
+            .filter(|(rules, _)| *rules != own.rules && own.leaves.len() <= MOST_UNDER_ALL_RULES);
+        let mut all: Vec<&BlockLayout> =
+            others.filter_map(|(_, other)| other.blocks.iter().find(same)).collect();
+        all.push(own);
+        all.sort_by_key(|block| RULES.iter().position(|rules| *rules == block.rules));
+        let all = if own.space == AddressSpace::Default { vec![own] } else { all };
+        block(own, &all, shader, texts)
+    });
+    let object = Shader {
+        path: part.path,
+        language: shader.language.name(),
+        stage: shader.stage.map(|stage| stage.name()),
+        assumed: targets::note(shader.assumed_target),
+        blocks: blocks.collect(),
+        findings: part.findings,
+        changes: part.compared.map_or_else(Vec::new, |compared| changes(compared, texts)),
+    };
+    super::json(&object)
+}
+
+fn block<'a>(
+    own: &'a BlockLayout,
+    all: &[&'a BlockLayout],
+    shader: &'a ShaderLayout,
+    texts: &mut Texts,
+) -> Block<'a> {
+    Block {
+        name: &own.name,
+        instance: own.instance.as_deref(),
+        space: own.space.name(),
+        slot: phrases::slot(own, shader.language),
+        buffers: phrases::buffers(own).filter(|_| !own.count.is_empty()),
+        rules: (own.space != AddressSpace::Default).then(|| own.rules.name()),
+        rules_declared: own.rules_declared,
+        line: shader.files.locate(own.span).line,
+        opaque: phrases::opaque(own),
+        layouts: all.iter().map(|block| layout(block, shader, texts)).collect(),
+    }
+}
+
+fn layout<'a>(block: &'a BlockLayout, shader: &'a ShaderLayout, texts: &mut Texts) -> Layout<'a> {
+    let language: Language = shader.language;
+    let mut context = Context { rules: block.rules, language, files: &shader.files, texts };
+    Layout {
+        rules: block.rules.name(),
+        size: block.size,
+        data_size: block.data_size,
+        align: block.align,
+        padding: summary(block).map(|summary| summary.padding),
+        members: members(&block.members, &mut context),
+    }
+}
+
+fn changes<'a>(compared: &'a Compared<'a>, texts: &mut Texts) -> Vec<Change<'a>> {
+    let mut found = Vec::with_capacity(compared.blocks.len());
+    for (number, diff) in compared.blocks.iter().enumerate() {
+        let mut side = |shader: &'a ShaderLayout, at: Option<usize>| {
+            at.map(|at| block(&shader.blocks[at], &[&shader.blocks[at]], shader, texts))
+        };
+        let verdict = |change: usize| match compared.judged?.1.get(number)?.get(change)? {
+            Verdict::Allowed => Some("allowed".to_string()),
+            Verdict::Forbidden => Some("forbidden".to_string()),
+            Verdict::Approved(reason) => Some(format!("approved: {reason}")),
+        };
+        found.push(Change {
+            name: &diff.name,
+            class: diff.class().name(),
+            old: side(compared.old, diff.old),
+            new: side(compared.new, diff.new),
+            list: diff
+                .changes
+                .iter()
+                .enumerate()
+                .map(|(at, change)| ChangeLine {
+                    kind: change.kind.name(),
+                    class: change.class.name(),
+                    path: &change.path,
+                    old: change.old.as_deref(),
+                    new: change.new.as_deref(),
+                    message: &change.message,
+                    verdict: verdict(at),
+                })
+                .collect(),
+        });
+    }
+    found
+}

@@ -1,0 +1,34 @@
+// Elements from names, attributes and texts. All text of shaders goes through `textContent`: none
+// of it is ever parsed as HTML.
+
+/** An element; children are elements or texts. */
+function el(name, attributes = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key === 'class') element.className = value;
+    else if (key === 'on') Object.entries(value).forEach(([event, act]) => element.addEventListener(event, act));
+    else if (key === 'data') Object.assign(element.dataset, value);
+    else if (value !== null && value !== undefined && value !== false) {
+      element.setAttribute(key, value === true ? '' : value);
+    }
+  }
+  for (const child of children.flat(3)) {
+    if (child !== null && child !== undefined) element.append(child);
+  }
+  return element;
+}
+
+/** A text in which `names` between backticks are code. */
+function prose(message) {
+  return String(message).split('`').map((part, index) => (index % 2 ? el('code', {}, part) : part));
+}
+
+/** A table with a caption; the first cell of a row heads it. */
+function table(caption, columns, rows) {
+  const head = el('tr', {}, columns.map((column) => el('th', { scope: 'col' }, column)));
+  const body = rows.map((row) => el('tr', {}, row.map((cell, index) => (
+    index === 0 ? el('th', { scope: 'row' }, cell) : el('td', {}, cell)
+  ))));
+  return el('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption },
+    el('table', {}, el('caption', {}, caption), el('thead', {}, head), el('tbody', {}, body)));
+}

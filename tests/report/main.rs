@@ -1,0 +1,10 @@
+//! The HTML pages of `report`, `check` and `diff`, in a real browser: what they show against the
+//! other outputs of the command and the library, and what they must never do.
+
+mod access;
+mod browser;
+mod bytes;
+mod changes;
+mod hostile;
+mod numbers;
+mod support;
