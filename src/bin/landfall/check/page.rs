@@ -47,6 +47,7 @@ pub fn page(run: &Run<'_>, pass: &Pass, findings: &[Finding], title: &str) -> St
             new: &shader,
             blocks,
             judged: None,
+            rust_field: landfall_codegen::rust::field,
         });
         page.add(&Part {
             path: &checked.path,
