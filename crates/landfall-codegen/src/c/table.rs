@@ -5,6 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments::safe;
 use super::names::{Names, snake};
+use super::structs::assert_type;
 use super::types::Mirror;
 use crate::runtime_tail::tail_size;
 use landfall_layout::ShaderLayout;
@@ -146,7 +147,7 @@ fn constants(
 
 /// Writes the function that returns the elements of the runtime-sized tail; returns its name.
 fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
-    let (field, _) = mirror.tail.as_ref()?;
+    let (field, stride) = mirror.tail.as_ref()?;
     let lower = macros.to_ascii_lowercase();
     let function = names.claim(format!("{lower}_{}", field.name));
     let mut element = field.ty.base.clone();
@@ -155,6 +156,9 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
         let name = names.claim(format!("{function}_element"));
         text.push_str(&format!("typedef {element} {name}{brackets};\n"));
         element = name;
+    }
+    if field.ty.is_user && mirror.structure.is_none() {
+        text.push_str(&assert_type(field, *stride, false));
     }
     text.push_str(&format!(
         "/* The elements of `{}` in the bytes of a block. */\n\
