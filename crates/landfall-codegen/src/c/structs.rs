@@ -2,7 +2,6 @@
 
 use super::comments::{block, safe};
 use super::names::Names;
-use super::plain::CType;
 use super::prelude::{PRELUDE, once};
 use super::table::Section;
 use super::types::{CStruct, Field, Types};
@@ -106,7 +105,7 @@ fn structure(made: &CStruct) -> String {
         text.push_str(&assert_offset(made, field));
     }
     for field in made.fields.iter().chain(&made.tail).filter(|field| field.ty.is_user) {
-        text.push_str(&assert_type(field, made.size, made.pack.is_some()));
+        text.push_str(&field.assert_type(made.size, made.pack.is_some()));
     }
     if let Some(tail) = &made.tail {
         text.push_str("#ifndef __cplusplus\n");
@@ -142,24 +141,6 @@ fn assert_offset(made: &CStruct, field: &Field) -> String {
         field.offset,
         ascii(&field.member),
         ascii(&made.shader_name),
-    )
-}
-
-/// The assertion that a type of the program has the size of the shader's, and an alignment with
-/// which it stands at the offset, and in what repeats after `stride` bytes; in a packed structure
-/// any alignment does.
-pub(super) fn assert_type(field: &Field, stride: u64, is_packed: bool) -> String {
-    let CType { base, brackets, size, .. } = &field.ty;
-    let size = size / brackets.iter().product::<u64>().max(1);
-    let place = format!("`{base}` has {size} bytes in the shader");
-    if is_packed {
-        return format!("static_assert(sizeof({base}) == {size}, \"{place}\");\n");
-    }
-    let most = 1u64 << (field.offset | stride).trailing_zeros();
-    format!(
-        "static_assert(sizeof({base}) == {size} && alignof({base}) <= {most},\n    \
-         \"{place}, aligned to {most} at most at byte {}\");\n",
-        field.offset
     )
 }
 

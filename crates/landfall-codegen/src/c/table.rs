@@ -5,7 +5,6 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments::safe;
 use super::names::{Names, snake};
-use super::structs::assert_type;
 use super::types::Mirror;
 use crate::runtime_tail::tail_size;
 use landfall_layout::ShaderLayout;
@@ -158,7 +157,7 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
         element = name;
     }
     if field.ty.is_user && mirror.structure.is_none() {
-        text.push_str(&assert_type(field, *stride, false));
+        text.push_str(&field.assert_type(*stride, false));
     }
     text.push_str(&format!(
         "/* The elements of `{}` in the bytes of a block. */\n\

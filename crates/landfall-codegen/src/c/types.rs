@@ -44,6 +44,26 @@ pub(super) struct Field {
     pub comment: Vec<String>,
 }
 
+impl Field {
+    /// The assertion that a type of the program has the size of the shader's, and an alignment with
+    /// which it stands at the offset, and in what repeats after `stride` bytes; in a packed structure
+    /// any alignment does.
+    pub fn assert_type(&self, stride: u64, is_packed: bool) -> String {
+        let CType { base, brackets, size, .. } = &self.ty;
+        let size = size / brackets.iter().product::<u64>().max(1);
+        let place = format!("`{base}` has {size} bytes in the shader");
+        if is_packed {
+            return format!("static_assert(sizeof({base}) == {size}, \"{place}\");\n");
+        }
+        let most = 1u64 << (self.offset | stride).trailing_zeros();
+        format!(
+            "static_assert(sizeof({base}) == {size} && alignof({base}) <= {most},\n    \
+             \"{place}, aligned to {most} at most at byte {}\");\n",
+            self.offset
+        )
+    }
+}
+
 /// The C structure and fields of a block.
 #[derive(Clone, Debug)]
 pub(super) struct Mirror {
