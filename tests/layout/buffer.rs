@@ -488,3 +488,44 @@ help: use `Buffer::new`
     let text = said(Buffer::from_bytes(&fixed, &[0; 6148]));
     assert_eq!(text, "`PointLightBlock` has 6160 bytes, but 6148 bytes were given");
 }
+
+/// Values of glam land where arrays do, also where the matrix has padding or its rows are stored.
+#[test]
+fn values_of_glam_are_set_and_read_like_arrays() {
+    let mut by_glam = Buffer::new(&block(
+        "layout(std140) uniform B {
+            vec2 a; vec3 b; vec3 c; vec4 d; ivec3 e; uvec2 f; dvec3 g;
+            mat2 h; mat3 i; mat3 j; mat4 k; layout(row_major) mat3 l; dmat2 m;
+        };",
+    ))
+    .unwrap();
+    let mut by_arrays = by_glam.clone();
+    let floats = |n: usize| std::array::from_fn::<f32, 16, _>(|i| (n * 100 + i) as f32);
+    let mat3 = |n: usize| glam::Mat3::from_cols_slice(&floats(n)[..9]);
+    let mat4 = glam::Mat4::from_cols_slice(&floats(5));
+    macro_rules! both {
+        ($($path:literal $ty:ty, $glam:expr, $array:expr;)*) => {$(
+            by_glam.set($path, $glam).unwrap();
+            by_arrays.set($path, $array).unwrap();
+            assert_eq!(by_glam.get::<$ty>($path).unwrap(), $glam);
+        )*};
+    }
+    both! {
+        "a" glam::Vec2, glam::Vec2::new(1., 2.), [1f32, 2.];
+        "b" glam::Vec3, glam::Vec3::new(3., 4., 5.), [3f32, 4., 5.];
+        "c" glam::Vec3A, glam::Vec3A::new(6., 7., 8.), [6f32, 7., 8.];
+        "d" glam::Vec4, glam::Vec4::new(9., 10., 11., 12.), [9f32, 10., 11., 12.];
+        "e" glam::IVec3, glam::IVec3::new(-1, 2, -3), [-1, 2, -3];
+        "f" glam::UVec2, glam::UVec2::new(4, 5), [4u32, 5];
+        "g" glam::DVec3, glam::DVec3::new(0.1, 0.2, 0.3), [0.1, 0.2, 0.3];
+        "h" glam::Mat2, glam::Mat2::from_cols_array(&[1., 2., 3., 4.]), [[1f32, 2.], [3., 4.]];
+        "i" glam::Mat3, mat3(1), mat3(1).to_cols_array_2d();
+        "j" glam::Mat3A, glam::Mat3A::from(mat3(2)), mat3(2).to_cols_array_2d();
+        "k" glam::Mat4, mat4, mat4.to_cols_array_2d();
+        "l" glam::Mat3, mat3(3), mat3(3).to_cols_array_2d();
+        "m" glam::DMat2, glam::DMat2::from_cols_array(&[1., 2., 3., 4.]), [[1f64, 2.], [3., 4.]];
+    }
+    assert_eq!(by_glam.bytes(), by_arrays.bytes());
+    let wrong = by_glam.set("b", glam::UVec3::ONE);
+    assert!(matches!(wrong, Err(BufferError::WrongType { .. })), "{wrong:?}");
+}

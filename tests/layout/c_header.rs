@@ -8,7 +8,7 @@ use std::path::Path;
 
 use landfall_codegen::c::{COptions, c};
 use landfall_layout::{Options, ReadOptions, ShaderLayout, Source, Target};
-use support::c::{BOTH, Compiler, compile, compile_and_run, directory, hold};
+use support::c::{BOTH, Compiler, compile, compile_and_run, directory, hold_by};
 use support::generate::{COMMON, Diet, VULKAN, random};
 use support::glslang;
 use support::known::{Oracle, Subject, explains};
@@ -36,16 +36,25 @@ pub fn misread(batch: &Batch, oracle: &[OracleBlock], block: &str) -> bool {
 
 /// One header for random blocks; how many were held and how many refused.
 fn random_blocks(name: &str, seed: u64, count: usize, diet: &Diet) -> (usize, usize) {
+    random_blocks_by(&BOTH, &named("blocks.h", ""), name, (seed, count, diet))
+}
+
+/// The same by some compilers and with options of the header.
+pub fn random_blocks_by(
+    compilers: &[Compiler],
+    options: &COptions,
+    name: &str,
+    (seed, count, diet): (u64, usize, &Diet),
+) -> (usize, usize) {
     let (standing, blocks) = random(seed, count, diet);
     let batch = Batch { name: format!("{name} {seed}"), standing, blocks };
     let mut oracle = ask_glslang(&batch);
     let all = oracle.clone();
     oracle.retain(|block| !misread(&batch, &all, &block.name));
     let layout = lay_out("shaders/random.comp", &batch.text());
-    let options = named("blocks.h", "");
-    let output = c(&[&layout], &options);
-    assert_eq!(c(&[&layout], &options).text, output.text, "the same header every time");
-    let held = hold(&format!("{name}_{seed}"), &output, &oracle);
+    let output = c(&[&layout], options);
+    assert_eq!(c(&[&layout], options).text, output.text, "the same header every time");
+    let held = hold_by(compilers, &format!("{name}_{seed}"), &output, &oracle);
     (held, output.diagnostics.len())
 }
 
@@ -135,6 +144,11 @@ pub const CORPUS: &[(&str, &str)] = &[
 
 #[test]
 fn awkward_blocks_are_filled_where_glslang_reads_them() {
+    awkward_blocks_by(&BOTH, &COptions::default(), "");
+}
+
+/// The same by some compilers and with options of the header.
+pub fn awkward_blocks_by(compilers: &[Compiler], options: &COptions, prefix: &str) {
     for (name, declarations) in CORPUS {
         let text = format!(
             "#version 450\n#extension GL_EXT_scalar_block_layout : require\n\
@@ -143,13 +157,14 @@ fn awkward_blocks_are_filled_where_glslang_reads_them() {
              layout(local_size_x = 1) in;\nstruct struct_t_ {{ float x; vec3 y; }};\n\
              {declarations}\nvoid main() {{}}\n"
         );
-        let options = glslang::Options { target_env: Some("vulkan1.2"), ..Default::default() };
-        let oracle = glslang::blocks(&text, "comp", &options)
+        let vulkan = glslang::Options { target_env: Some("vulkan1.2"), ..Default::default() };
+        let oracle = glslang::blocks(&text, "comp", &vulkan)
             .unwrap_or_else(|e| panic!("glslang refuses {name}: {e}"));
         let layout = lay_out("corpus.comp", &text);
-        let output = c(&[&layout], &COptions::default());
+        let output = c(&[&layout], options);
         assert!(output.diagnostics.is_empty(), "{name}: {:?}", output.diagnostics);
-        let held = hold(&name.replace(' ', "_"), &output, &oracle);
+        let folder = format!("{prefix}{}", name.replace(' ', "_"));
+        let held = hold_by(compilers, &folder, &output, &oracle);
         assert_eq!(held, oracle.len(), "{name}");
     }
 }

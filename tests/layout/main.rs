@@ -7,6 +7,7 @@ mod bindings_gl;
 mod buffer;
 mod build_script;
 mod c_header;
+mod c_types;
 mod codec;
 mod diff_mutations;
 mod fuzz;

@@ -21,6 +21,7 @@ pub fn directory(name: &str) -> PathBuf {
 pub enum Compiler {
     C11,
     Cpp17,
+    Cpp20,
 }
 
 pub const BOTH: [Compiler; 2] = [Compiler::C11, Compiler::Cpp17];
@@ -30,11 +31,15 @@ pub fn compile(compiler: Compiler, directory: &Path, file: &str) -> Result<PathB
     let (name, flags) = match compiler {
         Compiler::C11 => ("gcc", ["-std=c11", "-xc"]),
         Compiler::Cpp17 => ("g++", ["-std=c++17", "-xc++"]),
+        Compiler::Cpp20 => ("g++", ["-std=c++20", "-xc++"]),
     };
+    // Of a designated initialiser, g++ reports the padding that it leaves out.
+    let more = matches!(compiler, Compiler::Cpp20).then_some("-Wno-missing-field-initializers");
     let program = directory.join(format!("{file}.{compiler:?}"));
     let output = Command::new(name)
         .args(["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O0"])
         .args(flags)
+        .args(more)
         .arg(directory.join(file))
         .arg("-o")
         .arg(&program)
@@ -177,6 +182,16 @@ fn program(blocks: &[(&OracleBlock, Vec<Filled<'_>>)]) -> String {
 /// Compiles a header with both compilers, runs it, and holds every byte against the oracle.
 /// Returns how many blocks were held.
 pub fn hold(name: &str, output: &COutput, oracle: &[OracleBlock]) -> usize {
+    hold_by(&BOTH, name, output, oracle)
+}
+
+/// The same by some compilers.
+pub fn hold_by(
+    compilers: &[Compiler],
+    name: &str,
+    output: &COutput,
+    oracle: &[OracleBlock],
+) -> usize {
     let directory = directory(name);
     let mut blocks: Vec<(&OracleBlock, Vec<Filled<'_>>)> = Vec::new();
     for block in oracle {
@@ -197,7 +212,7 @@ pub fn hold(name: &str, output: &COutput, oracle: &[OracleBlock]) -> usize {
     }
     std::fs::write(directory.join("blocks.h"), &output.text).expect("written");
     std::fs::write(directory.join("main.c"), program(&blocks)).expect("written");
-    for compiler in BOTH {
+    for &compiler in compilers {
         let printed = compile_and_run(compiler, &directory, "main.c");
         let mut rest = printed.as_slice();
         for (block, subjects) in &blocks {

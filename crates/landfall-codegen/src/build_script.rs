@@ -3,13 +3,14 @@
 //! Lays shaders out, writes the requested files, and tells Cargo which files to watch. Only this
 //! module and the binary read the environment and print.
 
+mod c;
 mod hints;
 
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::languages::{C, RUST};
+use crate::languages::RUST;
 use crate::rust::{Api, Modules, Sources, Tables, Vectors, Visibility};
 use crate::{CodeOptions, OutputLanguage};
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
@@ -244,16 +245,6 @@ impl Build {
     /// Writes Rust mirrors of all blocks to `file` in the package, to be checked in.
     pub fn mirrors_in_package(self, file: impl AsRef<Path>) -> Build {
         self.output(RUST, OutputBase::Package, file.as_ref())
-    }
-
-    /// Writes a C11 and C++17 header of all blocks to `file` in `OUT_DIR`.
-    pub fn c_header(self, file: impl AsRef<Path>) -> Build {
-        self.output(C, OutputBase::OutDir, file.as_ref())
-    }
-
-    /// Writes a C11 and C++17 header of all blocks to `file` in the package, to be checked in.
-    pub fn c_header_in_package(self, file: impl AsRef<Path>) -> Build {
-        self.output(C, OutputBase::Package, file.as_ref())
     }
 
     /// Writes mirrors of all blocks in a [language](crate::languages) to `file` in

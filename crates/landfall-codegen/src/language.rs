@@ -4,6 +4,7 @@
 
 use std::fmt;
 
+use super::c::COptions;
 use super::rust::RustOptions;
 use landfall_layout::{Diagnostic, ShaderLayout};
 
@@ -28,6 +29,8 @@ pub struct OutputLanguage {
 pub struct CodeOptions {
     /// Options of Rust mirrors.
     pub rust: RustOptions,
+    /// Options of C headers, but for their file and prefix.
+    pub c: COptions,
     /// The name of the file that is written, if known.
     pub file: String,
     /// The prefix of every name outside of a type.

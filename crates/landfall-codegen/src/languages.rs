@@ -46,14 +46,17 @@ pub const C: OutputLanguage = OutputLanguage {
     name: "c",
     title: "C",
     about: "A header for C11 and C++17, offsets checked at compile time",
-    options: &["--prefix"],
+    options: &["--prefix", "--vectors", "--type", "--namespace", "--include-header"],
     write: c_header,
 };
 
 fn c_header(shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
     let CodeOptions { file, prefix, .. } = options;
     let file = if file.is_empty() { "landfall.h" } else { file };
-    let output = c(shaders, &COptions { file: file.to_string(), prefix: prefix.clone() });
+    let output = c(
+        shaders,
+        &COptions { file: file.to_string(), prefix: prefix.clone(), ..options.c.clone() },
+    );
     CodeOutput { text: output.text, diagnostics: output.diagnostics }
 }
 

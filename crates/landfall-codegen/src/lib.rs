@@ -10,6 +10,7 @@ pub mod languages;
 mod model;
 mod runtime_tail;
 pub mod rust;
+mod user_types;
 
 pub use build_script::{Build, BuildError};
 pub use language::{CodeOptions, CodeOutput, OutputLanguage};

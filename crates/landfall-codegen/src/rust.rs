@@ -1,8 +1,7 @@
 //! Rust mirrors of blocks, and tables from member names to offsets.
 //!
 //! Reads only the layout model and the comments of the shader. `plan` chooses the Rust type of
-//! each member (with `types`, `user_types`, `leaf` and `array`), `naming`, `names` and `rename` name every type,
-//! and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
+//! each member (with `types`, `leaf` and `array`), `naming`, `names` and `rename` name every type, and `mirror` (with `host`), `tail`, `small`, `strided`, `check` and `table` print one kind of
 //! item each, which `modules` puts together. `docs` copies the shader's comments. `bindings` prints
 //! what the rest of a program needs.
 
@@ -27,13 +26,14 @@ mod strided;
 mod table;
 mod tail;
 mod types;
-mod user_types;
 
 pub use bindings::{Api, BindingOptions, Sources, WgpuMajor};
 pub use field::field;
 
 use landfall_layout::ShaderLayout;
-use landfall_layout::diagnostic::Diagnostic;
+use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
+
+use crate::user_types::{self, UserTypes};
 
 /// The Rust types of vectors and matrices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,9 +170,9 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
         Modules::Flat => false,
     };
     let (renames, mut diagnostics) = rename::Renames::new(options);
-    let (types, bad) = user_types::UserTypes::new(options);
+    let (types, bad) = UserTypes::new(&options.types, &options.project_types, &user_types::RUST);
     diagnostics.extend(bad);
-    diagnostics.extend(user_types::bad_derives(options));
+    diagnostics.extend(bad_derives(options));
     let mut plan = plan::Plan::new(options.vectors, &renames, &types, !each);
     for (at, (shader, input)) in shaders.iter().zip(&inputs).enumerate() {
         for block in &shader.blocks {
@@ -194,4 +194,16 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
     diagnostics.extend(renames.unused(shaders, &inputs));
     diagnostics.extend(types.unused());
     RustOutput { text, diagnostics }
+}
+
+/// An error for each trait to derive that is no path in Rust.
+fn bad_derives(options: &RustOptions) -> Vec<Diagnostic> {
+    let is_path = |path: &&String| user_types::is_type(path) && !path.contains('<');
+    let bad = options.derives.iter().filter(|path| !is_path(path));
+    bad.map(|path| {
+        let message = format!("`{path}` cannot be derived: it is no path in Rust");
+        Diagnostic::without_place(Code::BadName, Severity::Error, message)
+            .with_help("write a path such as `serde::Serialize`")
+    })
+    .collect()
 }

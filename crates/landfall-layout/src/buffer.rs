@@ -39,6 +39,8 @@ mod handle;
 mod index;
 mod json;
 mod number;
+#[cfg(feature = "glam")]
+mod of_glam;
 mod padding;
 mod pod;
 mod resolve;

@@ -72,21 +72,10 @@ pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Outcome, Failure> {
     let began = SystemTime::now();
-    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
+    let Some((config, settings)) = configuration(args, streams)? else {
         return Ok(Outcome::CouldNot);
     };
-    for pattern in &args.exclude {
-        config.exclude.add(pattern, false).map_err(|cause| config::bad_glob(pattern, &cause))?;
-    }
-    config.exclude.ready()?;
-    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
-        Ok(settings) => renamed(settings, streams),
-        Err(found) => return Ok(could_not(found, streams)),
-    };
     let options = config.options(&args.text, &args.levels.defines);
-    if args.paths.is_empty() {
-        config.record_names();
-    }
     let paths = config.paths(&args.paths);
     watched.paths.clone_from(&paths);
     let scope = scope(args, &config, &paths);
@@ -182,6 +171,31 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         std::mem::forget((pass, cache));
     }
     Ok(left_out.unwrap_or(outcome))
+}
+
+/// The configuration with the flags, and the settings of lints; `None` after a report of errors.
+fn configuration(
+    args: &CheckArgs,
+    streams: &Streams,
+) -> Result<Option<(Config, Settings)>, Failure> {
+    let Some(mut config) = config::load(&args.config, &args.paths, streams)? else {
+        return Ok(None);
+    };
+    for pattern in &args.exclude {
+        config.exclude.add(pattern, false).map_err(|cause| config::bad_glob(pattern, &cause))?;
+    }
+    config.exclude.ready()?;
+    let settings = match config.settings(&args.levels.levels, &args.text.targets) {
+        Ok(settings) => renamed(settings, streams),
+        Err(found) => {
+            could_not(found, streams);
+            return Ok(None);
+        }
+    };
+    if args.paths.is_empty() {
+        config.record_names();
+    }
+    Ok(Some((config, settings)))
 }
 
 /// Searches for Rust files with mirrors while the cache is read, which takes as long.

@@ -66,8 +66,12 @@ pub struct Config {
     has_api: bool,
     /// New names for mirrors, of `[rename]`.
     pub rename: Vec<(String, String)>,
-    /// Types of the program for mirrors, of `[types]`.
+    /// Types of the program for mirrors in Rust, of `[types]`.
     pub types: Vec<(String, String)>,
+    /// The same in C and C++, of `[c-types]`.
+    pub c_types: Vec<(String, String)>,
+    /// Traits that mirrors in Rust derive, of `derive`.
+    pub derives: Vec<String>,
     /// The policy for changes of layouts, if set.
     policy: Option<Policy>,
     /// Policies for some files, as globs; a later one takes precedence.
@@ -144,6 +148,8 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         has_api: api.is_some(),
         rename: strings(keys, "rename", "{ Light = \"GpuLight\" }", "new name"),
         types: strings(keys, "types", "{ vec3 = \"crate::Vec3\" }", "type"),
+        c_types: strings(keys, "c-types", "{ vec3 = \"Vec3\" }", "type"),
+        derives: list("derive").into_iter().map(|text| text.value).collect(),
         policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
             let (file, policy) = (keys.needed("file"), keys.needed("policy"));

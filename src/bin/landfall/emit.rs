@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use landfall_codegen::CodeOptions;
+use landfall_codegen::c::CVectors;
+use landfall_codegen::languages::{C, RUST};
 use landfall_codegen::rust::{Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility};
 use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
@@ -54,7 +56,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
         report(&[what], &Files::default());
     }
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
-    let mut options = options(args, &config);
+    let mut options = options(args, &config)?;
     bindings(args, &whole, &mut options.rust);
     let output = args.lang.generate(&whole, &options);
     let (text, refused) = (output.text, output.diagnostics);
@@ -82,26 +84,44 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 /// The options of the generated code.
-fn options(args: &EmitArgs, config: &Config) -> CodeOptions {
+fn options(args: &EmitArgs, config: &Config) -> Result<CodeOptions, Error> {
     let mut options = CodeOptions::default();
     let rust = &mut options.rust;
-    rust.vectors = args.vectors.as_deref().and_then(Vectors::from_name).unwrap_or_default();
     rust.modules = args.modules.as_deref().and_then(Modules::from_name).unwrap_or_default();
     rust.rename = args.rename.clone();
     rust.project_renames = config.rename.clone();
     rust.types = args.types.clone();
     rust.project_types = config.types.clone();
-    rust.derives = args.derives.clone();
+    rust.derives = config.derives.iter().chain(&args.derives).cloned().collect();
     if args.crate_visible {
         rust.visibility = Visibility::Crate;
     }
     if args.no_tables {
         rust.tables = Tables::Without;
     }
+    let c = &mut options.c;
+    c.namespace = args.namespace.clone();
+    c.types = args.types.clone();
+    c.project_types = config.c_types.clone();
+    c.includes = args.include_header.clone();
+    if let Some(name) = &args.vectors {
+        let unknown = |help| {
+            let message = format!("has no vectors for {}", args.lang.title);
+            Err(Error::new(format!("--vectors {name}"), message).with_help(help))
+        };
+        match (Vectors::from_name(name), CVectors::from_name(name)) {
+            (Some(vectors), _) if args.lang == RUST => options.rust.vectors = vectors,
+            (_, Some(vectors)) if args.lang == C => options.c.vectors = vectors,
+            (None, _) if args.lang == RUST => return unknown("Rust has `glam` and `array`"),
+            (_, None) if args.lang == C => return unknown("C has `glm` and `array`"),
+            // A warning says that it has no effect.
+            (_, _) => {}
+        }
+    }
     let file = args.out.as_deref().and_then(Path::file_name).unwrap_or_default();
     options.file = file.to_string_lossy().into_owned();
     options.prefix = args.prefix.clone();
-    options
+    Ok(options)
 }
 
 /// Sets the options of the bindings.

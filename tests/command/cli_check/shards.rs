@@ -177,7 +177,7 @@ error[output]: `r/other.json` was checked with other settings than `r/1-of-2.jso
     refused(
         &[&two[0], "r/newer.json"],
         str![[r#"
-error[output]: `r/newer.json` was written by landfall 7.1.0, and this is 0.2.0
+error[output]: `r/newer.json` was written by landfall 7.2.0, and this is 0.2.0
   |
   = help: check and merge with the same version of landfall
 

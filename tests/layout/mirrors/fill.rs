@@ -270,6 +270,7 @@ fn fill(program: &mut String, block: &Block, vectors: Vectors) {
             program,
             "    let mut bytes = vec![0; {ty}::size_for({ELEMENTS})];
     block.write_to(&elements, &mut bytes).unwrap();
+    assert_eq!(block.to_bytes(&elements), bytes);
     write(&bytes);"
         );
     } else {

@@ -16,6 +16,8 @@ pub(super) struct CType {
     pub align: u64,
     /// The access from the name to a leaf or structure: `[].value`.
     pub access: String,
+    /// Whether it is a type of the program.
+    pub is_user: bool,
 }
 
 /// The C type of a scalar, vector or matrix.
@@ -38,6 +40,29 @@ pub(super) fn plain_type(ty: &Type, member: &MemberLayout) -> CType {
         brackets,
         align: width,
         access: String::new(),
+        is_user: false,
+    }
+}
+
+/// The type of glm with the bytes of a vector or of a matrix that is stored by columns, if any.
+pub(super) fn glm_type(ty: &Type, member: &MemberLayout) -> Option<String> {
+    let (Type::Vector { scalar, .. } | Type::Matrix { scalar, .. }) = ty else { return None };
+    let prefix = match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 4) => "",
+        (ScalarKind::Float, 8) => "d",
+        (ScalarKind::Sint, 4) => "i",
+        // A bool of a shader has 4 bytes, one of glm 1.
+        (ScalarKind::Uint, 4) | (ScalarKind::Bool, _) => "u",
+        _ => return None,
+    };
+    match ty {
+        Type::Vector { rows, .. } => Some(format!("glm::{prefix}vec{rows}")),
+        Type::Matrix { columns, .. } if !member.row_major => {
+            // Columns with padding are those of a matrix with more rows.
+            let rows = member.matrix_stride? / u64::from(scalar.width);
+            (2..=4).contains(&rows).then(|| format!("glm::{prefix}mat{columns}x{rows}"))
+        }
+        _ => None,
     }
 }
 

@@ -1,11 +1,11 @@
 //! Prints the header: its head, the structures in order, then the blocks.
 
-use super::COptions;
 use super::comments::{block, safe};
 use super::names::Names;
 use super::prelude::{PRELUDE, once};
 use super::table::Section;
 use super::types::{CStruct, Field, Types};
+use super::{COptions, CVectors, include};
 use landfall_layout::ShaderLayout;
 use landfall_layout::layout::targets;
 
@@ -27,17 +27,59 @@ pub(super) fn header(
     text.push_str(" * Do not edit: generate it again. C11 and C++17. */\n\n");
     let guard = names.guard(&options.file, shaders);
     text.push_str(&format!("#ifndef {guard}\n#define {guard}\n\n{PRELUDE}"));
-    for made in &types.structs {
+    text.push_str(&includes(options, types));
+    // What other headers define too is outside of the namespace.
+    let (shared, own): (Vec<&CStruct>, Vec<_>) = types.structs.iter().partition(|s| s.shared);
+    for made in shared {
+        text.push('\n');
         let guard = format!("LANDFALL_TYPE_{}", made.name);
+        text.push_str(&once(&guard, &made.name, &made.signature(), &structure(made)));
+    }
+    let namespace = &options.namespace;
+    // Two headers may have one name in two namespaces.
+    let of_namespace = match namespace.is_empty() {
+        true => String::new(),
+        false => format!("{}_", namespace.replace("::", "_")),
+    };
+    if !namespace.is_empty() {
+        let open = format!("namespace {namespace} {{\n");
+        text.push_str(&format!("\n#ifdef __cplusplus\n{open}#endif\n"));
+    }
+    for made in own {
+        let guard = format!("LANDFALL_TYPE_{of_namespace}{}", made.name);
         text.push('\n');
         text.push_str(&once(&guard, &made.name, &made.signature(), &structure(made)));
     }
     for section in sections {
         text.push('\n');
-        let guard = format!("LANDFALL_BLOCK_{}", section.macros);
+        let guard = format!("LANDFALL_BLOCK_{of_namespace}{}", section.macros);
         text.push_str(&once(&guard, &section.macros, &section.facts, &section.text));
     }
+    if !namespace.is_empty() {
+        text.push_str(&format!("\n#ifdef __cplusplus\n}} /* namespace {namespace} */\n#endif\n"));
+    }
     text.push_str(&format!("\n#endif /* {guard} */\n"));
+    text
+}
+
+/// The headers of the program's types, and what they need.
+fn includes(options: &COptions, types: &Types) -> String {
+    let mut text = String::new();
+    if types.is_cpp {
+        text.push_str("\n#ifndef __cplusplus\n#error \"types of C++ are used below\"\n#endif\n");
+    } else if !options.types.is_empty() || !options.project_types.is_empty() {
+        text.push_str("\n#ifndef __cplusplus\n#include <stdalign.h>\n#endif\n");
+    }
+    let glm = (options.vectors == CVectors::Glm).then_some("<glm/glm.hpp>");
+    let headers: Vec<String> = glm
+        .into_iter()
+        .chain(options.includes.iter().map(String::as_str))
+        .filter_map(include)
+        .collect();
+    if !headers.is_empty() {
+        text.push('\n');
+        text.extend(headers);
+    }
     text
 }
 
@@ -61,6 +103,9 @@ fn structure(made: &CStruct) -> String {
     }
     for field in made.fields.iter().filter(|field| !field.member.is_empty()) {
         text.push_str(&assert_offset(made, field));
+    }
+    for field in made.fields.iter().chain(&made.tail).filter(|field| field.ty.is_user) {
+        text.push_str(&field.assert_type(made.size, made.pack.is_some()));
     }
     if let Some(tail) = &made.tail {
         text.push_str("#ifndef __cplusplus\n");

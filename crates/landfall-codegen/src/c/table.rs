@@ -146,7 +146,7 @@ fn constants(
 
 /// Writes the function that returns the elements of the runtime-sized tail; returns its name.
 fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> Option<String> {
-    let (field, _) = mirror.tail.as_ref()?;
+    let (field, stride) = mirror.tail.as_ref()?;
     let lower = macros.to_ascii_lowercase();
     let function = names.claim(format!("{lower}_{}", field.name));
     let mut element = field.ty.base.clone();
@@ -155,6 +155,9 @@ fn tail(mirror: &Mirror, macros: &str, names: &mut Names, text: &mut String) -> 
         let name = names.claim(format!("{function}_element"));
         text.push_str(&format!("typedef {element} {name}{brackets};\n"));
         element = name;
+    }
+    if field.ty.is_user && mirror.structure.is_none() {
+        text.push_str(&field.assert_type(*stride, false));
     }
     text.push_str(&format!(
         "/* The elements of `{}` in the bytes of a block. */\n\

@@ -6,8 +6,9 @@ use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::comments;
-use super::names::Names;
-use super::plain::{CType, plain_type};
+use super::names::{Names, identifier_part};
+use super::plain::{CType, glm_type, plain_type};
+use crate::user_types::UserTypes;
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{ArrayLen, Rules, Type};
 use landfall_layout::source::Span;
@@ -41,6 +42,26 @@ pub(super) struct Field {
     /// The type in the shader's spelling.
     pub shader_type: String,
     pub comment: Vec<String>,
+}
+
+impl Field {
+    /// The assertion that a type of the program has the size of the shader's, and an alignment with
+    /// which it stands at the offset, and in what repeats after `stride` bytes; in a packed structure
+    /// any alignment does.
+    pub fn assert_type(&self, stride: u64, is_packed: bool) -> String {
+        let CType { base, brackets, size, .. } = &self.ty;
+        let size = size / brackets.iter().product::<u64>().max(1);
+        let place = format!("`{base}` has {size} bytes in the shader");
+        if is_packed {
+            return format!("static_assert(sizeof({base}) == {size}, \"{place}\");\n");
+        }
+        let most = 1u64 << (self.offset | stride).trailing_zeros();
+        format!(
+            "static_assert(sizeof({base}) == {size} && alignof({base}) <= {most},\n    \
+             \"{place}, aligned to {most} at most at byte {}\");\n",
+            self.offset
+        )
+    }
 }
 
 /// The C structure and fields of a block.
@@ -80,9 +101,24 @@ pub(super) struct Types {
     places: FxHashMap<String, usize>,
     /// The C name of each, by shader name and signature.
     known: FxHashMap<(String, String), String>,
+    /// The types of the program.
+    user: UserTypes,
+    /// Whether vectors and matrices are those of glm.
+    glm: bool,
+    /// Whether a type is one of C++.
+    pub is_cpp: bool,
 }
 
 impl Types {
+    pub fn new(user: UserTypes, glm: bool) -> Types {
+        Types { user, glm, is_cpp: glm, ..Types::default() }
+    }
+
+    /// A warning for each type of the program that nothing was found for.
+    pub fn unused(&self) -> Vec<Diagnostic> {
+        self.user.unused()
+    }
+
     /// A mark to [roll back](Types::roll_back) to.
     pub fn mark(&self) -> usize {
         self.structs.len()
@@ -118,12 +154,12 @@ impl Types {
         };
         let mut tail = None;
         if let Some(member) = last {
-            let ty = self.member_type(member, block.rules, shader, names)?;
+            let ty = self.member_type(&block.name, member, block.rules, shader, names)?;
             let taken = FxHashSet::default();
             tail = Some((field(member, ty, shader, names, &taken), member.strides[0]));
         }
         let end = tail.as_ref().map_or(size, |(field, _)| field.offset);
-        let fields = self.fields(fixed, end, block.rules, shader, names)?;
+        let fields = self.fields(&block.name, fixed, end, block.rules, shader, names)?;
         let comment = comments::lines(&block.comment, shader);
         let structure = if fields.is_empty() {
             None
@@ -137,6 +173,7 @@ impl Types {
     /// The fields of `members` and the padding between them, up to `end`.
     fn fields(
         &mut self,
+        owner: &str,
         members: &[MemberLayout],
         end: u64,
         rules: Rules,
@@ -149,7 +186,7 @@ impl Types {
         let mut taken = FxHashSet::default();
         let mut at = 0;
         for member in sorted {
-            let ty = self.member_type(member, rules, shader, names)?;
+            let ty = self.member_type(owner, member, rules, shader, names)?;
             let field = field(member, ty, shader, names, &taken);
             if field.offset < at {
                 return Err(overlap(
@@ -178,6 +215,7 @@ impl Types {
     /// The C type of a member, without a runtime-sized outer dimension.
     fn member_type(
         &mut self,
+        owner: &str,
         member: &MemberLayout,
         rules: Rules,
         shader: &ShaderLayout,
@@ -186,13 +224,14 @@ impl Types {
         let mut ty = match member.ty.innermost() {
             Type::Struct(s) => {
                 let size = structure_size(&member.members, rules);
-                let fields = self.fields(&member.members, size, rules, shader, names)?;
                 let shader_name =
                     if s.name.is_empty() { member.name.to_string() } else { s.name.to_string() };
+                let fields =
+                    self.fields(&shader_name, &member.members, size, rules, shader, names)?;
                 let name = self.structure(&shader_name, fields, size, None, Vec::new(), names);
                 self.use_of(name, String::new())
             }
-            plain => plain_type(plain, member),
+            plain => self.plain(owner, plain, member),
         };
         for (len, stride) in member.dims.iter().zip(&member.strides).rev() {
             if ty.size > *stride {
@@ -214,12 +253,22 @@ impl Types {
         Ok(ty)
     }
 
+    /// The type of a scalar, vector or matrix: one of the program, of glm, or of C.
+    fn plain(&mut self, owner: &str, ty: &Type, member: &MemberLayout) -> CType {
+        let plain = plain_type(ty, member);
+        let user = self.user.of(owner, member).map(|name| name.to_string());
+        let glm = || self.glm.then(|| glm_type(ty, member)).flatten();
+        let Some(base) = user.or_else(glm) else { return plain };
+        self.is_cpp |= base.contains([':', '<']);
+        CType { base, brackets: Vec::new(), is_user: true, ..plain }
+    }
+
     /// A structure of one `value` and padding up to `stride`.
     fn element(&mut self, ty: CType, stride: u64, names: &mut Names) -> CType {
         let access = format!(".value{}", ty.access);
         // Padded plain types have the same name and contents in every header.
-        let shared = self.get(&ty.base).is_none_or(|base| base.shared);
-        let mut name = ty.base.trim_end_matches("_t").to_string();
+        let shared = !ty.is_user && self.get(&ty.base).is_none_or(|base| base.shared);
+        let mut name = identifier_part(&ty.base.trim_end_matches("_t").replace("::", "_"));
         if shared && !name.starts_with("landfall_") {
             name.insert_str(0, "landfall_");
         }
@@ -250,7 +299,14 @@ impl Types {
     /// The type of a kept structure.
     fn use_of(&self, name: String, access: String) -> CType {
         let found = self.get(&name).expect("it was just kept");
-        CType { size: found.size, align: found.align, brackets: Vec::new(), base: name, access }
+        CType {
+            size: found.size,
+            align: found.align,
+            brackets: Vec::new(),
+            base: name,
+            access,
+            is_user: false,
+        }
     }
 
     /// Returns the C name of the structure with these contents, adding it if it is new.
@@ -351,6 +407,7 @@ fn pad(fields: &mut Vec<Field>, taken: &mut FxHashSet<String>, from: u64, to: u6
             size: to - from,
             align: 1,
             access: String::new(),
+            is_user: false,
         },
         offset: from,
         shader_type: String::new(),

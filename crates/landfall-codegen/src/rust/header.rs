@@ -102,26 +102,32 @@ fn glam_name(ty: &RustType) -> Option<&'static str> {
 
 /// Whether an array's length needs bytemuck's feature `min_const_generics`.
 fn long_arrays(plan: &Plan<'_>) -> bool {
-    let plain =
-        |len: u64| len <= 32 || matches!(len, 48 | 64 | 96 | 128 | 256 | 512 | 1024 | 2048 | 4096);
-    let long = |ty: &RustType| {
-        let mut ty = ty;
-        while let RustType::Array(element, len) = ty {
-            if !plain(*len) {
-                return true;
-            }
-            ty = element;
-        }
-        false
-    };
     plan.made.iter().any(|made| match made {
         GeneratedType::Bits(_) | GeneratedType::Leaf(_) => false,
-        GeneratedType::Padded(padded) => long(&padded.inner) || !plain(padded.stride - padded.size),
-        GeneratedType::Tight(tight) => long(&tight.element) || !plain(tight.len - 1),
+        GeneratedType::Padded(padded) => {
+            is_long(&padded.inner) || is_long_count(padded.stride - padded.size)
+        }
+        GeneratedType::Tight(tight) => is_long(&tight.element) || is_long_count(tight.len - 1),
         GeneratedType::Mirror(mirror) => {
-            mirror.fields.iter().any(|field| long(&field.ty))
-                || mirror.gaps().iter().flatten().any(|gap| !plain(gap.size))
-                || mirror.tail.as_ref().is_some_and(|tail| long(&tail.element))
+            mirror.fields.iter().any(|field| is_long(&field.ty))
+                || mirror.gaps().iter().flatten().any(|gap| is_long_count(gap.size))
+                || mirror.tail.as_ref().is_some_and(|tail| is_long(&tail.element))
         }
     })
+}
+
+/// Whether a type is an array for which bytemuck needs the feature.
+pub(super) fn is_long(mut ty: &RustType) -> bool {
+    while let RustType::Array(element, len) = ty {
+        if is_long_count(*len) {
+            return true;
+        }
+        ty = element;
+    }
+    false
+}
+
+/// Whether bytemuck implements its traits for arrays of so many elements only with the feature.
+pub(super) fn is_long_count(len: u64) -> bool {
+    len > 32 && !matches!(len, 48 | 64 | 96 | 128 | 256 | 512 | 1024 | 2048 | 4096)
 }

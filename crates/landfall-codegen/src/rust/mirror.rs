@@ -6,6 +6,7 @@
 
 use std::fmt::Write as _;
 
+use super::header::{is_long, is_long_count};
 use super::host::{natural, stored};
 use super::print::{
     DERIVES, FieldValue, Printer, Text, assignment, conversion, default, doc, literal, signature,
@@ -39,15 +40,25 @@ fn structure(out: &Printer<'_>, text: &mut Text, id: GeneratedTypeId, mirror: &M
         if let Some(gap) = gap {
             let (offset, size) = (gap.offset, gap.size);
             let _ = writeln!(text, "    #[doc(hidden)]");
-            let _ = writeln!(text, "    {public} _pad_{offset}: [u8; {size}],");
+            let needed = feature(is_long_count(size));
+            let _ = writeln!(text, "    {public} _pad_{offset}: [u8; {size}],{needed}");
         }
         if let Some(field) = mirror.fields.get(at) {
             doc(text, "    ", &docs.fields[at]);
             let (head, ty) = (format!("{public} {}", field.name), out.ty(&field.ty));
             assignment(text, "    ", &head, ":", &format!("{ty},"));
+            if is_long(&field.ty) {
+                text.text.pop();
+                let _ = writeln!(text, "{}", feature(true));
+            }
         }
     }
     text.push_str("}\n\n");
+}
+
+/// What an array needs, in the line that the compiler quotes where it is missing.
+fn feature(is_needed: bool) -> &'static str {
+    if is_needed { " // needs `min_const_generics` of bytemuck" } else { "" }
 }
 
 /// Prints the structure of a mirror's members, and the constructor that takes it.

@@ -19,8 +19,8 @@ use super::rename::Renames;
 use super::types::{
     Field, GeneratedType, GeneratedTypeId, Mirror, Module, RuntimeTail, RustType, Sized,
 };
-use super::user_types::UserTypes;
 use crate::runtime_tail::tail_size;
+use crate::user_types::UserTypes;
 
 /// All types and tables of the output.
 pub(super) struct Plan<'a> {

@@ -78,6 +78,57 @@ impl {header} {{
 
 "
     );
+    vectors(out, text, (header, element), offset);
+}
+
+/// Prints the functions that return the bytes of a whole buffer.
+fn vectors(out: &Printer<'_>, text: &mut Text, (header, element): (&str, &str), offset: u64) {
+    let public = out.visibility();
+    // Whoever includes two files has no clash of `alloc`.
+    let _ = write!(
+        text,
+        "const _: () = {{
+    extern crate alloc;
+
+    #[allow(dead_code, clippy::wrong_self_convention)]
+    impl {header} {{
+        /// The bytes of a buffer in which a shader counts these elements: `size_for` of them, zero
+        /// behind the last element.
+"
+    );
+    let elements = format!("elements: &[{element}]");
+    let parameters = ["&self".to_string(), elements.clone()];
+    let returns = " -> alloc::vec::Vec<u8> {";
+    signature(text, "        ", &format!("{public} fn to_bytes"), &parameters, returns);
+    text.push_str(
+        "            let mut bytes = alloc::vec::Vec::new();
+            self.write_into(elements, &mut bytes);
+            bytes
+        }
+
+        /// Puts those bytes in place of what a vector holds, into the memory that it has.
+",
+    );
+    let bytes = "bytes: &mut alloc::vec::Vec<u8>".to_string();
+    let parameters = ["&self".to_string(), elements, bytes];
+    signature(text, "        ", &format!("{public} fn write_into"), &parameters, " {");
+    let own = match offset {
+        0 => "",
+        _ => "            bytes.extend_from_slice(bytemuck::bytes_of(self));\n",
+    };
+    let _ = write!(
+        text,
+        "            let size = Self::size_for(elements.len());
+            bytes.clear();
+            bytes.reserve(size);
+{own}            bytes.extend_from_slice(bytemuck::cast_slice(elements));
+            bytes.resize(size, 0);
+        }}
+    }}
+}};
+
+"
+    );
 }
 
 /// Prints the error type of the writers.

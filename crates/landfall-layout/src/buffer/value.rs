@@ -2,10 +2,10 @@
 //!
 //! A component is a Rust number; `[T; N]` is a vector, `[[T; R]; C]` a `matCxR` as its C columns.
 //! Nothing is converted, except that 16-bit and 8-bit floats are set from and read as `f32`,
-//! because Rust has no such types. Vectors of a maths library are passed as arrays
-//! (`glam::Vec3::to_array`, `Mat4::to_cols_array_2d`): a dependency on one would tie this crate to
-//! one of its yearly major versions. Alternatively they are written whole, as [`bytemuck::Pod`],
-//! with [`Buffer::write_pod`](super::Buffer::write_pod).
+//! because Rust has no such types. With the feature `glam`, vectors and matrices of glam are values,
+//! too, of whichever version from 0.30 to 0.34 the program has. Those of other libraries are passed
+//! as arrays, or written whole, as [`bytemuck::Pod`], with
+//! [`Buffer::write_pod`](super::Buffer::write_pod).
 
 use super::float::{narrow, widen};
 use super::grid::Grid;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use landfall_codegen::OutputLanguage;
+use landfall_codegen::c::CVectors;
 use landfall_codegen::languages::{self, LANGUAGES};
 use landfall_codegen::rust::{Api, Modules, Vectors};
 
@@ -23,12 +24,15 @@ pub struct EmitArgs {
     /// Write nothing; exit with 1 if FILE is out of date
     #[arg(long, requires = "out")]
     pub check: bool,
-    /// Rust: types of vectors and matrices [default: glam]
+    /// Types of vectors and matrices [default: glam in Rust, array in C]
     #[arg(
-        help_heading = "Rust", long, value_name = "TYPES",
-        value_parser = [Vectors::Glam.name(), Vectors::Array.name()]
+        long, value_name = "TYPES",
+        value_parser = [Vectors::Glam.name(), CVectors::Glm.name(), CVectors::Array.name()]
     )]
     pub vectors: Option<String>,
+    /// Rust, C: use a type of the program for a type (`vec3`) or a member (`Light.pos`)
+    #[arg(long = "type", value_name = "OF=TYPE", value_parser = setting)]
+    pub types: Vec<(String, String)>,
     /// Rust: a module for each shader, none, or one each where there are several [default: auto]
     #[arg(
         help_heading = "Rust", long, value_name = "WHICH",
@@ -41,12 +45,6 @@ pub struct EmitArgs {
         value_parser = setting
     )]
     pub rename: Vec<(String, String)>,
-    /// Rust: use a type of the program for a type (`vec3`), a structure, or a member (`Light.pos`)
-    #[arg(
-        help_heading = "Rust", long = "type", value_name = "OF=PATH",
-        value_parser = setting
-    )]
-    pub types: Vec<(String, String)>,
     /// Rust: derive a trait for all types, such as `serde::Serialize`
     #[arg(help_heading = "Rust", long = "derive", value_name = "TRAIT")]
     pub derives: Vec<String>,
@@ -77,6 +75,12 @@ pub struct EmitArgs {
     /// wgpu, gl: add the shaders' text, by `include_str!`
     #[arg(help_heading = "Bindings", long, requires_all = ["bindings", "out"])]
     pub embed_sources: bool,
+    /// C: put types and functions into a namespace in C++, such as `engine::gpu`
+    #[arg(help_heading = "C", long, value_name = "NAME", default_value = "")]
+    pub namespace: String,
+    /// C: include a header, such as `engine/math.h` or `<cglm/cglm.h>`
+    #[arg(help_heading = "C", long, value_name = "HEADER")]
+    pub include_header: Vec<String>,
     /// All but Rust: prefix of every name outside of a type
     #[arg(help_heading = "Other languages", long, value_name = "TEXT", default_value = "")]
     pub prefix: String,

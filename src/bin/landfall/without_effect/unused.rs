@@ -49,6 +49,8 @@ fn unused_of_emit(args: &EmitArgs) -> Vec<&'static str> {
         (!args.bindings.is_empty(), "--bindings"),
         (!args.types.is_empty(), "--type"),
         (!args.derives.is_empty(), "--derive"),
+        (!args.namespace.is_empty(), "--namespace"),
+        (!args.include_header.is_empty(), "--include-header"),
     ];
     let unused = given.iter().filter(|(is, name)| *is && !args.lang.options.contains(name));
     unused.map(|(_, option)| *option).collect()

@@ -10,12 +10,24 @@ use landfall_layout::layout::MemberLayout;
 use landfall_layout::shape::Type;
 use landfall_layout::source::Language;
 
-use super::RustOptions;
+/// What a type is called in the language of an output, for messages.
+pub(super) struct Spelling {
+    pub(super) what: &'static str,
+    pub(super) help: &'static str,
+}
+
+pub(super) const RUST: Spelling = Spelling {
+    what: "path in Rust",
+    help: "write a path such as `crate::engine::Pos3` or `nalgebra::Vector3<f32>`",
+};
+
+pub(super) const C: Spelling =
+    Spelling { what: "type in C or C++", help: "write a name such as `Vec3` or `glm::vec3`" };
 
 /// The types, and which of them were used.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct UserTypes {
-    /// What has a type of the program, and its path in Rust.
+    /// What has a type of the program, and its name there.
     all: Vec<(String, Arc<str>)>,
     /// How many of them, from the first, are for something in these shaders.
     needed: usize,
@@ -23,16 +35,22 @@ pub(super) struct UserTypes {
 }
 
 impl UserTypes {
-    /// Reads the types; one that is no path in Rust is reported and left out.
-    pub(super) fn new(options: &RustOptions) -> (UserTypes, Vec<Diagnostic>) {
-        let all = options.types.iter().chain(&options.project_types);
+    /// Reads the types of these options and of the project; one that is no type in the language of
+    /// the output is reported and left out.
+    pub(super) fn new(
+        given: &[(String, String)],
+        project: &[(String, String)],
+        spelling: &Spelling,
+    ) -> (UserTypes, Vec<Diagnostic>) {
+        let all = given.iter().chain(project);
         let (good, bad): (Vec<_>, Vec<_>) = all.partition(|(_, path)| is_type(path));
         let bad = bad.into_iter().map(|(of, path)| {
-            let message = format!("`{of}` cannot have the type `{path}`: it is no path in Rust");
+            let message =
+                format!("`{of}` cannot have the type `{path}`: it is no {}", spelling.what);
             Diagnostic::without_place(Code::BadName, Severity::Error, message)
-                .with_help("write a path such as `crate::engine::Pos3` or `nalgebra::Vector3<f32>`")
+                .with_help(spelling.help)
         });
-        let needed = good.len().min(options.types.len());
+        let needed = good.len().min(given.len());
         let all = good.into_iter().map(|(of, path)| (of.clone(), path.as_str().into())).collect();
         (UserTypes { all, needed, used: RefCell::default() }, bad.collect())
     }
@@ -70,20 +88,8 @@ impl UserTypes {
     }
 }
 
-/// An error for each trait to derive that is no path in Rust.
-pub(super) fn bad_derives(options: &RustOptions) -> Vec<Diagnostic> {
-    let is_path = |path: &&String| is_type(path) && !path.contains('<');
-    let bad = options.derives.iter().filter(|path| !is_path(path));
-    bad.map(|path| {
-        let message = format!("`{path}` cannot be derived: it is no path in Rust");
-        Diagnostic::without_place(Code::BadName, Severity::Error, message)
-            .with_help("write a path such as `serde::Serialize`")
-    })
-    .collect()
-}
-
 /// Whether a text is a path with generic arguments, and nothing that could end it.
-fn is_type(text: &str) -> bool {
+pub(super) fn is_type(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_:<>, ".contains(c);
     let mut depth = 0i32;
     let balanced = text.chars().all(|c| {
