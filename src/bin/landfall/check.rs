@@ -156,7 +156,6 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         true => (findings, None),
         false => permitted.judge(findings, &pass, &run, &texts, (&writer, streams))?,
     };
-    let title = if args.is_report { "Landfall report" } else { "Landfall check" };
     let result = reports::Result {
         findings: &findings,
         shaders: pass.checked.len(),
@@ -164,14 +163,10 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         texts: &texts,
         permitted,
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
-        page: Some(&|| page::page(&run, &pass, &findings, title)),
+        page: Some(&|| page::page(args, &run, &pass, &findings)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
-    if args.is_report {
-        streams.report(&failures_text(&run, &pass).unwrap_or_default());
-        return Ok(left_out.unwrap_or(outcome));
-    }
-    closing_notes(&pass, &basis, (args, &config), &applied, streams);
+    closing_notes(&run, &pass, (args, &config), &applied, streams);
     Ok(left_out.unwrap_or(outcome))
 }
 
@@ -363,12 +358,16 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
 }
 
 fn closing_notes(
+    run: &Run<'_>,
     pass: &Pass,
-    basis: &Basis,
     (args, config): (&CheckArgs, &Config),
     applied: &AppliedFixes,
     streams: &Streams,
 ) {
+    if args.is_report {
+        // The findings are in the page, but for what is missing from it.
+        return streams.report(&failures_text(run, pass).unwrap_or_default());
+    }
     if cache::folder(args, config).is_some() {
         let all = counted(pass.checked.len(), "shader");
         streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
@@ -388,7 +387,7 @@ fn closing_notes(
             "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
         ));
     }
-    if basis.locks.is_none() && basis.against.is_none() && args.shard.is_none() {
+    if run.basis.locks.is_none() && run.basis.against.is_none() && args.shard.is_none() {
         streams.notes(NO_LOCKS);
     }
     let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
