@@ -12,10 +12,9 @@ pub(super) struct Texts {
 impl Texts {
     pub fn index(&mut self, text: String) -> usize {
         let next = self.all.len();
-        let index = *self.known.entry(text).or_insert_with_key(|text| {
+        *self.known.entry(text).or_insert_with_key(|text| {
             self.all.push(text.clone());
             next
-        });
-        index
+        })
     }
 }
