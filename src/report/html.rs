@@ -5,11 +5,13 @@
 
 mod document;
 mod member;
+mod texts;
 
 use data_encoding::BASE64;
+use landfall_layout::text::escape;
 
-use document::Texts;
 pub use document::{MOST_UNDER_ALL_RULES, Part, RULES};
+use texts::Texts;
 
 const TEMPLATE: &str = include_str!("html/page.html");
 const STYLE: &str = concat!(include_str!("html/page.css"), include_str!("html/map.css"));
@@ -63,14 +65,14 @@ impl Page {
     /// The JSON that the page holds; without `<`, which could end its element.
     fn data(&self, title: &str) -> String {
         let tool = landfall_layout::format::json::Tool::LANDFALL;
-        format!(
+        let text = format!(
             "{{\"tool\":{},\"title\":{},\"texts\":{},\"shaders\":[\n{}\n]}}",
             json(&tool),
             json(&title),
             json(&self.texts.all),
             self.shaders.join(",\n"),
-        )
-        .replace('<', "\\u003c")
+        );
+        escape::json(&text).replace('<', "\\u003c")
     }
 }
 

@@ -89,7 +89,7 @@ fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
     let mut groups: Vec<&str> = commands.iter().map(|(_, group)| group.as_str()).collect();
     groups.dedup();
     assert_eq!(groups, ["Lay out", "Generate", "Guard", "Prove", "Light", "Measure"]);
-    assert_eq!(commands.len(), 21, "{commands:?}");
+    assert_eq!(commands.len(), 22, "{commands:?}");
     let long = help(&["--help"]);
     assert_eq!(long, help(&["help"]));
     assert_eq!(long, help(&["-h"]));
@@ -104,6 +104,7 @@ Usage: landfall [OPTIONS] <COMMAND>
 Lay out:
   layout   Print the byte layout of every block
   explain  Explain the offset of a member, or find the member at a byte
+  report   Draw memory maps of all blocks, with the findings, as one HTML file
 
 Generate:
   emit     Generate mirrors of blocks in Rust, C and other languages

@@ -126,7 +126,8 @@ fn no_command_prints_what_acts_on_a_terminal_or_in_a_log() {
         checked(&place, &["stress", NAME, "--fn", "f", "--samples", "50", "-f", format]);
     }
     checked(&place, &["verify", ".", "--backend", "cpu", "--color", "always"]);
-    for format in ["human", "short", "json", "sarif", "junit"] {
+    checked(&place, &["report", "."]);
+    for format in ["human", "short", "json", "sarif", "junit", "html"] {
         let ran = checked(&place, &["check", "-W", "all", "-f", format]);
         assert!(ran.out.contains("stale-comment"), "{format}: {}", ran.out);
         checked(&place, &["check", "-W", "all", "-f", format, "--color", "always"]);
@@ -372,7 +373,7 @@ fn policies_baselines_and_merged_reports_show_names_as_text() {
     let approved = checked(&place, &["lock", "s", "--policy", "names", "--approve", NAME]);
     assert!(approved.code == 0 && approved.err.contains("approved"), "{}", approved.err);
     place.write(&shader, PLAIN.replace("float a;", "mat4 a;"));
-    for format in ["human", "json", "md"] {
+    for format in ["human", "json", "md", "html"] {
         for (old, new) in [("layouts", "s"), ("layouts", shader.as_str())] {
             checked(&place, &["diff", old, new, "-f", format, "--policy", "names"]);
         }

@@ -65,7 +65,8 @@ fn is_same(shown: &str, value: &Value, ty: &str) -> bool {
             // The shortest text of 32 bits, and of 64 bits for doubles.
             if ty.starts_with('d') { a == b } else { a as f32 == b as f32 }
         }
-        number => shown == number.to_string(),
+        Value::Number(number) => shown == number.to_string(),
+        other => panic!("{other} is no component"),
     }
 }
 

@@ -102,7 +102,7 @@ fn the_cells_have_the_numbers_of_the_json_for_every_block_of_the_shaders_here() 
         let shown = view["cells"].as_array().unwrap();
         for cell in shown {
             let text = cell["text"].as_str().unwrap();
-            assert_eq!(text.trim_start_matches(" · "), number(cell, "offset").to_string());
+            assert_eq!(text, number(cell, "offset").to_string());
             let first = number(cell, "offset") % 16;
             let end = (first + number(cell, "size")).min(16);
             assert_eq!(cell["columns"], json!(format!("{} / {}", first + 1, end + 1)), "{key:?}");
@@ -253,4 +253,26 @@ fn bytes_and_chains_are_those_of_explain_under_all_rules() {
         }
     }
     assert!(answers > 500 && chains > 300, "{answers} {chains}");
+}
+
+#[test]
+fn a_block_of_thousands_of_members_is_shown_under_its_own_rules_and_answers_for_all() {
+    let (browser, folder) = (Browser::start("large"), Folder::new("large"));
+    let members: String = (0..5000).map(|i| format!(" float m{i};")).collect();
+    folder.file("large.frag", format!("layout(std140) uniform Large {{{members} }};\n"));
+    output(folder.path(), 0, &["report", "large.frag", "-o", "page.html"]);
+    browser.open(&folder.path().join("page.html"));
+    browser.run(DRAW_ALL, &[]);
+    let shown = browser.run(
+        "const field = document.querySelector('input.byte');
+         field.value = '0x4e1d';
+         field.dispatchEvent(new Event('input'));
+         return [document.querySelectorAll('.rules button').length, document.querySelectorAll('.cell').length,
+             document.querySelector('.map .note').textContent, document.querySelector('.who').textContent]",
+        &[],
+    );
+    // 0x4e1d is 19997, byte 1 of the float at 4 × 4999.
+    let wanted = "byte 19997 is byte 1 of 4 of m4999 (float m4999, bytes 19996 to 19999)";
+    assert_eq!((&shown[0], &shown[1], &shown[3]), (&json!(1), &json!(4000), &json!(wanted)));
+    assert!(shown[2].as_str().unwrap().contains("first 4,000 cells"), "{shown}");
 }

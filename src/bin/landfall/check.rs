@@ -13,6 +13,7 @@ mod digests;
 mod fix;
 mod hash;
 mod key;
+pub mod notes;
 mod page;
 mod pass;
 mod policies;
@@ -39,8 +40,8 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Severity, lock};
+use landfall_lint::Settings;
 use landfall_lint::settings::RustFile;
-use landfall_lint::{LINTS, Settings};
 
 use crate::args::{CheckArgs, Form, ReadArgs, Report};
 use crate::config::{self, Config, slashes};
@@ -57,10 +58,6 @@ use landfall_lint::render::ReportFormat;
 use pass::{Pass, Run};
 use policies::Policies;
 use watched::Watched;
-
-/// The note without any locks, instead of a finding per shader.
-pub const NO_LOCKS: &str = "no layouts are locked: `landfall lock` records them, so that check \
-                            can tell when one changes\n";
 
 pub fn run(args: &CheckArgs, streams: &Streams) -> Result<Outcome, Failure> {
     refuse(args)?;
@@ -150,7 +147,6 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         true => (findings, None),
         false => permitted.judge(findings, &pass, &run, &texts, (&writer, streams))?,
     };
-    let title = if args.is_report { "Landfall report" } else { "Landfall check" };
     let result = reports::Result {
         findings: &findings,
         shaders: pass.checked.len(),
@@ -158,14 +154,10 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
         texts: &texts,
         permitted,
         shard: args.shard.map(|shard| shard::part(shard, &basis, &pass)),
-        page: Some(&|| page::page(&run, &pass, &findings, title)),
+        page: Some(&|| page::page(args, &run, &pass, &findings)),
     };
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
-    if args.is_report {
-        streams.report(&failures_text(&run, &pass).unwrap_or_default());
-        return Ok(left_out.unwrap_or(outcome));
-    }
-    closing_notes(&pass, &basis, (args, &config), &applied, streams);
+    notes::closing(&run, &pass, (args, &config), &applied, streams);
     if !args.watch {
         // The process ends: to free thousands of results takes 3 % of a check from the cache.
         std::mem::forget((pass, cache));
@@ -385,43 +377,6 @@ fn inputs(args: &CheckArgs, config: &Config, run: &Run<'_>, pass: &Pass) -> File
     writer
 }
 
-fn closing_notes(
-    pass: &Pass,
-    basis: &Basis,
-    (args, config): (&CheckArgs, &Config),
-    applied: &AppliedFixes,
-    streams: &Streams,
-) {
-    if cache::folder(args, config).is_some() {
-        let all = counted(pass.checked.len(), "shader");
-        streams.notes(&format!("laid out {} of {all}, the rest is unchanged\n", pass.fresh));
-    }
-    if args.fix {
-        streams.notes(&fix::summary(applied));
-    }
-    if args.add_allow {
-        streams.notes(&add_allow::summary(applied));
-    }
-    if pass.accepted > 0 {
-        streams.notes(&format!("accepted {}\n", counted(pass.accepted, "layout")));
-    }
-    if pass.kept_locks > 0 {
-        let kept = counted(pass.kept_locks, "lock");
-        streams.notes(&format!(
-            "kept {kept}: a policy forbids the changes; `landfall lock --approve REASON` approves them\n"
-        ));
-    }
-    if basis.locks.is_none() && basis.against.is_none() && args.shard.is_none() {
-        streams.notes(NO_LOCKS);
-    }
-    let missing = LINTS.iter().filter(|lint| !lint.is_built()).count();
-    if missing > 0 {
-        streams.notes(&format!(
-            "{missing} lints that follow code are not in this build: they need the feature `analysis`\n"
-        ));
-    }
-}
-
 /// Fails on options that cannot be combined.
 fn refuse(args: &CheckArgs) -> Result<(), Error> {
     if let Some(error) = reports::refused(&args.formats) {
@@ -480,7 +435,7 @@ fn diff(
     cache: &mut Cache,
     streams: &Streams,
 ) -> Result<Outcome, Failure> {
-    let failures = failures_text(run, &pass);
+    let failures = notes::of_failures(run, &pass);
     let files = fix::preview(run, pass, &mut cache.tree, streams)?;
     streams.source(&fix::patch(&files))?;
     streams.finish()?;
@@ -490,23 +445,6 @@ fn diff(
     }
     streams.notes(&format!("{} would be fixed\n", counted(files.len(), "file")));
     Ok(if files.is_empty() { Outcome::Clean } else { Outcome::Findings })
-}
-
-/// What is wrong with shaders that could not be checked; `None` if all could.
-fn failures_text(run: &Run<'_>, pass: &Pass) -> Option<String> {
-    if pass.failures() == 0 {
-        return None;
-    }
-    let is_failure = |finding: &Finding| landfall_lint::lint(&finding.code).is_none();
-    let failed: Vec<Finding> =
-        tree::findings_in_shaders(pass).into_iter().filter(is_failure).collect();
-    let texts = reports::Texts::new(run.stdin.clone());
-    let options = landfall_lint::render::ReportOptions {
-        paint: landfall_layout::format::Paint::Plain,
-        text: &|path| texts.of(path),
-        shaders: failed.len(),
-    };
-    Some(landfall_lint::render::report(&failed, ReportFormat::Human, &options))
 }
 
 /// Replaces former lint codes by the current ones, with a note for each.

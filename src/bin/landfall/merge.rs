@@ -9,7 +9,7 @@ use crate::args::{Form, MergeArgs};
 use crate::check::baseline::{Baseline, Scope};
 use crate::check::check_shader::Checked;
 use crate::check::tree::{self, Memory};
-use crate::check::{NO_LOCKS, reports, shard};
+use crate::check::{notes, reports, shard};
 use crate::config::Root;
 use crate::output::{Failure, Outcome, Streams};
 use crate::write;
@@ -56,7 +56,7 @@ pub fn run(args: &MergeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     writer.protect(whole.pass.checked.iter().flat_map(Checked::files));
     let outcome = reports::write(&result, &args.formats, args.statistics, writer, streams)?;
     if whole.basis.locks.is_none() && whole.basis.against.is_none() {
-        streams.notes(NO_LOCKS);
+        streams.notes(notes::NO_LOCKS);
     }
     Ok(outcome)
 }

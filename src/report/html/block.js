@@ -118,6 +118,7 @@ class BlockView {
   draw() {
     this.drawn = true;
     const shown = this.block.layouts.filter((layout) => this.rules.has(layout.rules));
+    this.maps.classList.toggle('several', shown.length > 1);
     this.maps.replaceChildren(...shown.map((layout) => this.figure(layout, shown.length > 1)));
     if (this.view) this.report(shown);
   }
@@ -140,7 +141,8 @@ class BlockView {
       if (place) this.detail.show(place, layout, this.shader, this.view);
     };
     for (const event of ['mouseover', 'focusin', 'click']) map.addEventListener(event, select);
-    const facts = [RULE_NAMES[layout.rules], sizeText(layout), comparison(layout, this.own)];
+    const size = several ? bytes(layout.size) : sizeText(layout);
+    const facts = [RULE_NAMES[layout.rules], size, comparison(layout, this.own)];
     const caption = several || layout !== this.own ? el('p', { class: 'caption' }, facts.filter(Boolean).join(' · ')) : null;
     const details = el('details', {}, el('summary', {}, `Table of ${name}`));
     details.fill = () => {

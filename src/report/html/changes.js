@@ -106,7 +106,12 @@ class ChangeView {
     caption.append(`${side} · ${RULE_NAMES[layout.rules]} · ${sizeText(layout)}`);
     const map = memoryMap(layout, {
       state: this.state, label: `${side} map of ${this.title}; arrow keys move between cells`,
-      changed: () => this.draw(), mark: (place) => (place.byRow ? null : mark(place)),
+      changed: (byte) => {
+        this.draw();
+        const cells = [...this.pair.querySelectorAll(`[data-side=${side.toLowerCase()}] .cell`)];
+        cells.find(({ place }) => byte >= place.start && byte < place.end)?.focus();
+      },
+      mark: (place) => (place.byRow ? null : mark(place)),
     });
     for (const event of ['mouseover', 'focusin', 'click']) {
       map.addEventListener(event, ({ target }) => {

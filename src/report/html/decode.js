@@ -134,8 +134,10 @@ function stray(view, start, end) {
 /** Why bytes cannot be those of a block, or a remark on their number; `null` if all fits. */
 function lengthRemark(layout, length) {
   const endless = layout.members.some(isEndless);
-  if (length < layout.data_size && !endless) {
-    return { refused: true, what: `${bytes(length)} are too few: the block's members need ${bytes(layout.data_size)}` };
+  const ends = layout.members.filter((member) => !isEndless(member)).map((member) => member.offset + (member.size ?? 0));
+  const needed = Math.max(0, ...ends);
+  if (length < needed) {
+    return { refused: true, what: `${bytes(length)} are too few: the block's members need ${bytes(needed)}` };
   }
   if (length < layout.size) {
     return { refused: false, what: `${bytes(length)}, but a buffer for the block must hold ${bytes(layout.size)}` };

@@ -1,8 +1,6 @@
 //! A shader as JSON for the page: its blocks under every set of rules, its findings, and what
 //! changed since its lock or its other side.
 
-use std::collections::HashMap;
-
 use landfall_layout::finding::Finding;
 use landfall_layout::format::diff::{Compared, Verdict};
 use landfall_layout::format::phrases;
@@ -13,6 +11,7 @@ use landfall_layout::{AddressSpace, BlockLayout, Rules, ShaderLayout};
 use serde::Serialize;
 
 use super::member::{Context, Member, members};
+use super::texts::Texts;
 
 /// The rules that the page compares, in the order of its switches.
 pub const RULES: [Rules; 4] = [Rules::Std140, Rules::Std430, Rules::Scalar, Rules::Wgsl];
@@ -33,24 +32,6 @@ pub struct Part<'a> {
     pub findings: &'a [&'a Finding],
     /// How its layout differs from the other side.
     pub compared: Option<&'a Compared<'a>>,
-}
-
-/// Texts that many members share, by their index in the page.
-#[derive(Debug, Default)]
-pub(super) struct Texts {
-    pub all: Vec<String>,
-    known: HashMap<String, usize>,
-}
-
-impl Texts {
-    pub fn index(&mut self, text: String) -> usize {
-        let next = self.all.len();
-        let index = *self.known.entry(text).or_insert_with_key(|text| {
-            self.all.push(text.clone());
-            next
-        });
-        index
-    }
 }
 
 #[derive(Serialize)]

@@ -1,6 +1,14 @@
 // Elements from names, attributes and texts. All text of shaders goes through `textContent`: none
 // of it is ever parsed as HTML.
 
+/**
+ * A text of a shader without the characters that reorder or hide text: control characters as their
+ * pictures, the others as U+FFFD, as the command prints them.
+ */
+const plain = (shown) => String(shown)
+  .replace(/[\u0000-\u0008\u000b-\u001f]/g, (c) => String.fromCharCode(0x2400 + c.charCodeAt(0)))
+  .replace(/[\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, '\ufffd');
+
 /** An element; children are elements or texts. */
 function el(name, attributes = {}, ...children) {
   const element = document.createElement(name);
@@ -9,11 +17,11 @@ function el(name, attributes = {}, ...children) {
     else if (key === 'on') Object.entries(value).forEach(([event, act]) => element.addEventListener(event, act));
     else if (key === 'data') Object.assign(element.dataset, value);
     else if (value !== null && value !== undefined && value !== false) {
-      element.setAttribute(key, value === true ? '' : value);
+      element.setAttribute(key, value === true ? '' : plain(value));
     }
   }
   for (const child of children.flat(3)) {
-    if (child !== null && child !== undefined) element.append(child);
+    if (child !== null && child !== undefined) element.append(child instanceof Node ? child : plain(child));
   }
   return element;
 }

@@ -129,6 +129,7 @@ function rows(container, frameOf, parts, context) {
       const cell = number === first ? cellAt : el('div', { class: `${cellAt.className} more`, 'aria-hidden': 'true' }, '⤷');
       cell.style.gridColumn = `${from + 1} / ${to + 1}`;
       cell.classList.toggle('narrow', to - from < 4);
+      cell.classList.toggle('word', to - from <= 4);
       cell.place = part;
       row.append(cell);
     }
@@ -146,12 +147,12 @@ function vectorCell(place, frameOf, context) {
     data: { path: place.path, offset: place.start, size: place.end - place.start, type },
   },
   el('b', {}, place.byRow ? `${last(place, frameOf)} ${type}` : last(place, frameOf)),
-  el('span', { class: 'type' }, place.byRow ? null : el('span', {}, type), el('i', {}, `${place.byRow ? '' : ' · '}${place.start}`)),
+  el('span', { class: 'type' }, place.byRow ? null : el('span', {}, type), el('i', {}, String(place.start))),
   mark ? el('span', { class: 'mark' }, mark.short) : null,
   values.length === 0 ? null : el('span', { class: 'values' }, values.map((value) => (
     el('span', { class: value.odd ? 'bad' : '' }, value.odd ? `⚠ ${value.text}` : value.text)
   ))));
-  const value = values.map((one) => (one.odd ? `${one.text} (${one.odd})` : one.text)).join(', ');
+  const value = values.map(told).join(', ');
   context.items.push({ place, type, value, note: mark?.text ?? '' });
   return cell;
 }
@@ -164,7 +165,7 @@ function paddingCell(place, context) {
     type: 'button', tabindex: '-1', class: `cell pad ${place.padding === 'hole' ? 'hole' : 'tail'}${strays ? ' odd' : ''}`,
     'aria-label': `${place.padding}, ${what}, bytes ${place.start} to ${place.end - 1}${strays && `, not zero: ${strays}`}`,
     data: { path: '', offset: place.start, size, padding: place.padding },
-  }, el('span', { class: 'type' }, strays ? `⚠ ${strays}` : `${size}`));
+  }, el('span', { class: 'type' }, strays ? `⚠ ${strays}` : `${size} B`));
   context.items.push({ place, type: place.padding, note: what, value: strays && `not zero: ${strays}` });
   return cell;
 }
@@ -176,10 +177,13 @@ function strayBytes(view, { start, end }) {
   return all.some((byte) => byte !== 0) ? all.map((byte) => byte.toString(16).padStart(2, '0')).join(' ') : '';
 }
 
+/** A value, and why it is suspicious. */
+const told = ({ text: shown, odd }) => (odd && odd !== shown ? `${shown} (${odd})` : shown);
+
 /** What a screen reader says of a cell. */
 function spoken(place, type, values = [], mark = '') {
   const parts = [place.path, type, `bytes ${place.start} to ${place.end - 1}`];
-  if (values.length > 0) parts.push(values.map((value) => (value.odd ? `${value.text} ${value.odd}` : value.text)).join(' '));
+  if (values.length > 0) parts.push(values.map(told).join(' '));
   if (mark) parts.push(mark);
   return parts.join(', ');
 }

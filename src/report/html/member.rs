@@ -9,7 +9,7 @@ use landfall_layout::source::{Files, Language};
 use landfall_layout::{MemberLayout, Rules, Type};
 use serde::Serialize;
 
-use super::document::Texts;
+use super::texts::Texts;
 
 /// What members of one block share.
 pub(super) struct Context<'a, 't> {

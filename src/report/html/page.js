@@ -26,7 +26,7 @@ class Detail {
     ];
     if (view && place.kind === 'vector') {
       const values = components(view, place);
-      facts.push(['Value', values.map((one) => (one.odd ? `${one.text} (${one.odd})` : one.text)).join(', ')]);
+      facts.push(['Value', values.map(told).join(', ')]);
     }
     const list = el('dl', {}, facts.filter(([, value]) => value !== null && value !== '')
       .map(([name, value]) => [el('dt', {}, name), el('dd', {}, String(value))]));

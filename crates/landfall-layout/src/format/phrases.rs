@@ -79,7 +79,7 @@ pub fn slot(block: &BlockLayout, language: Language) -> String {
 const MOST_OPAQUE: usize = 10_000;
 
 /// The paths of a block's samplers and images, also in structures: `lights[].shadow`. After
-/// [`MOST_OPAQUE`] paths the last one is `…`.
+/// 10,000 paths the last one is `…`.
 pub fn opaque(block: &BlockLayout) -> Vec<String> {
     let mut paths: Vec<String> = block.opaque.iter().map(|name| name.to_string()).collect();
     block.members.iter().for_each(|member| opaque_in(member, "", &mut paths));

@@ -14,10 +14,11 @@ use landfall_layout::{Language, Rules, ShaderLayout, Source, lock};
 
 use super::pass::{Pass, Run};
 use super::{lock_of, watch};
+use crate::args::CheckArgs;
 use crate::read;
 
 /// The page.
-pub fn page(run: &Run<'_>, pass: &Pass, findings: &[Finding], title: &str) -> String {
+pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) -> String {
     let mut by_path: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
     for finding in findings {
         by_path.entry(&finding.place().path).or_default().push(finding);
@@ -62,7 +63,7 @@ pub fn page(run: &Run<'_>, pass: &Pass, findings: &[Finding], title: &str) -> St
         let shader = ShaderLayout::empty(path.to_string(), Language::Glsl, None);
         page.add(&Part { path, shader: &shader, by_rules: &[], findings: &found, compared: None });
     }
-    page.finish(title)
+    page.finish(if args.is_report { "Landfall report" } else { "Landfall check" })
 }
 
 fn source(run: &Run<'_>, path: &str) -> Option<Source> {
