@@ -115,6 +115,22 @@ set 0 binding 0: DefaultBlock
 location 0 out: c
 
 "#]]);
+    // The name has an effect where the block is shared, and none where there is no loose uniform.
+    let named = ["port", "a.fs", "--stage", "fragment", "--partner", "a.vs", "--block", "Uniforms"];
+    place.run(&named).code(0).stderr_eq(str![[r#"
+shared with a.vs: Uniforms
+set 0 binding 0: Uniforms
+location 0 out: c
+
+"#]]);
+    place.write("b.fs", "#version 330\nout vec4 c;\nvoid main() { c = vec4(1); }\n");
+    let alone = ["port", "b.fs", "--stage", "fragment", "--block", "Uniforms"];
+    place.run(&alone).code(0).stderr_eq(str![[r#"
+location 0 out: c
+warning[unused-option]: `--block Uniforms` has no effect: no uniform is outside blocks
+
+
+"#]]);
 }
 
 /// Puts a script in the place of the compiler.

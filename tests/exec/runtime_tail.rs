@@ -37,7 +37,7 @@ fn main() {{
     for n in 0..={MOST} {{
         let size = mirrors::PHeader::size_for(n) as u64;
         let head: mirrors::PHeader = bytemuck::Zeroable::zeroed();
-        let all: Vec<mirrors::PDataElement> = vec![bytemuck::Zeroable::zeroed(); n];
+        let all: Vec<mirrors::PElement> = vec![bytemuck::Zeroable::zeroed(); n];
         let mut bytes = vec![255; 3];
         head.write_into(&all, &mut bytes);
         assert_eq!((bytes.len() as u64, head.to_bytes(&all)), (size, bytes));

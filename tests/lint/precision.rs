@@ -7,6 +7,7 @@
 
 mod comments;
 mod copies;
+mod layouts;
 mod macros;
 
 use landfall_layout::finding::Finding;
