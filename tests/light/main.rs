@@ -11,6 +11,7 @@ mod light_claims;
 mod light_forms;
 mod light_plan;
 mod light_planned;
+mod light_scenes;
 mod picture;
 mod plot;
 mod prove;

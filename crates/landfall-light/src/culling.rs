@@ -24,14 +24,14 @@ pub use measure::{brute, compare};
 pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse};
 pub use upload::{UploadChoice, choose};
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 pub use crate::plan::{
     Claim, Compiled, ConstantKind, Draw, Grid, LightSet, Measured, OptionEffect, Plan, Savings,
     Setting, TileLists, Value, interpolate,
 };
 
-use super::shading_f32::Model;
+use super::shading_f32::{Model, SpecularTerm};
 use super::{Frame, Upload};
 use bound::Bounded;
 use cull::Lists;
@@ -110,7 +110,15 @@ impl Job<'_> {
             savings.steps.push(unused(option, costs.sort * fragments as f64, plain, 0));
             return None;
         }
-        let points = Points::new(frame, upload, model);
+        let mut points = Points::new(frame, upload, model);
+        // Surfaces that face away from a light show its highlight too, if there is one.
+        let shows_all = options.cull == Cull::Exact
+            && model.specular == SpecularTerm::Everywhere
+            && !points.has_dull()
+            && !lights.iter().any(Bounded::is_dull);
+        if shows_all {
+            points = points.undirected();
+        }
         let draw = whole.draws.first()?;
         let divided = region::divide(frame, &points, upload.camera, &draw.fragments, division);
         let Lists { of, tests, dropped } = cull::lists(&divided, lights, model, options.cull);
@@ -158,14 +166,17 @@ impl Job<'_> {
     /// Returns the draws: regions with the same lights share one.
     fn draws(&self, cells: Vec<region::Cell>, lists: &[Vec<u32>]) -> Vec<Draw> {
         let mut draws: Vec<Draw> = Vec::new();
-        let mut known: HashMap<&[u32], usize> = HashMap::new();
+        let mut known: FxHashMap<&[u32], usize> = FxHashMap::default();
         for (cell, list) in cells.into_iter().zip(lists) {
             let at = *known.entry(list).or_insert_with(|| {
                 let lights = set(self.lights, list, self.ambient);
                 draws.push(Draw { fragments: Vec::new(), lights, grid: None });
                 draws.len() - 1
             });
-            draws[at].fragments.extend(cell.fragments);
+            match &mut draws[at].fragments {
+                none if none.is_empty() => *none = cell.fragments,
+                some => some.extend(cell.fragments),
+            }
         }
         for draw in &mut draws {
             draw.fragments.sort_unstable();

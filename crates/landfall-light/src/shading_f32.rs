@@ -3,7 +3,8 @@
 //! Reads an [`Upload`](super::Upload) and the fragments of a [`Frame`](super::Frame); executes the
 //! plans of [`culling`](super::culling). [`seed`] is the arithmetic of the published shaders,
 //! [`robust`] the same model in more accurate and faster forms; both add the lights in the order of
-//! their indices, so that dropping a light with a contribution of exactly zero changes no bit.
+//! their indices, so that dropping a light with a contribution of exactly zero changes no bit. [`wide`]
+//! is `robust` for several fragments at once, bit for bit.
 
 mod execute;
 mod lights;
@@ -11,6 +12,7 @@ mod model;
 pub mod robust;
 pub mod seed;
 mod surface;
+mod wide;
 mod work;
 
 pub use execute::{Form, Shaded, execute, shade_all};

@@ -163,36 +163,77 @@ impl Bounded {
         if !region.is_finite() {
             return DVec3::INFINITY;
         }
-        let (weight, faces) = match shape {
-            Shape::From(towards) => (1.0, may_face(region, |_| *towards, 1.0)),
+        let reflected = match self.reflected(shape, region, model) {
+            Some(reflected) => reflected,
+            None => return DVec3::ZERO,
+        };
+        let weight = match shape {
+            Shape::From(_) => 1.0,
             Shape::Around(lamp) => {
                 let nearest = region.distance(lamp.position) * NEARER;
-                if nearest >= lamp.range || !touches(lamp, region) {
-                    return DVec3::ZERO;
-                }
                 let [c, l, q] = lamp.attenuation;
                 let ratio = nearest / lamp.range;
                 let window = (1.0 - ratio.powi(4)).powi(2);
-                let weight = window / (c + nearest * (l + nearest * q));
+                window / (c + nearest * (l + nearest * q))
+            }
+        };
+        // Zero times an unknown bound is unknown.
+        let most = reflected * (weight * MORE);
+        if most.is_nan() { DVec3::INFINITY } else { most }
+    }
+
+    /// Whether it may contribute to some point of `region`: whether [`most`](Bounded::most) is not
+    /// zero, without its size.
+    pub fn adds(&self, region: &Region, model: &Model) -> bool {
+        let Ok(shape) = &self.shape else { return true };
+        if !region.is_finite() {
+            return true;
+        }
+        self.reflected(shape, region, model).is_some_and(|reflected| reflected != DVec3::ZERO)
+    }
+
+    /// Returns the largest reflection of a light of weight 1 in `region`; `None` if none of it is
+    /// in its range and its cone.
+    #[inline]
+    fn reflected(&self, shape: &Shape, region: &Region, model: &Model) -> Option<DVec3> {
+        let faces = match shape {
+            Shape::From(towards) => may_face(region, |_| *towards, 1.0),
+            Shape::Around(lamp) => {
+                let nearest = region.distance(lamp.position) * NEARER;
+                if nearest >= lamp.range || !touches(lamp, region) {
+                    return None;
+                }
                 let farthest = (region.high - lamp.position)
                     .abs()
                     .max((region.low - lamp.position).abs())
                     .length();
-                (weight, may_face(region, |corner| lamp.position - corner, farthest))
+                may_face(region, |corner| lamp.position - corner, farthest)
             }
         };
         let [ambient, diffuse, specular] = self.terms;
         let shines = faces || model.specular == SpecularTerm::Everywhere;
-        let mut most = ambient * region.body;
+        let mut reflected = ambient * region.body;
         if faces {
-            most += diffuse * region.body;
+            reflected += diffuse * region.body;
         }
         if shines {
-            most += specular * region.shine;
+            reflected += specular * region.shine;
         }
-        // Zero times an unknown bound is unknown.
-        let most = most * (weight * MORE);
-        if most.is_nan() { DVec3::INFINITY } else { most }
+        Some(reflected)
+    }
+
+    /// Whether some channel of its highlights is black.
+    pub fn is_dull(&self) -> bool {
+        self.terms[2].cmpeq(DVec3::ZERO).any()
+    }
+
+    /// Returns the sphere outside which it contributes nothing: the centre and the radius, which is
+    /// infinite if there is no such sphere.
+    pub fn sphere(&self) -> (DVec3, f64) {
+        match self.shape {
+            Ok(Shape::Around(lamp)) => (lamp.position, lamp.range),
+            Ok(Shape::From(_)) | Err(_) => (DVec3::ZERO, f64::INFINITY),
+        }
     }
 
     /// Returns the sum of the largest channels of its terms, the strength for its radius.

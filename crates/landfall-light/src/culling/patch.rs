@@ -55,7 +55,7 @@ const FLAT: f64 = 1e-4;
 type Group = Vec<u32>;
 
 /// Returns the fragments of each plane of each object, and those on no plane.
-fn planes(job: &Job<'_>, points: &Points) -> (Vec<(Plane, Group)>, Vec<Group>) {
+fn planes(job: &Job<'_>, points: &Points<'_>) -> (Vec<(Plane, Group)>, Vec<Group>) {
     let plain: Vec<bool> = job
         .upload
         .materials
@@ -77,7 +77,7 @@ fn planes(job: &Job<'_>, points: &Points) -> (Vec<(Plane, Group)>, Vec<Group>) {
         rest[at].1.extend(fragments);
     };
     for (number, fragment) in job.frame.fragments.iter().enumerate() {
-        let normal = points.normal[number];
+        let normal = points.normal(number as u32);
         let flat = plain.get(fragment.material as usize).copied().unwrap_or(false);
         if !flat || normal == DVec3::ZERO {
             set_aside(fragment.object, vec![number as u32]);
@@ -92,12 +92,12 @@ fn planes(job: &Job<'_>, points: &Points) -> (Vec<(Plane, Group)>, Vec<Group>) {
     }
     let mut planes = Vec::new();
     for (object, group) in groups {
-        let normal = points.normal[group[0] as usize];
+        let normal = points.normal(group[0]);
         let (first, second) = normal.any_orthonormal_pair();
         let region = points.region(&group);
-        let origin = points.position[group[0] as usize];
+        let origin = points.position(group[0]);
         let diameter = (region.high - region.low).length();
-        let off = |n: &u32| (points.position[*n as usize] - origin).dot(normal).abs();
+        let off = |n: &u32| (points.position(*n) - origin).dot(normal).abs();
         if group.len() >= FEWEST && group.iter().all(|n| off(n) <= FLAT * diameter) {
             planes.push((Plane { axes: [first, second] }, group));
         } else {
@@ -109,7 +109,7 @@ fn planes(job: &Job<'_>, points: &Points) -> (Vec<(Plane, Group)>, Vec<Group>) {
 
 struct Patches<'a> {
     job: &'a Job<'a>,
-    points: &'a Points,
+    points: &'a Points<'a>,
     interpolate: Interpolate,
     /// The nodes of a grid.
     nodes: usize,
@@ -152,7 +152,7 @@ impl Patches<'_> {
             Some(plane) => plane.axes[usize::from(sides[1] > sides[0])],
             None => longest(&region),
         };
-        let along = |n: &u32| self.points.position[*n as usize].dot(axis);
+        let along = |n: &u32| self.points.position(*n).dot(axis);
         let middle = fragments.len() / 2;
         fragments.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)));
         let upper = fragments.split_off(middle);
@@ -161,11 +161,11 @@ impl Patches<'_> {
     }
 
     fn rectangle(&self, fragments: &[u32], plane: &Plane) -> Rectangle {
-        let origin = self.points.position[fragments[0] as usize];
+        let origin = self.points.position(fragments[0]);
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         for &number in fragments {
-            let from = self.points.position[number as usize] - origin;
+            let from = self.points.position(number) - origin;
             for axis in 0..2 {
                 let at = from.dot(plane.axes[axis]);
                 (low[axis], high[axis]) = (low[axis].min(at), high[axis].max(at));

@@ -3,14 +3,13 @@
 //! Made from the fragments themselves, so that a region is no larger than its visible part; read by
 //! [`bound`](super::bound).
 
-use std::collections::BTreeMap;
-
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use rustc_hash::FxHashMap;
 
 use super::options::Division;
 use crate::scene::{Material, Surface};
 use crate::shading_f32::{Model, Terms};
-use crate::{Frame, Upload};
+use crate::{Fragment, Frame, Upload};
 
 /// The bounds of all points in a part of the frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,52 +62,83 @@ impl Region {
     }
 }
 
-/// The fragments of a frame in `f64`, with the largest reflectance of their materials.
-pub(super) struct Points {
-    pub position: Vec<DVec3>,
-    /// The unit normals; zero where a fragment's has no direction.
-    pub normal: Vec<DVec3>,
-    material: Vec<u32>,
+/// The fragments of a frame, with the largest reflectance of their materials.
+pub(super) struct Points<'a> {
+    fragments: &'a [Fragment],
     most: Vec<[DVec3; 2]>,
+    /// Whether regions have the bounds of their normals.
+    directed: bool,
 }
 
-impl Points {
-    pub fn new(frame: &Frame, upload: &Upload, model: &Model) -> Points {
-        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-        Points {
-            position: frame.fragments.iter().map(|f| wide(f.position)).collect(),
-            normal: frame.fragments.iter().map(|f| wide(f.normal).normalize_or_zero()).collect(),
-            material: frame.fragments.iter().map(|f| f.material).collect(),
-            most: upload.materials.iter().map(|m| reflects(m, model)).collect(),
-        }
+impl<'a> Points<'a> {
+    pub fn new(frame: &'a Frame, upload: &Upload, model: &Model) -> Points<'a> {
+        let most = upload.materials.iter().map(|m| reflects(m, model)).collect();
+        Points { fragments: &frame.fragments, most, directed: true }
     }
 
-    pub fn region(&self, fragments: &[u32]) -> Region {
-        let mut region = Region::EMPTY;
-        let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let mut directed = true;
+    /// Returns the points without normals, if nothing depends on them.
+    pub fn undirected(self) -> Points<'a> {
+        Points { directed: false, ..self }
+    }
+
+    /// Whether some material has no highlight in some channel.
+    pub fn has_dull(&self) -> bool {
+        self.most.iter().any(|[_, shine]| shine.cmpeq(DVec3::ZERO).any())
+    }
+
+    pub fn position(&self, number: u32) -> DVec3 {
+        Vec3::from(self.fragments[number as usize].position).as_dvec3()
+    }
+
+    /// Returns the unit normal; zero for one without a direction.
+    pub fn normal(&self, number: u32) -> DVec3 {
+        Vec3::from(self.fragments[number as usize].normal).as_dvec3().normalize_or_zero()
+    }
+
+    pub fn region(&self, numbers: &[u32]) -> Region {
+        let [mut low, mut high] = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let mut finite = true;
+        let mut materials = Region::EMPTY;
         let mut material = u32::MAX;
-        for &number in fragments {
-            let number = number as usize;
-            let (position, normal) = (self.position[number], self.normal[number]);
-            if !position.is_finite() {
-                // `min` and `max` ignore NaN: mark such a region with infinite corners.
-                [region.low, region.high] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
-            }
-            region.low = region.low.min(position);
-            region.high = region.high.max(position);
-            directed &= normal != DVec3::ZERO;
-            [low, high] = [low.min(normal), high.max(normal)];
-            if self.material[number] != material {
-                material = self.material[number];
+        for &number in numbers {
+            let fragment = &self.fragments[number as usize];
+            let position = Vec3::from(fragment.position);
+            finite &= position.is_finite();
+            // `<` ignores NaN, as `min` does, and is one instruction.
+            low = Vec3::select(position.cmplt(low), position, low);
+            high = Vec3::select(position.cmpgt(high), position, high);
+            if fragment.material != material {
+                material = fragment.material;
                 let none = [DVec3::ZERO; 2];
                 let [body, shine] = self.most.get(material as usize).copied().unwrap_or(none);
-                region.body = region.body.max(body);
-                region.shine = region.shine.max(shine);
+                materials.body = materials.body.max(body);
+                materials.shine = materials.shine.max(shine);
             }
         }
-        region.normals = directed.then_some([low, high]);
-        region
+        let (low, high) = match finite {
+            true => (low.as_dvec3(), high.as_dvec3()),
+            // Comparisons ignore NaN: mark such a region with infinite corners.
+            false => (DVec3::NEG_INFINITY, DVec3::INFINITY),
+        };
+        Region { low, high, normals: self.normals(numbers), ..materials }
+    }
+
+    fn normals(&self, numbers: &[u32]) -> Option<[DVec3; 2]> {
+        let [mut low, mut high] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        // Neighbours on a plane share their normal.
+        let mut last = [f32::NAN; 3];
+        for &number in numbers.iter().filter(|_| self.directed) {
+            let given = self.fragments[number as usize].normal;
+            if given != last {
+                last = given;
+                let normal = self.normal(number);
+                if normal == DVec3::ZERO {
+                    return None;
+                }
+                [low, high] = [low.min(normal), high.max(normal)];
+            }
+        }
+        self.directed.then_some([low, high])
     }
 }
 
@@ -164,32 +194,43 @@ const BLOCK: u32 = 8;
 /// Divides the fragments of a frame into cells.
 pub(super) fn divide(
     frame: &Frame,
-    points: &Points,
+    points: &Points<'_>,
     camera: DVec3,
     fragments: &[u32],
     division: Division,
 ) -> Divided {
-    let mut buckets: BTreeMap<[u32; 3], Vec<u32>> = BTreeMap::new();
     let key = keys(frame, points, camera, fragments, division);
     // Fragments are in pixel order: neighbours mostly share a cell.
-    let mut run: Option<([u32; 3], Vec<u32>)> = None;
-    for &number in fragments {
-        let at = key(number);
-        match &mut run {
-            Some((same, list)) if *same == at => list.push(number),
-            _ => {
-                if let Some((last, list)) = run.replace((at, vec![number])) {
-                    buckets.entry(last).or_default().extend(list);
-                }
-            }
-        }
+    let mut runs: Vec<(usize, &[u32])> = Vec::new();
+    let mut places: FxHashMap<[u32; 3], usize> = FxHashMap::default();
+    let mut found: Vec<([u32; 3], usize)> = Vec::new();
+    let mut rest = fragments;
+    while let Some(&first) = rest.first() {
+        let (at, pixels) = key(first);
+        let same = |number: &&u32| match pixels {
+            Some(end) => frame.fragments[**number as usize].pixel < end,
+            None => key(**number).0 == at,
+        };
+        let (run, others) = rest.split_at(rest.iter().take_while(same).count().max(1));
+        rest = others;
+        let place = *places.entry(at).or_insert_with(|| {
+            found.push((at, 0));
+            found.len() - 1
+        });
+        found[place].1 += run.len();
+        runs.push((place, run));
     }
-    if let Some((last, list)) = run {
-        buckets.entry(last).or_default().extend(list);
+    let mut numbers: Vec<Vec<u32>> =
+        found.iter().map(|(_, len)| Vec::with_capacity(*len)).collect();
+    for (place, run) in runs {
+        numbers[place].extend_from_slice(run);
     }
+    let mut cells: Vec<([u32; 3], Vec<u32>)> =
+        found.into_iter().map(|(key, _)| key).zip(numbers).collect();
+    cells.sort_unstable_by_key(|(key, _)| *key);
     let mut blocks: Vec<Region> = Vec::new();
-    let mut known: BTreeMap<[u32; 3], usize> = BTreeMap::new();
-    let cells = buckets.into_iter().map(|(key, fragments)| {
+    let mut known: FxHashMap<[u32; 3], usize> = FxHashMap::default();
+    let cells = cells.into_iter().map(|(key, fragments)| {
         let region = points.region(&fragments);
         let block = *known.entry(key.map(|at| at / BLOCK)).or_insert_with(|| {
             blocks.push(Region::EMPTY);
@@ -202,30 +243,34 @@ pub(super) fn divide(
     Divided { cells, blocks }
 }
 
+/// Returns the key of a fragment, and the pixel before which later fragments share it, if known.
+type Key<'a> = Box<dyn Fn(u32) -> ([u32; 3], Option<u32>) + 'a>;
+
 fn keys<'a>(
     frame: &'a Frame,
-    points: &'a Points,
+    points: &'a Points<'_>,
     camera: DVec3,
     fragments: &[u32],
     division: Division,
-) -> Box<dyn Fn(u32) -> [u32; 3] + 'a> {
+) -> Key<'a> {
     let width = frame.width.max(1);
     let pixel = move |number: u32| {
         let pixel = frame.fragments[number as usize].pixel;
         [pixel % width, pixel / width]
     };
     match division {
-        Division::Whole => Box::new(|_| [0, 0, 0]),
+        Division::Whole => Box::new(|_| ([0, 0, 0], Some(u32::MAX))),
         Division::Tiles { size } => {
             let size = size.max(1);
             Box::new(move |number| {
                 let [x, y] = pixel(number);
-                [x / size, y / size, 0]
+                let end = (x - x % size).saturating_add(size).min(width);
+                ([x / size, y / size, 0], Some(y.saturating_mul(width).saturating_add(end)))
             })
         }
         Division::Clusters { columns, rows, slices } => {
             // Slices grow with distance, between the nearest and the farthest fragment.
-            let distance = move |number: u32| (points.position[number as usize] - camera).length();
+            let distance = move |number: u32| (points.position(number) - camera).length();
             let all = fragments.iter().map(|&n| distance(n)).filter(|d| *d > 0.0);
             let (near, far) =
                 all.fold((f64::INFINITY, 0f64), |(near, far), d| (near.min(d), far.max(d)));
@@ -237,7 +282,7 @@ fn keys<'a>(
                 let along = |at: u32, of: u32, parts: u32| {
                     (u64::from(at) * u64::from(parts) / u64::from(of)) as u32
                 };
-                [along(x, width, columns), along(y, height, rows), slice.min(slices - 1)]
+                ([along(x, width, columns), along(y, height, rows), slice.min(slices - 1)], None)
             })
         }
     }

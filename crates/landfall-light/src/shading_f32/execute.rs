@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::wide::Batch;
 use super::{Gates, Lights, Model, Surface, Tally, robust, seed, surface};
 use crate::Upload;
 use crate::plan::{Grid, Plan, interpolate};
@@ -47,7 +48,7 @@ pub fn shade_all<T: Tally + Default>(
 
 /// Lights the fragments by a plan; `surfaces` are those of the frame it was made for.
 ///
-/// Fragments in no draw stay black.
+/// Fragments in no draw stay black. Without counts the robust form lights several fragments at once.
 pub fn execute<T: Tally + Default>(
     plan: &Plan,
     upload: &Upload,
@@ -66,11 +67,7 @@ pub fn execute<T: Tally + Default>(
     let mut colors = vec![Vec3::ZERO; surfaces.len()];
     for draw in &plan.draws {
         run.all.select(&draw.lights, &mut run.some);
-        for &number in &draw.fragments {
-            if let Some(surface) = surfaces.get(number as usize) {
-                colors[number as usize] = run.shade(surface);
-            }
-        }
+        run.draw(surfaces, &draw.fragments, &mut colors);
     }
     let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
     let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
@@ -88,6 +85,20 @@ struct Run<'a, T> {
 }
 
 impl<T: Tally> Run<'_, T> {
+    fn draw(&mut self, surfaces: &[Surface], numbers: &[u32], colors: &mut [Vec3]) {
+        let within = numbers.iter().all(|number| (*number as usize) < surfaces.len());
+        if let (Form::Robust(gates), false, true) = (self.form, T::COUNTS, within) {
+            let Run { eye, some: lights, model, .. } = self;
+            Batch { surfaces, numbers, eye: *eye, lights, model, gates }.shade(colors);
+            return;
+        }
+        for &number in numbers {
+            if let Some(surface) = surfaces.get(number as usize) {
+                colors[number as usize] = self.shade(surface);
+            }
+        }
+    }
+
     fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
         self.all.select(&grid.lights, &mut self.some);
         grid.nodes.iter().map(|node| self.shade(&surface(node, upload, self.model))).collect()

@@ -32,6 +32,13 @@ pub struct Emission {
     pub specular: Vec3,
 }
 
+impl Emission {
+    /// Whether no colour is infinite or NaN.
+    pub fn is_finite(&self) -> bool {
+        self.ambient.is_finite() && self.diffuse.is_finite() && self.specular.is_finite()
+    }
+}
+
 /// A directional light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Directional {
@@ -113,6 +120,13 @@ impl Lights {
         pick(&self.directional, &set.directional, &mut into.directional);
         pick(&self.point, &set.point, &mut into.point);
         pick(&self.spot, &set.spot, &mut into.spot);
+    }
+
+    /// Returns the emissions of all lights.
+    pub fn emissions(&self) -> impl Iterator<Item = &Emission> {
+        let directional = self.directional.iter().map(|light| &light.emission);
+        let point = self.point.iter().map(|light| &light.emission);
+        directional.chain(point).chain(self.spot.iter().map(|light| &light.lamp.emission))
     }
 
     /// Returns the number of lights of all kinds.

@@ -13,7 +13,7 @@ use super::{
 };
 
 /// The squared distance below which a light has no direction, as in the shaders.
-const NEAREST: f32 = 1e-30;
+pub(super) const NEAREST: f32 = 1e-30;
 
 /// The terms skipped for a light without effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

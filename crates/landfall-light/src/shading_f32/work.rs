@@ -2,6 +2,9 @@
 
 /// The events of lighting.
 pub trait Tally {
+    /// Whether anything is counted.
+    const COUNTS: bool = true;
+
     /// A light is visited.
     fn trip(&mut self) {}
     /// The terms of a light are evaluated.
@@ -13,7 +16,9 @@ pub trait Tally {
 }
 
 /// Counts nothing.
-impl Tally for () {}
+impl Tally for () {
+    const COUNTS: bool = false;
+}
 
 /// The counted work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

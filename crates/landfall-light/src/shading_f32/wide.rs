@@ -1,0 +1,396 @@
+//! The [`robust`] form for several fragments at once, as many as the processor's registers hold.
+//!
+//! Each lane is a fragment and takes the same operations in the same order as [`robust::shade`],
+//! none of them fused, so that its bits are the same. What `robust` skips for a fragment is masked
+//! in its lane; lights that reach no lane are skipped.
+
+use std::borrow::Cow;
+
+use glam::Vec3;
+use pulp::{Simd, WithSimd};
+
+use super::robust::NEAREST;
+use super::{
+    Directional, Emission, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, robust,
+};
+
+/// The most lanes of any processor.
+const MOST: usize = 16;
+
+/// Fragments to be lit by the same lights.
+pub(super) struct Batch<'a> {
+    /// All surfaces of the frame.
+    pub surfaces: &'a [Surface],
+    /// The indices of those to be lit.
+    pub numbers: &'a [u32],
+    /// The position of the eye.
+    pub eye: Vec3,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The lighting model.
+    pub model: &'a Model,
+    /// The gates.
+    pub gates: Gates,
+}
+
+impl Batch<'_> {
+    /// Lights the fragments, which must be among the surfaces, in the colours of the frame.
+    pub fn shade(&self, colors: &mut [Vec3]) {
+        pulp::Arch::new().dispatch(Shading { batch: self, colors });
+    }
+
+    /// Returns the fragments by the evaluation of their power, in order.
+    fn by_power(&self) -> Vec<(Power, Cow<'_, [u32]>)> {
+        let of = |number: &u32| self.surfaces[*number as usize].power;
+        let Some(first) = self.numbers.first().map(of) else { return Vec::new() };
+        if self.numbers.iter().all(|number| of(number) == first) {
+            return vec![(first, Cow::Borrowed(self.numbers))];
+        }
+        let mut groups: Vec<(Power, Cow<'_, [u32]>)> = Vec::new();
+        for &number in self.numbers {
+            match groups.iter_mut().find(|(power, _)| *power == of(&number)) {
+                Some((_, group)) => group.to_mut().push(number),
+                None => groups.push((of(&number), Cow::Owned(vec![number]))),
+            }
+        }
+        groups
+    }
+}
+
+struct Shading<'a> {
+    batch: &'a Batch<'a>,
+    colors: &'a mut [Vec3],
+}
+
+impl WithSimd for Shading<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Shading { batch, colors } = self;
+        let finite = batch.lights.emissions().all(Emission::is_finite);
+        let mut near = Vec::new();
+        for (power, numbers) in batch.by_power() {
+            if power == Power::Chord || !finite || S::F32_LANES == 1 {
+                for &number in numbers.iter() {
+                    let Batch { eye, lights, model, gates, .. } = *batch;
+                    let surface = &batch.surfaces[number as usize];
+                    let color = robust::shade(surface, eye, lights, model, gates, &mut ());
+                    colors[number as usize] = color;
+                }
+                continue;
+            }
+            for numbers in numbers.chunks(S::F32_LANES.min(MOST)) {
+                let [r, g, b, sr, sg, sb] = &shade(simd, batch, power, numbers, &mut near);
+                for (lane, &number) in numbers.iter().enumerate() {
+                    let surface = &batch.surfaces[number as usize];
+                    let body = Vec3::new(r[lane], g[lane], b[lane]);
+                    let shine = Vec3::new(sr[lane], sg[lane], sb[lane]);
+                    colors[number as usize] = batch.lights.ambient * surface.ambient
+                        + body * surface.diffuse
+                        + shine * surface.specular;
+                }
+            }
+        }
+    }
+}
+
+/// Returns the sums of all lights that multiply the materials, by channel and lane.
+#[inline(always)]
+fn shade<S: Simd>(
+    simd: S,
+    batch: &Batch<'_>,
+    power: Power,
+    numbers: &[u32],
+    near: &mut Vec<u32>,
+) -> [[f32; MOST]; 6] {
+    let at = Fragments::new(simd, batch, power, numbers);
+    let zero = simd.splat_f32s(0.0);
+    let mut sums = Sums::<S> { body: [zero; 3], shine: [zero; 3] };
+    let all = simd.less_than_or_equal_f32s(zero, zero);
+    for light in &batch.lights.directional {
+        let towards = splat(simd, light.towards);
+        let one = simd.splat_f32s(1.0);
+        let Directional { emission, .. } = light;
+        add(simd, &at, towards, one, all, emission, &mut sums);
+    }
+    let Lights { point: points, spot: spots, .. } = batch.lights;
+    let lit = reached(simd, points, near, |light| point_reaches(simd, &at, light, all));
+    for light in lit.iter().map(|&number| &points[number as usize]) {
+        point(simd, &at, light, all, &mut sums);
+    }
+    let lit = reached(simd, spots, near, |light| spot_reaches(simd, &at, light, all));
+    for light in lit.iter().map(|&number| &spots[number as usize]) {
+        spot(simd, &at, light, all, &mut sums);
+    }
+    let mut stored = [[0.0; MOST]; 6];
+    for channel in 0..3 {
+        store(simd, sums.body[channel], &mut stored[channel]);
+        store(simd, sums.shine[channel], &mut stored[3 + channel]);
+    }
+    stored
+}
+
+type Vector<S> = [<S as Simd>::f32s; 3];
+
+/// The fragments of the lanes.
+struct Fragments<S: Simd> {
+    position: Vector<S>,
+    normal: Vector<S>,
+    reflected: Vector<S>,
+    gate: S::f32s,
+    power: Power,
+    gates: Gates,
+    facing: SpecularTerm,
+}
+
+/// The sums that multiply the material's ambient and diffuse, and its specular, colours.
+struct Sums<S: Simd> {
+    body: Vector<S>,
+    shine: Vector<S>,
+}
+
+impl<S: Simd> Fragments<S> {
+    /// Lanes without a fragment repeat the first one.
+    #[inline(always)]
+    fn new(simd: S, batch: &Batch<'_>, power: Power, numbers: &[u32]) -> Fragments<S> {
+        let mut given = [[0.0f32; MOST]; 7];
+        let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
+        for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
+            let Surface { position, normal, gate, .. } = batch.surfaces[*number as usize];
+            let [px, py, pz] = position.to_array();
+            let [nx, ny, nz] = normal.to_array();
+            for (to, value) in given.iter_mut().zip(&[px, py, pz, nx, ny, nz, gate]) {
+                to[lane] = *value;
+            }
+        }
+        let [px, py, pz, nx, ny, nz, gate] = &given;
+        let position = [load(simd, px), load(simd, py), load(simd, pz)];
+        let normal = unit(simd, [load(simd, nx), load(simd, ny), load(simd, nz)]);
+        let gate = load(simd, gate);
+        let view = unit(simd, sub(simd, splat(simd, batch.eye), position));
+        let twice = simd.mul_f32s(simd.splat_f32s(2.0), dot(simd, normal, view));
+        let reflected = sub(simd, scaled(simd, normal, twice), view);
+        let (gates, facing) = (batch.gates, batch.model.specular);
+        Fragments { position, normal, reflected, gate, power, gates, facing }
+    }
+}
+
+/// Finds the lights that reach a lane. Apart from their evaluation, since a branch for each that is
+/// taken at random costs more than the test: an index is written always and counted if it stays.
+#[inline(always)]
+fn reached<'a, S: Simd, L>(
+    simd: S,
+    lights: &[L],
+    into: &'a mut Vec<u32>,
+    reaches: impl Fn(&L) -> S::m32s,
+) -> &'a [u32] {
+    into.resize(lights.len(), 0);
+    let mut len = 0;
+    for (number, light) in lights.iter().enumerate() {
+        into[len] = number as u32;
+        len += usize::from(simd.first_true_m32s(reaches(light)) < S::F32_LANES);
+    }
+    &into[..len]
+}
+
+/// Returns the lanes inside the window of a light.
+#[inline(always)]
+fn point_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32s) -> S::m32s {
+    if !(at.gates.window && light.range > 0.0) {
+        return all;
+    }
+    let to = sub(simd, splat(simd, light.position), at.position);
+    let ratio = simd.mul_f32s(dot(simd, to, to), simd.splat_f32s(light.inverse_square_range));
+    simd.not_m32s(simd.greater_than_or_equal_f32s(ratio, simd.splat_f32s(1.0)))
+}
+
+#[inline(always)]
+fn point<S: Simd>(simd: S, at: &Fragments<S>, light: &Point, all: S::m32s, sums: &mut Sums<S>) {
+    let to = sub(simd, splat(simd, light.position), at.position);
+    let square = dot(simd, to, to);
+    let inverse = inverse_length(simd, square);
+    let weight = attenuation(simd, light, square, inverse);
+    let reached = point_reaches(simd, at, light, all);
+    add(simd, at, scaled(simd, to, inverse), weight, reached, &light.emission, sums);
+}
+
+/// Returns the lanes inside the cone of a light.
+#[inline(always)]
+fn spot_reaches<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s) -> S::m32s {
+    if !at.gates.cone {
+        return all;
+    }
+    let to = sub(simd, splat(simd, light.lamp.position), at.position);
+    let towards = scaled(simd, to, inverse_length(simd, dot(simd, to, to)));
+    let outside = simd.less_than_or_equal_f32s(cone(simd, light, towards), simd.splat_f32s(0.0));
+    simd.not_m32s(outside)
+}
+
+#[inline(always)]
+fn spot<S: Simd>(simd: S, at: &Fragments<S>, light: &Spot, all: S::m32s, sums: &mut Sums<S>) {
+    let to = sub(simd, splat(simd, light.lamp.position), at.position);
+    let square = dot(simd, to, to);
+    let inverse = inverse_length(simd, square);
+    let towards = scaled(simd, to, inverse);
+    let cone = cone(simd, light, towards);
+    let weight = simd.mul_f32s(attenuation(simd, &light.lamp, square, inverse), cone);
+    let reached = spot_reaches(simd, at, light, all);
+    add(simd, at, towards, weight, reached, &light.lamp.emission, sums);
+}
+
+#[inline(always)]
+fn cone<S: Simd>(simd: S, light: &Spot, towards: Vector<S>) -> S::f32s {
+    let chord = sub(simd, towards, splat(simd, light.axis));
+    let half = simd.mul_f32s(simd.splat_f32s(0.5), dot(simd, chord, chord));
+    let inside = simd.sub_f32s(simd.splat_f32s(light.outer_chord), half);
+    unorm(simd, simd.mul_f32s(inside, simd.splat_f32s(light.ramp)))
+}
+
+#[inline(always)]
+fn attenuation<S: Simd>(simd: S, light: &Point, square: S::f32s, inverse: S::f32s) -> S::f32s {
+    let one = simd.splat_f32s(1.0);
+    let distance = simd.mul_f32s(square, inverse);
+    let slope = simd.mul_f32s(simd.splat_f32s(light.quadratic), distance);
+    let slope = simd.add_f32s(simd.splat_f32s(light.linear), slope);
+    let divisor = simd.mul_f32s(distance, slope);
+    let divisor = simd.add_f32s(simd.splat_f32s(light.constant), divisor);
+    let weight = simd.div_f32s(one, divisor);
+    if light.range > 0.0 {
+        let ratio = simd.mul_f32s(square, simd.splat_f32s(light.inverse_square_range));
+        let rest = simd.sub_f32s(one, simd.mul_f32s(ratio, ratio));
+        let window = positive(simd, rest);
+        return simd.mul_f32s(simd.mul_f32s(weight, window), window);
+    }
+    weight
+}
+
+#[inline(always)]
+fn add<S: Simd>(
+    simd: S,
+    at: &Fragments<S>,
+    towards: Vector<S>,
+    weight: S::f32s,
+    reached: S::m32s,
+    emission: &Emission,
+    sums: &mut Sums<S>,
+) {
+    let zero = simd.splat_f32s(0.0);
+    let facing = positive(simd, dot(simd, at.normal, towards));
+    // The colours and `facing` are finite, so that a weight of 0 adds 0, which changes no bit of a
+    // sum that started at 0.
+    let weight = simd.select_f32s(reached, weight, zero);
+    let ambient = (emission.ambient != Vec3::ZERO).then_some(emission.ambient.to_array());
+    let diffuse = emission.diffuse.to_array();
+    for channel in 0..3 {
+        let mut lit = simd.mul_f32s(simd.splat_f32s(diffuse[channel]), facing);
+        if let Some(ambient) = ambient {
+            lit = simd.add_f32s(simd.splat_f32s(ambient[channel]), lit);
+        }
+        let lit = simd.mul_f32s(lit, weight);
+        sums.body[channel] = simd.add_f32s(sums.body[channel], lit);
+    }
+    let base = unorm(simd, dot(simd, towards, at.reflected));
+    let mut shining = reached;
+    if at.facing == SpecularTerm::Facing {
+        let behind = simd.less_than_or_equal_f32s(facing, zero);
+        shining = simd.and_m32s(shining, simd.not_m32s(behind));
+    }
+    if at.gates.power {
+        let below = simd.less_than_or_equal_f32s(base, at.gate);
+        shining = simd.and_m32s(shining, simd.not_m32s(below));
+    }
+    let shine = simd.mul_f32s(raise(simd, base, at.power), weight);
+    let shine = simd.select_f32s(shining, shine, zero);
+    for (sum, color) in sums.shine.iter_mut().zip(&emission.specular.to_array()) {
+        let lit = simd.mul_f32s(simd.splat_f32s(*color), shine);
+        *sum = simd.add_f32s(*sum, lit);
+    }
+}
+
+/// Returns an integer power, as `robust` does.
+#[inline(always)]
+fn raise<S: Simd>(simd: S, base: S::f32s, power: Power) -> S::f32s {
+    match power {
+        Power::Squarings(times) => {
+            let mut power = base;
+            for _ in 0..times {
+                power = simd.mul_f32s(power, power);
+            }
+            power
+        }
+        Power::Whole(exponent) => {
+            let (mut power, mut square, mut left) = (simd.splat_f32s(1.0), base, exponent);
+            while left > 0 {
+                if left & 1 == 1 {
+                    power = simd.mul_f32s(power, square);
+                }
+                square = simd.mul_f32s(square, square);
+                left >>= 1;
+            }
+            power
+        }
+        Power::Chord => unreachable!("lit one by one"),
+    }
+}
+
+#[inline(always)]
+fn unit<S: Simd>(simd: S, v: Vector<S>) -> Vector<S> {
+    scaled(simd, v, inverse_length(simd, dot(simd, v, v)))
+}
+
+/// Returns `1 / sqrt(max(square, NEAREST))`; `NEAREST` for NaN too, as `f32::max` has it.
+#[inline(always)]
+fn inverse_length<S: Simd>(simd: S, square: S::f32s) -> S::f32s {
+    let nearest = simd.splat_f32s(NEAREST);
+    let square = simd.select_f32s(simd.greater_than_f32s(square, nearest), square, nearest);
+    simd.div_f32s(simd.splat_f32s(1.0), simd.sqrt_f32s(square))
+}
+
+/// Returns `max(x, 0)`; 0 for NaN.
+#[inline(always)]
+fn positive<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
+    let zero = simd.splat_f32s(0.0);
+    simd.select_f32s(simd.greater_than_f32s(x, zero), x, zero)
+}
+
+/// Returns `x` limited to 0 to 1; NaN stays.
+#[inline(always)]
+fn unorm<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
+    let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+    let x = simd.select_f32s(simd.less_than_f32s(x, zero), zero, x);
+    simd.select_f32s(simd.greater_than_f32s(x, one), one, x)
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: Vec3) -> Vector<S> {
+    [simd.splat_f32s(v.x), simd.splat_f32s(v.y), simd.splat_f32s(v.z)]
+}
+
+#[inline(always)]
+fn sub<S: Simd>(simd: S, a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [simd.sub_f32s(a[0], b[0]), simd.sub_f32s(a[1], b[1]), simd.sub_f32s(a[2], b[2])]
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(simd: S, v: Vector<S>, by: S::f32s) -> Vector<S> {
+    [simd.mul_f32s(v[0], by), simd.mul_f32s(v[1], by), simd.mul_f32s(v[2], by)]
+}
+
+/// Returns `x x' + y y' + z z'`, added in this order.
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: Vector<S>, b: Vector<S>) -> S::f32s {
+    let [x, y, z] =
+        [simd.mul_f32s(a[0], b[0]), simd.mul_f32s(a[1], b[1]), simd.mul_f32s(a[2], b[2])];
+    simd.add_f32s(simd.add_f32s(x, y), z)
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, values: &[f32; MOST]) -> S::f32s {
+    simd.partial_load_f32s(&values[..S::F32_LANES.min(MOST)])
+}
+
+#[inline(always)]
+fn store<S: Simd>(simd: S, values: S::f32s, into: &mut [f32; MOST]) {
+    simd.partial_store_f32s(&mut into[..S::F32_LANES.min(MOST)], values);
+}
