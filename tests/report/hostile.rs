@@ -30,7 +30,7 @@ const INJECTIONS: [&str; 20] = [
 ];
 
 /// The places of a text that somebody else wrote: the file's name, an `#error`, an include that is
-/// not there, what is no GLSL, and the names of a lock.
+/// not there, what is no GLSL, and a name in a lock.
 fn plant(folder: &Folder, number: usize, injection: &str) {
     let name = injection.replace('/', "\u{2215}");
     folder.file(
@@ -43,31 +43,16 @@ fn plant(folder: &Folder, number: usize, injection: &str) {
     folder.file(&format!("d{number}.frag"), format!("#version 450\nuniform {injection};\n"));
     folder.file(
         &format!("e{number}.frag"),
-        "#version 450\nlayout(binding = 0) uniform B { vec3 a; vec3 b; };\nvoid main() {}\n",
+        "#version 450\nlayout(binding = 0) uniform B { vec3 victim; vec3 b; };\nvoid main() {}\n",
     );
 }
 
-/// The lock of a shader whose names are injections.
+/// The name of a member in the lock of a shader becomes an injection.
 fn hostile_lock(folder: &Folder, number: usize, injection: &str) {
     let path = folder.path().join(format!("layouts/e{number}.frag.json"));
     let text = std::fs::read_to_string(&path).unwrap();
-    let mut lock: Value = serde_json::from_str(&text).unwrap();
-    fn rename(value: &mut Value, injection: &str) {
-        match value {
-            Value::Object(members) => {
-                for (key, value) in members {
-                    match key.as_str() {
-                        "name" | "instance" | "path" => *value = json!(injection),
-                        _ => rename(value, injection),
-                    }
-                }
-            }
-            Value::Array(all) => all.iter_mut().for_each(|value| rename(value, injection)),
-            _ => {}
-        }
-    }
-    rename(&mut lock, injection);
-    std::fs::write(&path, lock.to_string()).unwrap();
+    assert!(text.contains("\"victim\""), "{text}");
+    std::fs::write(&path, text.replace("\"victim\"", &json!(injection).to_string())).unwrap();
 }
 
 #[test]
@@ -100,6 +85,7 @@ fn a_hundred_injections_stay_text() {
             elements: document.querySelectorAll('img, svg:not(.lines), iframe, link, base, object, embed, style:not(head > style), main a, form').length,
             metas: document.querySelectorAll('meta').length, ids: document.querySelectorAll('#main').length,
             attributes: [...document.querySelectorAll('*')].flatMap(one => one.getAttributeNames()).filter(name => name.startsWith('on')),
+            names: [...document.querySelectorAll('.figure[data-side=old] .cell b')].map(one => one.textContent),
             text: document.body.textContent, title: document.title, url: location.protocol }",
         &[],
     );
@@ -112,6 +98,12 @@ fn a_hundred_injections_stay_text() {
     for injection in INJECTIONS {
         // In the message of its `#error`; the data of the page has `<` escaped.
         assert!(text.contains(injection), "{injection} is shown");
+    }
+    // A lock whose member has such a name is shown beside the shader; a cell shows what follows the
+    // last point of its path.
+    let names = shown["names"].as_array().unwrap();
+    for injection in INJECTIONS.iter().filter(|injection| !injection.contains(['.', '['])) {
+        assert!(names.contains(&json!(injection)), "{injection}: {names:?}");
     }
     assert_eq!(requests(&browser), Vec::<String>::new());
     // Nothing was tried that the policy had to refuse.
