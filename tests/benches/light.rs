@@ -6,12 +6,13 @@
 
 use std::hint::black_box;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use landfall_layout::Buffer;
 use landfall_light::culling;
 use landfall_light::culling::{Options, Plan, UploadChoice};
 use landfall_light::reference;
 use landfall_light::sample::texels;
+use landfall_light::scene::{Cone, Scene, SpotLight};
 use landfall_light::shading_f32::{
     Form, Gates, Lights, Model, Shaded, Surface, Work, execute, shade_all, surfaces,
 };
@@ -35,6 +36,7 @@ fn main() {
     few_lights();
     many_lights();
     far_lights();
+    skipping();
     uploads();
 }
 
@@ -141,6 +143,78 @@ fn many_lights() {
     for text in ["used", "tiles=8", "tiles=16", "clusters=16x9x24", "clusters"] {
         row(&lit, &model, text);
     }
+}
+
+/// What skipping gains in time, the making of its plan included: ratios of pairs in turns.
+fn skipping() {
+    println!("\ntime of every light : of a plan, made and executed");
+    let model = Model { windowed: true, ..Model::default() };
+    let lit = load("lights_1024_windowed", None);
+    for text in ["tiles=8", "tiles=16"] {
+        gains("1,024 windowed point lights", &lit, &model, text);
+    }
+    let high: [(&str, &str); 2] = [("\"count\": 1024", "\"count\": 256"), ("[0.5, 4]", "[4, 12]")];
+    let spots = spots(scene_of("lights_1024", &high));
+    for text in ["tiles=8", "tiles=16"] {
+        gains("256 spotlights of 20 degrees", &spots, &Model::default(), text);
+    }
+    let more = [
+        ("\"count\": 1024", "\"count\": 16384"),
+        ("[100, 100]", "[400, 400]"),
+        ("\"count\": 200,", "\"count\": 3200,"),
+    ];
+    let more = FragmentLights::of(scene_of("lights_1024_windowed", &more));
+    for text in ["tiles=8", "tiles=16", "clusters"] {
+        let options = culling::parse(text).expect("good options");
+        let surfaces = [&lit, &more].map(|l| surfaces(&l.frame, &l.upload, &model, 0.0));
+        let planned = |lit: &FragmentLights, surfaces: &[Surface]| {
+            let plan = culling::plan_only(&lit.upload, &lit.frame, &model, &options);
+            drop(black_box(execute::<()>(&plan, &lit.upload, surfaces, &model, ROBUST)));
+        };
+        let ratios = measure::interleaved(
+            ROUNDS,
+            || planned(&lit, &surfaces[0]),
+            || planned(&more, &surfaces[1]),
+        );
+        println!("16,384 lights on 16 times the area : 1,024, {text:10} {ratios}");
+    }
+}
+
+/// One row for each loop over every light.
+fn gains(name: &str, lit: &FragmentLights, model: &Model, text: &str) {
+    let FragmentLights { upload, frame } = lit;
+    let surfaces = surfaces(frame, upload, model, 0.0);
+    let (lights, eye) = (Lights::new(upload, model), upload.camera.as_vec3());
+    let options = culling::parse(text).expect("good options");
+    let whole = culling::plan_only(upload, frame, model, &Options::default());
+    let planned = || {
+        let plan = culling::plan_only(upload, frame, model, &options);
+        drop(black_box(execute::<()>(&plan, upload, &surfaces, model, ROBUST)));
+    };
+    let gates = [("", Gates::NONE), (", what adds nothing skipped", Gates::ALL)];
+    for (which, gates) in gates {
+        let form = Form::Robust(gates);
+        let single = || drop(black_box(shade_all::<()>(&surfaces, eye, &lights, model, form)));
+        let lanes = || drop(black_box(execute::<()>(&whole, upload, &surfaces, model, form)));
+        let rounds = if gates == Gates::ALL { ROUNDS } else { 5 };
+        let ratios = measure::interleaved(rounds, planned, single);
+        println!("{name}, {text}: one fragment at a time{which} {ratios}");
+        let ratios = measure::interleaved(ROUNDS, planned, lanes);
+        println!("{name}, {text}: fragments in lanes{which} {ratios}");
+    }
+}
+
+/// The same lamps as spotlights that point down, up to 35 degrees aslant.
+fn spots(mut scene: Scene) -> FragmentLights {
+    let mut random = fastrand::Rng::with_seed(9);
+    let cosine = |degrees: f64| degrees.to_radians().cos();
+    let cone = Cone { inner_cos: cosine(16.0), outer_cos: cosine(20.0), degrees: None };
+    let spot = |lamp| {
+        let direction = DVec3::new(random.f64() - 0.5, -1.0, random.f64() - 0.5).normalize();
+        SpotLight { lamp, direction, cone }
+    };
+    scene.lights.spot = scene.lights.point.drain(..).map(spot).collect();
+    FragmentLights::of(scene)
 }
 
 /// 1,024 lights that do not end.
@@ -262,10 +336,18 @@ fn uploads() {
 }
 
 fn load(name: &str, seed: Option<u64>) -> FragmentLights {
+    let seed = seed.map(|seed| format!("\"seed\": {seed}"));
+    let other: Vec<(&str, &str)> = seed.iter().map(|s| ("\"seed\": 42", s.as_str())).collect();
+    FragmentLights::of(scene_of(name, &other))
+}
+
+/// Reads a scene, with other numbers in its text.
+fn scene_of(name: &str, others: &[(&str, &str)]) -> Scene {
     let path = format!("{}/shaders/scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
     let mut text = std::fs::read_to_string(&path).expect("a scene of ours");
-    if let Some(seed) = seed {
-        text = text.replace("\"seed\": 42", &format!("\"seed\": {seed}"));
+    for (from, to) in others {
+        assert!(text.contains(from), "{name}: {from}");
+        text = text.replace(from, to);
     }
     let folder = format!("{}/shaders/scenes/", env!("CARGO_MANIFEST_DIR"));
     let open = |name: &str| {
@@ -273,10 +355,13 @@ fn load(name: &str, seed: Option<u64>) -> FragmentLights {
             .map_err(|e| landfall_layout::Error::new(name, e.to_string()))
     };
     let reading = scene::read(&path, &text, &open);
-    let scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
-    FragmentLights {
-        upload: Upload::new(&scene),
-        frame: Frame::new(&scene, &FrameOptions::default()),
+    reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics))
+}
+
+impl FragmentLights {
+    fn of(scene: Scene) -> FragmentLights {
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        FragmentLights { upload: Upload::new(&scene), frame }
     }
 }
 

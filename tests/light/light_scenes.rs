@@ -51,9 +51,9 @@ fn objects(kind: &str, random: &mut Rng) -> Vec<Object> {
         DVec3::new(0.0, -2.0, -15.0),
         DVec3::new(60.0, 1.0, 60.0),
     )];
-    for number in 0..12 {
+    for number in 0..12usize {
         let at = within(random, DVec3::new(8.0, 2.0, 14.0)) - DVec3::new(0.0, 0.0, 12.0);
-        let mesh = if number % 2 == 0 { scene::cube() } else { scene::sphere(12, 8) };
+        let mesh = if number.is_multiple_of(2) { scene::cube() } else { scene::sphere(12, 8) };
         let size = DVec3::splat(any(random, 0.5, 3.0));
         all.push(object(mesh, 1 + number % 3, at, size));
     }
@@ -87,7 +87,7 @@ fn place(kind: &str, number: usize, random: &mut Rng) -> DVec3 {
         "grid" => DVec3::new((number % 8) as f64 * 2.0 - 7.0, 1.0, -2.0 * (number / 8) as f64),
         "one tile" => DVec3::new(0.0, 0.0, -10.0) + within(random, DVec3::splat(0.05)),
         // On the floor, within walls and balls, and behind the camera.
-        "touching" if number % 3 == 0 => DVec3::new(any(random, -5.0, 5.0), -2.0, -8.0),
+        "touching" if number.is_multiple_of(3) => DVec3::new(any(random, -5.0, 5.0), -2.0, -8.0),
         "touching" if number % 3 == 1 => DVec3::new(any(random, -5.0, 5.0), -2.5, -8.0),
         _ => within(random, DVec3::new(10.0, 3.0, 15.0)) - DVec3::new(0.0, 0.0, 12.0),
     }
@@ -248,7 +248,7 @@ fn budgets_are_kept_on_generated_scenes() {
     let mut spent = 0f64;
     for number in 0..SCENES {
         // Lights of infinite range, which no exact strategy leaves out.
-        let (scene, kind) = generated(number, number % 2 == 0);
+        let (scene, kind) = generated(number, number.is_multiple_of(2));
         let (upload, frame) = (Upload::new(&scene), Frame::new(&scene, &FrameOptions::default()));
         for truth in models() {
             let model = Model::of(&truth).expect("a compiled model");

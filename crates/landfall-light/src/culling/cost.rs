@@ -28,9 +28,9 @@ pub struct Costs {
 impl Costs {
     /// The compiled robust form on one core, measured by `cargo bench --bench light`.
     pub const CPU: Costs = Costs {
-        evaluation: 10.0,
-        test: 15.0,
-        sort: 30.0,
+        evaluation: 2.0,
+        test: 10.0,
+        sort: 12.0,
         draw: 100.0,
         light: 8.0,
         interpolation: 25.0,

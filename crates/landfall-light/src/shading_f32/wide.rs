@@ -158,11 +158,11 @@ impl<S: Simd> Fragments<S> {
         let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
         for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
             let Surface { position, normal, gate, .. } = batch.surfaces[*number as usize];
-            let [px, py, pz] = position.to_array();
-            let [nx, ny, nz] = normal.to_array();
-            for (to, value) in given.iter_mut().zip(&[px, py, pz, nx, ny, nz, gate]) {
-                to[lane] = *value;
-            }
+            let Vec3 { x, y, z } = position;
+            [given[0][lane], given[1][lane], given[2][lane]] = [x, y, z];
+            let Vec3 { x, y, z } = normal;
+            [given[3][lane], given[4][lane], given[5][lane]] = [x, y, z];
+            given[6][lane] = gate;
         }
         let [px, py, pz, nx, ny, nz, gate] = &given;
         let position = [load(simd, px), load(simd, py), load(simd, pz)];
@@ -280,16 +280,11 @@ fn add<S: Simd>(
     // The colours and `facing` are finite, so that a weight of 0 adds 0, which changes no bit of a
     // sum that started at 0.
     let weight = simd.select_f32s(reached, weight, zero);
-    let ambient = (emission.ambient != Vec3::ZERO).then_some(emission.ambient.to_array());
-    let diffuse = emission.diffuse.to_array();
-    for channel in 0..3 {
-        let mut lit = simd.mul_f32s(simd.splat_f32s(diffuse[channel]), facing);
-        if let Some(ambient) = ambient {
-            lit = simd.add_f32s(simd.splat_f32s(ambient[channel]), lit);
-        }
-        let lit = simd.mul_f32s(lit, weight);
-        sums.body[channel] = simd.add_f32s(sums.body[channel], lit);
+    let mut lit = scaled(simd, splat(simd, emission.diffuse), facing);
+    if emission.ambient != Vec3::ZERO {
+        lit = plus(simd, splat(simd, emission.ambient), lit);
     }
+    sums.body = plus(simd, sums.body, scaled(simd, lit, weight));
     let base = unorm(simd, dot(simd, towards, at.reflected));
     let mut shining = reached;
     if at.facing == SpecularTerm::Facing {
@@ -302,10 +297,8 @@ fn add<S: Simd>(
     }
     let shine = simd.mul_f32s(raise(simd, base, at.power), weight);
     let shine = simd.select_f32s(shining, shine, zero);
-    for (sum, color) in sums.shine.iter_mut().zip(&emission.specular.to_array()) {
-        let lit = simd.mul_f32s(simd.splat_f32s(*color), shine);
-        *sum = simd.add_f32s(*sum, lit);
-    }
+    let specular = scaled(simd, splat(simd, emission.specular), shine);
+    sums.shine = plus(simd, sums.shine, specular);
 }
 
 /// Returns an integer power, as `robust` does.
@@ -370,6 +363,11 @@ fn splat<S: Simd>(simd: S, v: Vec3) -> Vector<S> {
 #[inline(always)]
 fn sub<S: Simd>(simd: S, a: Vector<S>, b: Vector<S>) -> Vector<S> {
     [simd.sub_f32s(a[0], b[0]), simd.sub_f32s(a[1], b[1]), simd.sub_f32s(a[2], b[2])]
+}
+
+#[inline(always)]
+fn plus<S: Simd>(simd: S, a: Vector<S>, b: Vector<S>) -> Vector<S> {
+    [simd.add_f32s(a[0], b[0]), simd.add_f32s(a[1], b[1]), simd.add_f32s(a[2], b[2])]
 }
 
 #[inline(always)]
