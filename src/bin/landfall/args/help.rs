@@ -35,8 +35,11 @@ pub fn parse() -> Args {
     Args::from_arg_matches(&matches).unwrap_or_else(|error| exit(error.format(&mut command)))
 }
 
+/// Adds the arguments of a command.
+type Augment = fn(Command) -> Command;
+
 /// The commands of scripts and builds, which are started often.
-const ALONE: &[(&str, fn(Command) -> Command)] = &[
+const ALONE: &[(&str, Augment)] = &[
     ("layout", LayoutArgs::augment_args),
     ("explain", ExplainArgs::augment_args),
     ("emit", EmitArgs::augment_args),

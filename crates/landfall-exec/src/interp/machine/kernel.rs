@@ -26,6 +26,7 @@ macro_rules! kernels {
         }
 
         #[inline(never)]
+        #[allow(clippy::too_many_arguments, reason = "six columns are the factors of three products")]
         pub(super) fn $name<$($t: Copy,)+ U>(
             arch: Arch,
             to: &mut [U; LANES],
