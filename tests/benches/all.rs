@@ -53,6 +53,7 @@ fn main() {
     names(&mut table);
     mirrors(&mut table);
     evaluator(&mut table);
+    fragments(&mut table);
 }
 
 struct Table {
@@ -322,7 +323,8 @@ fn mirrors(table: &mut Table) {
     table.row("128 lights into a mirror", "`memcpy` of as many bytes", &ratios);
 }
 
-/// An image of six lights, in processor time of all threads.
+/// A job of six lights as a program waits for it, in processor time of all threads: a driver also
+/// binds resources and reads back.
 fn evaluator(table: &mut Table) {
     let Ok(mut gpu) = Gpu::open(&AdapterChoice::default()) else {
         return table.missing("the interpreter beside a Vulkan driver");
@@ -354,5 +356,31 @@ fn evaluator(table: &mut Table) {
         }
     }
     let driver = gpu.device().adapter.split(' ').next().unwrap_or_default().to_string();
-    table.row("the interpreter, 256 x 256 by six lights", &driver, &Ratios::new(pairs));
+    let jobs = "a job of 256 x 256 fragments with transfers: the evaluator";
+    table.row(jobs, &driver, &Ratios::new(pairs));
+}
+
+/// A fragment of the six-light picture by `landfall bench`: the shader alone, without transfers.
+fn fragments(table: &mut Table) {
+    let rounds = LONG.to_string();
+    let output = Command::new(LANDFALL)
+        .args(["bench", "shaders/scenes/six_lights.json", "--format", "json"])
+        .args(["--backend", "cpu,gl", "--rounds", &rounds])
+        .args(["--model", r#"{"family":"multi","specular_gate":"none"}"#])
+        .args(["--variant", "seed=shaders/seed/six_lights_450.frag"])
+        .output();
+    let bench = output.ok().and_then(|output| serde_json::from_slice(&output.stdout).ok());
+    let bench: serde_json::Value = bench.unwrap_or_default();
+    let rounds = |backend: &str| -> Vec<f64> {
+        let rows = bench["rows"].as_array().map_or(&[][..], |rows| rows);
+        let found = rows.iter().find(|row| row["runner"]["backend"] == backend);
+        let all = found.and_then(|row| row["ns_per_fragment_rounds"].as_array());
+        all.into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
+    };
+    let pairs: Vec<f64> = rounds("cpu").iter().zip(rounds("gl")).map(|(a, b)| a / b).collect();
+    if pairs.is_empty() {
+        return table.missing("`landfall bench` of the six-light picture: cpu beside gl");
+    }
+    let what = "`landfall bench` of the six-light picture, a fragment: cpu";
+    table.row(what, "gl", &Ratios::new(pairs));
 }

@@ -18,6 +18,7 @@ mod compile;
 mod counts;
 mod cpu;
 mod drive;
+mod elementary;
 mod flatten;
 pub mod graph;
 mod interface;

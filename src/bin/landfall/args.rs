@@ -86,6 +86,13 @@ pub use verify::{BackendName, VerifyArgs, VerifyFormat};
 pub struct Args {
     #[command(subcommand)]
     pub command: Command,
+    #[command(flatten)]
+    pub global: GlobalArgs,
+}
+
+/// The options of every command.
+#[derive(Debug, clap::Args)]
+pub struct GlobalArgs {
     /// When to colour the output
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     pub color: Color,

@@ -69,8 +69,8 @@ use output::Streams;
 
 fn main() -> ExitCode {
     let args = args::parse();
-    let streams = Streams::new(args.color, args.quiet);
-    watch::begin(&args.command, &args.budget, &streams);
+    let streams = Streams::new(args.global.color, args.global.quiet);
+    watch::begin(&args.command, &args.global.budget, &streams);
     without_effect::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),

@@ -37,10 +37,13 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
 ) -> Result<(), E> {
     let mut items = items;
     let (first, second) = (items.next(), items.next());
-    let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, |n| n.get());
-    let here = threads == 1 || second.is_none();
+    // The number of processors is in files of the system.
+    let threads = match second {
+        None => 1,
+        Some(_) => threads.or_else(|| thread::available_parallelism().ok()).map_or(1, |n| n.get()),
+    };
     let mut items = first.into_iter().chain(second).chain(items);
-    if here {
+    if threads == 1 {
         return items.try_for_each(|item| take(job(item)));
     }
     let queue = Queue {

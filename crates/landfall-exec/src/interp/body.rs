@@ -13,6 +13,8 @@ pub(super) struct Body {
     pub pool: Vec<u32>,
     /// The number of temporaries of each class.
     pub temporaries: [u32; 3],
+    /// The registers of local variables.
+    pub locals: Vec<Reg>,
     pub origin: Option<Origin>,
     /// The reason why the function is too large to run.
     pub overflow: bool,

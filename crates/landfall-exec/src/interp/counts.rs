@@ -18,11 +18,13 @@ pub(super) enum Cost {
 
 const KINDS: usize = 6;
 
-/// The cost of an instruction per active lane.
+/// The cost of an instruction per active lane, and its size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InstructionCost {
     pub kind: Cost,
     pub weight: u32,
+    /// The number of its words in the pool.
+    pub operands: u32,
 }
 
 /// The operations counted while a machine runs.
@@ -156,5 +158,5 @@ pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
         | Op::Call(_)
         | Op::End => (Free, 0),
     };
-    InstructionCost { kind, weight: each * inst.groups }
+    InstructionCost { kind, weight: each * inst.groups, operands: inst.operands() as u32 }
 }

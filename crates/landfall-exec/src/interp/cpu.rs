@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::code::LANES;
+use super::code::{Class, LANES, Reg};
 use super::drive::Outcome;
 use super::interface::{InterfaceVariable, Port};
 use super::machine::Machine;
@@ -36,7 +36,7 @@ pub struct Cpu {
 }
 
 /// Output 0 of a batch, and the mask of lanes that have one.
-type Tile = (Numbers, u64);
+type Tile = (Box<[[u32; 4]; LANES]>, u64);
 
 /// The number of compiled modules kept.
 const KEPT: usize = 8;
@@ -200,6 +200,22 @@ fn pixel(numbers: &Numbers, lane: usize) -> [u32; 4] {
     pixel
 }
 
+/// Returns the words of a fragment's output in all lanes.
+fn words_of_pixels<R: Real>(m: &mut Machine<R>, regs: &[Reg]) -> Box<[[u32; 4]; LANES]> {
+    let mut pixels = Box::new([[0; 4]; LANES]);
+    for (i, &reg) in regs.iter().take(4).enumerate() {
+        let to = pixels.iter_mut().map(|pixel| &mut pixel[i]);
+        match reg.class() {
+            Class::Real => {
+                to.zip(&*m.reals_of(reg)).for_each(|(to, x)| *to = x.single().to_bits());
+            }
+            Class::Word => to.zip(&*m.words_of(reg)).for_each(|(to, x)| *to = *x),
+            Class::Wide => to.zip(&*m.wides_of(reg)).for_each(|(to, x)| *to = *x as u32),
+        }
+    }
+    pixels
+}
+
 /// Runs workgroups one after the other.
 fn compute<R: Real>(
     program: &Program,
@@ -314,16 +330,14 @@ fn image<R: Real>(
         // Helper invocations beside the edge, so that derivatives have both sides of a quad.
         let run = if helpers && covered != 0 { u64::MAX } else { covered };
         m.invoke(number, program.starts[number as usize], run)?;
-        let numbers = first.map_or_else(Numbers::default, |plug| {
-            Numbers::read(m, &plug.regs[..plug.regs.len().min(4)], LANES)
-        });
-        Ok((numbers, covered & !m.killed))
+        let pixels = words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs));
+        Ok((pixels, covered & !m.killed))
     })?;
     let mut all = vec![[0; 4]; pixels];
-    for (batch, (numbers, written)) in outcome.results.iter().enumerate() {
-        for (lane, [x, y]) in places(batch).into_iter().enumerate() {
+    for (batch, (colors, written)) in outcome.results.iter().enumerate() {
+        for (lane, ([x, y], color)) in places(batch).into_iter().zip(colors.iter()).enumerate() {
             if written >> lane & 1 == 1 {
-                all[y as usize * width as usize + x as usize] = pixel(numbers, lane);
+                all[y as usize * width as usize + x as usize] = *color;
             }
         }
     }

@@ -20,6 +20,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use pulp::Arch;
+
 use super::code::{Class, LANES, Op, Origin, Reg};
 use super::counts::Tally;
 use super::program::Program;
@@ -65,11 +67,15 @@ pub(super) enum Stopped {
 
 pub(super) struct Machine<'p, 'j, R> {
     pub program: &'p Program,
+    /// The registers of the processor.
+    arch: Arch,
     reals: Vec<Option<Column<R>>>,
     words: Vec<Option<Column<u32>>>,
     wides: Vec<Option<Column<u64>>>,
     pub buffers: Vec<Memory<'j>>,
     pub images: Vec<Image<'j>>,
+    /// By image: its last samples.
+    samples: Vec<Option<Box<memory::Samples<R>>>>,
     /// The lanes that were started.
     started: u64,
     /// The active lanes.
@@ -108,11 +114,13 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         let number = |bits: u64| R::narrow(f32::from_bits(bits as u32));
         Machine {
             program,
+            arch: Arch::new(),
             reals: columns(reals, real, number),
             words: columns(words, word, |bits| bits as u32),
             wides: columns(wides, wide, |bits| bits),
             buffers: Vec::new(),
             images: Vec::new(),
+            samples: program.images.iter().map(|_| None).collect(),
             started: 0,
             active: 0,
             count: 0,
@@ -165,7 +173,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             let cost = program.costs[pc];
             self.tally.kinds[cost.kind as usize] += u64::from(cost.weight) * self.count;
             let from = inst.at as usize;
-            let pool = &program.pool[from..from + inst.operands()];
+            let pool = &program.pool[from..from + cost.operands as usize];
             let (head, operands) = pool.split_at(usize::from(inst.head));
             if WATCH {
                 self.inspect(pc, inst.op, head, operands);

@@ -1,10 +1,11 @@
-//! Optimises a function's instructions: propagates copies, removes dead code, and reduces
-//! registers.
+//! Optimises a function's instructions: propagates copies and removes dead code.
 //!
 //! Called by [`compile`](super::compile) for one function at a time.
 
+mod copies;
+
 use super::body::Body;
-use super::code::{Inst, Op, Reg, Region};
+use super::code::{Access, Inst, Op, Reg, Region};
 
 /// The use that an instruction makes of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +26,9 @@ pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, Role)) {
     }
 }
 
-pub(super) fn optimize(body: &mut Body) {
+pub(super) fn optimize(body: &mut Body, accesses: &[Access], results: &[Reg]) {
     drop_unread(body);
+    copies::remove_copies(body, accesses, results);
 }
 
 /// Removes the groups of pure instructions whose results are never read.

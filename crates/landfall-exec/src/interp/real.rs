@@ -4,7 +4,10 @@
 //! operation; `f64` as the reference; [`Shadow`] as both;
 //! [`Permitted`](super::permitted::Permitted) with the results of all conformant devices.
 
-use super::code::{Cmp, F1, F2};
+use pulp::Arch;
+
+use super::code::{Cmp, F1, F2, LANES};
+use super::elementary::{function1, function2};
 use landfall_layout::source::Language;
 
 /// A number that represents a shader's `f32`.
@@ -68,6 +71,23 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     #[inline(always)]
     fn function2(self, _: F2, b: Self, exact: impl Fn(f64, f64) -> f64) -> Self {
         self.lift2(b, exact)
+    }
+    /// Computes a named function in many lanes at once; returns the lanes it leaves to
+    /// [`function1`](Real::function1).
+    #[inline(always)]
+    fn column1(_: Arch, _: F1, _to: &mut [Self; LANES], _: &[Self; LANES]) -> u64 {
+        u64::MAX
+    }
+    /// The same for two operands.
+    #[inline(always)]
+    fn column2(
+        _: Arch,
+        _: F2,
+        _to: &mut [Self; LANES],
+        _: &[Self; LANES],
+        _: &[Self; LANES],
+    ) -> u64 {
+        u64::MAX
     }
     /// Returns the square.
     #[inline(always)]
@@ -212,6 +232,18 @@ impl Real for f32 {
     }
     fn half(self) -> f32 {
         half::f16::from_f32(self).to_f32()
+    }
+    fn column1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
+        function1(arch, f, to, a)
+    }
+    fn column2(
+        arch: Arch,
+        f: F2,
+        to: &mut [f32; LANES],
+        a: &[f32; LANES],
+        b: &[f32; LANES],
+    ) -> u64 {
+        function2(arch, f, to, a, b)
     }
     plain!(f32);
 }

@@ -1,14 +1,18 @@
 //! The help texts: commands grouped by purpose, and examples of each command.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io;
 
 use clap::builder::StyledStr;
-use clap::{Command, CommandFactory, FromArgMatches};
+use clap::{Args as _, Command, CommandFactory, FromArgMatches};
 use landfall_layout::text::escape;
 
-use super::Args;
 use super::examples::{EXAMPLES, Example};
+use super::{
+    Args, CheckArgs, DecodeArgs, DiffArgs, EmitArgs, EncodeArgs, ExplainArgs, GlobalArgs,
+    LayoutArgs, LockArgs,
+};
 use crate::stdout;
 
 /// The commands by what people do with them, in the order of the help.
@@ -23,9 +27,41 @@ const GROUPS: [(&str, &[&str]); 6] = [
 
 /// Parses the arguments of this process; wrong usage and `--help` end it.
 pub fn parse() -> Args {
+    if let Some(args) = parse_one() {
+        return args;
+    }
     let mut command = command();
     let matches = command.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(exit);
     Args::from_arg_matches(&matches).unwrap_or_else(|error| exit(error.format(&mut command)))
+}
+
+/// Adds the arguments of a command.
+type Augment = fn(Command) -> Command;
+
+/// The commands of scripts and builds, which are started often.
+const ALONE: &[(&str, Augment)] = &[
+    ("layout", LayoutArgs::augment_args),
+    ("explain", ExplainArgs::augment_args),
+    ("emit", EmitArgs::augment_args),
+    ("encode", EncodeArgs::augment_args),
+    ("decode", DecodeArgs::augment_args),
+    ("lock", LockArgs::augment_args),
+    ("diff", DiffArgs::augment_args),
+    ("check", CheckArgs::augment_args),
+];
+
+/// Parses the arguments of a command without building the others, which takes longer than laying
+/// out a file. `None` for any other command, help and wrong usage.
+fn parse_one() -> Option<Args> {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let name = arguments.get(1)?.to_str()?;
+    let (name, add) = *ALONE.iter().find(|(alone, _)| *alone == name)?;
+    let global = GlobalArgs::augment_args(Command::new("landfall"));
+    // Help is part of the whole command.
+    let one = add(Command::new(name).disable_help_flag(true));
+    let mut command = global.disable_help_subcommand(true).subcommand(one);
+    let matches = command.try_get_matches_from_mut(arguments).ok()?;
+    Args::from_arg_matches(&matches).ok()
 }
 
 /// Prints help or an error and ends the process. Clap repeats values as they are: with control
@@ -128,6 +164,20 @@ mod tests {
         grouped.sort_unstable();
         names.sort_unstable();
         assert_eq!(grouped, names);
+    }
+
+    /// Usage of the first argument alone is that of the whole command.
+    #[test]
+    fn a_command_parsed_alone_takes_the_arguments_of_the_whole_one() {
+        let whole = command();
+        for (name, add) in ALONE {
+            let alone = add(Command::new(*name));
+            let names = |command: &Command| -> Vec<String> {
+                command.get_arguments().map(|argument| argument.get_id().to_string()).collect()
+            };
+            let found = whole.find_subcommand(name).expect("it is a command");
+            assert_eq!(names(&alone), names(found), "{name}");
+        }
     }
 
     #[test]

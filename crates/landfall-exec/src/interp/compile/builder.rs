@@ -218,7 +218,7 @@ impl<'a> Builder<'a> {
     ) -> FunctionCode {
         let mut body = std::mem::take(&mut self.body);
         let compiled = compiled.and_then(|compiled| {
-            optimize::optimize(&mut body);
+            optimize::optimize(&mut body, &self.accesses, &compiled.result);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
             if body.overflow || sum > MOST_REGISTERS {
                 return Err(format!("values of more than {MOST_REGISTERS} scalars"));

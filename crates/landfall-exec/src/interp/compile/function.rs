@@ -144,6 +144,7 @@ impl<'f, 'a> Function<'f, 'a> {
         }
         self.block(&function.body)?;
         self.b.push(Op::End, &[], &[]);
+        self.b.body.locals = self.locals.iter().flat_map(|regs| regs.iter().copied()).collect();
         let ir = self.b.ir;
         let result_type =
             function.result.as_ref().and_then(|r| value_type(&self.b.types, &ir.types[r.ty]));

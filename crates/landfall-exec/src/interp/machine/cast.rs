@@ -37,12 +37,12 @@ impl<R: Real> Machine<'_, '_, R> {
                 Cast::HighHalf => self.word_real(to, from, |x| R::narrow(half(x >> 16))),
                 Cast::WordToBool => {
                     let mut column_ = take(&mut self.words, to);
-                    map1(&mut column_, column(&self.words, from), |x| u32::from(x != 0));
+                    map1(self.arch, &mut column_, column(&self.words, from), |x| u32::from(x != 0));
                     self.words[to as usize] = Some(column_);
                 }
                 Cast::RoundHalf => {
                     let mut column_ = take(&mut self.reals, to);
-                    map1(&mut column_, column(&self.reals, from), R::half);
+                    map1(self.arch, &mut column_, column(&self.reals, from), R::half);
                     self.reals[to as usize] = Some(column_);
                 }
                 Cast::RealToDouble => self.real_wide(to, from, |x| x.double().to_bits()),
@@ -76,38 +76,38 @@ impl<R: Real> Machine<'_, '_, R> {
 
     fn real_word(&mut self, to: u32, from: u32, f: impl Fn(R) -> u32) {
         let to = self.words[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.reals, from), f);
+        map1(self.arch, to, column(&self.reals, from), f);
     }
 
     fn word_real(&mut self, to: u32, from: u32, f: impl Fn(u32) -> R) {
         let to = self.reals[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.words, from), f);
+        map1(self.arch, to, column(&self.words, from), f);
     }
 
     fn real_wide(&mut self, to: u32, from: u32, f: impl Fn(R) -> u64) {
         let to = self.wides[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.reals, from), f);
+        map1(self.arch, to, column(&self.reals, from), f);
     }
 
     fn wide_real(&mut self, to: u32, from: u32, f: impl Fn(u64) -> R) {
         let to = self.reals[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.wides, from), f);
+        map1(self.arch, to, column(&self.wides, from), f);
     }
 
     fn wide_word(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u32) {
         let to = self.words[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.wides, from), f);
+        map1(self.arch, to, column(&self.wides, from), f);
     }
 
     fn word_wide(&mut self, to: u32, from: u32, f: impl Fn(u32) -> u64) {
         let to = self.wides[to as usize].as_mut().expect(HELD);
-        map1(to, column(&self.words, from), f);
+        map1(self.arch, to, column(&self.words, from), f);
     }
 
     fn wide_wide(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u64) {
         let mut results = take(&mut self.wides, to);
         let a: &[u64; LANES] = column(&self.wides, from);
-        map1(&mut results, a, f);
+        map1(self.arch, &mut results, a, f);
         self.wides[to as usize] = Some(results);
     }
 }

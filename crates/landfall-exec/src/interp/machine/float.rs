@@ -2,7 +2,7 @@
 
 use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
 use super::super::real::Real;
-use super::kernel::{dear, map1, map2, map3};
+use super::kernel::{dear, map1, map2, map3, map4, map6};
 use super::{Column, Machine, column, take};
 use landfall_layout::buffer::float::round_to_odd;
 
@@ -132,7 +132,7 @@ impl<R: Real> Machine<'_, '_, R> {
     fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R + Copy) {
         for group in operands.chunks_exact(2) {
             let mut to = take(&mut self.reals, group[0]);
-            map1(&mut to, column(&self.reals, group[1]), f);
+            map1(self.arch, &mut to, column(&self.reals, group[1]), f);
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -141,7 +141,13 @@ impl<R: Real> Machine<'_, '_, R> {
     fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R + Copy) {
         for group in operands.chunks_exact(3) {
             let mut to = take(&mut self.reals, group[0]);
-            map2(&mut to, column(&self.reals, group[1]), column(&self.reals, group[2]), f);
+            map2(
+                self.arch,
+                &mut to,
+                column(&self.reals, group[1]),
+                column(&self.reals, group[2]),
+                f,
+            );
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -151,7 +157,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(4) {
             let mut to = take(&mut self.reals, group[0]);
             let [a, b, c] = [1, 2, 3].map(|i| column(&self.reals, group[i]));
-            map3(&mut to, a, b, c, f);
+            map3(self.arch, &mut to, a, b, c, f);
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -193,9 +199,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let agree = self.agree(group[1]);
             let mut to = take(&mut self.reals, group[0]);
             let a = column(&self.reals, group[1]);
+            let left = if agree { u64::MAX } else { R::column1(self.arch, f, &mut to, a) };
             dear(
                 &mut to,
-                self.active,
+                self.active & left,
                 agree,
                 |i| a[i],
                 |x| x.function1(f, |x| transcendental(f, x)),
@@ -221,18 +228,19 @@ impl<R: Real> Machine<'_, '_, R> {
             F2::Min => self.each2(operands, |a, b| a.min(b)),
             F2::Max => self.each2(operands, |a, b| a.max(b)),
             F2::Step => self.each2(operands, step),
-            F2::Rem => self.transcendental2(operands, |a, b| a.rem(b)),
-            F2::Pow => self.transcendental2(operands, |a, b| a.function2(f, b, pow)),
-            F2::Atan2 => self.transcendental2(operands, |a, b| a.function2(f, b, f64::atan2)),
+            F2::Rem => self.transcendental2(f, operands, |a, b| a.rem(b)),
+            F2::Pow => self.transcendental2(f, operands, |a, b| a.function2(f, b, pow)),
+            F2::Atan2 => self.transcendental2(f, operands, |a, b| a.function2(f, b, f64::atan2)),
         }
     }
 
-    fn transcendental2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
+    fn transcendental2(&mut self, name: F2, operands: &[u32], f: impl Fn(R, R) -> R) {
         for group in operands.chunks_exact(3) {
             let agree = self.agree(group[1]) && self.agree(group[2]);
             let mut to = take(&mut self.reals, group[0]);
             let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
-            dear(&mut to, self.active, agree, |i| (a[i], b[i]), |(a, b)| f(a, b));
+            let left = if agree { u64::MAX } else { R::column2(self.arch, name, &mut to, a, b) };
+            dear(&mut to, self.active & left, agree, |i| (a[i], b[i]), |(a, b)| f(a, b));
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -252,7 +260,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 for group in operands.chunks_exact(3) {
                     let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
                     let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
-                    map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    map2(self.arch, to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
                 }
             };
         }
@@ -280,8 +288,8 @@ impl<R: Real> Machine<'_, '_, R> {
             let a = column(&self.reals, group[1]);
             let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
             match test {
-                Test::IsNan => map1(to, a, |x| u32::from(R::by(x) != R::by(x))),
-                Test::IsInf => map1(to, a, |x| u32::from(x.is_infinite())),
+                Test::IsNan => map1(self.arch, to, a, |x| u32::from(R::by(x) != R::by(x))),
+                Test::IsInf => map1(self.arch, to, a, |x| u32::from(x.is_infinite())),
             }
         }
     }
@@ -290,7 +298,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(3) {
             let mut to = take(&mut self.reals, group[0]);
             let (a, e) = (column(&self.reals, group[1]), column(&self.words, group[2]));
-            map2(&mut to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
+            map2(self.arch, &mut to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -309,12 +317,18 @@ impl<R: Real> Machine<'_, '_, R> {
                         a == b,
                     );
                 }
-                2 => dot2([of(a[0]), of(a[1])], [of(b[0]), of(b[1])], &mut to),
-                3 => dot3([of(a[0]), of(a[1]), of(a[2])], [of(b[0]), of(b[1]), of(b[2])], &mut to),
+                1 => map2(self.arch, &mut to, of(a[0]), of(b[0]), R::mul),
+                2 => {
+                    let [x, y] = [0, 1].map(|i| (of(a[i]), of(b[i])));
+                    map4(self.arch, &mut to, x.0, x.1, y.0, y.1, dot2);
+                }
                 _ => {
-                    map2(&mut to, of(a[0]), of(b[0]), |a, b| a.mul(b));
-                    for (a, b) in a.iter().zip(b).skip(1) {
-                        accumulate(&mut to, of(*a), of(*b));
+                    let [x, y, z] = [0, 1, 2].map(|i| (of(a[i]), of(b[i])));
+                    map6(self.arch, &mut to, x.0, x.1, y.0, y.1, z.0, z.1, dot3);
+                    if let [_, _, _, a] = a {
+                        let three = *to;
+                        let sum = |three: R, a: R, b: R| three.add(a.mul(b));
+                        map3(self.arch, &mut to, &three, of(*a), of(b[3]), sum);
                     }
                 }
             }
@@ -331,18 +345,33 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     fn length_of(&self, v: &[u32], to: &mut [R; LANES]) {
-        self.squares_of(v, to);
-        to.iter_mut().for_each(|x| *x = x.sqrt());
+        let of = |reg: u32| column(&self.reals, reg);
+        match *v {
+            [x, y, z] if !R::PERMITTED => {
+                map3(self.arch, to, of(x), of(y), of(z), |x, y, z| squares3(x, y, z).sqrt());
+            }
+            _ => {
+                let mut squares = [R::default(); LANES];
+                self.squares_of(v, &mut squares);
+                map1(self.arch, to, &squares, R::sqrt);
+            }
+        }
     }
 
     fn squares_of(&self, v: &[u32], to: &mut [R; LANES]) {
         let of = |reg: u32| column(&self.reals, reg);
-        if R::PERMITTED {
-            return products_in_any_order(to, |i, lane| [of(v[i])[lane]; 2].into(), v.len(), true);
-        }
-        map2(to, of(v[0]), of(v[0]), |a, b| a.mul(b));
-        for reg in &v[1..] {
-            accumulate(to, of(*reg), of(*reg));
+        match *v {
+            _ if R::PERMITTED => {
+                products_in_any_order(to, |i, lane| [of(v[i])[lane]; 2].into(), v.len(), true);
+            }
+            [x] => map1(self.arch, to, of(x), |x| x.mul(x)),
+            [x, y] => map2(self.arch, to, of(x), of(y), |x, y| dot2(x, x, y, y)),
+            [x, y, z] => map3(self.arch, to, of(x), of(y), of(z), squares3),
+            [x, y, z, w] => {
+                let sum = |x: R, y: R, z: R, w: R| squares3(x, y, z).add(w.mul(w));
+                map4(self.arch, to, of(x), of(y), of(z), of(w), sum);
+            }
+            _ => unreachable!("a vector has one to four components"),
         }
     }
 
@@ -352,21 +381,21 @@ impl<R: Real> Machine<'_, '_, R> {
             let (a, b) = group[1..].split_at(n);
             let of = |reg: u32| column(&self.reals, reg);
             if n == 1 {
-                map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+                map2(self.arch, &mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
             } else if R::PERMITTED {
                 let between = |i: usize, lane: usize| of(a[i])[lane].sub(of(b[i])[lane]);
                 products_in_any_order(&mut to, |i, lane| [between(i, lane); 2].into(), n, true);
                 to.iter_mut().for_each(|x| *x = x.sqrt());
             } else {
-                map2(&mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).mul(a.sub(b)));
-                for (a, b) in a.iter().zip(b).skip(1) {
-                    let (a, b) = (of(*a), of(*b));
-                    for lane in 0..LANES {
-                        let between = a[lane].sub(b[lane]);
-                        to[lane] = to[lane].add(between.mul(between));
-                    }
+                for (i, (a, b)) in a.iter().zip(b).enumerate() {
+                    let before = *to;
+                    map3(self.arch, &mut to, &before, of(*a), of(*b), |sum, a, b| {
+                        let square = a.sub(b).mul(a.sub(b));
+                        if i == 0 { square } else { sum.add(square) }
+                    });
                 }
-                to.iter_mut().for_each(|x| *x = x.sqrt());
+                let squares = *to;
+                map1(self.arch, &mut to, &squares, R::sqrt);
             }
             self.reals[group[0] as usize] = Some(to);
         }
@@ -379,11 +408,12 @@ impl<R: Real> Machine<'_, '_, R> {
             let language = self.program.language;
             let mut squares = [R::default(); LANES];
             self.squares_of(from, &mut squares);
-            let length = squares.map(R::sqrt);
+            let mut length = [R::default(); LANES];
+            map1(self.arch, &mut length, &squares, R::sqrt);
             for (to, from) in to.iter().zip(from) {
                 let mut quotient = take(&mut self.reals, *to);
                 let from = column(&self.reals, *from);
-                map3(&mut quotient, from, &length, &squares, |a, b, c| {
+                map3(self.arch, &mut quotient, from, &length, &squares, |a, b, c| {
                     a.over_length(b, c, language)
                 });
                 self.reals[*to as usize] = Some(quotient);
@@ -400,10 +430,9 @@ impl<R: Real> Machine<'_, '_, R> {
                 let mut product: Column<R> = take(&mut self.reals, to);
                 let of = |reg: u32| column(&self.reals, reg);
                 let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
-                for lane in 0..LANES {
-                    let left = aj[lane].mul(bk[lane]);
-                    product[lane] = left.sub(ak[lane].mul(bj[lane]));
-                }
+                map4(self.arch, &mut product, aj, bk, ak, bj, |aj, bk, ak, bj| {
+                    aj.mul(bk).sub(ak.mul(bj))
+                });
                 self.reals[to as usize] = Some(product);
             }
         }
@@ -450,24 +479,17 @@ fn products_in_any_order<R: Real>(
     }
 }
 
-#[inline(never)]
-fn accumulate<R: Real>(to: &mut [R; LANES], a: &[R; LANES], b: &[R; LANES]) {
-    for lane in 0..LANES {
-        to[lane] = to[lane].add(a[lane].mul(b[lane]));
-    }
+#[inline(always)]
+fn dot2<R: Real>(a: R, b: R, c: R, d: R) -> R {
+    a.mul(b).add(c.mul(d))
 }
 
-#[inline(never)]
-fn dot2<R: Real>(a: [&[R; LANES]; 2], b: [&[R; LANES]; 2], to: &mut [R; LANES]) {
-    for lane in 0..LANES {
-        to[lane] = a[0][lane].mul(b[0][lane]).add(a[1][lane].mul(b[1][lane]));
-    }
+#[inline(always)]
+fn dot3<R: Real>(a: R, b: R, c: R, d: R, e: R, f: R) -> R {
+    dot2(a, b, c, d).add(e.mul(f))
 }
 
-#[inline(never)]
-fn dot3<R: Real>(a: [&[R; LANES]; 3], b: [&[R; LANES]; 3], to: &mut [R; LANES]) {
-    for lane in 0..LANES {
-        let two = a[0][lane].mul(b[0][lane]).add(a[1][lane].mul(b[1][lane]));
-        to[lane] = two.add(a[2][lane].mul(b[2][lane]));
-    }
+#[inline(always)]
+fn squares3<R: Real>(x: R, y: R, z: R) -> R {
+    dot3(x, x, y, y, z, z)
 }

@@ -1,38 +1,49 @@
 //! Loops over lanes: the same few lines for every operation, compiled separately for each so that
-//! they are vectorised.
+//! they are vectorised, in the widest registers that the processor has.
+
+use pulp::{Arch, NullaryFnOnce};
 
 use super::super::code::LANES;
 
-#[inline(never)]
-pub(super) fn map1<T: Copy, U>(to: &mut [U; LANES], a: &[T; LANES], f: impl Fn(T) -> U) {
-    for lane in 0..LANES {
-        to[lane] = f(a[lane]);
-    }
+macro_rules! kernels {
+    ($($name:ident $work:ident, $($a:ident: $t:ident),+;)*) => {$(
+        struct $work<'c, $($t,)+ U, F> {
+            to: &'c mut [U; LANES],
+            from: ($(&'c [$t; LANES],)+),
+            f: F,
+        }
+
+        impl<$($t: Copy,)+ U, F: Fn($($t),+) -> U> NullaryFnOnce for $work<'_, $($t,)+ U, F> {
+            type Output = ();
+
+            #[inline(always)]
+            fn call(self) {
+                let ($($a,)+) = self.from;
+                for lane in 0..LANES {
+                    self.to[lane] = (self.f)($($a[lane]),+);
+                }
+            }
+        }
+
+        #[inline(never)]
+        #[allow(clippy::too_many_arguments, reason = "six columns are the factors of three products")]
+        pub(super) fn $name<$($t: Copy,)+ U>(
+            arch: Arch,
+            to: &mut [U; LANES],
+            $($a: &[$t; LANES],)+
+            f: impl Fn($($t),+) -> U,
+        ) {
+            arch.dispatch($work { to, from: ($($a,)+), f });
+        }
+    )*};
 }
 
-#[inline(never)]
-pub(super) fn map2<S: Copy, T: Copy, U>(
-    to: &mut [U; LANES],
-    a: &[S; LANES],
-    b: &[T; LANES],
-    f: impl Fn(S, T) -> U,
-) {
-    for lane in 0..LANES {
-        to[lane] = f(a[lane], b[lane]);
-    }
-}
-
-#[inline(never)]
-pub(super) fn map3<S: Copy, T: Copy, U>(
-    to: &mut [U; LANES],
-    a: &[S; LANES],
-    b: &[T; LANES],
-    c: &[T; LANES],
-    f: impl Fn(S, T, T) -> U,
-) {
-    for lane in 0..LANES {
-        to[lane] = f(a[lane], b[lane], c[lane]);
-    }
+kernels! {
+    map1 Map1, a: A;
+    map2 Map2, a: A, b: B;
+    map3 Map3, a: A, b: B, c: C;
+    map4 Map4, a: A, b: B, c: C, d: D;
+    map6 Map6, a: A, b: B, c: C, d: D, e: E, g: G;
 }
 
 /// Runs an expensive operation once if all lanes agree, else for the active lanes.
@@ -64,8 +75,28 @@ pub(super) fn dear<T: Copy, U: Copy>(
 
 /// Copies the lanes of a mask of all-ones words.
 #[inline(never)]
-pub(super) fn blend<T: Copy>(to: &mut [T; LANES], from: &[T; LANES], mask: &[u32; LANES]) {
-    for lane in 0..LANES {
-        to[lane] = if mask[lane] != 0 { from[lane] } else { to[lane] };
+pub(super) fn blend<T: Copy>(
+    arch: Arch,
+    to: &mut [T; LANES],
+    from: &[T; LANES],
+    mask: &[u32; LANES],
+) {
+    arch.dispatch(Blend { to, from, mask });
+}
+
+struct Blend<'c, T> {
+    to: &'c mut [T; LANES],
+    from: &'c [T; LANES],
+    mask: &'c [u32; LANES],
+}
+
+impl<T: Copy> NullaryFnOnce for Blend<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for lane in 0..LANES {
+            self.to[lane] = if self.mask[lane] != 0 { self.from[lane] } else { self.to[lane] };
+        }
     }
 }

@@ -6,7 +6,8 @@
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
 use super::super::real::Real;
 use super::integer::binary;
-use super::{HELD, Machine, column, take};
+use super::kernel::map1;
+use super::{HELD, Image, Machine, column, take};
 
 /// Returns the number of elements that an index is limited to.
 pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
@@ -20,7 +21,19 @@ pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
     }
 }
 
-impl<R: Real> Machine<'_, '_, R> {
+/// The colours of an image in all lanes where it was sampled last.
+pub(super) struct Samples<R> {
+    u: [R; LANES],
+    v: [R; LANES],
+    colors: [[R; LANES]; 4],
+}
+
+/// Returns whether all bits of two columns are equal.
+fn same<R: Real>(a: &[R; LANES], b: &[R; LANES]) -> bool {
+    a.iter().zip(b).fold(true, |same, (a, b)| same & a.same(*b))
+}
+
+impl<'j, R: Real> Machine<'_, 'j, R> {
     /// Returns the offset that the indices of a lane add up to.
     pub(super) fn computed_offset(
         &self,
@@ -103,13 +116,14 @@ impl<R: Real> Machine<'_, '_, R> {
 
     /// Returns the bits at a byte in the format of a register; zero past the end.
     fn fetch(&self, buffer: usize, at: usize, stored: Stored) -> u64 {
-        let bytes = &self.buffers[buffer].bytes;
-        let Some(from) = bytes.get(at..at + stored.width()) else {
-            return 0;
+        let bytes = self.buffers[buffer].bytes.get(at..).unwrap_or_default();
+        let bits = match stored.width() {
+            1 => bytes.first().map(|byte| u64::from(*byte)),
+            2 => bytes.first_chunk().map(|from| u64::from(u16::from_le_bytes(*from))),
+            4 => bytes.first_chunk().map(|from| u64::from(u32::from_le_bytes(*from))),
+            _ => bytes.first_chunk().map(|from| u64::from_le_bytes(*from)),
         };
-        let mut word = [0; 8];
-        word[..from.len()].copy_from_slice(from);
-        let bits = u64::from_le_bytes(word);
+        let bits = bits.unwrap_or(0);
         match stored {
             Stored::F32 | Stored::B32 | Stored::U16 | Stored::B64 => bits,
             Stored::F16 => u64::from(half::f16::from_bits(bits as u16).to_f32().to_bits()),
@@ -273,34 +287,82 @@ impl<R: Real> Machine<'_, '_, R> {
         **self.words[operands[0] as usize].as_mut().expect(HELD) = [len; LANES];
     }
 
-    fn color(&mut self, to: &[u32], lane: usize, texel: [f32; 4]) {
-        for (reg, value) in to.iter().zip(texel) {
-            self.reals[*reg as usize].as_mut().expect(HELD)[lane] = R::narrow(value);
+    /// Returns the image that an operand chooses in all lanes; `None` if they differ.
+    fn image(&self, reg: u32) -> Option<Image<'j>> {
+        let numbers = column(&self.words, reg);
+        let one = numbers.iter().all(|number| *number == numbers[0]);
+        self.images.get(numbers[0] as usize).copied().filter(|_| one)
+    }
+
+    /// Writes the texels at some places, zeros outside; a lane without an image is left alone.
+    fn colors(&mut self, to: &[u32], texel: impl Fn(&Self, usize) -> Option<[f32; 4]>) {
+        let mut texels = [[0.0; 4]; LANES];
+        let mut found = u64::MAX;
+        for (lane, to) in texels.iter_mut().enumerate() {
+            match texel(self, lane) {
+                Some(texel) => *to = texel,
+                None => found &= !(1 << lane),
+            }
+        }
+        for (i, reg) in to.iter().enumerate() {
+            let column = self.reals[*reg as usize].as_mut().expect(HELD);
+            for (lane, (to, texel)) in column.iter_mut().zip(&texels).enumerate() {
+                if found >> lane & 1 == 1 {
+                    *to = R::narrow(texel[i]);
+                }
+            }
         }
     }
 
     pub(super) fn sample(&mut self, operands: &[u32]) {
-        for lane in 0..LANES {
-            let number = column(&self.words, operands[4])[lane] as usize;
-            let [u, v] = [5, 6].map(|i| column(&self.reals, operands[i])[lane].double());
-            let Some(image) = self.images.get(number) else { continue };
-            let wrap = |x: f64, size: u32| {
-                ((x - x.floor()) * f64::from(size)).min(f64::from(size.saturating_sub(1))) as usize
-            };
-            let at = wrap(v, image.height) * image.width as usize + wrap(u, image.width);
-            let texel = image.texels.get(at).copied().unwrap_or_default();
-            self.color(&operands[..4], lane, texel);
+        let wrap = |x: R, size: u32| {
+            let (x, size) = (x.double(), f64::from(size));
+            // A texture has fewer than 2^31 rows and columns.
+            ((x - x.floor()) * size).min((size - 1.0).max(0.0)) as i32 as u32
+        };
+        let (to, from) = operands.split_at(4);
+        let at = |image: Image, u: u32, v: u32| v as usize * image.width as usize + u as usize;
+        let of = |image: Image<'j>, at: usize| image.texels.get(at).copied().unwrap_or_default();
+        let Some(image) = self.image(from[0]) else {
+            return self.colors(to, |m, lane| {
+                let image = *m.images.get(column(&m.words, from[0])[lane] as usize)?;
+                let [u, v] = [1, 2].map(|i| column(&m.reals, from[i])[lane]);
+                Some(of(image, at(image, wrap(u, image.width), wrap(v, image.height))))
+            });
+        };
+        // A shader may sample one texture at one place for each light.
+        let number = column(&self.words, from[0])[0] as usize;
+        let known = &self.samples[number];
+        let [u, v] = [1, 2].map(|i| column(&self.reals, from[i]));
+        if let Some(known) = known.as_ref().filter(|known| same(&known.u, u) & same(&known.v, v)) {
+            for (reg, color) in to.iter().zip(&known.colors) {
+                **self.reals[*reg as usize].as_mut().expect(HELD) = *color;
+            }
+            return;
         }
+        let (u, v) = (*u, *v);
+        let (mut x, mut y) = ([0; LANES], [0; LANES]);
+        map1(self.arch, &mut x, &u, |u| wrap(u, image.width));
+        map1(self.arch, &mut y, &v, |v| wrap(v, image.height));
+        self.colors(to, |_, lane| Some(of(image, at(image, x[lane], y[lane]))));
+        let colors = std::array::from_fn(|i| *column(&self.reals, to[i]));
+        self.samples[number] = Some(Box::new(Samples { u, v, colors }));
     }
 
     pub(super) fn texel(&mut self, operands: &[u32]) {
-        for lane in 0..LANES {
-            let [number, x, y] = [4, 5, 6].map(|i| column(&self.words, operands[i])[lane]);
-            let Some(image) = self.images.get(number as usize) else { continue };
+        let (to, from) = operands.split_at(4);
+        let of = |m: &Self, image: Image<'j>, lane: usize| {
+            let [x, y] = [1, 2].map(|i| column(&m.words, from[i])[lane]);
             let inside = x < image.width && y < image.height;
             let at = y as usize * image.width as usize + x as usize;
-            let texel = image.texels.get(at).filter(|_| inside).copied().unwrap_or_default();
-            self.color(&operands[..4], lane, texel);
+            image.texels.get(at).filter(|_| inside).copied().unwrap_or_default()
+        };
+        match self.image(from[0]) {
+            Some(image) => self.colors(to, |m, lane| Some(of(m, image, lane))),
+            None => self.colors(to, |m, lane| {
+                let number = column(&m.words, from[0])[lane];
+                Some(of(m, *m.images.get(number as usize)?, lane))
+            }),
         }
     }
 

@@ -102,6 +102,9 @@ impl Sanitizer {
 impl<R: Real> Machine<'_, '_, R> {
     /// Checks the operands of an instruction about to run.
     pub(super) fn inspect(&mut self, pc: usize, op: Op, head: &[u32], operands: &[u32]) {
+        if !self.may_be_undefined(op, operands) {
+            return;
+        }
         let Some(mut watch) = self.watch.take() else { return };
         let shape = op.shape();
         let mut rest = self.active;
@@ -137,6 +140,24 @@ impl<R: Real> Machine<'_, '_, R> {
             }
         }
         self.watch = Some(watch);
+    }
+
+    /// Returns whether operands of an instruction may be undefined, from its operation and, for
+    /// products, a look at all lanes at once.
+    fn may_be_undefined(&self, op: Op, operands: &[u32]) -> bool {
+        match op {
+            Op::F1(f) => !matches!(f, F1::Neg | F1::Abs | F1::Sign | F1::Floor | F1::Fract),
+            Op::F2(F2::Add | F2::Sub) | Op::F3(F3::Fma | F3::Mix) => false,
+            Op::F2(F2::Mul) => operands.chunks_exact(3).any(|group| {
+                group[1..].iter().any(|reg| {
+                    let any = |any: bool, x: &R| any | x.followed().is_infinite();
+                    column(&self.reals, *reg).iter().fold(false, any)
+                })
+            }),
+            Op::Dot(_) | Op::Cross | Op::Distance(_) | Op::FCmp(_) | Op::Select(_) => false,
+            Op::Move(_) | Op::Blank(_) | Op::Store(_) | Op::CmpSint(_) | Op::CmpUint(_) => false,
+            _ => true,
+        }
     }
 
     fn inspect_access(
@@ -317,6 +338,9 @@ impl<R: Real> Machine<'_, '_, R> {
             let reads = if takes { reads } else { &[] };
             for &to in &group[..shape.writes] {
                 let results = column(&self.reals, to);
+                if results.iter().fold(true, |all, x| all & !is_noted(*x, watch.tolerance)) {
+                    continue;
+                }
                 for (lane, &result) in results.iter().enumerate() {
                     if self.active >> lane & 1 == 0 {
                         continue;
@@ -335,8 +359,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let Some(tolerance) = watch.tolerance else { continue };
                     if watch.lanes_diverged >> lane & 1 == 0 {
                         let (single, double) = (result.single(), result.double());
-                        let off = (f64::from(single) - double).abs();
-                        if off > tolerance * double.abs() || single.is_nan() != double.is_nan() {
+                        if diverges(single, double, tolerance) {
                             watch.lanes_diverged |= 1 << lane;
                             let operands = reads
                                 .iter()
@@ -351,6 +374,20 @@ impl<R: Real> Machine<'_, '_, R> {
         }
         self.watch = Some(watch);
     }
+}
+
+/// Whether a result is noted where its operands are finite or its lane has not diverged before.
+#[inline(always)]
+fn is_noted<R: Real>(result: R, tolerance: Option<f64>) -> bool {
+    let single = result.single();
+    let diverged = tolerance.is_some_and(|most| diverges(single, result.double(), most));
+    !single.is_finite() | diverged
+}
+
+#[inline(always)]
+fn diverges(single: f32, double: f64, tolerance: f64) -> bool {
+    let off = (f64::from(single) - double).abs();
+    (off > tolerance * double.abs()) | (single.is_nan() != double.is_nan())
 }
 
 /// Returns the undefined behaviour of an integer operation of the given width.

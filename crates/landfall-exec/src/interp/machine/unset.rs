@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::code::{Class, Op};
+use super::super::code::{Class, Op, Stored};
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::{Machine, column};
@@ -98,6 +98,20 @@ impl<R: Real> Machine<'_, '_, R> {
                     let taken = taken.fold(0, |all, lane| all | 1u64 << lane);
                     let from = unset.of(group[2]) & taken | unset.of(group[3]) & !taken;
                     unset.put(group[0], from & active);
+                }
+            }
+            // An argument may be computed where it was unset before.
+            Op::Load(_) if !unset.lanes.is_empty() => {
+                for group in operands.chunks_exact(3) {
+                    if matches!(Stored::ALL[group[2] as usize], Stored::F32 | Stored::F16) {
+                        unset.put(group[0], unset.of(group[0]) & !active);
+                    }
+                }
+            }
+            _ if op.computes_reals() && !unset.lanes.is_empty() => {
+                let shape = op.shape();
+                for group in operands.chunks_exact(shape.len()) {
+                    group[..shape.writes].iter().for_each(|reg| unset.put(*reg, 0));
                 }
             }
             _ => {}

@@ -1,0 +1,300 @@
+//! Powers, exponentials, logarithms, sines and cosines over columns of `f32`, in wide registers.
+//!
+//! Each is computed in `f64` by a series whose relative error stays below [`ERROR`]. Where every
+//! number that close rounds to the same `f32`, so does the result of the C library's function,
+//! which errs by 2^-52: the bits are those of the scalar function. The other lanes, and arguments
+//! beyond the range of the series, are left to the scalar function.
+
+use pulp::{Arch, NullaryFnOnce};
+use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
+
+use super::code::{F1, F2, LANES};
+
+/// Bound of the relative error of all series: 2^-36, at least four times what their last terms and
+/// roundings add up to. A result in doubt is one in about 4,000.
+const ERROR: f64 = 1.0 / (1u64 << 36) as f64;
+
+/// A result, and whether its arguments are in the range of the series.
+type Series = (f64, bool);
+
+/// Computes a function of one operand in all lanes; returns the lanes it leaves.
+pub(super) fn function1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
+    match f {
+        F1::Exp => each(arch, to, a, a, |x, _| exponential(x * LOG2_E)),
+        F1::Exp2 => each(arch, to, a, a, |x, _| exponential(x)),
+        F1::Log => each(arch, to, a, a, |x, _| (log2(x) * LN_2, is_positive(x))),
+        F1::Log2 => each(arch, to, a, a, |x, _| (log2(x), is_positive(x))),
+        F1::Sin => each(arch, to, a, a, |x, _| sine(x, 0)),
+        F1::Cos => each(arch, to, a, a, |x, _| sine(x, 1)),
+        _ => u64::MAX,
+    }
+}
+
+/// Computes a function of two operands in all lanes; returns the lanes it leaves.
+pub(super) fn function2(
+    arch: Arch,
+    f: F2,
+    to: &mut [f32; LANES],
+    a: &[f32; LANES],
+    b: &[f32; LANES],
+) -> u64 {
+    match f {
+        F2::Pow => each(arch, to, a, b, power),
+        _ => u64::MAX,
+    }
+}
+
+struct Each<'c, F> {
+    to: &'c mut [f32; LANES],
+    doubts: &'c mut [u32; LANES],
+    a: &'c [f32; LANES],
+    b: &'c [f32; LANES],
+    f: F,
+}
+
+impl<F: Fn(f64, f64) -> Series> NullaryFnOnce for Each<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for lane in 0..LANES {
+            let (y, fits) = (self.f)(f64::from(self.a[lane]), f64::from(self.b[lane]));
+            let (low, high) = ((y - y * ERROR) as f32, (y + y * ERROR) as f32);
+            self.to[lane] = high;
+            self.doubts[lane] = u32::from(!(fits & (low == high)));
+        }
+    }
+}
+
+#[inline(never)]
+fn each(
+    arch: Arch,
+    to: &mut [f32; LANES],
+    a: &[f32; LANES],
+    b: &[f32; LANES],
+    f: impl Fn(f64, f64) -> Series,
+) -> u64 {
+    let mut doubts = [0; LANES];
+    arch.dispatch(Each { to, doubts: &mut doubts, a, b, f });
+    if doubts == [0; LANES] {
+        return 0;
+    }
+    doubts.iter().rev().fold(0, |lanes, &doubt| lanes << 1 | u64::from(doubt))
+}
+
+#[inline(always)]
+fn is_positive(x: f64) -> bool {
+    (x > 0.0) & (x < f64::INFINITY)
+}
+
+/// The bits of 2^52, whose last ones are a whole number's.
+const WHOLE: u64 = 0x4330_0000_0000_0000;
+
+/// Returns the binary logarithm of a positive number: its exponent, and twice the series of the
+/// inverse hyperbolic tangent, for a fraction from the root of 1/2 to the root of 2.
+#[inline(always)]
+fn log2(x: f64) -> f64 {
+    const ROOT: u64 = 0x3fe6_a09e_0000_0000;
+    const FRACTION: u64 = (1 << 52) - 1;
+    let shifted = x.to_bits().wrapping_add(1f64.to_bits() - ROOT);
+    let exponent = f64::from_bits(shifted >> 52 | WHOLE) - (f64::from_bits(WHOLE) + 1023.0);
+    let fraction = f64::from_bits((shifted & FRACTION) + ROOT);
+    let s = (fraction - 1.0) / (fraction + 1.0);
+    let z = s * s;
+    // The next term, z^8 / 17, is 2^-44.
+    exponent + s * polynomial(z, LOGARITHM)
+}
+
+/// Returns the coefficients' polynomial, the highest power first.
+#[inline(always)]
+fn polynomial<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
+    let mut sum = coefficients[0];
+    for coefficient in &coefficients[1..] {
+        sum = sum * x + coefficient;
+    }
+    sum
+}
+
+/// Returns 2^p, where that is a normal `f32`.
+#[inline(always)]
+fn exponential(p: f64) -> Series {
+    (exp2(p), p.abs() < 125.0)
+}
+
+/// Returns 2^p for |p| < 1000: the power of the nearest whole number, and the series of the
+/// exponential function for the rest.
+#[inline(always)]
+fn exp2(p: f64) -> f64 {
+    let (shifted, whole) = nearest(p);
+    let t = (p - whole) * LN_2;
+    let power = f64::from_bits((shifted << 52).wrapping_add(1f64.to_bits()));
+    // The next term, t^11 / 11!, is 2^-42.
+    power * polynomial(t, EXPONENTIAL)
+}
+
+/// 2 / ln 2 / n for n = 15, 13, … 1.
+const LOGARITHM: [f64; 8] = {
+    let mut all = [0.0; 8];
+    let mut i = 0;
+    while i < 8 {
+        all[i] = 2.0 * LOG2_E / (15 - 2 * i) as f64;
+        i += 1;
+    }
+    all
+};
+
+/// 1/n! for n = 10, 9, … 0.
+const EXPONENTIAL: [f64; 11] = inverse_factorials(10, 1, 1.0);
+/// -1^n / (2 n + 1)! and -1^n / (2 n)! for n = 6, 5, … 0.
+const SINE: [f64; 7] = inverse_factorials(13, 2, -1.0);
+const COSINE: [f64; 7] = inverse_factorials(12, 2, -1.0);
+
+/// Returns the inverse factorials of `most` and every `step`-th number below it, each of another
+/// sign than the next if `sign` is negative; the last one is positive.
+const fn inverse_factorials<const N: usize>(most: usize, step: usize, sign: f64) -> [f64; N] {
+    let mut all = [1.0; N];
+    let (mut i, mut factorial, mut n) = (N, 1.0, 0);
+    while i > 0 {
+        i -= 1;
+        // The factorials below 23! are exact.
+        while n < most - step * i {
+            n += 1;
+            factorial *= n as f64;
+        }
+        let negative = sign < 0.0 && (N - 1 - i) % 2 == 1;
+        all[i] = if negative { -1.0 / factorial } else { 1.0 / factorial };
+    }
+    all
+}
+
+/// Returns the nearest whole number, and a word whose last bits are its.
+#[inline(always)]
+fn nearest(x: f64) -> (u64, f64) {
+    // Numbers from 2^52 to 2^53 are whole.
+    let shift = 1.5 * f64::from_bits(WHOLE);
+    let shifted = x + shift;
+    (shifted.to_bits(), shifted - shift)
+}
+
+#[inline(always)]
+fn power(x: f64, y: f64) -> Series {
+    let p = y * log2(x);
+    let is_zero = (x.to_bits() == 0) & (y > 0.0);
+    // Less than half of the least `f32`.
+    let vanishes = is_positive(x) & (p < -160.0);
+    let result = exp2(p);
+    let gone = is_zero | vanishes;
+    (if gone { 0.0 } else { result }, gone | (is_positive(x) & (p.abs() < 125.0)))
+}
+
+/// Returns the sine of a number plus so many right angles.
+#[inline(always)]
+fn sine(x: f64, angles: u64) -> Series {
+    // A right angle in three parts, the first two of 33 bits: their products with a quadrant are
+    // exact.
+    const RIGHT: [f64; 3] =
+        [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
+    let (word, quadrant) = nearest(x * FRAC_2_PI);
+    let rest = x - quadrant * RIGHT[0] - quadrant * RIGHT[1] - quadrant * RIGHT[2];
+    let z = rest * rest;
+    // The next terms, z^7 / 15! and z^7 / 14!, are at most 2^-44 and 2^-40.
+    let (sine, cosine) = (rest * polynomial(z, SINE), polynomial(z, COSINE));
+    let turned = word.wrapping_add(angles);
+    let value = if turned & 1 == 0 { sine } else { cosine };
+    let sign = (turned & 2) << 62;
+    // Close to a multiple of a right angle, few digits of the rest are left.
+    let digits = (rest.abs() > 1.0 / 65536.0) | (quadrant == 0.0);
+    (f64::from_bits(value.to_bits() ^ sign), digits & (x.abs() < 1_000_000.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scalar(f: F1, x: f64) -> f64 {
+        match f {
+            F1::Exp => x.exp(),
+            F1::Exp2 => x.exp2(),
+            F1::Log => x.ln(),
+            F1::Log2 => x.log2(),
+            F1::Sin => x.sin(),
+            F1::Cos => x.cos(),
+            other => unreachable!("{other:?} has no series"),
+        }
+    }
+
+    /// Every lane of every processor's registers has the bits of the scalar function, or is left
+    /// to it.
+    fn agree(functions: &[F1], columns: impl Fn(&mut fastrand::Rng) -> [f32; LANES], most: usize) {
+        let mut rng = fastrand::Rng::with_seed(7);
+        for &f in functions {
+            let mut left = 0;
+            for _ in 0..2000 {
+                let a = columns(&mut rng);
+                for arch in [Arch::Scalar, Arch::new()] {
+                    let mut to = [0.0; LANES];
+                    let rest = function1(arch, f, &mut to, &a);
+                    left += rest.count_ones() as usize;
+                    for lane in (0..LANES).filter(|lane| rest >> lane & 1 == 0) {
+                        let expected = scalar(f, f64::from(a[lane])) as f32;
+                        let same = to[lane].to_bits() == expected.to_bits();
+                        assert!(same, "{f:?}({:e}) = {:e}, not {expected:e}", a[lane], to[lane]);
+                    }
+                }
+            }
+            assert!(left < most, "{f:?} leaves {left} of {}", 4000 * LANES);
+        }
+    }
+
+    #[test]
+    fn functions_of_usual_numbers_have_the_bits_of_the_scalar_ones() {
+        let small = |rng: &mut fastrand::Rng| [0; LANES].map(|_| 20.0 * rng.f32() - 10.0);
+        agree(&[F1::Exp, F1::Exp2, F1::Sin, F1::Cos], small, 500);
+        let positive = |rng: &mut fastrand::Rng| [0; LANES].map(|_| 4.0 * rng.f32() + 1e-6);
+        agree(&[F1::Log, F1::Log2], positive, 500);
+    }
+
+    #[test]
+    fn functions_of_any_bits_have_the_bits_of_the_scalar_ones() {
+        let any = |rng: &mut fastrand::Rng| [0; LANES].map(|_| f32::from_bits(rng.u32(..)));
+        let all = [F1::Exp, F1::Exp2, F1::Log, F1::Log2, F1::Sin, F1::Cos];
+        agree(&all, any, usize::MAX);
+        // Multiples of a right angle, and what is beside them.
+        let close = |rng: &mut fastrand::Rng| {
+            [0; LANES].map(|_| {
+                let angle = rng.i32(-600_000..600_000) as f32 * std::f32::consts::FRAC_PI_2;
+                f32::from_bits(angle.to_bits().wrapping_add(rng.u32(..3)).wrapping_sub(1))
+            })
+        };
+        agree(&[F1::Sin, F1::Cos], close, usize::MAX);
+    }
+
+    #[test]
+    fn powers_have_the_bits_of_the_scalar_ones() {
+        let mut rng = fastrand::Rng::with_seed(11);
+        let special = [0.0, -0.0, 1.0, -1.0, 2.0, 0.5, f32::INFINITY, f32::NAN, 1e-45, f32::MAX];
+        for round in 0..6000 {
+            let mut column = |base: bool| {
+                [0; LANES].map(|_| match round % 3 {
+                    0 if base => rng.f32(),
+                    0 => [1.0, 2.0, 5.0, 32.0, 64.0, 256.0, 2.2, 0.5][rng.usize(..8)],
+                    1 => f32::from_bits(rng.u32(..)),
+                    _ => special[rng.usize(..special.len())],
+                })
+            };
+            let (a, b) = (column(true), column(false));
+            for arch in [Arch::Scalar, Arch::new()] {
+                let mut to = [0.0; LANES];
+                let rest = function2(arch, F2::Pow, &mut to, &a, &b);
+                if round % 3 == 0 {
+                    assert!(rest.count_ones() < 16, "{rest:x}");
+                }
+                for lane in (0..LANES).filter(|lane| rest >> lane & 1 == 0) {
+                    let expected = f64::from(a[lane]).powf(f64::from(b[lane])) as f32;
+                    let same = to[lane].to_bits() == expected.to_bits();
+                    assert!(same, "pow({:e}, {:e}) = {:e}", a[lane], b[lane], to[lane]);
+                }
+            }
+        }
+    }
+}
