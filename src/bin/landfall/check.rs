@@ -40,13 +40,16 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Severity, lock};
+<<<<<<< HEAD
 use landfall_lint::Settings;
 use landfall_lint::settings::RustFile;
+=======
+use landfall_lint::{LINTS, Settings};
+>>>>>>> h18
 
 use crate::args::{CheckArgs, Form, ReadArgs, Report};
 use crate::config::{self, Config, slashes};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
-use crate::walk::Listing;
 use crate::{read, watch, write};
 use against::Against;
 use baseline::Permitted;
@@ -80,9 +83,9 @@ fn once(args: &CheckArgs, streams: &Streams, watched: &mut Watched) -> Result<Ou
     let mut basis = Basis::new(scope, &options, args.text.stage, language, settings);
     let (rust, opened) = read_rust_and_cache(args, &config, &basis, streams);
     let listing = match rust {
-        Ok((files, listing)) => {
-            basis.set_rust_files(files);
-            listing
+        Ok(found) => {
+            basis.set_rust_files(found.files);
+            found.listing
         }
         Err(error) => {
             return Ok(could_not(Diagnostic { code: Code::BadRust, ..error.into() }, streams));
@@ -196,7 +199,7 @@ fn read_rust_and_cache(
     config: &Config,
     basis: &Basis,
     streams: &Streams,
-) -> (Result<(Vec<RustFile>, Listing), Error>, Option<Cache>) {
+) -> (Result<rust::Search, Error>, Option<Cache>) {
     let folder = cache::folder(args, config);
     std::thread::scope(|scope| {
         let rust = scope.spawn(|| rust::files(config, &basis.settings, &args.paths));

@@ -48,7 +48,7 @@ struct Written<'a> {
 
 #[derive(Deserialize)]
 struct Read {
-    checked: Vec<Box<Checked>>,
+    checked: Vec<Checked>,
     tree: Option<Remembered>,
 }
 
@@ -64,7 +64,8 @@ impl Cache {
         let read = text.and_then(|text| cache.read(text));
         match read {
             Some(read) => {
-                let known = read.checked.into_iter().map(|c| (c.path.clone(), c)).collect();
+                let known =
+                    read.checked.into_iter().map(|c| (c.path.clone(), Box::new(c))).collect();
                 let tree = Memory { remembered: read.tree, ..cache.tree };
                 Cache { known, tree, ..cache }
             }

@@ -17,6 +17,14 @@ use crate::walk::{FilteredWalk, Listing};
 /// The start of a comment that marks a mirror.
 const MARK: &[u8] = b"landfall: mirror";
 
+/// What a search for Rust files has found.
+#[derive(Default)]
+pub struct Search {
+    pub files: Vec<RustFile>,
+    /// The shaders in the same directories.
+    pub listing: Listing,
+}
+
 /// The Rust files with mirrors, if a lint of mirrors is enabled, and the shaders beside them.
 /// Comments are searched in the named directories and Rust files, or in the configuration's
 /// directory if no path is named.
@@ -24,14 +32,10 @@ const MARK: &[u8] = b"landfall: mirror";
 /// # Errors
 ///
 /// A configured file cannot be read or is not Rust.
-pub fn files(
-    config: &Config,
-    settings: &Settings,
-    named: &[PathBuf],
-) -> Result<(Vec<RustFile>, Listing), Error> {
+pub fn files(config: &Config, settings: &Settings, named: &[PathBuf]) -> Result<Search, Error> {
     let mut listing = Some(Listing::default());
     if !Basis::wants_rust(settings) {
-        return Ok((Vec::new(), Listing::default()));
+        return Ok(Search::default());
     }
     let mut files: BTreeMap<String, RustFile> = BTreeMap::new();
     let mut take = |path: &Path, shown: String| {
@@ -78,5 +82,5 @@ pub fn files(
             }
         }
     }
-    Ok((files.into_values().collect(), listing.unwrap_or_default()))
+    Ok(Search { files: files.into_values().collect(), listing: listing.unwrap_or_default() })
 }
