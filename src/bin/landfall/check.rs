@@ -40,12 +40,7 @@ use landfall_layout::finding::Finding;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::{Files, kind_of_path};
 use landfall_layout::{Diagnostic, Error, Severity, lock};
-<<<<<<< HEAD
 use landfall_lint::Settings;
-use landfall_lint::settings::RustFile;
-=======
-use landfall_lint::{LINTS, Settings};
->>>>>>> h18
 
 use crate::args::{CheckArgs, Form, ReadArgs, Report};
 use crate::config::{self, Config, slashes};
