@@ -3,7 +3,7 @@
 //! Reads an [`Upload`](super::Upload) and the fragments of a [`Frame`](super::Frame); executes the
 //! plans of [`culling`](super::culling). [`seed`] is the arithmetic of the published shaders,
 //! [`robust`] the same model in more accurate and faster forms; both add the lights in the order of
-//! their indices, so that dropping a light with a contribution of exactly zero changes no bit. [`wide`]
+//! their indices, so that dropping a light with a contribution of exactly zero changes no bit. `wide`
 //! is `robust` for several fragments at once, bit for bit.
 
 mod execute;
