@@ -179,7 +179,7 @@ fn a_plan_that_the_shader_contradicts_is_not_applied() {
 plan  346 fragments, 354,304 light evaluations instead of 354,304
   1 draw
   tiles=4  not applied: without these lights the shader's result changes by 0.85 steps, more than the permitted 0.00
-    30,319 tests of a light against a region
+    3,986 tests of a light against a region
   checked  differs by at most 0.85 steps of 1/255 from the picture with all lights, on 346 fragments of this backend
 "#]]);
             golden().eq(&told.err, str![[r#"

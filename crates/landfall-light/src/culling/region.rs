@@ -206,9 +206,11 @@ pub(super) fn divide(
     let mut found: Vec<([u32; 3], usize)> = Vec::new();
     let mut rest = fragments;
     while let Some(&first) = rest.first() {
-        let (at, pixels) = key(first);
-        let same = |number: &&u32| match pixels {
-            Some(end) => frame.fragments[**number as usize].pixel < end,
+        let (at, end) = key(first);
+        let pixel = |number: u32| frame.fragments[number as usize].pixel;
+        // The fragments of a bench are in an order of their own.
+        let same = |number: &&u32| match end {
+            Some(end) => (pixel(first)..end).contains(&pixel(**number)),
             None => key(**number).0 == at,
         };
         let (run, others) = rest.split_at(rest.iter().take_while(same).count().max(1));
@@ -243,7 +245,7 @@ pub(super) fn divide(
     Divided { cells, blocks }
 }
 
-/// Returns the key of a fragment, and the pixel before which later fragments share it, if known.
+/// Returns the key of a fragment, and the pixel before which those from its own share it, if known.
 type Key<'a> = Box<dyn Fn(u32) -> ([u32; 3], Option<u32>) + 'a>;
 
 fn keys<'a>(
@@ -259,7 +261,7 @@ fn keys<'a>(
         [pixel % width, pixel / width]
     };
     match division {
-        Division::Whole => Box::new(|_| ([0, 0, 0], Some(u32::MAX))),
+        Division::Whole => Box::new(|_| ([0, 0, 0], None)),
         Division::Tiles { size } => {
             let size = size.max(1);
             Box::new(move |number| {
