@@ -17,7 +17,7 @@ use super::c::comments;
 use super::runtime_tail::{TailSize, tail_size};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
-use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, Scalar, Type};
+use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, Scalar, ScalarKind, Type};
 use landfall_layout::source::Span;
 use landfall_layout::{Diagnostic, Severity, ShaderLayout};
 use names::Names;
@@ -405,6 +405,24 @@ struct Members<'m> {
 
 fn spelled(member: &MemberLayout, shader: &ShaderLayout) -> String {
     member.ty.spelled(shader.language).to_string()
+}
+
+/// The name of a scalar's type in languages that write `i32`, `u8` and `f16`; of a scalar that they
+/// lack, the bits. A `bool` of a buffer is a 32-bit integer.
+pub(super) fn numbered_type(scalar: Scalar) -> &'static str {
+    match (scalar.kind, scalar.width) {
+        (ScalarKind::Sint, 1) => "i8",
+        (ScalarKind::Sint, 2) => "i16",
+        (ScalarKind::Sint, 8) => "i64",
+        (ScalarKind::Sint, _) => "i32",
+        (ScalarKind::Float, 2) => "f16",
+        (ScalarKind::Float, 4) => "f32",
+        (ScalarKind::Float, 8) => "f64",
+        (_, 1) => "u8",
+        (_, 2) => "u16",
+        (_, 8) => "u64",
+        _ => "u32",
+    }
 }
 
 /// Checks that no member begins in the padding of the one before.

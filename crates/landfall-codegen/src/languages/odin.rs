@@ -8,7 +8,7 @@ use rustc_hash::FxHashSet;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, free, gaps,
-    header,
+    header, numbered_type,
 };
 use landfall_layout::ShaderLayout;
 use landfall_layout::shape::{Scalar, ScalarKind};
@@ -175,20 +175,10 @@ fn padded(element: &str, size: u64, stride: u64) -> String {
     }
 }
 
-/// The Odin type of a scalar; of those that Odin lacks, the bits.
+/// The Odin type of a scalar.
 fn component(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Bool, _) => "b32",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 4) => "f32",
-        (ScalarKind::Float, 8) => "f64",
-        (_, 1) => "u8",
-        (_, 2) => "u16",
-        (_, 8) => "u64",
-        _ => "u32",
+    match scalar.kind {
+        ScalarKind::Bool => "b32",
+        _ => numbered_type(scalar),
     }
 }

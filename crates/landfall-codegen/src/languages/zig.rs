@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use crate::language::{CodeOptions, CodeOutput, OutputLanguage};
 use crate::model::{
     Element, Member, MemberType, Model, Naming, Placement, Structure, Tail, comment, gaps, header,
+    numbered_type,
 };
 use landfall_layout::ShaderLayout;
-use landfall_layout::shape::{Scalar, ScalarKind};
 
 /// Zig.
 pub const ZIG: OutputLanguage = OutputLanguage {
@@ -187,11 +187,11 @@ fn print_tail(model: &Model, structure: &Structure, tail: &Tail, text: &mut Stri
 /// The Zig type of a member.
 fn spelled(model: &Model, ty: &MemberType) -> String {
     let (mut text, mut size) = match ty.element {
-        Element::Scalar(scalar) => (component(scalar).to_string(), ty.size),
-        Element::Vector { scalar, rows } => (format!("[{rows}]{}", component(scalar)), ty.size),
+        Element::Scalar(scalar) => (numbered_type(scalar).to_string(), ty.size),
+        Element::Vector { scalar, rows } => (format!("[{rows}]{}", numbered_type(scalar)), ty.size),
         Element::Matrix(matrix) => {
             let (vectors, lanes) = matrix.stored();
-            let mut vector = format!("[{lanes}]{}", component(matrix.scalar));
+            let mut vector = format!("[{lanes}]{}", numbered_type(matrix.scalar));
             if u64::from(lanes) * u64::from(matrix.scalar.width) != matrix.stride {
                 vector = format!("Padded({vector}, {})", matrix.stride);
             }
@@ -207,22 +207,4 @@ fn spelled(model: &Model, ty: &MemberType) -> String {
         size = dim.len * dim.stride;
     }
     text
-}
-
-/// The Zig type of a scalar; of those that Zig lacks, the bits.
-fn component(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Float, 2) => "f16",
-        (ScalarKind::Float, 4) => "f32",
-        (ScalarKind::Float, 8) => "f64",
-        (_, 1) => "u8",
-        (_, 2) => "u16",
-        (_, 8) => "u64",
-        // A `bool` of a buffer is a 32-bit integer.
-        _ => "u32",
-    }
 }
