@@ -127,6 +127,22 @@ fn macro_calls_nested_without_end_are_refused() {
     assert!(took < 5.0, "{took} s");
 }
 
+/// 10 tokens a case: the limit falls into one, where a parser would expect its colon.
+#[test]
+fn the_limit_on_tokens_is_no_syntax_error() {
+    let cases: String = (0..105_000).map(|i| format!("case {i}: x += {i}.0; break;\n")).collect();
+    let text = format!(
+        "#version 450\nuniform vec4 tint;\nout vec4 o;\n\
+         void main() {{ float x = tint.x; switch (int(x)) {{ {cases} }} o = vec4(x); }}\n"
+    );
+    let source = Source::new("a.frag", &*text);
+    let limit = str!["the shader has more than 1048576 tokens"];
+    let found = port(&source, &PortOptions::default()).expect_err("too many tokens");
+    golden().eq(found[0].message.clone(), limit.clone());
+    let found = landfall_layout::syntax::body_errors(&source, &Options::default().read);
+    golden().eq(found[0].message.clone(), limit);
+}
+
 fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bounds-{}-{name}", std::process::id()))
 }

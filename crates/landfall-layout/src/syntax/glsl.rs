@@ -135,8 +135,21 @@ pub fn parse<'a>(
 pub(super) fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic> {
     let texts = Texts::new();
     let mut shader = parse(source, options, &texts, false);
-    let error = shader.parser.complete(&mut shader.items, source.stage).err();
-    error.map(|error| *error.diagnostic())
+    parse_bodies(&mut shader, source).err()
+}
+
+/// Parses what [`parse`] kept as tokens.
+///
+/// # Errors
+/// The first syntax error, or the limit that cut the tokens off: the parser would find an error at
+/// the cut.
+fn parse_bodies(shader: &mut Shader<'_>, source: &Source) -> Result<(), Diagnostic> {
+    let limit = shader.parsed.diagnostics.iter().find(|d| d.code == Code::CannotRun);
+    if let Some(limit) = limit {
+        return Err(limit.clone());
+    }
+    let completed = shader.parser.complete(&mut shader.items, source.stage);
+    completed.map_err(|error| *error.diagnostic())
 }
 
 /// Returns what no compiler takes in function bodies: the first syntax error, or every name that is
@@ -144,8 +157,8 @@ pub(super) fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Dia
 pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
     let texts = Texts::new();
     let mut shader = parse(source, options, &texts, false);
-    match shader.parser.complete(&mut shader.items, source.stage) {
-        Err(error) => vec![*error.diagnostic()],
+    match parse_bodies(&mut shader, source) {
+        Err(error) => vec![error],
         Ok(()) => name_errors::undeclared(&shader.items, &shader.parser),
     }
 }
