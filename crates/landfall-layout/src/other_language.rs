@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use crate::error::Error;
+use crate::text::word_filter::WordFilter;
 
 /// Extensions of files in other shading languages.
 const EXTENSIONS: &[(&str, &[&str])] = &[
@@ -108,7 +109,16 @@ pub(crate) fn of_words_in_wgsl(first: &str, next: &str) -> Option<&'static str> 
 
 /// Whether a word may begin a declaration of another language.
 pub(crate) fn may_begin(first: &str) -> bool {
-    WORDS.iter().any(|row| row.1.contains(&first))
+    const FILTER: WordFilter = {
+        let mut filter = WordFilter::NONE;
+        let mut at = 0;
+        while at < WORDS.len() {
+            filter = filter.with(WORDS[at].1);
+            at += 1;
+        }
+        filter
+    };
+    FILTER.may_contain(first) && WORDS.iter().any(|row| row.1.contains(&first))
 }
 
 /// Returns the language of a declaration that begins with `struct` or `const`, if the tokens after it

@@ -1,6 +1,8 @@
-//! Text utilities: JSON with spans, suggestions for misspelt names, and escaping of untrusted text.
+//! Text utilities: JSON with spans, filters before lists of words, suggestions for misspelt names,
+//! and escaping of untrusted text.
 
 pub mod edit_distance;
 pub mod escape;
 pub mod json;
 pub mod locate;
+pub(crate) mod word_filter;

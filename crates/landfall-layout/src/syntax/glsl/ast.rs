@@ -259,6 +259,7 @@ pub struct LayoutId<'a> {
 impl LayoutId<'_> {
     /// Whether the entry has that name; names in `layout(…)` are not case sensitive (GLSL 4.60
     /// §4.4).
+    #[inline]
     pub fn is(&self, name: &str) -> bool {
         self.name.text.eq_ignore_ascii_case(name)
     }
@@ -266,6 +267,7 @@ impl LayoutId<'_> {
 
 impl<'a> Qualifiers<'a> {
     /// Returns the last layout entry with that name; later ones override earlier ones.
+    #[inline]
     pub fn find(&self, name: &str) -> Option<&LayoutId<'a>> {
         self.layout.iter().rev().find(|id| id.is(name))
     }

@@ -2,6 +2,7 @@
 //! and the extensions of the Khronos registry.
 
 use crate::text::edit_distance;
+use crate::text::word_filter::WordFilter;
 
 /// Whether some version or extension has an identifier with that name, in lower case.
 pub(super) fn is_known(name: &str) -> bool {
@@ -20,7 +21,8 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
 
 /// Whether an entry of `layout(…)` is the format of an image: `rgba8`.
 pub(super) fn is_image_format(name: &str) -> bool {
-    IMAGE_FORMATS.contains(&name)
+    const FILTER: WordFilter = WordFilter::NONE.with(IMAGE_FORMATS);
+    FILTER.may_contain(name) && IMAGE_FORMATS.contains(&name)
 }
 
 /// The format of an image with that name, in any case.

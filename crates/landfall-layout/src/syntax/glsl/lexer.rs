@@ -48,6 +48,7 @@ pub struct Token<'a> {
 
 impl Token<'_> {
     /// Whether it is that operator, bracket or word.
+    #[inline]
     pub fn is(&self, text: &str) -> bool {
         self.text == text && self.kind != Kind::Text
     }
@@ -137,6 +138,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Returns the next token. Comments before it are added to `comments`.
+    #[inline]
     pub fn next(&mut self, comments: &mut Vec<Span>) -> Token<'a> {
         let spaced = self.skip_blank(comments, false);
         self.token(comments.len() as u32, spaced)

@@ -196,6 +196,7 @@ impl<'a> Preprocessor<'a> {
     }
 
     /// Returns the next token with macros expanded.
+    #[inline]
     pub fn next(&mut self) -> Token<'a> {
         loop {
             let token = self.next_raw();

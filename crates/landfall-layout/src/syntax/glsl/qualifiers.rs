@@ -1,5 +1,7 @@
 //! The qualifiers in front of a declaration (GLSL 4.60 §4.3 to §4.10).
 
+use crate::text::word_filter::WordFilter;
+
 /// Interpolation, auxiliary and invariance qualifiers.
 pub(crate) const INTERPOLATION: &[&str] =
     &["flat", "smooth", "noperspective", "centroid", "sample", "patch", "invariant"];
@@ -57,9 +59,17 @@ pub(crate) const OTHER_STORAGE: &[&str] = &[
     "tileImageEXT",
 ];
 
+const BLOCK_STORAGE: &[&str] = &["const", "uniform", "buffer"];
+
 /// Whether a word may be among the qualifiers before a type.
 pub(crate) fn is_qualifier(word: &str) -> bool {
-    ["const", "uniform", "buffer"].contains(&word)
+    const FILTER: WordFilter =
+        WordFilter::NONE.with(BLOCK_STORAGE).with(OTHER_STORAGE).with(INTERPOLATION).with(SILENT);
+    FILTER.may_contain(word) && is_in_lists(word)
+}
+
+fn is_in_lists(word: &str) -> bool {
+    BLOCK_STORAGE.contains(&word)
         || OTHER_STORAGE.contains(&word)
         || INTERPOLATION.contains(&word)
         || SILENT.contains(&word)

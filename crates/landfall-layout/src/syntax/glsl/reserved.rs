@@ -7,6 +7,7 @@ use super::report::diagnostic_at;
 use super::types::builtin;
 use crate::Severity;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::text::word_filter::WordFilter;
 
 /// Keywords of every version of desktop GLSL and of GLSL ES (GLSL 1.10 §3.6, GLSL 4.60 §3.6).
 const KEYWORDS: &[&str] = &[
@@ -122,7 +123,8 @@ impl<'a> DeclarationReader<'a> {
     /// Returns an error if a name is a keyword.
     pub(super) fn keyword(&self, name: &Name<'a>) -> Option<Diagnostic> {
         let text = name.text;
-        if !KEYWORDS.contains(&text) && !TYPES.contains(&text) {
+        const FILTER: WordFilter = WordFilter::NONE.with(KEYWORDS).with(TYPES);
+        if !FILTER.may_contain(text) || !KEYWORDS.contains(&text) && !TYPES.contains(&text) {
             return None;
         }
         let token = self.parser.token_of(name);

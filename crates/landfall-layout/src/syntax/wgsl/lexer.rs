@@ -53,11 +53,13 @@ impl<'a> Lexer<'a> {
     }
 
     /// Returns the text of a token.
+    #[inline]
     pub(super) fn text_of(&self, token: Token) -> &'a str {
         &self.text[token.start as usize..token.end as usize]
     }
 
     /// Returns the next token without consuming it.
+    #[inline]
     pub(super) fn peek(&mut self) -> Token {
         match self.peeked {
             Some(token) => token,
@@ -70,6 +72,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Consumes the next token.
+    #[inline]
     pub(super) fn next(&mut self) -> Token {
         match self.peeked.take() {
             Some(token) => token,
@@ -78,6 +81,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Consumes the next token if it is that sign.
+    #[inline]
     pub(super) fn take(&mut self, sign: u8) -> bool {
         let found = self.peek().is(sign);
         if found {
