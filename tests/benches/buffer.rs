@@ -193,6 +193,40 @@ fn main() {
         &mut built,
         &mut memcpy,
     );
+    // Limits of the row above: members without padding, and the fewest stores of plain integers.
+    let mut stored = |_: &mut Buffer| {
+        let block = black_box(&mut *block);
+        for (to, l) in block.data.iter_mut().zip(black_box(&lights[..])) {
+            to.pos = l.pos;
+            to.color = l.color;
+            to.intensity = l.intensity;
+            to.constant = l.constant;
+            to.linear = l.linear;
+            to.quadratic = l.quadratic;
+        }
+    };
+    slower(
+        "128 lights stored by member, padding left : memcpy",
+        1,
+        &mut buffer,
+        &mut plain,
+        &mut stored,
+        &mut memcpy,
+    );
+    let mut words = |_: &mut Buffer| {
+        let block = black_box(&mut *block);
+        for (to, l) in block.data.iter_mut().zip(black_box(&lights[..])) {
+            *to = in_words(l);
+        }
+    };
+    slower(
+        "128 lights stored in words of 8 bytes : memcpy",
+        1,
+        &mut buffer,
+        &mut plain,
+        &mut words,
+        &mut memcpy,
+    );
 
     buffer.clear_dirty();
     buffer.set("data[3].pos", [1f32; 3]).expect("a vec3");
@@ -202,6 +236,19 @@ fn main() {
         black_box(black_box(&buffer).upload(64));
     }
     println!("finding it: {:.0} ns", start.elapsed().as_nanos() as f64 / 10_000.0);
+}
+
+/// A light made of six words, padding included.
+fn in_words(l: &gpu::PointLight) -> gpu::PointLight {
+    let both = |a: f32, b: f32| u64::from(a.to_bits()) | u64::from(b.to_bits()) << 32;
+    bytemuck::cast([
+        both(l.pos[0], l.pos[1]),
+        both(l.pos[2], 0.0),
+        both(l.color[0], l.color[1]),
+        both(l.color[2], l.intensity),
+        both(l.constant, l.linear),
+        both(l.quadratic, 0.0),
+    ])
 }
 
 /// The table of the engine: every element's name, offset and size.

@@ -491,36 +491,36 @@ fn bindings_follow_the_mirrors_with_a_module_for_each_program() {
         bindings,
         str![[r#"
  OpenGL.
-#[allow(dead_code)]
-pub mod gl_bindings {
-    /// The program of `shaders/surface.vert`, `shaders/surface.frag`.
-    pub mod surface {
-        /// The text of `shaders/surface.vert`.
-        pub const VERTEX_SOURCE: &str = include_str!("../shaders/surface.vert");
+    pub mod gl_bindings {
+        /// The program of `shaders/surface.vert`, `shaders/surface.frag`.
+        pub mod surface {
+            /// The text of `shaders/surface.vert`.
+            pub const VERTEX_SOURCE: &str = include_str!("../shaders/surface.vert");
 
-        /// The text of `shaders/surface.frag`.
-        pub const FRAGMENT_SOURCE: &str = include_str!("../shaders/surface.frag");
+            /// The text of `shaders/surface.frag`.
+            pub const FRAGMENT_SOURCE: &str = include_str!("../shaders/surface.frag");
 
-        /// The name of the uniform block `Camera`.
-        pub const CAMERA_BLOCK: &str = "Camera";
+            /// The name of the uniform block `Camera`.
+            pub const CAMERA_BLOCK: &str = "Camera";
 
-        /// The bytes that a buffer of `Camera` holds at least.
-        pub const CAMERA_SIZE: usize = 64;
+            /// The bytes that a buffer of `Camera` holds at least.
+            pub const CAMERA_SIZE: usize = 64;
 
-        /// The binding of the uniform block `Camera`.
-        pub const CAMERA_BINDING: u32 = 1;
+            /// The binding of the uniform block `Camera`.
+            pub const CAMERA_BINDING: u32 = 1;
 
-        /// The name of the sampler `albedo`.
-        pub const ALBEDO_UNIFORM: &str = "albedo";
+            /// The name of the sampler `albedo`.
+            pub const ALBEDO_UNIFORM: &str = "albedo";
 
-        /// The binding of the sampler `albedo`.
-        pub const ALBEDO_BINDING: u32 = 2;
+            /// The binding of the sampler `albedo`.
+            pub const ALBEDO_BINDING: u32 = 2;
 
-        /// The name of the vertex attribute `at`.
-        pub const AT_ATTRIBUTE: &str = "at";
+            /// The name of the vertex attribute `at`.
+            pub const AT_ATTRIBUTE: &str = "at";
 
-        /// The location of the vertex attribute `at`.
-        pub const AT_LOCATION: u32 = 0;
+            /// The location of the vertex attribute `at`.
+            pub const AT_LOCATION: u32 = 0;
+        }
     }
 }
 
@@ -542,6 +542,56 @@ error[no-binding]: wgpu has no texture with a sampler of its own, such as `albed
 
 "#]]);
     assert!(!place.has("new.rs"));
+}
+
+#[test]
+fn bindings_of_the_configuration_hold_for_all_shaders_of_a_project() {
+    let place = Place::new("emit-bindings-project");
+    let text = "@group(0) @binding(0) var textures: binding_array<texture_2d<f32>>;\n@group(0) \
+                @binding(1) var linear: sampler;\n@group(0) @binding(2) var<uniform> scene: vec4f;\n\
+                @fragment fn shade() -> @location(0) vec4f { return scene * \
+                textureSample(textures[3], linear, vec2f(0.5)); }\n";
+    place.write("shaders/a.wgsl", text);
+    place.write("shaders/b.wgsl", "@group(0) @binding(0) var<uniform> sky: vec4f;\n@fragment fn f() -> @location(0) vec4f { return sky; }\n");
+    let names = "[bindings]\napi = [\"wgpu\"]\ncounts = { textures = 64 }\ndynamic-offsets = \
+                 [\"scene\"]\nunfilterable = [\"linear\"]\nprograms = { all = [\"a.wgsl:shade\"] }\n\
+                 embed-sources = true\n";
+    place.write("landfall.toml", names);
+    let emit = |file: &str, rest: &[&str]| {
+        let all = ["emit", "--lang", "rust", file, "--out", "shaders/gpu.rs"];
+        place.run(&[&all[..], rest].concat()).code(0).stderr_eq("");
+        place.read("shaders/gpu.rs")
+    };
+    let of_project = emit("shaders/a.wgsl", &[]);
+    let of_options = ["--no-config", "--bindings", "wgpu", "--count", "textures=64"];
+    let more = ["--dynamic-offset", "scene", "--unfilterable", "linear", "--embed-sources"];
+    let program = ["--program", "all=a.wgsl:shade"];
+    assert_eq!(of_project, emit("shaders/a.wgsl", &[&of_options[..], &more, &program].concat()));
+    for expected in ["NonZeroU32::new(64)", "has_dynamic_offset: true", "NonFiltering", "mod all {"]
+    {
+        assert!(of_project.contains(expected), "{expected}");
+    }
+    assert!(of_project.contains("include_str!(\"a.wgsl\")"), "{of_project}");
+    // A shader without any of the names; an option before the configuration.
+    assert!(emit("shaders/b.wgsl", &[]).contains("pub mod wgpu_bindings {"));
+    let other = ["--bindings", "ash", "--count", "textures=2"];
+    let ash = emit("shaders/a.wgsl", &other);
+    assert!(ash.contains("descriptor_count: 2,") && !ash.contains("wgpu_bindings"), "{ash}");
+    let mirrors = ["emit", "--lang", "c", "shaders/a.wgsl"];
+    place.run(&mirrors).code(0).stderr_eq("");
+    for (bad, message) in [
+        ("api = [\"wgpu-3\"]", "unknown API `wgpu-3`"),
+        ("counts = { textures = 0 }", "the number of elements of `textures` is no count"),
+        ("programs = { all = \"a.wgsl\" }", "`all` is a string, not an array of strings"),
+        ("progams = {}", "`bindings` has no key `progams`"),
+    ] {
+        place.write("landfall.toml", format!("[bindings]\n{bad}\n"));
+        let found = place.run(&["emit", "--lang", "rust", "shaders/a.wgsl"]);
+        found.code(2);
+        assert!(found.err.contains(message), "{}", found.err);
+    }
+    let zero = ["emit", "--lang", "rust", "shaders/a.wgsl", "--bindings", "ash", "--count", "t=0"];
+    place.run(&zero).code(2);
 }
 
 #[test]

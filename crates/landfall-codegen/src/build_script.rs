@@ -215,8 +215,15 @@ impl Build {
         self
     }
 
-    /// Adds the text of the shaders to the bindings for wgpu and OpenGL; a shader that includes
-    /// files has none.
+    /// Gives the number of elements of an array of resources whose declaration has none,
+    /// `binding_array<texture_2d<f32>>`.
+    pub fn descriptor_count(mut self, name: &str, count: u32) -> Build {
+        self.code.rust.bindings.counts.push((name.to_string(), count));
+        self
+    }
+
+    /// Adds the text of the shaders to the bindings; that of a shader that includes files has them
+    /// in their places.
     pub fn sources(mut self, sources: Sources) -> Build {
         self.code.rust.bindings.sources = sources;
         self

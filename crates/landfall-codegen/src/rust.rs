@@ -185,12 +185,14 @@ pub fn rust(shaders: &[&ShaderLayout], options: &RustOptions) -> RustOutput {
         }
     }
     let mut text = header::header(&plan, options, &inputs, shaders);
-    diagnostics.extend(modules::modules(&plan, options, &renames, &inputs, each, &mut text));
+    let mut items = names::Scope::default();
+    diagnostics
+        .extend(modules::modules(&plan, options, &renames, &inputs, each, &mut items, &mut text));
     let public = match options.visibility {
         Visibility::Public => "pub",
         Visibility::Crate => "pub(crate)",
     };
-    diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut text));
+    diagnostics.extend(bindings::modules(shaders, &inputs, options, public, &mut items, &mut text));
     diagnostics.extend(renames.unused(shaders, &inputs));
     diagnostics.extend(types.unused());
     RustOutput { text, diagnostics }

@@ -18,6 +18,20 @@ pub struct Interface {
     pub resources: Vec<Resource>,
     /// The specialisation constants and overrides in declaration order.
     pub constants: Vec<SpecConstant>,
+    /// The `#include` directives that opened a file, in the order of their execution.
+    pub includes: Vec<Include>,
+}
+
+/// An executed `#include`.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Include {
+    /// The directive, after its `#`.
+    pub span: Span,
+    /// The index of the file that it opened.
+    pub file: u32,
+    /// The number of files that were open: 1 in the shader's own file.
+    pub depth: usize,
 }
 
 /// A function that a pipeline starts.

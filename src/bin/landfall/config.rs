@@ -5,6 +5,7 @@
 //! override it, in [`Config::options`] and in the commands. `example.toml` beside this file has
 //! every key.
 
+mod bindings;
 mod figure;
 mod find;
 mod lints;
@@ -18,6 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use landfall_codegen::rust::BindingOptions;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Level;
 use landfall_layout::text::edit_distance::nearest;
@@ -72,6 +74,8 @@ pub struct Config {
     pub c_types: Vec<(String, String)>,
     /// Traits that mirrors in Rust derive, of `derive`.
     pub derives: Vec<String>,
+    /// Bindings of Rust mirrors, of `[bindings]`.
+    pub bindings: BindingOptions,
     /// The policy for changes of layouts, if set.
     policy: Option<Policy>,
     /// Policies for some files, as globs; a later one takes precedence.
@@ -150,6 +154,7 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         types: strings(keys, "types", "{ vec3 = \"crate::Vec3\" }", "type"),
         c_types: strings(keys, "c-types", "{ vec3 = \"Vec3\" }", "type"),
         derives: list("derive").into_iter().map(|text| text.value).collect(),
+        bindings: bindings::read(keys),
         policy: keys.choice("policy", &Policy::ALL.map(Policy::name)).and_then(Policy::from_name),
         path_policies: keys.tables("path-policy", "[[path-policy]]", |keys| {
             let (file, policy) = (keys.needed("file"), keys.needed("policy"));

@@ -24,13 +24,15 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
         return Ok(Outcome::CouldNot);
     };
+    let of_project = args.lang == RUST && !config.bindings.apis.is_empty();
+    let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
     let mut failed = false;
     for input in Inputs::new(args.files.clone()) {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {
-                let options = read::options(&args.read).with_interface(!args.bindings.is_empty());
+                let options = read::options(&args.read).with_interface(has_bindings);
                 let shader = landfall_layout::layout(&source, &options);
                 without_effect::record_of(&shader);
                 report(&shader.diagnostics, &shader.files);
@@ -57,7 +59,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
     let mut options = options(args, &config)?;
-    bindings(args, &whole, &mut options.rust);
+    bindings(args, &config, &whole, &mut options.rust);
     let output = args.lang.generate(&whole, &options);
     let (text, refused) = (output.text, output.diagnostics);
     for found in &refused {
@@ -124,16 +126,34 @@ fn options(args: &EmitArgs, config: &Config) -> Result<CodeOptions, Error> {
     Ok(options)
 }
 
-/// Sets the options of the bindings.
-fn bindings(args: &EmitArgs, shaders: &[&ShaderLayout], options: &mut RustOptions) {
+/// Sets the options of the bindings: those of the configuration, and those of the command line.
+fn bindings(
+    args: &EmitArgs,
+    config: &Config,
+    shaders: &[&ShaderLayout],
+    options: &mut RustOptions,
+) {
     let bindings = &mut options.bindings;
-    bindings.apis = args.bindings.iter().filter_map(|name| Api::from_name(name)).collect();
+    *bindings = config.bindings.clone();
+    if !args.bindings.is_empty() {
+        bindings.apis = args.bindings.iter().filter_map(|name| Api::from_name(name)).collect();
+    }
     let files = |files: &str| files.split(',').map(str::to_string).collect();
-    bindings.programs =
-        args.program.iter().map(|(name, text)| (name.clone(), files(text))).collect();
-    bindings.dynamic_offsets = args.dynamic_offset.clone();
-    bindings.unfilterable = args.unfilterable.clone();
-    if let (true, Some(out)) = (args.embed_sources, &args.out) {
+    let programs = args.program.iter().map(|(name, text)| (name.clone(), files(text)));
+    bindings.programs.retain(|(name, _)| args.program.iter().all(|(other, _)| other != name));
+    bindings.programs.extend(programs);
+    bindings.counts.retain(|(name, _)| args.counts.iter().all(|(other, _)| other != name));
+    bindings.counts.extend(args.counts.iter().cloned());
+    bindings.dynamic_offsets.extend(args.dynamic_offset.iter().cloned());
+    bindings.unfilterable.extend(args.unfilterable.iter().cloned());
+    let named = args.program.iter().map(|(name, _)| name);
+    let named = named.chain(args.counts.iter().map(|(name, _)| name));
+    let named: Vec<&String> = named.chain(&args.dynamic_offset).chain(&args.unfilterable).collect();
+    bindings.project_names.retain(|name| !named.contains(&name));
+    let embedded = args.embed_sources || bindings.sources == Sources::Embedded;
+    // Paths of `include_str!` are relative to the file.
+    bindings.sources = Sources::Without;
+    if let (true, Some(out)) = (embedded, &args.out) {
         bindings.sources = Sources::Embedded;
         let paths = shaders.iter().map(|shader| format!("{:?}", from_file(out, &shader.path)));
         bindings.paths = paths.collect();

@@ -56,9 +56,14 @@ unsafe fn pipeline(program: &Program) {
         let features = instance.get_physical_device_features(physical);
         let mut dynamic =
             vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
+        // Mesa 22's driver makes pipelines of unsized arrays without the feature.
+        let mut indexing = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
+        let mut known = vk::PhysicalDeviceFeatures2::default().push_next(&mut indexing);
+        instance.get_physical_device_features2(physical, &mut known);
         let create = vk::DeviceCreateInfo::default()
             .queue_create_infos(std::slice::from_ref(&queue))
             .enabled_features(&features)
+            .push_next(&mut indexing)
             .push_next(&mut dynamic);
         let device = instance.create_device(physical, &create, None).expect("a device");
         let count = program.sets.iter().map(|(set, _)| set + 1).max().unwrap_or(0);

@@ -97,9 +97,12 @@ const USES: &[(&str, &[&str])] = &[
         &[
             "layout(set = 0, binding = 0) uniform A {\nvec4 a;\nvec4 b; //<\nfloat c;\n} u;\n\
              vec4 used() { return u.a * u.c; }",
-            // The instance has the name of a member.
-            "layout(set = 0, binding = 0) uniform A {\nvec4 a;\nvec4 b; //?\nfloat c;\n} a;\n\
+            // The instance has the name of a member, which a local variable has, too.
+            "layout(set = 0, binding = 0) uniform A {\nvec4 a;\nvec4 b; //<\nfloat c;\n} a;\n\
              vec4 used() { return a.a * a.c; }",
+            "struct S { vec4 a; };\nlayout(set = 0, binding = 0) uniform A {\nvec4 a; //<\nS b;\n\
+             float c; //<\n} a;\nvec4 used() { vec4 sum = a.b.a; { vec4 a = sum; sum += a.x; } \
+             return sum; }",
             "layout(set = 0, binding = 0) uniform A {\nvec4 a;\nvec4 b;\n};\n\
              vec4 used() { return a + b; }",
         ],

@@ -31,6 +31,10 @@ fn method(code: &str) -> Option<String> {
         "-O" => pair("specialise", "VALUE"),
         "--rename" => pair("rename", "NAME"),
         "--type" => pair("map_type", "PATH"),
+        "--count" => {
+            let (name, count) = value.split_once('=').unwrap_or((value, "N"));
+            format!("Build::descriptor_count({name:?}, {count})")
+        }
         "--program" => {
             let (name, files) = value.split_once('=').unwrap_or((value, "FILE"));
             let files: Vec<&str> = files.split(',').collect();
@@ -81,6 +85,10 @@ mod tests {
             (
                 "give it a name: `--program NAME=a.vert,a.frag`",
                 "give it a name: `Build::program(\"NAME\", &[\"a.vert\", \"a.frag\"])`",
+            ),
+            (
+                "give it: `--count textures=N`",
+                "give it: `Build::descriptor_count(\"textures\", N)`",
             ),
             (
                 "macro `A` keeps its definition from `--define`",

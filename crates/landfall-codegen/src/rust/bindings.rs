@@ -14,6 +14,8 @@ mod vertex;
 mod wgpu;
 mod wgpu_types;
 
+use std::fmt::Write as _;
+
 use landfall_layout::ShaderLayout;
 use landfall_layout::diagnostic::{Code, Diagnostic, Severity};
 use landfall_layout::text::edit_distance::nearest;
@@ -125,6 +127,10 @@ pub struct BindingOptions {
     pub dynamic_offsets: Vec<String>,
     /// Names of textures of floats that are not filtered, and of samplers that do not filter.
     pub unfilterable: Vec<String>,
+    /// The number of elements of each array of resources whose declaration gives none, by name.
+    pub counts: Vec<(String, u32)>,
+    /// Those names above, of programs too, that are a project's: none has to be of these shaders.
+    pub project_names: Vec<String>,
     /// Where the text of the shaders comes from.
     pub sources: Sources,
     /// The expression of each shader's path, in the order of the shaders: `"a.wgsl"`, or
@@ -132,12 +138,17 @@ pub struct BindingOptions {
     pub paths: Vec<String>,
 }
 
-/// Prints the modules of all APIs; returns errors about what an API cannot bind.
+/// Prints the modules of all APIs; returns errors about what an API cannot bind. `items` are the
+/// names that the file has already.
+///
+/// The modules stand in one that is named after the first program, and are imported from it: two
+/// files in one module then both have a `wgpu_bindings`, which neither has as an item of its own.
 pub(super) fn modules(
     shaders: &[&ShaderLayout],
     inputs: &[String],
     options: &RustOptions,
     public: &str,
+    items: &mut Scope,
     text: &mut String,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
@@ -170,6 +181,7 @@ pub(super) fn modules(
     }
     found.extend(unused(&programs, bindings));
     let mut seen = Vec::new();
+    let mut all = text::Module::new(public);
     for &api in &bindings.apis {
         if seen.contains(&api.module()) {
             let message = format!("bindings for {} are asked for twice", api.module());
@@ -191,15 +203,19 @@ pub(super) fn modules(
             let about = format!("The program of {}.", program.of());
             inside.module(&about, &program.name, body);
         }
-        let mut whole = text::Module::new(public);
         let about = format!("Bindings for {}.", api.described());
-        whole.module_of_any(&about, api.module(), inside);
-        if !text.ends_with("\n\n") {
-            text.push('\n');
-        }
-        text.push_str(whole.finished().trim_end());
+        all.module(&about, api.module(), inside);
+    }
+    let Some(first) = programs.first().filter(|_| !all.is_empty()) else { return found };
+    let name = items.take(&format!("{}_bindings", first.name.trim_start_matches("r#")));
+    let mut whole = text::Module::new(public);
+    whole.module_of_any("What programs need beside the mirrors.", &name, all);
+    if !text.ends_with("\n\n") {
         text.push('\n');
     }
+    let import = "#[allow(unused_imports, ambiguous_glob_reexports)]";
+    let _ = write!(text, "{import}\n{public} use {name}::*;\n\n{}", whole.finished().trim_end());
+    text.push('\n');
     found
 }
 
@@ -211,10 +227,12 @@ fn unused(programs: &[Program<'_>], options: &BindingOptions) -> Vec<Diagnostic>
         .flat_map(|one| [one.block.map(|block| &*block.name), Some(&*one.resource.name)])
         .flatten()
         .collect();
-    let named = options.dynamic_offsets.iter().map(|name| ("dynamic offset", name));
+    let counts = options.counts.iter().map(|(name, _)| ("number of elements", name));
+    let named = options.dynamic_offsets.iter().map(|name| ("dynamic offset", name)).chain(counts);
     let named = named.chain(options.unfilterable.iter().map(|name| ("filtering", name)));
     named
         .filter(|(_, name)| !known.contains(&name.as_str()))
+        .filter(|(_, name)| !options.project_names.contains(name))
         .map(|(what, name)| {
             let message = format!("the {what} of `{name}` has no effect: nothing has that name");
             let found = Diagnostic::without_place(Code::UnusedOption, Severity::Warning, message);

@@ -26,17 +26,18 @@ struct File<'a> {
     helpers: &'a Names,
 }
 
-/// Prints all items; `each` shader has a module of its own, or all have the file.
+/// Prints all items; `each` shader has a module of its own, or all have the file. `scope` gets the
+/// names of the modules in the file.
 pub(super) fn modules(
     plan: &Plan<'_>,
     options: &RustOptions,
     renames: &Renames,
     inputs: &[String],
     each: bool,
+    scope: &mut Scope,
     text: &mut String,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let mut scope = Scope::default();
     let used = |at: &usize| !plan.types_in(Module::Shader(*at)).is_empty();
     let shaders: Vec<usize> = match each {
         true => (0..inputs.len()).filter(used).collect(),
@@ -45,10 +46,8 @@ pub(super) fn modules(
     if shaders.is_empty() {
         return found;
     }
-    let names: Vec<String> = shaders
-        .iter()
-        .map(|&at| shader_module(&inputs[at], renames, &mut scope, &mut found))
-        .collect();
+    let names: Vec<String> =
+        shaders.iter().map(|&at| shader_module(&inputs[at], renames, scope, &mut found)).collect();
     let support = scope.take(&format!("{}_support", names[0]));
     let helpers = name_support(plan);
     let file = File { plan, options, support: &support, helpers: &helpers };
@@ -61,6 +60,7 @@ pub(super) fn modules(
         file.common(&common, &common_names, text);
     } else {
         let names = file.names(Module::Shader(0), &mut found);
+        names.made.iter().chain(&names.tables).for_each(|name| drop(scope.take(name)));
         let out = file.printer(Module::Shader(0), &names, true);
         let mut body = out.text();
         file.body(&out, &mut body);

@@ -9,10 +9,11 @@ use std::process::Command;
 
 use landfall_codegen::rust::Api;
 
-use crate::{TESTS, assert_formatted, generated, scratch};
+use crate::{COUNT, TESTS, assert_formatted, generated, scratch};
 
 /// The programs of GLSL, each with the extensions of its stages.
-const PROGRAMS: [(&str, &[&str]); 2] = [("surface", &["vert", "frag"]), ("sums", &["comp"])];
+const PROGRAMS: [(&str, &[&str]); 3] =
+    [("surface", &["vert", "frag"]), ("sums", &["comp"]), ("many", &["comp"])];
 
 #[test]
 fn ash_bindings_are_those_of_the_spir_v_and_make_pipelines() {
@@ -54,8 +55,8 @@ fn ash_bindings_are_those_of_the_spir_v_and_make_pipelines() {
     // A fault in the generated text is seen.
     for (from, to) in [
         (
-            "binding: 1,\n                descriptor_type",
-            "binding: 5,\n                descriptor_type",
+            "binding: 1,\n                    descriptor_type",
+            "binding: 5,\n                    descriptor_type",
         ),
         ("DescriptorType::SAMPLED_IMAGE", "DescriptorType::STORAGE_IMAGE"),
         ("Format::R32G32_UINT", "Format::R32G32_SINT"),
@@ -168,6 +169,9 @@ impl Spirv {
                     while let Some(["OpTypeArray", element, length]) = module.made(ty) {
                         count *= module.constant(length);
                         ty = element;
+                    }
+                    if let Some(["OpTypeRuntimeArray", element]) = module.made(ty) {
+                        (ty, count) = (element, u64::from(COUNT));
                     }
                     let kind = module.descriptor(ty, storage);
                     let new = (kind, count, Vec::new());

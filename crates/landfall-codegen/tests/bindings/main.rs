@@ -3,6 +3,7 @@
 
 mod ash;
 mod errors;
+mod sources;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -105,6 +106,7 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
         };
         programs.push(row.replace("PUSH", push));
     }
+    text.push_str(&two_files(Api::WgpuMajor(major)));
     let arrays = generated(&[format!("{TESTS}/compiled/arrays.wgsl")], Api::WgpuMajor(major));
     let _ = write!(text, "pub mod arrays {{\n{arrays}}}\n\n");
     assert!(programs.len() >= 20, "{} programs", programs.len());
@@ -173,6 +175,21 @@ fn assert_formatted(folder: &Path, files: &[PathBuf]) {
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stdout));
 }
 
+/// Two generated files in one module, and what a program uses of each.
+fn two_files(api: Api) -> String {
+    let wave = ["vert", "frag"].map(|stage| format!("{TESTS}/shaders/glsl/wave.{stage}"));
+    let total = [format!("{TESTS}/shaders/glsl/total.comp")];
+    let (wave, total) = (generated(&wave, api), generated(&total, api));
+    format!(
+        "pub mod two_files {{\n{wave}\n{total}\npub const NAMES: [&str; 2] = \
+         [wave_bindings::wgpu_bindings::wave::MAIN_ENTRY, \
+         total_bindings::wgpu_bindings::total::MAIN_ENTRY];\n}}\n\n"
+    )
+}
+
+/// The number of elements of arrays that are declared without.
+const COUNT: u32 = 48;
+
 /// The mirrors and bindings of the shaders of one program.
 fn generated(files: &[String], api: Api) -> String {
     let read = |file: &String| {
@@ -188,6 +205,7 @@ fn generated(files: &[String], api: Api) -> String {
     options.tables = Tables::Without;
     options.bindings.apis = vec![api];
     options.bindings.dynamic_offsets = vec!["Camera".to_string()];
+    options.bindings.counts = ["many", "tiles"].map(|name| (name.to_string(), COUNT)).to_vec();
     options.bindings.sources = Sources::LoadedInDebug;
     options.bindings.paths = files.iter().map(|file| format!("{file:?}")).collect();
     let name = |file: &String| file.rsplit('/').next().expect("a name").to_string();
@@ -287,7 +305,7 @@ fn screaming(name: &str) -> String {
 fn constants(bindings: &str, generated: &str) -> String {
     let Some(at) = generated.find("pub struct Constants {") else { return "vec![]".to_string() };
     let body = &generated[at..];
-    let body = &body[..body.find("\n        }").expect("its end")];
+    let body = &body[..body.find("\n            }").expect("its end")];
     let fields: String = body
         .lines()
         .filter_map(|line| line.trim().strip_prefix("pub ")?.strip_suffix(',')?.split_once(": "))

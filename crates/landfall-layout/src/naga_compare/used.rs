@@ -3,6 +3,9 @@
 //! Available only for a text that naga parses completely. Doubtful cases count as use: a structure
 //! copied or passed as a whole uses all of its members.
 
+use std::borrow::Cow;
+use std::fmt::Write as _;
+
 use naga::valid::{Capabilities, FunctionInfo, ValidationFlags, Validator};
 use naga::{Expression, Function, GlobalVariable, Handle, Module, TypeInner};
 use rustc_hash::FxHashSet;
@@ -25,7 +28,10 @@ pub fn used(
 ) -> Option<Vec<Option<Used>>> {
     let module = match source.language {
         Language::Wgsl => wgsl_module(&source.text)?,
-        Language::Glsl => glsl_whole(&source.text, source.stage, &options.defines)?,
+        Language::Glsl => {
+            let text = with_distinct_instances(&source.text, blocks);
+            glsl_whole(&text, source.stage, &options.defines)?
+        }
     };
     if module.entry_points.is_empty() {
         return None;
@@ -48,6 +54,46 @@ pub fn used(
         Some(own.map(|(_, steps)| spelled(&module, variable, steps, block, source)).collect())
     };
     Some(blocks.iter().map(of_block).collect())
+}
+
+/// A GLSL text in which no instance has the name of a member of its block: naga 30 takes the former
+/// for the latter. Every such name is changed but for those of members, which keep theirs.
+fn with_distinct_instances<'t>(text: &'t str, blocks: &[BlockLayout]) -> Cow<'t, str> {
+    let clashes = |block: &BlockLayout| {
+        let instance = block.instance.clone()?;
+        block.members.iter().any(|member| member.name == instance).then_some(instance)
+    };
+    let clashing: Vec<_> = blocks.iter().filter_map(clashes).collect();
+    // Tokens of joined lines are not parts of the text.
+    if clashing.is_empty() || text.contains("\\\n") {
+        return text.into();
+    }
+    let mut renamed = String::with_capacity(text.len() + 64);
+    let (mut at, mut braces) = (0, Vec::new());
+    let mut before = "";
+    for token in crate::syntax::tokens(text, Language::Glsl) {
+        match token {
+            // A body follows its parameters, and stands in bodies alone.
+            "{" => braces.push(before == ")" || braces.last() == Some(&true)),
+            "}" => drop(braces.pop()),
+            _ if before != "."
+                && braces.last() != Some(&false)
+                && clashing.iter().any(|name| **name == *token) =>
+            {
+                let start = (token.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize);
+                if text.get(start..start.wrapping_add(token.len())) != Some(token) {
+                    return text.into();
+                }
+                renamed.push_str(&text[at..start]);
+                let _ = write!(renamed, "{token}_instance");
+                at = start + token.len();
+            }
+            _ => {}
+        }
+        before = token;
+    }
+    renamed.push_str(&text[at..]);
+    renamed.into()
 }
 
 /// One step from a variable to the place accessed.

@@ -72,7 +72,13 @@ pub struct EmitArgs {
     /// wgpu: this texture of floats is not filtered, or this sampler does not filter
     #[arg(help_heading = "Bindings", long, value_name = "NAME", requires = "bindings")]
     pub unfilterable: Vec<String>,
-    /// wgpu, gl: add the shaders' text, by `include_str!`
+    /// Give the number of elements of an array of resources that is declared without
+    #[arg(
+        help_heading = "Bindings", long = "count", value_name = "NAME=N",
+        value_parser = count, requires = "bindings"
+    )]
+    pub counts: Vec<(String, u32)>,
+    /// Add the shaders' text, by `include_str!` or, with their includes, as literals
     #[arg(help_heading = "Bindings", long, requires_all = ["bindings", "out"])]
     pub embed_sources: bool,
     /// C: put types and functions into a namespace in C++, such as `engine::gpu`
@@ -88,6 +94,15 @@ pub struct EmitArgs {
     pub config: ConfigArgs,
     #[command(flatten)]
     pub read: ReadArgs,
+}
+
+/// `NAME=N`, with a number from 1.
+fn count(text: &str) -> Result<(String, u32), String> {
+    let (name, count) = setting(text)?;
+    match count.parse() {
+        Ok(count) if count > 0 => Ok((name, count)),
+        _ => Err(format!("`{count}` is no number from 1")),
+    }
 }
 
 fn output_languages() -> impl TypedValueParser<Value = OutputLanguage> {

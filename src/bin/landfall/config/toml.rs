@@ -327,6 +327,34 @@ impl<'d> Keys<'d> {
         tables
     }
 
+    /// The table of `[key]`.
+    pub fn table<T>(
+        &self,
+        key: &'static str,
+        example: &str,
+        read: impl FnOnce(&Keys<'_>) -> T,
+    ) -> Option<T> {
+        let value = self.get(key)?;
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(key, value, "a table", example);
+            return None;
+        };
+        let keys = Keys::new(self.document, table, key, span(value.span()));
+        let result = read(&keys);
+        keys.finish();
+        Some(result)
+    }
+
+    /// The rows of a table of arrays of strings.
+    pub fn text_rows(&self, key: &'static str, example: &str) -> Vec<(Text, Vec<Text>)> {
+        let rows = self.rows(key, example).into_iter();
+        rows.filter_map(|(name, row)| {
+            let list = self.text_list(&name.value, row.value)?;
+            Some((name, list))
+        })
+        .collect()
+    }
+
     /// The rows of a table with arbitrary keys: key with span, and value.
     pub fn rows(&self, key: &'static str, example: &str) -> Vec<(Text, Row<'d>)> {
         let Some(value) = self.get(key) else { return Vec::new() };

@@ -1,13 +1,16 @@
 #version 450
+#extension GL_GOOGLE_include_directive : require
 
 layout(local_size_x = 8, local_size_y = 4) in;
 
-layout(set = 0, binding = 0, std430) readonly buffer Values { float values[]; } all;
-layout(set = 0, binding = 2, std430) buffer Sums { uint count; vec3 total; } sums;
-layout(set = 0, binding = 3, rgba8) uniform writeonly image2D trail;
+#include "include/sums.glsl" // The file includes another.
+#include "include/sums.glsl"
+#ifdef NEVER
+#include "include/missing.glsl"
+#endif
 
 void main() {
     uint i = gl_LocalInvocationIndex;
-    sums.total.x = all.values[i] * float(sums.count);
+    sums.total.x = scaled(all.values[i], sums.count);
     imageStore(trail, ivec2(int(i)), vec4(sums.total, 1.0));
 }

@@ -141,9 +141,9 @@ fn descriptor(
         let error = one.error(format!("`{name}` has no binding, which Vulkan needs"));
         return Err(error.with_help("write `layout(set = 0, binding = N)`"));
     };
-    let Some(count) = one.count() else {
+    let Some(count) = one.count(options) else {
         let error = one.error(format!("the number of elements of `{name}` is not known"));
-        return Err(error.with_help("write it in the declaration"));
+        return Err(error.with_help(format!("give it: `--count {name}=N`")));
     };
     let is_dynamic = one.is_named(&options.dynamic_offsets);
     let ty = match &one.resource.kind {

@@ -94,13 +94,14 @@ impl Binding<'_> {
         names.iter().any(|name| **name == *self.resource.name || Some(name.as_str()) == block)
     }
 
-    /// The number of elements: 1 without an array, `None` where the program chooses.
-    pub(super) fn count(&self) -> Option<u64> {
+    /// The number of elements: 1 without an array, that of the options where none is declared.
+    pub(super) fn count(&self, options: &BindingOptions) -> Option<u64> {
         let lengths = self.resource.count.iter().map(|len| match len {
             ArrayLen::Fixed(n) => Some(u64::from(*n)),
             ArrayLen::Runtime | ArrayLen::Override(_) => None,
         });
-        lengths.product()
+        let given = options.counts.iter().find(|(name, _)| **name == *self.resource.name);
+        lengths.product::<Option<u64>>().or_else(|| given.map(|(_, count)| u64::from(*count)))
     }
 
     /// An error about it, with its place.
@@ -139,6 +140,13 @@ pub(super) fn programs<'a>(
     let mut programs: Vec<Program<'a>> = Vec::new();
     let mut placed = vec![false; shaders.len()];
     for (name, files) in &options.programs {
+        let is_here = |file: &String| {
+            let path = file.split_once(':').map_or(file.as_str(), |(path, _)| path);
+            inputs.iter().any(|input| is_file(path, input))
+        };
+        if options.project_names.contains(name) && !files.iter().any(is_here) {
+            continue;
+        }
         let mut program = Program { name: name.clone(), shaders: Vec::new(), bindings: Vec::new() };
         for (at, entries) in members(name, files, shaders, inputs, found) {
             placed[at] = true;

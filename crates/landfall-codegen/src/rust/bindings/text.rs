@@ -78,8 +78,9 @@ pub(super) fn indented(text: &str, levels: usize) -> String {
     inside
 }
 
-/// The columns that an item of a program has: its module stands in that of the API.
-pub(super) const WIDTH: usize = 100 - 8;
+/// The columns that an item of a program has: its module stands in that of the API, and this in
+/// that of the file's bindings.
+pub(super) const WIDTH: usize = 100 - 12;
 
 /// `[items]` over several lines, one each; a single structure keeps the brackets on its own lines.
 pub(super) fn lines(items: &[String]) -> String {

@@ -226,8 +226,8 @@ fn pipeline_layout(program: &Program<'_>, major: WgpuMajor, out: &mut Module) {
         }
     };
     let line = layouts.join(", ");
-    // rustfmt's width for an array on one line.
-    let layouts = match line.len() <= 60 {
+    // The columns that the field's name leaves.
+    let layouts = match line.len() <= WIDTH - "        bind_group_layouts: &[],".len() {
         true => format!("[{line}]"),
         false => indented(&lines(&layouts), 2).trim().to_string(),
     };

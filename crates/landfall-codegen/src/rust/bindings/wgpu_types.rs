@@ -29,9 +29,9 @@ pub(super) fn bound(one: &Binding<'_>, options: &BindingOptions) -> Result<Bound
         return Err(error.with_help("write `layout(set = 0, binding = N)`"));
     };
     let (ty, family) = binding_type(one, options)?;
-    let Some(count) = one.count() else {
+    let Some(count) = one.count(options) else {
         let error = one.error(format!("wgpu needs the number of elements of `{name}`"));
-        return Err(error.with_help("write it in the declaration"));
+        return Err(error.with_help(format!("give it: `--count {name}=N`")));
     };
     let is_array = !one.resource.count.is_empty();
     let (field, resource) = match (family, is_array) {

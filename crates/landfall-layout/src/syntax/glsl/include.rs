@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 use super::lexer::{Kind, Lexer, Token};
 use super::preprocess::{Frame, Preprocessor};
 use crate::diagnostic::Diagnostic;
+use crate::interface::Include;
 use crate::source::{Span, decode_shader, normalized, read_bytes};
 
 /// The number of nested includes from which one that includes itself is refused.
@@ -94,6 +95,8 @@ impl<'a> Preprocessor<'a> {
                     return;
                 }
                 let conditions = self.conditions.len();
+                let depth = self.frames.iter().filter(|f| matches!(f, Frame::File { .. })).count();
+                self.opened.push(Include { span, file, depth });
                 self.frames.push(Frame::File {
                     lexer: Lexer::of_file(text, file, self.texts),
                     conditions,

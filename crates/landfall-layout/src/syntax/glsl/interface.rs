@@ -72,6 +72,7 @@ pub(in crate::syntax) fn read(source: &Source, options: &ReadOptions) -> Interfa
             span,
         });
     }
+    found.interface.includes = std::mem::take(&mut reader.parser.preprocessor().opened);
     found.interface
 }
 

@@ -19,6 +19,7 @@ use super::macros::Macro;
 use super::target::{self, Decision};
 use super::texts::Texts;
 use crate::diagnostic::Diagnostic;
+use crate::interface::Include;
 use crate::source::{Files, Foreign, ReadOptions, Span, Target};
 
 /// The limit on errors reported for one shader.
@@ -41,6 +42,8 @@ pub struct Preprocessor<'a> {
     pub(super) included_bytes: usize,
     /// The number of `#include` directives executed.
     pub(super) includes: usize,
+    /// Those that opened a file.
+    pub(super) opened: Vec<Include>,
     /// The `#line` directives executed so far.
     pub(super) lines: Vec<LineNumbers>,
     pub(super) comments: Vec<Span>,
@@ -123,6 +126,7 @@ impl<'a> Preprocessor<'a> {
             included: FxHashMap::default(),
             included_bytes: 0,
             includes: 0,
+            opened: Vec::new(),
             lines: Vec::new(),
             comments: Vec::new(),
             diagnostics: Vec::new(),
