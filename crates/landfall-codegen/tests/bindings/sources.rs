@@ -12,7 +12,7 @@ use crate::{TESTS, generated, scratch};
 fn embedded_text_with_includes_is_the_same_program() {
     let folder = scratch("sources");
     let path = format!("{TESTS}/shaders/glsl/total.comp");
-    let text = generated(&[path.clone()], Api::OpenGl);
+    let text = generated(std::slice::from_ref(&path), Api::OpenGl);
     let (_, bindings) = text.split_once("pub mod gl_bindings {").expect("bindings");
     let program = folder.join("print.rs");
     let print = "fn main() { print!(\"{}\", gl_bindings::total::source()); }";
