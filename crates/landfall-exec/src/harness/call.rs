@@ -18,7 +18,7 @@ pub mod report;
 
 use crate::backend::BackendKind;
 use landfall_layout::diagnostic::Code;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -32,6 +32,7 @@ use crate::harness::bindings::Data;
 use crate::interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
+use crate::processor::deadline;
 use landfall_ir::module::{Direction, FunctionInfo, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
 use landfall_layout::source::{Files, Language, Source};
@@ -108,6 +109,15 @@ pub fn call(
     let job = Job { source, options, request, module: &module, entry_point };
     let report = job.run(backend).map_err(refused)?;
     Ok(CallReport { assumed_target, ..report })
+}
+
+/// Returns the functions of a shader that [`call`] takes, as `NAME(TYPE, …)`; none of a shader that
+/// does not run.
+pub fn signatures(source: &Source, options: &Options) -> Vec<String> {
+    let options = &options.clone().with_naga(false).with_gather(true);
+    let module = Module::for_calls(source, options);
+    let all = module.iter().flat_map(|module| module.functions());
+    all.map(find::spelled_signature).collect()
 }
 
 /// A call in progress.
@@ -255,7 +265,7 @@ impl Job<'_> {
         let settings = Settings {
             precision: Precision::Both,
             watch: true,
-            deadline: Instant::now().checked_add(request.limit),
+            deadline: deadline(request.limit),
             threads: 1,
             ..Settings::default()
         };
