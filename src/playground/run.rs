@@ -13,9 +13,11 @@ use serde_json::{Map, Value};
 use super::{Output, unknown};
 use crate::report::run as print;
 
-/// The functions of a shader that may be called, as they are spelled in `--fn`.
-pub(super) fn functions(source: &Source, options: &Options) -> Vec<String> {
-    signatures(source, options)
+/// The functions of a shader that may be called, as they are spelled in `--fn`, with arguments as in
+/// `--args`.
+pub(super) fn functions(source: &Source, options: &Options) -> Vec<(String, String)> {
+    let all = signatures(source, options).into_iter();
+    all.map(|(name, arguments)| (name, super::json(&arguments))).collect()
 }
 
 /// What `landfall run --fn FUNCTION --args ARGS --data DATA --format FORMAT` prints.

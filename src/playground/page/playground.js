@@ -178,8 +178,15 @@ class RunTab {
   constructor(page) {
     this.name = 'Run';
     const changed = () => page.update();
-    this.function = choice('Function', {}, changed);
-    this.args = el('input', { autocomplete: 'off', spellcheck: 'false', value: '[]', on: { input: changed } });
+    const written = () => {
+      this.written = this.args.value.trim() !== '';
+      changed();
+    };
+    this.function = choice('Function', {}, () => {
+      this.written = false;
+      changed();
+    });
+    this.args = el('input', { autocomplete: 'off', spellcheck: 'false', value: '[]', on: { input: written } });
     this.data = el('textarea', { rows: '3', spellcheck: 'false', placeholder: '{"Lights": {"count": 1}}', on: { input: changed } });
     this.printed = new Printed('Result');
     this.panel = el('div', {}, el('div', { class: 'fields' }, this.function.element,
@@ -197,11 +204,15 @@ class RunTab {
   show([, functions, result], page) {
     const { select } = this.function;
     const before = select.value || this.wanted;
-    select.replaceChildren(...functions.map((name) => el('option', { value: name }, name)));
-    select.value = functions.includes(before) ? before : functions[0] ?? '';
+    select.replaceChildren(...functions.map(([name]) => el('option', { value: name }, name)));
+    const chosen = functions.find(([name]) => name === before) ?? functions[0];
+    select.value = chosen?.[0] ?? '';
     this.printed.show(result);
-    // What was run is not what is selected: the first time, and after a change of names.
-    if (select.value !== '' && select.value !== before) page.update();
+    // Arguments that fit stand for those that nobody has written.
+    const proposed = chosen && !this.written ? chosen[1] : this.args.value;
+    if (select.value === before && proposed === this.args.value) return;
+    this.args.value = proposed;
+    page.update();
   }
 }
 
@@ -397,6 +408,7 @@ class Playground {
     const run = this.tabs.at(-1);
     for (const id of ['args', 'data']) if (typeof state[id] === 'string') run[id].value = state[id];
     run.wanted = state.function;
+    run.written = typeof state.args === 'string';
     this.setting = false;
     this.choose(this.tabs.find(({ name }) => name === state.tab) ?? this.tab);
   }

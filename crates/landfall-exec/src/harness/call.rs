@@ -111,13 +111,18 @@ pub fn call(
     Ok(CallReport { assumed_target, ..report })
 }
 
-/// Returns the functions of a shader that [`call`] takes, as `NAME(TYPE, …)`; none of a shader that
-/// does not run.
-pub fn signatures(source: &Source, options: &Options) -> Vec<String> {
+/// Returns the functions of a shader that [`call`] takes, as `NAME(TYPE, …)` with arguments that fit;
+/// none of a shader that does not run.
+pub fn signatures(source: &Source, options: &Options) -> Vec<(String, Vec<Value>)> {
     let options = &options.clone().with_naga(false).with_gather(true);
-    let module = Module::for_calls(source, options);
-    let all = module.iter().flat_map(|module| module.functions());
-    all.map(find::spelled_signature).collect()
+    let Ok(module) = Module::for_calls(source, options) else { return Vec::new() };
+    let program = Program::new(&module, &[]);
+    let described = |info: &FunctionInfo| {
+        let signature = program.signature(info.handle.index()).ok()??;
+        let arguments = signature.parameters.iter().map(|p| arguments::ones(&p.ty)).collect();
+        Some((find::spelled_signature(info), arguments))
+    };
+    module.functions().iter().filter_map(described).collect()
 }
 
 /// A call in progress.
