@@ -1,6 +1,6 @@
 //! The playground from a file: its WebAssembly against the command, byte for byte, and its page.
 //!
-//! `crates/landfall-web/build target/web/playground.html` builds it, as `tests/run` does.
+//! `crates/landfall-web/build target/playground/page.html` builds it, as `tests/run` does.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,8 +15,8 @@ use crate::support::{Folder, landfall, repository};
 
 /// The page, built from the sources as they are.
 fn page() -> PathBuf {
-    let page = repository().join("target/web/playground.html");
-    let build = "build it with crates/landfall-web/build target/web/playground.html";
+    let page = repository().join("target/playground/page.html");
+    let build = "build it with crates/landfall-web/build target/playground/page.html";
     let built = std::fs::metadata(&page).unwrap_or_else(|_| panic!("{build}")).modified().unwrap();
     let mut newest = (SystemTime::UNIX_EPOCH, PathBuf::new());
     for folder in ["src", "crates"] {
@@ -359,7 +359,7 @@ fn a_link_holds_the_state() {
     browser.open(&folder.file("blank.html", "<html data-ready=1>"));
     browser.open_url(url);
     assert_eq!(browser.run(shown, &[]), before);
-    assert!(before["layout"].as_str().unwrap().contains("array<A, 3>"), "{before}");
+    assert!(before["layout"].as_str().unwrap().contains("a[3]"), "{before}");
 }
 
 #[test]

@@ -140,7 +140,7 @@ export function create(host, text, changed) {
       extensions: [
         lineNumbers(), history(), drawSelection(), bracketMatching(), highlightSpecialChars(), highlightActiveLine(),
         indentUnit.of('    '), EditorState.tabSize.of(4), words, syntaxHighlighting(colours), theme, marks, told,
-        EditorView.contentAttributes.of({ 'aria-label': 'Shader', spellcheck: 'false' }),
+        EditorView.contentAttributes.of({ 'aria-label': 'Shader', spellcheck: 'false', tabindex: '0' }),
         // Escape, then Tab leaves the editor.
         keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
         EditorView.updateListener.of((update) => update.docChanged && changed(update.state.doc.toString())),

@@ -117,7 +117,7 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Draw memory maps of all blocks, with the findings, as one HTML file
     Report(ReportArgs),
-    /// Open the playground in a browser: layouts, maps and findings as you type
+    /// Serve the playground: layouts, maps and findings as you type
     Serve(ServeArgs),
     /// Generate mirrors of blocks in Rust, C and other languages
     Emit(EmitArgs),

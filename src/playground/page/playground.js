@@ -242,6 +242,7 @@ class Playground {
   tabButton(tab, index) {
     const [id, panel] = [`tab-${tab.name.toLowerCase()}`, `panel-${tab.name.toLowerCase()}`];
     tab.panel.classList.add('panel');
+    tab.panel.prepend(el('h2', { class: 'unseen' }, tab.name));
     for (const [name, value] of Object.entries({ id: panel, role: 'tabpanel', 'aria-labelledby': id })) tab.panel.setAttribute(name, value);
     tab.panel.hidden = index > 0;
     const move = (event) => {
@@ -357,8 +358,13 @@ class Playground {
       return Math.min(line.from + before.length, line.to);
     };
     const marks = findings.filter(({ place }) => place.path === this.path && place.line > 0).map(({ place, level, code, message }) => {
-      const from = at(place.line, place.column);
-      const to = Math.max(at(place.end_line, place.end_column), Math.min(from + 1, doc.length));
+      let from = at(place.line, place.column);
+      let to = at(place.end_line, place.end_column);
+      if (to <= from) {
+        // A place between letters, such as the end of the text: the last letter before it.
+        from = Math.max(0, doc.sliceString(0, from).trimEnd().length - 1);
+        to = Math.min(from + 1, doc.length);
+      }
       return { from, to, level: level === 'deny' ? 'error' : 'warning', text: plain(`${code}: ${message}`) };
     });
     this.editor.mark(marks);

@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 22] = [
+pub const EXAMPLES: [(&str, &[Example]); 23] = [
     (
         "layout",
         &[
@@ -44,6 +44,13 @@ pub const EXAMPLES: [(&str, &[Example]); 22] = [
                 "landfall check shaders/light_arrays --format html=report.html",
             ),
         ],
+    ),
+    (
+        "serve",
+        &[(
+            "The address of a page that follows a shader; Ctrl-C ends it",
+            "landfall serve shaders/light_arrays/lights.wgsl",
+        )],
     ),
     (
         "emit",
