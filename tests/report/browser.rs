@@ -60,6 +60,8 @@ impl Browser {
         .into();
         flags.push(format!("--user-data-dir={}", browser.profile.display()));
         let wanted = json!({"capabilities": {"alwaysMatch": {
+            // A busy machine takes its time.
+            "timeouts": {"script": 300_000},
             "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
             "goog:chromeOptions": {"args": flags},
         }}});
