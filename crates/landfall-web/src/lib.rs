@@ -66,6 +66,6 @@ mod tests {
             release(given);
             text
         };
-        assert!(text.starts_with("{\"answers\":[{\"stdout\":\"path,"), "{text}");
+        assert!(text.starts_with("{\"answers\":[{\"stdout\":\"shader,block,"), "{text}");
     }
 }
