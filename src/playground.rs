@@ -9,6 +9,8 @@ mod check;
 pub mod page;
 #[cfg(feature = "exec")]
 mod run;
+#[cfg(feature = "exec")]
+mod scene;
 
 use landfall_layout::source::Target;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, Stage};
@@ -60,6 +62,9 @@ enum Want {
     /// `landfall run --fn FUNCTION --args ARGS --data DATA --format FORMAT`.
     #[cfg(feature = "exec")]
     Run { function: String, args: String, data: String, format: String },
+    /// What a browser needs to draw a scene with the shader.
+    #[cfg(feature = "exec")]
+    Scene(scene::SceneRequest),
 }
 
 /// Returns the answers to a request as `{"answers": […]}`, one for each thing wanted, or
@@ -92,6 +97,8 @@ fn answers(request: &str) -> Result<Vec<String>, Error> {
         Want::Run { function, args, data, format } => {
             Ok(json(&run::run(&source, &options, [function, args, data, format])?))
         }
+        #[cfg(feature = "exec")]
+        Want::Scene(given) => scene::scene(given, &source, &options, &request.files),
     };
     request.want.iter().map(answer).collect()
 }

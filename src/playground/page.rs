@@ -20,6 +20,8 @@ pub const EDITOR: &str = include_str!("page/editor.js");
 const PARTS: &str = concat!(
     include_str!("page/engine.js"),
     include_str!("page/state.js"),
+    include_str!("page/picture.js"),
+    include_str!("page/lights.js"),
     include_str!("page/playground.js"),
 );
 

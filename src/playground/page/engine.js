@@ -51,7 +51,7 @@ class LocalEngine {
   }
 
   answer(request) {
-    const runs = request.want.some(({ kind }) => kind === 'run' || kind === 'functions');
+    const runs = request.want.some(({ kind }) => ['run', 'functions', 'scene'].includes(kind));
     if (!runs) return this.layout.answer(request);
     if (this.evaluator) return this.evaluator.answer(request);
     this.loading ??= WasmEngine.load('evaluator').then((engine) => { this.evaluator = engine; });
@@ -73,6 +73,14 @@ class ServerEngine {
     }
     if (!response.ok) throw new Error(`landfall serve refuses the request (${response.status})`);
     return response.text();
+  }
+
+  /** Writes a scene back to its file. */
+  async save(path, text) {
+    const response = await fetch('save', {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ path, text }),
+    });
+    if (!response.ok) throw new Error(await response.text() || `landfall serve refuses to save (${response.status})`);
   }
 
   /** The named files if they have changed since a version. */

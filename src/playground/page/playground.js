@@ -219,7 +219,7 @@ class RunTab {
 class Playground {
   constructor(data, engine) {
     Object.assign(this, { data, engine, files: [], running: false, again: false, took: 0, last: '' });
-    this.tabs = [new MapsTab(this), new FindingsTab(this), new LayoutTab(this), new CodeTab(this, data.languages), new RunTab(this)];
+    this.tabs = [new MapsTab(this), new FindingsTab(this), new LayoutTab(this), new CodeTab(this, data.languages), new RunTab(this), new LightsTab(this)];
     this.tab = this.tabs[0];
     this.buttons = this.tabs.map((tab, index) => this.tabButton(tab, index));
     document.querySelector('.tabs').append(...this.buttons);
@@ -411,7 +411,7 @@ class Playground {
       else if (typeof state[id] === 'string') control.value = state[id];
     }
     if (typeof state.text === 'string') this.editor.text = state.text;
-    const run = this.tabs.at(-1);
+    const run = this.tabs.find((tab) => tab instanceof RunTab);
     for (const id of ['args', 'data']) if (typeof state[id] === 'string') run[id].value = state[id];
     run.wanted = state.function;
     run.written = typeof state.args === 'string';
@@ -430,6 +430,13 @@ class Playground {
       byId('link').textContent = 'In the address bar';
     }
     setTimeout(() => { byId('link').textContent = 'Copy link'; }, 2000);
+  }
+
+  /** Takes a shader that was dropped. */
+  take(path, text) {
+    const ending = path.split('.').at(-1);
+    if ([...byId('kind').options].some(({ value }) => value === ending)) byId('kind').value = ending;
+    this.editor.text = text;
   }
 
   /** Shows a file of the server. */
