@@ -98,7 +98,7 @@ fn answers(request: &str) -> Result<Vec<String>, Error> {
             Ok(json(&run::run(&source, &options, [function, args, data, format])?))
         }
         #[cfg(feature = "exec")]
-        Want::Scene(given) => scene::scene(given, &source, &options, &request.files),
+        Want::Scene(given) => scene::scene(given, &source, &options),
     };
     request.want.iter().map(answer).collect()
 }

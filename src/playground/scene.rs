@@ -26,6 +26,8 @@ pub(super) struct SceneRequest {
     path: String,
     /// Its text.
     scene: String,
+    /// What it names, meshes and textures: names, and bytes in base64.
+    assets: Vec<(String, String)>,
     /// The size of the picture, instead of the scene's.
     size: Option<[u32; 2]>,
     /// Whether to give the text of the shader.
@@ -118,12 +120,14 @@ pub(super) fn scene(
     given: &SceneRequest,
     source: &Source,
     options: &Options,
-    files: &[(String, String)],
 ) -> Result<String, Error> {
+    // Files that were dropped into the page have no folders.
+    let base = |path: &str| path.rsplit('/').next().unwrap_or_default().to_string();
     let open = |name: &str| {
-        let found = files.iter().find(|(path, _)| path == name);
-        let missing = || Error::new(name, "is not among the files of the page");
-        found.map(|(_, text)| text.clone().into_bytes()).ok_or_else(missing)
+        let by = |same: &dyn Fn(&str) -> bool| given.assets.iter().find(|(path, _)| same(path));
+        let found = by(&|path| path == name).or_else(|| by(&|path| base(path) == base(name)));
+        let bytes = found.and_then(|(_, text)| BASE64.decode(text.as_bytes()).ok());
+        bytes.ok_or_else(|| Error::new(name, "is not among the files of the page"))
     };
     let reading = read(&given.path, &given.scene, &open);
     let findings = diagnostics::human(&reading.diagnostics, &reading.files, Paint::Plain);

@@ -16,6 +16,7 @@ use landfall::playground::{self, MOST_BYTES};
 use landfall_layout::Error;
 use oxhttp::Server;
 use oxhttp::model::{Body, Method, Request, Response, StatusCode};
+use serde::Deserialize;
 
 use crate::args::ServeArgs;
 use crate::output::{Failure, Outcome, Streams};
@@ -163,10 +164,31 @@ impl Site {
                 Ok((JSON, files.json(request.uri().query())))
             }
             (&Method::POST, "answer") => Ok((JSON, playground_answer(&body(request)?))),
-            (_, "" | "files" | "answer") => Err(StatusCode::METHOD_NOT_ALLOWED),
+            (&Method::POST, "save") => self.save(&body(request)?),
+            (_, "" | "files" | "answer" | "save") => Err(StatusCode::METHOD_NOT_ALLOWED),
             _ => Err(StatusCode::NOT_FOUND),
         }
     }
+}
+
+impl Site {
+    /// Writes a scene back; the answer is empty, or says why not.
+    fn save(&self, request: &str) -> Result<(&'static str, String), StatusCode> {
+        let Ok(Save { path, text }) = serde_json::from_str(request) else {
+            return Err(StatusCode::BAD_REQUEST);
+        };
+        let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = files.save(&path, &text).err();
+        let told = answer.map(|error| format!("{} {}", error.path, error.message));
+        Ok(("text/plain", told.unwrap_or_default()))
+    }
+}
+
+/// A scene to be written.
+#[derive(Deserialize)]
+struct Save {
+    path: String,
+    text: String,
 }
 
 /// The text of a request, which must be JSON: a form of another page cannot send that.

@@ -80,7 +80,8 @@ class ServerEngine {
     const response = await fetch('save', {
       method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ path, text }),
     });
-    if (!response.ok) throw new Error(await response.text() || `landfall serve refuses to save (${response.status})`);
+    const why = response.ok ? await response.text() : `landfall serve refuses to save (${response.status})`;
+    if (why !== '') throw new Error(why);
   }
 
   /** The named files if they have changed since a version. */

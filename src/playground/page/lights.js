@@ -56,6 +56,7 @@ class LightsTab {
     this.list = el('div', { class: 'lights', role: 'group', 'aria-label': 'Lights' });
     this.controls = el('div', { class: 'controls' });
     this.maps = el('div', { class: 'written' });
+    this.srgb = el('input', { type: 'checkbox', on: { change: () => this.ask({}) } });
     const file = el('input', { type: 'file', multiple: true, on: { change: () => this.read([...file.files]) } });
     this.panel = el('div', {}, el('div', { class: 'tools' },
       el('label', { class: 'file', title: 'A scene and its shader, meshes and textures; they can be dropped here, too' }, file, 'Open scene…'),
@@ -63,7 +64,8 @@ class LightsTab {
       el('button', { type: 'button', on: { click: () => this.turn(-0.15, 0) } }, '← Turn'),
       el('button', { type: 'button', on: { click: () => this.turn(0.15, 0) } }, 'Turn →'),
       el('button', { type: 'button', on: { click: () => this.turn(0, 0.1) } }, 'Up'),
-      el('button', { type: 'button', on: { click: () => this.turn(0, -0.1) } }, 'Down')),
+      el('button', { type: 'button', on: { click: () => this.turn(0, -0.1) } }, 'Down'),
+      el('label', {}, this.srgb, ' sRGB')),
     this.stage, this.facts, this.probe, el('div', { class: 'hands' }, el('div', {}, this.list, this.controls), this.maps));
     this.panel.addEventListener('drop', (event) => {
       event.preventDefault();
@@ -79,6 +81,9 @@ class LightsTab {
 
   /** The text of the shader or an option has changed, or the tab was opened. */
   show() { this.ask({ shader: true, frame: true }); }
+
+  /** The text has changed, but no layout. */
+  same() { this.ask({ shader: true }); }
 
   get text() { return `${JSON.stringify(this.lit(), null, 2)}\n`; }
 
@@ -114,10 +119,9 @@ class LightsTab {
     const scale = quick ? Math.min(1, Math.sqrt(QUICK / (width * height))) : 1;
     const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
     const request = this.page.request();
-    const files = [...request.files, ...this.files];
     const map = shader ? [{ kind: 'map' }] : [];
-    const scene = { kind: 'scene', path: this.path, scene: this.text, size, shader, frame, probe: probe ?? null };
-    const text = await this.page.engine.answer({ ...request, files, gather: true, want: [...map, scene] });
+    const scene = { kind: 'scene', path: this.path, scene: this.text, assets: this.files, size, shader, frame, probe: probe ?? null };
+    const text = await this.page.engine.answer({ ...request, gather: true, want: [...map, scene] });
     const { error, answers } = JSON.parse(text);
     if (error) throw new Error(error);
     const drawn = answers.at(-1);
@@ -128,7 +132,7 @@ class LightsTab {
     if (drawn.frame) this.picture.setFrame(drawn.frame, drawn.size);
     const bytes = drawn.materials.map(({ blocks }) => blocks.map(bytesOf));
     this.picture.setMaterials(drawn.materials.map(({ textures }, at) => ({ blocks: bytes[at], textures })));
-    this.picture.draw(drawn.background);
+    this.picture.draw(drawn.background, this.srgb.checked);
     Object.assign(this, { camera: drawn.camera, drawn });
     if (shader) this.layouts(answers[0], drawn.blocks);
     this.written(bytes);
@@ -415,8 +419,8 @@ class LightsTab {
 
   probed([column, row], reference) {
     const own = this.picture.read(column, row);
-    if (!reference || this.picture.used.length > 1) {
-      this.probe.textContent = reference ? '' : `column ${column}, row ${row}: nothing is drawn, or the reference is undefined`;
+    if (!own || !reference) {
+      this.probe.textContent = `column ${column}, row ${row}: ${own ? 'the reference is undefined' : 'nothing is drawn'}`;
       return;
     }
     const apart = Math.max(...own.map((x, at) => Math.abs(x - reference[at]))) * 255;
@@ -428,32 +432,37 @@ class LightsTab {
 
   /** Opens a scene with its shader and what it names. */
   async read(files) {
-    const texts = await Promise.all(files.map(async (file) => [file.name, await file.text()]));
-    const scene = texts.find(([name]) => name.endsWith('.json'));
+    const scene = files.find(({ name }) => name.endsWith('.json'));
     if (!scene) {
       this.page.problem('A scene is a .json file; open its shader with it.');
       return;
     }
-    const base = (path) => path.split('/').at(-1);
-    try {
-      this.open(scene[0], JSON.parse(scene[1]), texts.filter((one) => one !== scene));
-    } catch (error) {
-      this.page.problem(`${base(scene[0])} is not JSON: ${error.message}`);
-      return;
-    }
-    const wanted = this.scene.shader?.path ?? this.scene.shader;
-    const shader = texts.find(([name]) => name === base(String(wanted ?? ''))) ?? texts.find(([name]) => /\.(frag|wgsl|glsl)$/.test(name));
-    if (shader) this.page.take(shader[0], shader[1]);
+    const others = files.filter((one) => one !== scene);
+    const assets = await Promise.all(others.map(async (file) => [file.name, base64(new Uint8Array(await file.arrayBuffer()))]));
+    const given = await scene.text();
+    if (!this.open(scene.name, given, assets)) return;
+    const wanted = String(this.scene.shader?.path ?? this.scene.shader ?? '').split('/').at(-1);
+    const shader = others.find(({ name }) => name === wanted) ?? others.find(({ name }) => /\.(frag|wgsl|glsl)$/.test(name));
+    if (shader) this.page.take(shader.name, await shader.text());
+    else this.ask({ shader: true, frame: true });
   }
 
-  open(path, scene, files) {
-    Object.assign(this, { path, files, scene, chosen: ['point', 0] });
+  /** Takes a scene; the light that was chosen stays so. */
+  open(path, given, files) {
+    let scene;
+    try {
+      scene = JSON.parse(given);
+    } catch (error) {
+      this.page.problem(`${path} is not JSON: ${error.message}`);
+      return false;
+    }
+    Object.assign(this, { path, files, scene });
     this.off.clear();
-    this.ask({ shader: true, frame: true });
+    return true;
   }
 
   async save() {
-    const served = this.page.served?.(this.path);
+    const served = this.page.files.some(({ path, scene }) => path === this.path && scene !== null);
     try {
       if (served) await this.page.engine.save(this.path, this.text);
       else {
@@ -466,6 +475,13 @@ class LightsTab {
       this.page.problem(error.message);
     }
   }
+}
+
+/** Bytes in base64. */
+function base64(given) {
+  let binary = '';
+  for (let at = 0; at < given.length; at += 8192) binary += String.fromCharCode(...given.subarray(at, at + 8192));
+  return btoa(binary);
 }
 
 /** The ranges of bytes in which two states of a block differ, words as they are written. */

@@ -1,5 +1,5 @@
 // A scene drawn by WebGL 2 with the shader in GLSL ES 3.00: one pass for each material writes floats,
-// the next one codes them as sRGB. Fragments come from the engine, so that every pixel gets the very
+// the next one makes 8 bits of them, linear or sRGB. Fragments come from the engine, so that every pixel gets the very
 // inputs that `landfall render` gives it: they lie in a texture, by pixel, one input below the other.
 
 const WHOLE = `#version 300 es
@@ -12,9 +12,11 @@ uniform highp sampler2D lit;
 uniform highp sampler2D which;
 uniform float material;
 uniform vec3 background;
+uniform bool srgb;
 out vec4 color;
 float coded(float x) {
     float c = clamp(x, 0.0, 1.0);
+    if (!srgb) return c;
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
 }
 void main() {
@@ -106,7 +108,7 @@ class Picture {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, lit, 0);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    Object.assign(this, { used: [...new Set(kinds)].sort((a, b) => a - b), fragments: at.length });
+    Object.assign(this, { used: [...new Set(kinds)].sort((a, b) => a - b), fragments: at.length, kinds: new Map([...at].map((pixel, one) => [pixel, kinds[one]])) });
   }
 
   /** The bytes of the blocks and the textures of each material. */
@@ -132,31 +134,38 @@ class Picture {
     });
   }
 
-  draw(background) {
+  draw(background, srgb) {
     const { gl, canvas: { width, height } } = this;
     gl.viewport(0, 0, width, height);
-    this.show(0, background);
+    Object.assign(this, { background, srgb });
+    this.show(0);
     for (const material of this.used) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
-      gl.clearColor(...background, 1);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-      gl.useProgram(this.own);
-      this.buffers[material].forEach((buffer, number) => gl.bindBufferBase(gl.UNIFORM_BUFFER, number, buffer));
-      this.samplers.forEach(([, texture], number) => {
-        gl.activeTexture(gl.TEXTURE0 + number);
-        gl.bindTexture(gl.TEXTURE_2D, this.textures.get(texture === null ? 'atlas' : `${material} ${texture}`));
-      });
-      gl.drawArrays(gl.TRIANGLES, 0, 3);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-      this.show(material + 1, background);
+      this.light(material);
+      this.show(material + 1);
     }
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL fails to draw the scene (error ${error})`);
   }
 
+  /** Lights all pixels as if they were of a material. */
+  light(material) {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.clearColor(...this.background, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.useProgram(this.own);
+    this.buffers[material].forEach((buffer, number) => gl.bindBufferBase(gl.UNIFORM_BUFFER, number, buffer));
+    this.samplers.forEach(([, texture], number) => {
+      gl.activeTexture(gl.TEXTURE0 + number);
+      gl.bindTexture(gl.TEXTURE_2D, this.textures.get(texture === null ? 'atlas' : `${material} ${texture}`));
+    });
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
   /** Codes the pixels of a material, from 1; 0 is what is behind. */
-  show(material, background) {
-    const { gl, shown } = this;
+  show(material) {
+    const { gl, shown, background, srgb } = this;
     gl.useProgram(shown);
     ['lit', 'which'].forEach((name, number) => {
       gl.activeTexture(gl.TEXTURE0 + number);
@@ -165,12 +174,16 @@ class Picture {
     });
     gl.uniform1f(gl.getUniformLocation(shown, 'material'), material);
     gl.uniform3fv(gl.getUniformLocation(shown, 'background'), background);
+    gl.uniform1i(gl.getUniformLocation(shown, 'srgb'), srgb ? 1 : 0);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** The linear light of a pixel of the material that was drawn last. */
+  /** The light of a pixel; `null` where nothing is drawn. */
   read(column, row) {
-    const { gl } = this;
+    const { gl, canvas: { width } } = this;
+    const material = this.kinds.get(row * width + column);
+    if (material === undefined) return null;
+    this.light(material);
     const found = new Float32Array(4);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.readPixels(column, row, 1, 1, gl.RGBA, gl.FLOAT, found);

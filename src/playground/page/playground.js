@@ -272,7 +272,7 @@ class Playground {
   /** The named file of a server that is open, if any. */
   get file() { return this.files.find(({ path }) => path === byId('file').value); }
 
-  get path() { return this.file?.path ?? `shader.${byId('kind').value}`; }
+  get path() { return this.file?.shader ?? `shader.${byId('kind').value}`; }
 
   request() {
     const { file } = this;
@@ -332,7 +332,10 @@ class Playground {
   }
 
   show(text) {
-    if (text === this.last) return;
+    if (text === this.last) {
+      this.tab.same?.();
+      return;
+    }
     const { error, answers } = JSON.parse(text);
     this.problem(error ?? '');
     if (error) return;
@@ -445,7 +448,12 @@ class Playground {
     this.setting = true;
     this.editor.text = file.text;
     this.setting = false;
-    this.update();
+    const lights = this.tabs.find((tab) => tab instanceof LightsTab);
+    const isNew = lights.path !== file.path;
+    // A scene that was saved from here is open already.
+    if (file.scene !== null && (isNew || file.scene !== lights.text)) lights.open(file.path, file.scene, file.assets);
+    if (file.scene !== null && isNew) this.choose(lights);
+    else this.update();
     this.problem(file.error ?? '');
   }
 
