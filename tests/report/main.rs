@@ -7,6 +7,7 @@ mod browser;
 mod bytes;
 mod changes;
 mod hostile;
+mod lights;
 mod numbers;
 mod playground;
 mod serve;

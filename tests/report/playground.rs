@@ -300,7 +300,7 @@ fn the_page_can_be_used_without_a_mouse_and_has_no_barriers() {
     browser.open(&page());
     for (width, scheme) in [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")] {
         browser.show_as(width, scheme);
-        for tab in ["maps", "findings", "layout", "code", "run"] {
+        for tab in ["maps", "findings", "layout", "code", "run", "lights"] {
             browser.run("document.getElementById(`tab-${arguments[0]}`).click()", &[json!(tab)]);
             // With findings.
             browser.run(WRITE, &[json!("#version 450\nlayout(std140, binding = 0) uniform B { vec3 a[2]; float b; mat3 m; } b;\nfloat f(float x) { return 1.0 / x; }\nvoid main() { b.c; }\n")]);
@@ -326,7 +326,7 @@ fn the_page_can_be_used_without_a_mouse_and_has_no_barriers() {
     assert_eq!(in_editor, json!(true));
     // Tabs are changed by arrows.
     browser.run("document.getElementById('tab-maps').focus()", &[]);
-    for tab in ["findings", "layout", "code", "run", "maps"] {
+    for tab in ["findings", "layout", "code", "run", "lights", "maps"] {
         browser.press(&["\u{e014}"]);
         let shown = browser.run("return [document.activeElement.id, [...document.querySelectorAll('[role=tabpanel]')].filter(one => !one.hidden).map(one => one.id)]", &[]);
         assert_eq!(shown, json!([format!("tab-{tab}"), [format!("panel-{tab}")]]));
@@ -368,7 +368,7 @@ fn injections_in_texts_and_links_stay_text_and_nothing_is_loaded() {
     browser.log("performance");
     browser.open(&page());
     let elements = "return [document.scripts.length, document.querySelectorAll('*').length]";
-    for tab in ["maps", "findings", "layout", "code", "run"] {
+    for tab in ["maps", "findings", "layout", "code", "run", "lights"] {
         browser.run("document.getElementById(`tab-${arguments[0]}`).click()", &[json!(tab)]);
         browser.run(WRITE, &[json!("#version 450\n#error harmless\n")]);
         let before = browser.run(elements, &[]);

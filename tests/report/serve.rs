@@ -13,13 +13,13 @@ use crate::playground::WRITE;
 use crate::support::{Folder, landfall, output};
 
 /// A server, which ends with the value.
-struct Server {
+pub struct Server {
     process: Child,
-    url: String,
+    pub url: String,
 }
 
 impl Server {
-    fn start(folder: &Path, arguments: &[&str]) -> Server {
+    pub fn start(folder: &Path, arguments: &[&str]) -> Server {
         let mut process = Command::new(env!("CARGO_BIN_EXE_landfall"))
             .arg("serve")
             .args(arguments)
