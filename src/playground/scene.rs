@@ -297,8 +297,9 @@ fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<Fr
         BASE64.encode(&bytes)
     };
     let inputs = renderer.shader.inputs().iter().zip(&prepared.inputs).map(|(input, values)| {
-        let of_one = |value: &[f32; 4]| value.to_owned().into_iter().take(input.components.into());
-        (input.components, floats(values.iter().flat_map(of_one)))
+        let count = usize::from(input.components);
+        let numbers = values.iter().flat_map(|value| value[..count].iter().copied());
+        (input.components, floats(numbers))
     });
     Ok(FrameObject {
         inputs: inputs.collect(),
