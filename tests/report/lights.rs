@@ -435,7 +435,8 @@ fn what_cannot_be_drawn_says_why_and_hostile_scenes_stay_text() {
     };
     let open = "const file = new File([given[1]], given[0]); await tab.read([file]);";
     let scripts = browser.run("return document.scripts.length", &[]);
-    let scene: Value = browser.run(&format!("{TAB} return tab.scene"), &[]);
+    let mut scene: Value = browser.run(&format!("{TAB} return tab.scene"), &[]);
+    scene["size"] = json!([64, 40]);
     for injection in INJECTIONS {
         for place in ["name", "mesh", "key", "material", "shader"] {
             let mut scene = scene.clone();

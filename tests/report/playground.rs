@@ -376,6 +376,12 @@ fn injections_in_texts_and_links_stay_text_and_nothing_is_loaded() {
             browser.run(WRITE, &[json!(format!("#version 450\n#error {injection}\n"))]);
             browser.run("const field = document.getElementById('defines'); field.value = arguments[0]; field.dispatchEvent(new Event('input'));", &[json!(injection)]);
             browser.run("const field = document.getElementById('defines'); field.value = ''; field.dispatchEvent(new Event('input'));", &[]);
+            // The evaluator answers later than the others.
+            browser.run_async(
+                "const done = arguments[0]; const { page } = document.getElementById('results');
+                 (function wait() { page.running || page.again ? setTimeout(wait, 5) : done(); })();",
+                &[],
+            );
             let now = browser.run("return [window.hacked ?? null, document.scripts.length, document.querySelectorAll('#results img, #results svg, #results iframe, #results script, #results link, #results style, #results form, #results object, #results a').length, document.getElementById('results').page.answers[0].shaders[0].findings[0].message]", &[]);
             assert_eq!(
                 (&now[0], &now[1], &now[2]),
