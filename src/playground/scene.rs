@@ -252,7 +252,7 @@ fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<Fr
         BASE64.encode(&bytes)
     };
     let inputs = renderer.shader.inputs().iter().zip(&prepared.inputs).map(|(input, values)| {
-        let of_one = |value: &[f32; 4]| value.iter().copied().take(input.components.into());
+        let of_one = |value: &[f32; 4]| (*value).into_iter().take(input.components.into());
         (input.components, floats(values.iter().flat_map(of_one)))
     });
     Ok(FrameObject {
