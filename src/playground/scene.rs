@@ -7,12 +7,16 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use data_encoding::BASE64;
+use landfall_exec::backend::BackendKind;
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::{Error, Options, Source};
 use landfall_light::bind::{FragmentLights, Kind, OverflowPolicy};
+use landfall_light::culling::{LightSet, parse};
+use landfall_light::reference::Model;
 use landfall_light::render::truth::{likely_model, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Renderer, SceneShader, Work};
 use landfall_light::scene::{MOST_PIXELS, read};
+use landfall_light::shading_f32;
 use landfall_light::{Fragment, Frame, Scene, Upload};
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +38,8 @@ pub(super) struct SceneRequest {
     shader: bool,
     /// Whether to give the fragments.
     frame: bool,
+    /// What is left out, as in `--skip`, to count it.
+    skip: Option<String>,
     /// A pixel whose light by the reference is asked for.
     probe: Option<[u32; 2]>,
 }
@@ -55,6 +61,8 @@ struct Drawn {
     slots: [Option<usize>; 3],
     /// The lights that every fragment evaluates.
     evaluated: u64,
+    /// The evaluations of lights over all fragments that remain with `skip`, and those without it.
+    skipping: Option<[u64; 2]>,
     /// For each material: the bytes of the blocks, and the textures.
     materials: Vec<MaterialObject>,
     /// The blocks by name and instance.
@@ -206,6 +214,10 @@ fn draw(
         },
         slots,
         evaluated: renderer.evaluated(&lights),
+        skipping: match &given.skip {
+            Some(skip) => Some(skipping(renderer, skip, model_of(renderer, scene), &work)?),
+            None => None,
+        },
         materials: materials.collect::<Result<_, String>>()?,
         blocks: renderer
             .shader
@@ -224,7 +236,7 @@ fn draw(
         frame: given.frame.then(|| fragments(renderer, &work, &draw)).transpose()?,
         probe: given
             .probe
-            .and_then(|pixel| probe(renderer, scene.model.as_ref(), &upload, frame, pixel)),
+            .and_then(|pixel| probe(&model_of(renderer, scene), &upload, frame, pixel)),
     })
 }
 
@@ -237,6 +249,39 @@ const ORIGIN: Fragment = Fragment {
     normal: [0.0; 3],
     uv: [0.0; 2],
 };
+
+/// The model of the scene, or the most likely one of the shader.
+fn model_of(renderer: &Renderer, scene: &Scene) -> Model {
+    let own = scene.model.clone().and_then(|model| serde_json::from_value(model).ok());
+    own.unwrap_or_else(|| likely_model(&renderer.map))
+}
+
+/// The evaluations of lights with a plan, and without one.
+fn skipping(
+    renderer: &Renderer,
+    skip: &str,
+    model: Model,
+    work: &Work<'_>,
+) -> Result<[u64; 2], String> {
+    let mut options = parse(skip)?;
+    options.costs = renderer.costs(BackendKind::Gl);
+    let plan = renderer.plan(work, &shading_f32::Model::of(&model)?, &options);
+    let evaluated = |set: &LightSet| {
+        let LightSet { ambient, directional, point, spot } = set;
+        renderer.evaluated(&FragmentLights { ambient: *ambient, directional, point, spot })
+    };
+    let lights = &work.upload.lights;
+    let all = |count: usize| (0..count as u32).collect();
+    let whole = LightSet {
+        ambient: true,
+        directional: all(lights.directional.len()),
+        point: all(lights.point.len()),
+        spot: all(lights.spot.len()),
+    };
+    let draws = plan.draws.iter();
+    let rest = draws.map(|draw| draw.fragments.len() as u64 * evaluated(&draw.lights)).sum();
+    Ok([rest, work.frame.fragments.len() as u64 * evaluated(&whole)])
+}
 
 fn shader(renderer: &Renderer) -> Result<ShaderObject, String> {
     let es =
@@ -252,8 +297,9 @@ fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<Fr
         BASE64.encode(&bytes)
     };
     let inputs = renderer.shader.inputs().iter().zip(&prepared.inputs).map(|(input, values)| {
-        let of_one = |value: &[f32; 4]| (*value).into_iter().take(input.components.into());
-        (input.components, floats(values.iter().flat_map(of_one)))
+        let count = usize::from(input.components);
+        let numbers = values.iter().flat_map(|value| value[..count].iter().copied());
+        (input.components, floats(numbers))
     });
     Ok(FrameObject {
         inputs: inputs.collect(),
@@ -263,8 +309,7 @@ fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<Fr
 }
 
 fn probe(
-    renderer: &Renderer,
-    model: Option<&serde_json::Value>,
+    model: &Model,
     upload: &Upload,
     frame: &Frame,
     [column, row]: [u32; 2],
@@ -273,10 +318,8 @@ fn probe(
     let at = frame.fragments.binary_search_by_key(&pixel, |fragment| fragment.pixel).ok()?;
     let fragment = Fragment { pixel: 0, ..frame.fragments[at] };
     let one = Frame { width: 1, height: 1, fragments: vec![fragment] };
-    let own = model.and_then(|model| serde_json::from_value(model.clone()).ok());
-    let model = own.unwrap_or_else(|| likely_model(&renderer.map));
     // Every pixel of it has a fragment: the colour behind is not seen.
-    let truth = truth(&model, upload, &one, upload.camera);
+    let truth = truth(model, upload, &one, upload.camera);
     let [r, g, b, _] = *truth.picture.pixels.first()?;
     (truth.undefined.is_empty()).then_some([r, g, b])
 }

@@ -9,6 +9,7 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
+use crate::hostile::INJECTIONS;
 use crate::playground::WRITE;
 use crate::serve::Server;
 use crate::support::{Folder, output, repository};
@@ -357,4 +358,119 @@ fn a_probe_is_compared_with_the_reference_and_nan_is_magenta() {
     let below = pixels[((height - 2) * width + width / 2) as usize];
     assert_eq!(below, [255, 0, 255, 255]);
     assert_ne!(pixels[(width / 2) as usize][..3], [255, 0, 255]);
+}
+
+#[test]
+fn wgsl_is_drawn_too_and_skipped_lights_are_counted_as_by_render() {
+    let (browser, folder) = (Browser::start("wgsl"), Folder::new("wgsl"));
+    let scene = small(&folder, "six_lights.json", [200, 150]);
+    let mut changed: Value =
+        serde_json::from_str(&std::fs::read_to_string(&scene).unwrap()).unwrap();
+    let shader = repository().join("shaders/six_lights/phong.wgsl");
+    folder.file("six_lights/phong.wgsl", std::fs::read(shader).unwrap());
+    changed["shader"] = json!("../six_lights/phong.wgsl");
+    std::fs::write(&scene, changed.to_string()).unwrap();
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    drawn(&browser, 0);
+    assert_same("wgsl", &picture(&browser), &rendered(&folder, &scene));
+    // Offsets that std140 does not have: WebGL would read other bytes, and says so itself.
+    browser.run(
+        "const { editor } = document.getElementById('editor');
+         editor.text = editor.text.replace('direction: vec3f, // offset 0,', '@size(32) direction: vec3f, //');",
+        &[],
+    );
+    let asked = Instant::now();
+    let told = loop {
+        let told = browser.run("return document.getElementById('problem').textContent", &[]);
+        if told != json!("") {
+            break told;
+        }
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(told.as_str().unwrap().contains("Landfall has"), "{told}");
+    let scene = small(&folder, "lights_1024_windowed.json", [160, 90]);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let times = drawn(&browser, 0);
+    browser.run(
+        "const skip = [...document.querySelectorAll('#panel-lights select')][0];
+         skip.value = 'tiles=8'; skip.dispatchEvent(new Event('change'));",
+        &[],
+    );
+    drawn(&browser, times);
+    let found =
+        browser.run(&format!("{TAB} return [tab.drawn.skipping, tab.facts.textContent]"), &[]);
+    let arguments = [
+        "render",
+        scene.to_str().unwrap(),
+        "--skip",
+        "tiles=8",
+        "--plan",
+        "--backend",
+        "gl",
+        "--format",
+        "json",
+    ];
+    let report: Value = serde_json::from_str(&output(folder.path(), 0, &arguments)).unwrap();
+    let evaluations = &report["plan"]["evaluations"];
+    assert_eq!(found[0], json!([evaluations["after"], evaluations["before"]]));
+    assert!(found[1].as_str().unwrap().contains("skipped"), "{found}");
+}
+
+#[test]
+fn what_cannot_be_drawn_says_why_and_hostile_scenes_stay_text() {
+    let (browser, folder) = (Browser::start("hostile-scene"), Folder::new("hostile-scene"));
+    let server = Server::start(folder.path(), &[]);
+    browser.open_url(&server.url);
+    browser.run("document.getElementById('tab-lights').click()", &[]);
+    drawn(&browser, 0);
+    let problem = |script: &str, given: Value| {
+        browser.run_async(
+            &format!("{TAB} const [given, done] = arguments; (async () => {{ {script} while (tab.busy || tab.page.running) await new Promise(resolve => setTimeout(resolve, 10));
+                done([document.getElementById('problem').textContent, window.hacked ?? null, document.scripts.length]); }})();"),
+            &[given],
+        )
+    };
+    let open = "const file = new File([given[1]], given[0]); await tab.read([file]);";
+    let scripts = browser.run("return document.scripts.length", &[]);
+    let scene: Value = browser.run(&format!("{TAB} return tab.scene"), &[]);
+    for injection in INJECTIONS {
+        for place in ["name", "mesh", "key", "material", "shader"] {
+            let mut scene = scene.clone();
+            match place {
+                "name" => scene["name"] = json!(injection),
+                "mesh" => scene["objects"][0]["mesh"] = json!(injection),
+                "key" => scene[injection] = json!(1),
+                "material" => scene["materials"][0]["name"] = json!(injection),
+                _ => scene["shader"] = json!(injection),
+            }
+            let told = problem(open, json!([format!("{injection}.json"), scene.to_string()]));
+            assert_eq!((&told[1], &told[2]), (&Value::Null, &scripts), "{place} {injection}");
+            if place == "mesh" || place == "key" {
+                assert_ne!(told[0], json!(""), "{place} {injection}");
+            }
+        }
+        let told = problem(open, json!([format!("{injection}.json"), injection]));
+        assert!(told[0].as_str().unwrap().contains("is not JSON"), "{told}");
+        assert_eq!((&told[1], &told[2]), (&Value::Null, &scripts), "{injection}");
+    }
+    let told = problem(open, json!(["a.frag", ""]));
+    assert!(told[0].as_str().unwrap().contains("A scene is a .json file"), "{told}");
+    // Back to a scene that is one, and shaders that WebGL does not have.
+    problem(open, json!(["scene.json", scene.to_string()]));
+    let text = browser.run("return document.getElementById('editor').editor.text", &[]);
+    let text = text.as_str().unwrap();
+    let write = "document.getElementById('editor').editor.text = given;";
+    let storage = text
+        .replace("#version 330 core", "#version 450")
+        .replace("layout(std140) uniform", "layout(std430, binding = 0) readonly buffer");
+    let told = problem(write, json!(storage));
+    assert!(told[0].as_str().unwrap().contains("WebGL 2 has uniform blocks in std140"), "{told}");
+    let told =
+        problem(write, json!("#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"));
+    assert!(told[0].as_str().unwrap().contains("light"), "{told}");
+    let told = problem(write, json!(text));
+    assert_eq!(told[0], json!(""));
 }

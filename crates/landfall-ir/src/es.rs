@@ -61,10 +61,21 @@ impl Module {
             let reflected = Writer::new(&mut text, &ir, &info, &options, &pipeline, policies)
                 .and_then(|mut writer| writer.write())
                 .map_err(|error| error.to_string())?;
-            let name = |block: &crate::module::ModuleBlock| {
-                reflected.uniforms.get(&block.variable).cloned()
+            // naga leaves out what the entry point does not need, and numbers the rest anew.
+            let place = |variable: naga::Handle<naga::GlobalVariable>| {
+                ir.global_variables[variable].binding.map(|place| (place.group, place.binding))
             };
-            let handle = |texture| self.handles.iter().position(|one| one.variable == texture);
+            let name = |block: &crate::module::ModuleBlock| {
+                let wanted = Some((block.group, block.binding));
+                let mut uniforms = reflected.uniforms.iter();
+                uniforms
+                    .find(|(variable, _)| place(**variable) == wanted)
+                    .map(|(_, name)| name.clone())
+            };
+            let handle = |texture| {
+                let wanted = place(texture);
+                self.handles.iter().position(|one| Some((one.group, one.binding)) == wanted)
+            };
             let mut textures: Vec<(String, Option<usize>)> = reflected
                 .texture_mapping
                 .iter()

@@ -33,6 +33,8 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 const INTERVAL: Duration = Duration::from_millis(20);
 
 pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
+    // It ends by Ctrl-C, even while it reads its files.
+    watch::end_with(Outcome::Clean);
     let include_dirs: Vec<String> =
         args.include_dirs.iter().map(|dir| dir.display().to_string()).collect();
     let files = Files::open(args)?;
@@ -54,7 +56,6 @@ pub fn run(args: &ServeArgs, streams: &Streams) -> Result<Outcome, Failure> {
     streams.product(&format!("{url}\n"))?;
     streams.finish()?;
     streams.notes("open this address in a browser; Ctrl-C ends the server\n");
-    watch::end_with(Outcome::Clean);
     while !watch::is_stopped() {
         std::thread::sleep(INTERVAL);
     }

@@ -4,13 +4,13 @@
 const SCENE = {
   name: 'six lamps',
   size: [640, 400],
-  background: 0.02,
+  background: 0.03,
   camera: { position: [0, 2.2, 5.5], front: [0, -0.3, -1], up: [0, 1, 0], fov: 50, near: 0.1, far: 100 },
   lights: {
     ambient: { color: [0.02, 0.02, 0.03], intensity: 1 },
     point: [[1, 0.35, 0.2], [0.2, 1, 0.4], [0.3, 0.45, 1], [1, 0.85, 0.3], [0.9, 0.3, 1], [0.3, 0.95, 1]].map((color, at) => ({
       position: [Number((2.4 * Math.cos(at * 1.047)).toFixed(2)), at % 2 ? 1.1 : 0.5, Number((2.4 * Math.sin(at * 1.047)).toFixed(2))],
-      color, intensity: 1, attenuation: { constant: 1, linear: 0.7, quadratic: 1.8 },
+      color, intensity: 4, attenuation: { constant: 1, linear: 0.7, quadratic: 1.8 },
     })),
   },
   materials: [{ name: 'plain', diffuse: 1, specular: 0, shininess: 1 }],
@@ -23,6 +23,7 @@ const SCENE = {
 };
 
 const KINDS = ['directional', 'point', 'spot'];
+const SKIPS = { '': 'nothing', used: 'unused slots', gates: 'gates', 'tiles=8': 'tiles of 8 pixels', clusters: 'clusters' };
 const TERMS = ['color', 'ambient', 'diffuse', 'specular'];
 /** The share of full scale below which light is not seen. */
 const UNSEEN = 1 / 256;
@@ -57,6 +58,7 @@ class LightsTab {
     this.controls = el('div', { class: 'controls' });
     this.maps = el('div', { class: 'written' });
     this.srgb = el('input', { type: 'checkbox', on: { change: () => this.ask({}) } });
+    this.skip = choice('Skip', SKIPS, () => this.ask({}));
     const file = el('input', { type: 'file', multiple: true, on: { change: () => this.read([...file.files]) } });
     this.panel = el('div', {}, el('div', { class: 'tools' },
       el('label', { class: 'file', title: 'A scene and its shader, meshes and textures; they can be dropped here, too' }, file, 'Open scene…'),
@@ -65,7 +67,7 @@ class LightsTab {
       el('button', { type: 'button', on: { click: () => this.turn(0.15, 0) } }, 'Turn →'),
       el('button', { type: 'button', on: { click: () => this.turn(0, 0.1) } }, 'Up'),
       el('button', { type: 'button', on: { click: () => this.turn(0, -0.1) } }, 'Down'),
-      el('label', {}, this.srgb, ' sRGB')),
+      el('label', {}, this.srgb, ' sRGB'), this.skip.element),
     this.stage, this.facts, this.probe, el('div', { class: 'hands' }, el('div', {}, this.list, this.controls), this.maps));
     this.panel.addEventListener('drop', (event) => {
       event.preventDefault();
@@ -120,7 +122,7 @@ class LightsTab {
     const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
     const request = this.page.request();
     const map = shader ? [{ kind: 'map' }] : [];
-    const scene = { kind: 'scene', path: this.path, scene: this.text, assets: this.files, size, shader, frame, probe: probe ?? null };
+    const scene = { kind: 'scene', path: this.path, scene: this.text, assets: this.files, size, shader, frame, probe: probe ?? null, skip: this.skip.select.value || null };
     const text = await this.page.engine.answer({ ...request, gather: true, want: [...map, scene] });
     const { error, answers } = JSON.parse(text);
     if (error) throw new Error(error);
@@ -128,30 +130,28 @@ class LightsTab {
     this.page.problem(drawn.size ? '' : drawn.findings);
     if (!drawn.size) return;
     this.picture ??= new Picture(this.canvas);
-    if (drawn.shader) this.picture.setShader(drawn.shader);
+    if (shader) this.layouts(answers[0], drawn.blocks);
+    if (drawn.shader) this.picture.setShader(drawn.shader, this.views.map(own));
     if (drawn.frame) this.picture.setFrame(drawn.frame, drawn.size);
     const bytes = drawn.materials.map(({ blocks }) => blocks.map(bytesOf));
     this.picture.setMaterials(drawn.materials.map(({ textures }, at) => ({ blocks: bytes[at], textures })));
     this.picture.draw(drawn.background, this.srgb.checked);
     Object.assign(this, { camera: drawn.camera, drawn });
-    if (shader) this.layouts(answers[0], drawn.blocks);
     this.written(bytes);
     this.handles();
-    if (shader) this.show1();
+    if (shader) {
+      this.listed();
+      this.fields();
+    }
     const { slots, evaluated } = drawn;
-    const fragments = this.picture.fragments;
+    const { picture: { fragments }, drawn: { skipping } } = this;
     this.facts.textContent = [
       `${size.join(' × ')}`, counted(fragments, 'fragment'), `${counted(evaluated, 'light')} evaluated in each`,
+      skipping && `with the plan of landfall render --skip: ${counted(skipping[0], 'evaluation')}, ${(skipping[1] - skipping[0]).toLocaleString('en')} skipped`,
       ...KINDS.map((kind, at) => slots[at] !== 0 && `${kind}: ${this.lit().lights?.[kind]?.length ?? 0} of ${slots[at] ?? 'any number'}`),
     ].filter(Boolean).join(' · ');
     if (probe) this.probed(probe, drawn.probe);
     this.canvas.dataset.drawn = String(Number(this.canvas.dataset.drawn ?? 0) + 1);
-  }
-
-  /** The controls, once there is a picture. */
-  show1() {
-    this.listed();
-    this.fields();
   }
 
   /** Finds the maps of the blocks that are written. */
@@ -169,7 +169,7 @@ class LightsTab {
     this.before = bytes;
     const first = this.picture.used[0] ?? 0;
     const maps = this.views.map((block, number) => {
-      const layout = block?.layouts.find(({ rules }) => rules === block.rules) ?? block?.layouts[0];
+      const layout = own(block);
       if (!layout || this.drawn.materials.length === 0) return null;
       const now = bytes[first][number];
       const ranges = before ? changed(before[first]?.[number] ?? now, now) : [];
@@ -418,14 +418,14 @@ class LightsTab {
   }
 
   probed([column, row], reference) {
-    const own = this.picture.read(column, row);
-    if (!own || !reference) {
-      this.probe.textContent = `column ${column}, row ${row}: ${own ? 'the reference is undefined' : 'nothing is drawn'}`;
+    const light = this.picture.read(column, row);
+    if (!light || !reference) {
+      this.probe.textContent = `column ${column}, row ${row}: ${light ? 'the reference is undefined' : 'nothing is drawn'}`;
       return;
     }
-    const apart = Math.max(...own.map((x, at) => Math.abs(x - reference[at]))) * 255;
+    const apart = Math.max(...light.map((x, at) => Math.abs(x - reference[at]))) * 255;
     const shown = (color) => color.map((x) => x.toPrecision(4)).join(', ');
-    this.probe.textContent = `column ${column}, row ${row}: ${shown(own)}; f64 reference ${shown(reference)}; `
+    this.probe.textContent = `column ${column}, row ${row}: ${shown(light)}; f64 reference ${shown(reference)}; `
       + `${apart.toPrecision(2)} steps of 1/255 apart`;
     this.probe.dataset.steps = String(apart);
   }
@@ -476,6 +476,9 @@ class LightsTab {
     }
   }
 }
+
+/** The layout of a block by its own rules. */
+const own = (block) => block?.layouts.find(({ rules }) => rules === block.rules) ?? block?.layouts[0];
 
 /** Bytes in base64. */
 function base64(given) {

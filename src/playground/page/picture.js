@@ -27,6 +27,20 @@ void main() {
     color = odd ? vec4(1.0, 0.0, 1.0, 1.0) : vec4(coded(c.r), coded(c.g), coded(c.b), 1.0);
 }`;
 
+/** Where scalars, vectors, matrices and arrays of them start, in every structure of an array. */
+function leafStarts(members, base, found) {
+  for (const member of members) {
+    const starts = member.leaf ? [0] : (member.dims ?? []).reduce((all, count, dim) => (
+      all.flatMap((at) => Array.from({ length: count ?? 1 }, (_, index) => at + index * member.strides[dim]))
+    ), [0]);
+    for (const start of starts) {
+      if (member.leaf) found.add(base + member.offset + start);
+      else leafStarts(member.members, base + member.offset + start, found);
+    }
+  }
+  return found;
+}
+
 const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 const floatsOf = (base64) => new Float32Array(bytesOf(base64).buffer);
 const wordsOf = (base64) => new Uint32Array(bytesOf(base64).buffer);
@@ -73,7 +87,7 @@ class Picture {
     return texture;
   }
 
-  setShader({ text, blocks, samplers }) {
+  setShader({ text, blocks, samplers }, layouts) {
     const { gl } = this;
     const program = this.program(text);
     if (this.own) gl.deleteProgram(this.own);
@@ -83,8 +97,25 @@ class Picture {
       const index = gl.getUniformBlockIndex(program, name);
       if (index !== gl.INVALID_INDEX) gl.uniformBlockBinding(program, index, number);
     });
+    this.refuseOffsets(program, blocks, layouts);
     gl.useProgram(program);
     samplers.forEach(([name], number) => gl.uniform1i(gl.getUniformLocation(program, name), number));
+  }
+
+  /** Refuses a shader whose blocks WebGL lays out otherwise than Landfall, as it says itself. */
+  refuseOffsets(program, blocks, layouts) {
+    const { gl } = this;
+    blocks.forEach((name, number) => {
+      const index = name === null ? gl.INVALID_INDEX : gl.getUniformBlockIndex(program, name);
+      const layout = layouts[number];
+      if (index === gl.INVALID_INDEX || !layout) return;
+      const starts = leafStarts(layout.members, 0, new Set());
+      const active = [...gl.getActiveUniformBlockParameter(program, index, gl.UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES)];
+      const wrong = gl.getActiveUniforms(program, active, gl.UNIFORM_OFFSET).find((offset) => !starts.has(offset));
+      const size = gl.getActiveUniformBlockParameter(program, index, gl.UNIFORM_BLOCK_DATA_SIZE);
+      if (wrong !== undefined) throw new Error(`WebGL reads a member of ${name} at byte ${wrong}, where Landfall has none: its rules are ${layout.rules}`);
+      if (size > Math.ceil(layout.size / 16) * 16) throw new Error(`WebGL wants ${size} bytes for ${name}, Landfall has ${layout.size}: its rules are ${layout.rules}`);
+    });
   }
 
   setFrame({ pixels, materials, inputs }, [width, height]) {

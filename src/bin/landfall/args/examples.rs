@@ -47,10 +47,16 @@ pub const EXAMPLES: [(&str, &[Example]); 23] = [
     ),
     (
         "serve",
-        &[(
-            "The address of a page that follows a shader; Ctrl-C ends it",
-            "landfall serve shaders/light_arrays/lights.wgsl",
-        )],
+        &[
+            (
+                "The address of a page that follows a shader; Ctrl-C ends it",
+                "landfall serve shaders/light_arrays/lights.wgsl",
+            ),
+            (
+                "A scene with its lights as controls",
+                "landfall serve shaders/scenes/six_lights.json",
+            ),
+        ],
     ),
     (
         "emit",

@@ -6,7 +6,8 @@ use super::read::define;
 
 #[derive(Debug, clap::Args)]
 pub struct ServeArgs {
-    /// Shaders to open and to watch; the page shows nothing else of the disk [default: an example]
+    /// Shaders, and scenes (.json) with theirs, to open and to watch; nothing else of the disk is
+    /// shown [default: an example]
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Port on the loopback interface; 0 takes a free one
