@@ -250,7 +250,10 @@ mod tests {
         assert_eq!(options.cull, Cull::Budget(0.5));
         assert_eq!(options.choose, Choose::Always);
         let options = parse("interpolate=2x4").expect("good");
-        assert_eq!(options.interpolate, Some(Interpolate { diameters: 2.0, nodes: 4, within: None }));
+        assert_eq!(
+            options.interpolate,
+            Some(Interpolate { diameters: 2.0, nodes: 4, within: None })
+        );
         assert_eq!(parse("interpolate").expect("good").interpolate.map(|i| i.nodes), Some(3));
         assert_eq!(parse("cut=5/256").expect("good").cull, Cull::Range(5.0 / 256.0));
     }

@@ -11,8 +11,8 @@ use glam::DVec3;
 
 use super::bound::{Bounded, Shape};
 use super::options::Interpolate;
-use super::smooth::{Order, Reflects};
 use super::region::{Points, Region};
+use super::smooth::{Order, Reflects};
 use super::{Job, STEP, set, smooth};
 use crate::Fragment;
 use crate::plan::{Draw, Grid, Plan, places};
@@ -290,7 +290,14 @@ impl Patches<'_> {
         let levels = (fragments.len() as f64 / (3 * self.nodes) as f64).log2().ceil().max(0.0);
         let share = left / (levels + 1.0);
         let error = |place: &u32| {
-            self.order.error(&lights[*place as usize], shape, upload.camera, &reflects, model)
+            self.order.error(
+                &lights[*place as usize],
+                shape,
+                upload.camera,
+                &reflects,
+                model,
+                share,
+            )
         };
         let mut errors: Vec<(u32, f64)> = near.iter().map(|place| (*place, error(place))).collect();
         errors.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));

@@ -73,7 +73,8 @@ impl Order {
         term * (x.max(y) + self.lebesgue * x.min(y))
     }
 
-    /// Returns the largest error of any channel; infinite if unknown. `eye` is the camera.
+    /// Returns the largest error of any channel; infinite if unknown or more than `most`. `eye` is the
+    /// camera.
     pub fn error(
         &self,
         light: &Bounded,
@@ -81,6 +82,7 @@ impl Order {
         eye: DVec3,
         reflects: &Reflects,
         model: &Model,
+        most: f64,
     ) -> f64 {
         let Ok(Shape::Around(lamp)) = &light.shape else { return f64::INFINITY };
         if lamp.cone.is_some() || lamp.range.is_finite() {
@@ -114,10 +116,22 @@ impl Order {
                 + twice * weight * (at.tilt + 4.0 * moved);
             error += diffuse * reflects.body * body;
         }
+        // The highlight takes longest.
+        if error.max_element() > most {
+            return f64::INFINITY;
+        }
         if height > 0.0 || model.specular == SpecularTerm::Everywhere {
             let turned = 4.0 * at.tilt + moved + at.off / e;
             let flat = twice * weight * (reflects.shininess * turned + 2.0 * moved);
-            let shine = self.highlight(at, lamp.position, eye, [d, e], reflects.shininess, &falls);
+            let shine = self.highlight(
+                at,
+                lamp.position,
+                eye,
+                [d, e],
+                reflects.shininess,
+                &falls,
+                most * 1e-4,
+            );
             error += specular * reflects.shine * (shine + flat);
         }
         if error.is_nan() { f64::INFINITY } else { error.max_element() }
@@ -131,6 +145,7 @@ impl Order {
         [d, e]: [f64; 2],
         shininess: f64,
         falls: &dyn Fn(f64) -> f64,
+        enough: f64,
     ) -> f64 {
         let (to, view) = (light - at.center, eye - at.center);
         let mirrored = 2.0 * at.normal.dot(view) * at.normal - view;
@@ -140,10 +155,11 @@ impl Order {
         let turn = radius * (1.0 / d + 1.0 / e);
         let least = (angle - turn - 1e-6).max(0.0);
         let most = if least >= std::f64::consts::FRAC_PI_2 { 0.0 } else { least.cos() };
-        let largest = most.powf(shininess) * falls(d);
-        let rough = (1.0 + self.lebesgue * self.lebesgue) * largest;
+        let whole = shininess.fract() == 0.0 && (1.0..=1024.0).contains(&shininess);
+        let power = |x: f64| if whole { x.powi(shininess as i32) } else { x.powf(shininess) };
+        let rough = (1.0 + self.lebesgue * self.lebesgue) * power(most) * falls(d);
         // Where it is not clamped, a whole power is a polynomial of the cosine.
-        if shininess.fract() != 0.0 || shininess < 1.0 || angle + turn >= 1.57 {
+        if !whole || angle + turn >= 1.57 || rough <= enough {
             return rough;
         }
         let best = (f64::from(self.m) / shininess).sqrt();
@@ -154,25 +170,28 @@ impl Order {
             if !(b < 1.0 && q <= 1.0) {
                 return f64::INFINITY;
             }
-            let power = cosine(least, q).powf(0.5 * shininess);
             let weight = falls(d * (1.0 - a)) / (1.0 - a * a).sqrt();
-            self.both(at.half, radius, power * weight)
+            self.both(at.half, radius, power(cosine(least, q).sqrt()) * weight)
         };
-        [0.6, 1.0, 1.5].iter().fold(rough, |least, part| least.min(bound(best * part)))
+        [0.7, 1.2].iter().fold(rough, |least, part| least.min(bound(best * part)))
     }
 }
 
 /// Returns the largest squared absolute value of the cosine of an angle of at least `least` that
 /// turns by `X + i Y`, `X^2 + Y^2 <= q^2`, `q <= 1`: for directions in space
 /// `(B cosh Y + (1 - B) (cosh Y - 1) / 2)^2 + (1 - B^2) sinh^2 Y`, `B = cos(least - X)`, which grows
-/// with `B` and `Y`; each of four parts of `Y` has the bound of its ends.
+/// with `B` and `Y`; each of three parts of `Y` has the bound of its ends. Series stand for cosines,
+/// above them.
 fn cosine(least: f64, q: f64) -> f64 {
     let part = |k: u32| {
-        let [low, high] = [k, k + 1].map(|k| q * f64::from(k) / 4.0);
-        let real = (least - (q * q - low * low).sqrt()).max(0.0).cos().max(0.0);
-        let (cosh, sinh) = (high.cosh(), high.sinh());
+        let [low, high] = [k, k + 1].map(|k| q * f64::from(k) / 3.0);
+        let real = (least - (q * q - low * low).sqrt()).max(0.0);
+        let real = 1.0 - real * real * (0.5 - real * real / 24.0);
+        // The rest of the series is less than Y^4 / 600 up to 1.
+        let real = real.clamp(0.0, 1.0);
+        let cosh = 1.0 + high * high * (0.5 + high * high / 23.0);
         (real * cosh + (1.0 - real) * (cosh - 1.0) / 2.0).powi(2)
-            + (1.0 - real * real) * sinh * sinh
+            + (1.0 - real * real) * (cosh * cosh - 1.0)
     };
-    (0..4).map(part).fold(0.0, f64::max)
+    (0..3).map(part).fold(0.0, f64::max)
 }
