@@ -125,8 +125,7 @@ impl Order {
             let flat = twice * weight * (reflects.shininess * turned + 2.0 * moved);
             let shine = self.highlight(
                 at,
-                lamp.position,
-                eye,
+                [lamp.position, eye],
                 [d, e],
                 reflects.shininess,
                 &falls,
@@ -140,8 +139,7 @@ impl Order {
     fn highlight(
         &self,
         at: &Rectangle,
-        light: DVec3,
-        eye: DVec3,
+        [light, eye]: [DVec3; 2],
         [d, e]: [f64; 2],
         shininess: f64,
         falls: &dyn Fn(f64) -> f64,
