@@ -226,8 +226,11 @@ impl Plan {
     /// the shader was shown to compute the model. Returns false, and becomes the plan of `all`
     /// lights, if the difference is more than the claims permit.
     pub fn settle(&mut self, checked: Measured, shown: bool, all: LightSet) -> bool {
-        let permitted = self.permitted();
-        let holds = permitted.is_none_or(|most| checked.steps <= most + ROUNDING);
+        // Options that were picked must keep the error asked for, those named their own.
+        let asked = self.savings.choice.as_ref().map(|choice| choice.permitted);
+        let permitted = asked.or_else(|| self.permitted());
+        let rounding = if asked.is_some() { 0.0 } else { ROUNDING };
+        let holds = permitted.is_none_or(|most| checked.steps <= most + rounding);
         for step in &mut self.savings.steps {
             let applied = step.evaluations.is_some();
             match &step.error {
@@ -254,6 +257,7 @@ impl Plan {
         }
         self.savings.checked = Some(checked);
         if !holds {
+            self.savings.choice.iter_mut().for_each(|choice| choice.picked = 0);
             let fragments = self.draws.iter().map(|draw| draw.fragments.len()).sum();
             let savings = Savings {
                 after: self.savings.before,

@@ -33,6 +33,8 @@ pub struct Timed {
     pub error: Option<f64>,
     /// The difference from the picture with all lights, as this backend shows it.
     pub seen: f64,
+    /// Why it was not measured as often as the others; empty if it was.
+    pub note: String,
 }
 
 impl Timed {

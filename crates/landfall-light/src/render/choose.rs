@@ -113,21 +113,32 @@ pub fn choose(
     let mut timed = vec![Timed { error: Some(0.0), ..Timed::default() }];
     let (truth, warm) = time(backend, &mut |backend| all(backend))?;
     for candidate in candidates {
-        // A plan that drops nothing is skipping nothing.
-        let (rendered, took) = time(backend, &mut |backend| by(candidate, backend))?;
-        let parts = candidate.parts.replace(",always", "");
-        let (error, seen) = (candidate.plan.expected(), whole.apart(work, &rendered, &truth));
-        let slow = took > SLOWER * warm;
-        let seconds = if slow { vec![took * scale] } else { Vec::new() };
-        timed.push(Timed { parts, seconds, error, seen });
+        let mut one = Timed {
+            parts: candidate.parts.replace(",always", ""),
+            error: candidate.plan.expected(),
+            ..Timed::default()
+        };
+        if candidate.plan.evaluations() == candidate.plan.savings.before {
+            one.note = "leaves out nothing".to_string();
+        } else if !one.is_within(permitted) {
+            one.note = "may err by more than permitted".to_string();
+        } else {
+            let (rendered, took) = time(backend, &mut |backend| by(candidate, backend))?;
+            one.seen = whole.apart(work, &rendered, &truth);
+            if !one.is_within(permitted) {
+                one.note = "errs by more than permitted".to_string();
+            } else if took > SLOWER * warm {
+                one.seconds.push(took * scale);
+                one.note = "measured once".to_string();
+            }
+        }
+        timed.push(one);
     }
     for _ in 0..ROUNDS {
         let (_, took) = time(backend, &mut |backend| all(backend))?;
         timed[0].seconds.push(took * scale);
-        let none = timed[0].range()[0];
         for (timed, candidate) in timed[1..].iter_mut().zip(candidates) {
-            let slow = timed.seconds.iter().any(|seconds| *seconds > SLOWER * none);
-            if slow || !timed.is_within(permitted) {
+            if !timed.note.is_empty() {
                 continue;
             }
             let (_, took) = time(backend, &mut |backend| by(candidate, backend))?;
