@@ -95,11 +95,16 @@ pub fn listed(
         });
     }
     let bindings = bindings(source.language, &resources, shader);
+    // `#version` of GLSL ES comes before any comment.
+    let top = match source.language {
+        Language::Glsl => glsl::place(&source.text),
+        Language::Wgsl => 0,
+    };
+    edits.push(Edit::insert(top, header(source, &kinds, &unlisted, &bindings)));
     match source.language {
         Language::Glsl => glsl::declare(source, &kinds, &bindings, shader, &mut edits)?,
         Language::Wgsl => wgsl::declare(source, &tokens, &kinds, &bindings, &mut edits)?,
     }
-    edits.push(Edit::insert(0, header(source, &kinds, &unlisted, &bindings)));
     edits.sort_by_key(|edit| edit.start);
     let mut text = String::with_capacity(source.text.len() + 4096);
     let mut at = 0;
@@ -117,9 +122,7 @@ pub fn listed(
 fn inlined(source: &Source, options: &ReadOptions) -> Source {
     let includes = || raw::read(source, options).files.iter().count() > 1;
     match source.language == Language::Glsl && includes() {
-        true => {
-            Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() }
-        }
+        true => Source { text: Arc::from(raw::flattened(source, options)), ..source.clone() },
         false => source.clone(),
     }
 }
@@ -171,19 +174,23 @@ fn rewritten(kind: Kind, over: &Loop<'_>, tokens: &[Token<'_>], source: &Source)
     };
     let body = tokens[over.body.start].start;
     let last = tokens[over.body.end - 1].end;
+    let start = tokens[over.at].start;
+    let line = source.text[..start].rfind('\n').map_or(0, |end| end + 1);
+    let indent: String =
+        source.text[line..start].chars().take_while(|c| c.is_whitespace()).collect();
     let mut edits = Vec::new();
     let own = match kind {
         Kind::Directional => {
             let mask = if wgsl { "let" } else { "uint" };
-            let before = format!("{{ {mask} landfall_mask = landfall_directional(); ");
-            edits.push(Edit::insert(tokens[over.at].start, before));
+            let before = format!("{{ {mask} landfall_mask = landfall_directional();\n{indent}");
+            edits.push(Edit::insert(start, before));
             let at = format!("{unsigned}({variable})");
             wrap(&format!("{at} < 32u && ((landfall_mask >> {at}) & 1u) == 0u"))
         }
         Kind::Point | Kind::Spot => {
             let lists = if kind == Kind::Point { "landfall_points" } else { "landfall_spots" };
-            let before = format!("{{ {pair} landfall_list = {lists}(); ");
-            edits.push(Edit::insert(tokens[over.at].start, before));
+            let before = format!("{{ {pair} landfall_list = {lists}();\n{indent}");
+            edits.push(Edit::insert(start, before));
             let counter = if wgsl { "var" } else { "uint" };
             edits.push(Edit {
                 start: tokens[over.at + 1].end,
@@ -198,12 +205,12 @@ fn rewritten(kind: Kind, over: &Loop<'_>, tokens: &[Token<'_>], source: &Source)
                 "{declare}{spelled}{variable} = {ty}(landfall_lists.indices[landfall_at]);"
             );
             let condition = joined(&tokens[over.condition.clone()]);
-            format!("{index} {}", wrap(&format!("!({condition})")))
+            format!("{index}\n{indent}    {}", wrap(&format!("!({condition})")))
         }
     };
     match over.braced {
         true => {
-            edits.push(Edit::insert(tokens[over.body.start].end, format!(" {own}")));
+            edits.push(Edit::insert(tokens[over.body.start].end, format!("\n{indent}    {own}")));
             edits.push(Edit::insert(last, " }"));
         }
         false => {

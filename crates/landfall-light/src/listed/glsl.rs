@@ -28,7 +28,9 @@ pub(super) fn declare(
         .find(|at| raw.tokens[*at].directive.is_some() && word(*at) == "version");
     let number = version.map(|at| &raw.tokens[at + 1]);
     let Some(number) = number else {
-        return Err("the text has no `#version`, and lists need storage buffers, of GLSL 430".into());
+        return Err(
+            "the text has no `#version`, and lists need storage buffers, of GLSL 430".into()
+        );
     };
     match (raw.es, raw.version) {
         (true, 310..) | (false, 430..) => {}
@@ -58,7 +60,7 @@ pub(super) fn declare(
 }
 
 /// Returns the start of the line behind the last `#version` and `#extension`, outside of conditions.
-fn place(text: &str) -> usize {
+pub(super) fn place(text: &str) -> usize {
     let (mut at, mut depth, mut place) = (0, 0u32, 0);
     let mut behind = false;
     for line in text.split_inclusive('\n') {
@@ -74,19 +76,16 @@ fn place(text: &str) -> usize {
     place
 }
 
-fn declarations(
-    kinds: &[Kind],
-    bindings: &Bindings,
-    shader: &FragmentShader,
-    es: bool,
-) -> String {
+fn declarations(kinds: &[Kind], bindings: &Bindings, shader: &FragmentShader, es: bool) -> String {
     let precision = if es { "highp " } else { "" };
     let set = bindings.group.map_or(String::new(), |group| format!("set = {group}, "));
     let (first, second) = (bindings.first, bindings.first + 1);
     let rows = match shader.rows_from_bottom() {
         // Row 0 of `gl_FragCoord` is the bottom one.
-        true => "landfall_tiles.pictureHeight - min(at.y + 1u, landfall_tiles.pictureHeight)",
-        false => "at.y",
+        true => {
+            "    at.y = landfall_tiles.pictureHeight - min(at.y + 1u, landfall_tiles.pictureHeight);\n"
+        }
+        false => "",
     };
     let mut text = format!(
         "
@@ -111,8 +110,7 @@ layout({set}binding = {second}, std430) readonly buffer LandfallIndexBlock {{
 
 {precision}uint landfall_tile() {{
     {precision}uvec2 at = uvec2(gl_FragCoord.xy);
-    at.y = {rows};
-    at /= max(landfall_tiles.tileSize, 1u);
+{rows}    at /= max(landfall_tiles.tileSize, 1u);
     return min(at.y * landfall_tiles.tilesAcross + at.x, uint(landfall_tiles.tiles.length()) - 1u);
 }}
 "

@@ -92,9 +92,7 @@ fn read<'t>(tokens: &[Token<'t>], at: usize, language: Language) -> Option<Loop<
         Some("does not count one by one")
     } else if condition.is_empty() {
         Some("has no condition")
-    } else if !braced
-        && ["for", "if", "while", "do", "switch"].contains(&tokens[body.start].text)
-    {
+    } else if !braced && ["for", "if", "while", "do", "switch"].contains(&tokens[body.start].text) {
         Some("has a body without braces that is no plain statement")
     } else {
         fault(&tokens[body.clone()], variable)
@@ -158,9 +156,7 @@ fn fault(body: &[Token<'_>], variable: &str) -> Option<&'static str> {
                 let assigned = next == "=" && after != "="
                     || ["+", "-", "*", "/", "%", "&", "|", "^"].contains(&next) && after == "="
                     || ["+", "-"].contains(&next) && after == next
-                    || ["+", "-"].contains(&before)
-                        && at >= 2
-                        && word(at - 2) == before;
+                    || ["+", "-"].contains(&before) && at >= 2 && word(at - 2) == before;
                 if assigned && !member {
                     return Some("changes its variable in its body");
                 }
@@ -215,11 +211,14 @@ pub(super) fn over<'l, 't>(
         let Some(index) = variable(tokens, open) else {
             return Err(format!("`{name}[…]` has an index that is not the variable of a loop"));
         };
-        let inside = |one: &&Loop<'_>| one.variable == index && (one.at..one.body.end).contains(&at);
+        let inside =
+            |one: &&Loop<'_>| one.variable == index && (one.at..one.body.end).contains(&at);
         // The innermost comes last.
         let Some(one) = loops.iter().rev().find(inside) else {
-            return Err(format!("`{index}` of `{name}[{index}]` is not the variable of a `for` loop \
-                                around it"));
+            return Err(format!(
+                "`{index}` of `{name}[{index}]` is not the variable of a `for` loop \
+                                around it"
+            ));
         };
         if at <= one.close {
             return Err(format!("the loop over `{name}` reads a light in its condition"));
@@ -228,9 +227,11 @@ pub(super) fn over<'l, 't>(
             return Err(format!("the loop over `{name}` {fault}"));
         }
         let others = |at: usize| {
-            arrays.iter().any(|other| other.kind != kind && {
-                let open = other.index(tokens, at);
-                open.and_then(|open| variable(tokens, open)) == Some(one.variable)
+            arrays.iter().any(|other| {
+                other.kind != kind && {
+                    let open = other.index(tokens, at);
+                    open.and_then(|open| variable(tokens, open)) == Some(one.variable)
+                }
             })
         };
         if one.body.clone().any(others) {

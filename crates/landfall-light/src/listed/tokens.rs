@@ -67,7 +67,9 @@ fn comment(text: &str) -> usize {
         let rest = &text[at..];
         match rest.find(['/', '*']) {
             None => return text.len(),
-            Some(skip) if rest[skip..].starts_with("/*") => (depth, at) = (depth + 1, at + skip + 2),
+            Some(skip) if rest[skip..].starts_with("/*") => {
+                (depth, at) = (depth + 1, at + skip + 2)
+            }
             Some(skip) if rest[skip..].starts_with("*/") => {
                 (depth, at) = (depth - 1, at + skip + 2);
                 if depth == 0 {

@@ -70,9 +70,11 @@ impl Plan {
                 let [directional, point, spot] = [&lights.directional, &lights.point, &lights.spot];
                 Ok(TileLists::default().whole(directional.iter(), point.iter(), spot.iter()))
             }
-            (None, _) => Err("a cell of `clusters` depends on the distance of a fragment, of which \
+            (None, _) => {
+                Err("a cell of `clusters` depends on the distance of a fragment, of which \
                               rounding leaves more than one; `tiles` has lists"
-                .to_string()),
+                    .to_string())
+            }
         }
     }
 }

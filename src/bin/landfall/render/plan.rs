@@ -109,7 +109,8 @@ pub fn plan(
     }
     let drawn = listed.as_ref().map_or(whole, |listed| &listed.renderer);
     options.costs = drawn.costs(args.backend.kind());
-    let (plan, renderer) = applied(request, whole, &made.work(), &model, &options, listed.as_ref())?;
+    let (plan, renderer) =
+        applied(request, whole, &made.work(), &model, &options, listed.as_ref())?;
     let demanded = options.choose == culling::Choose::Always;
     let emitted = listed.map(|listed| listed.text);
     Ok(Some(Planned { plan, renderer, demanded, idle: false, emitted }))
@@ -118,7 +119,8 @@ pub fn plan(
 /// Rewrites the shader to read lists.
 fn listed(request: &RenderRequest, whole: &Renderer) -> Result<Listed, Stop> {
     let shader = request.shader.as_ref().ok_or_else(|| request.no_shader())?;
-    let wrong = |why: String| Error::new("--emit-shader", format!("cannot rewrite the shader: {why}"));
+    let wrong =
+        |why: String| Error::new("--emit-shader", format!("cannot rewrite the shader: {why}"));
     let made = listed::listed(shader, &request.options.read, &whole.shader, &whole.map);
     let source = made.map_err(wrong)?.source;
     let text = Arc::clone(&source.text);
