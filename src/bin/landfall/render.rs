@@ -1,5 +1,6 @@
 //! `landfall render`: renders a scene with a shader, and compares it with the f64 reference.
 
+mod applied;
 mod auto;
 mod compare;
 mod plan;
@@ -29,7 +30,7 @@ use landfall_light::{Frame, Scene, Upload};
 use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, shader, without_effect, write};
-use plan::Planned;
+use applied::Planned;
 use request::{RenderArguments, RenderRequest};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -146,10 +147,7 @@ fn picture(
         writer.allows(out)?;
         compare::refuse_foreign(out, &args.compare)?;
     }
-    if let Some(path) = &args.emit_shader {
-        plan::refuse_path(path, args, request)?;
-        writer.allows(path)?;
-    }
+    plan::allows_shader(&writer, args, request)?;
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
         false => Some(request.renderer()?.ok_or_else(|| request.no_shader())?),

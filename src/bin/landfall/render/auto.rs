@@ -8,7 +8,7 @@ use landfall_light::render::choose::{self, Candidate};
 use landfall_light::render::{RenderError, Rendered, Work};
 use landfall_light::shading_f32::Model;
 
-use super::plan::{Listed, Planned, applied};
+use super::applied::{Listed, Planned, applied};
 use super::request::RenderRequest;
 use super::{PreparedScene, Stop};
 use crate::args::RenderArgs;
