@@ -140,7 +140,7 @@ fn all_kinds(shader: &str) -> Made {
         if shader.starts_with("light_arrays") {
             scene.lights.spot.clear();
         }
-        let mut below = scene.lights.directional[0].clone();
+        let mut below = scene.lights.directional[0];
         below.direction = glam::DVec3::new(0.1, 1.0, 0.05).normalize();
         scene.lights.directional.insert(0, below);
     }
@@ -395,7 +395,7 @@ fn chosen(
         &mut |backend, run| {
             calls += 1;
             // The first run is skipping nothing, then the candidates follow in order.
-            Ok((run(backend)?, if calls % (favoured + 2) == 0 { 0.5 } else { 1.0 }))
+            Ok((run(backend)?, if calls.is_multiple_of(favoured + 2) { 0.5 } else { 1.0 }))
         },
     );
     (choice.expect("it runs"), candidates)
