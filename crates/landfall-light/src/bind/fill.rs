@@ -196,7 +196,8 @@ impl BlockWriter {
         }
         // A single tile with all lights, for a shader that uses tiles and a plan without them.
         let [points, spots] = [lit.point.len() as u32, lit.spot.len() as u32];
-        let all: Vec<u32> = (0..points).chain(0..spots.max(1)).collect();
+        // Never empty, since no shader language has empty buffers.
+        let all: Vec<u32> = (0..points.max(u32::from(spots == 0))).chain(0..spots).collect();
         let whole = Tiles {
             size: u32::MAX,
             columns: 1,
