@@ -70,6 +70,12 @@ impl Stopwatch {
         Stopwatch { begun: Instant::now(), process: Some(process), processor: time_of(process) }
     }
 
+    /// Starts a clock for work in processes whose processor time is not measured.
+    #[cfg(any(feature = "gl", feature = "gpu", feature = "web"))]
+    pub(crate) fn start_of_clock() -> Stopwatch {
+        Stopwatch { begun: Instant::now(), process: None, processor: None }
+    }
+
     /// Returns the smaller of elapsed time and processor time since the start, but at least a tenth
     /// of the elapsed time.
     pub fn elapsed(&self) -> Duration {

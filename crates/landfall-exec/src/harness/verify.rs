@@ -5,6 +5,7 @@
 //! [`Backend`], and returns a [`ShaderReport`].
 
 pub(super) mod code;
+mod declared;
 pub(super) mod partner;
 pub mod report;
 mod reported;

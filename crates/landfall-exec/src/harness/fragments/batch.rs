@@ -239,7 +239,7 @@ impl Jobs {
             stage: Stage::Fragment,
             entry: shader.entry.clone(),
             module: (!is_gl).then(|| Arc::clone(module)),
-            glsl: text.cloned(),
+            text: text.cloned(),
             spirv: None,
         };
         let grid = Grid::Image { width: 0, height: 0, texel: Texel::Float };

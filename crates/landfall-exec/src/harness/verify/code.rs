@@ -1,15 +1,16 @@
 //! The code of a probe in the form its backend takes: the user's text for OpenGL, ported if it has
-//! loose uniforms, which have no offsets in OpenGL, and a module for the interpreter and wgpu.
+//! loose uniforms, which have no offsets in OpenGL, and for WebGPU; the block's declaration for
+//! WebGL; and a module for the interpreter and wgpu.
 
 use crate::backend::BackendKind;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::partner;
+use super::{declared, partner};
 use super::{Form, VerifyOptions};
-use crate::backend::{Failure, FailureKind, StageCode};
+use crate::backend::{Failure, FailureKind, LooseUniform, StageCode};
 use crate::harness::probe::plan::Plan;
-use crate::harness::probe::{glsl, wgsl};
+use crate::harness::probe::{glsl, pixels, wgsl};
 use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::port::{PortOptions, port};
@@ -40,9 +41,17 @@ pub(super) struct Code {
     /// The stages in pipeline order.
     pub stages: Vec<StageCode>,
     pub block: BoundBuffer,
-    pub results: BoundBuffer,
+    pub results: Results,
     /// Whether the shader may write the block.
     pub writable: bool,
+}
+
+/// The place of a probe's results.
+pub(super) enum Results {
+    /// A buffer, which starts with the plan's indices.
+    Buffer(BoundBuffer),
+    /// Pixels, a word in each; the indices are these uniforms.
+    Pixels(Vec<LooseUniform>),
 }
 
 /// A buffer's name and its binding in the module.
@@ -56,8 +65,9 @@ pub(super) struct BoundBuffer {
 /// Returns the form of code for a backend.
 pub(super) fn form(backend: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
     match (backend, naga) {
-        (BackendKind::Gl, _) if is_loose(source, block) => Form::Ported,
-        (BackendKind::Gl, _) => Form::Original,
+        (BackendKind::Gl | BackendKind::WebGl, _) if is_loose(source, block) => Form::Ported,
+        (BackendKind::WebGl, _) => Form::Declared,
+        (BackendKind::Gl | BackendKind::WebGpu, _) => Form::Original,
         (_, false) => Form::Module,
         (_, true) => Form::Naga,
     }
@@ -78,8 +88,16 @@ pub(super) fn fits(
     let Some(runs) = ExecutableStage::of(stage) else {
         return Err(format!("probes do not run in {} stages", stage.name()));
     };
-    if backend != BackendKind::Gl {
-        return Ok(runs);
+    match backend {
+        BackendKind::Cpu | BackendKind::Gpu => return Ok(runs),
+        BackendKind::WebGl => {
+            // The declaration is the same in every stage, and there is no compute stage.
+            let fragment = runs == ExecutableStage::Compute;
+            let runs = if fragment { ExecutableStage::Fragment } else { runs };
+            return declared::refusal(source, block).map_or(Ok(runs), Err);
+        }
+        BackendKind::WebGpu => return for_webgpu(source, block, runs),
+        BackendKind::Gl => {}
     }
     match (source.language, block.space) {
         (Language::Wgsl, _) => Err("OpenGL does not accept WGSL".to_string()),
@@ -93,6 +111,21 @@ pub(super) fn fits(
     }
 }
 
+/// Returns the stage a probe runs in on WebGPU, or why it cannot run.
+fn for_webgpu(
+    source: &Source,
+    block: &BlockLayout,
+    stage: ExecutableStage,
+) -> Result<ExecutableStage, String> {
+    let reason = match (source.language, block.space, stage) {
+        (Language::Glsl, ..) => "WebGPU accepts only WGSL",
+        (_, AddressSpace::PushConstant, _) => "the browser's WebGPU has no push constants",
+        (.., ExecutableStage::Vertex) => "WebGPU's vertex shaders cannot write the results",
+        (.., ExecutableStage::Fragment | ExecutableStage::Compute) => return Ok(stage),
+    };
+    Err(reason.to_string())
+}
+
 /// Returns the code of a probe.
 ///
 /// # Errors
@@ -100,6 +133,8 @@ pub(super) fn fits(
 pub(super) fn code(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
+        Form::Declared => declared(need, need.source, need.block),
+        Form::Original if need.backend == BackendKind::WebGpu => for_tint(need),
         Form::Original => {
             let source = raised(opened(need.source, &need.options.layout.read));
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
@@ -146,9 +181,21 @@ fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
     text.replace(&declaration, &bound)
 }
 
-/// Returns the user's text for OpenGL's compiler, without a probe.
-pub(super) fn text_without_probe(source: &Source, options: &VerifyOptions) -> String {
-    without_qualifier(&opened(source, &options.layout.read).text, "set")
+/// Returns the texts of a program without a probe, as the backend's compiler takes them: the user's
+/// own where it does, otherwise the block's declaration.
+pub(super) fn texts_without_probe(
+    backend: BackendKind,
+    source: &Source,
+    block: &BlockLayout,
+    options: &VerifyOptions,
+    stage: Stage,
+) -> Vec<(Stage, String)> {
+    let read = &options.layout.read;
+    match backend {
+        BackendKind::WebGpu => vec![(stage, source.text.to_string())],
+        BackendKind::WebGl => declared::whole(source, read, block, stage),
+        _ => vec![(stage, without_qualifier(&opened(source, read).text, "set"))],
+    }
 }
 
 fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
@@ -166,7 +213,10 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, 
     Ok(Code {
         stages,
         block: BoundBuffer { name, ..BoundBuffer::default() },
-        results: BoundBuffer { name: glsl::RESULTS.to_string(), ..BoundBuffer::default() },
+        results: Results::Buffer(BoundBuffer {
+            name: glsl::RESULTS.to_string(),
+            ..BoundBuffer::default()
+        }),
         writable: need.writable,
     })
 }
@@ -188,9 +238,9 @@ fn stage_code(
     stage: Stage,
     entry: &str,
     module: Option<Arc<Module>>,
-    glsl: Option<String>,
+    text: Option<String>,
 ) -> StageCode {
-    StageCode { stage, entry: entry.to_string(), module, glsl, spirv: None }
+    StageCode { stage, entry: entry.to_string(), module, text, spirv: None }
 }
 
 /// Returns OpenGL's name of a block, or of one buffer of an array of blocks: `B[0]`.
@@ -214,11 +264,49 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
             "its uniforms have other offsets in the shader that `landfall port` writes".to_string(),
         ));
     };
+    if need.backend == BackendKind::WebGl {
+        return declared(need, &ported.source, block);
+    }
     let source = raised(Cow::Borrowed(&ported.source));
     let text = glsl::text(&source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &source, &text)?;
     code.block.name = name.to_string();
     Ok(code)
+}
+
+/// Returns the block's declaration in GLSL ES 3.00 with a probe.
+fn declared(
+    need: &ProbeRequest<'_>,
+    source: &Source,
+    block: &BlockLayout,
+) -> Result<Code, Failure> {
+    let text = declared::text(source, &need.options.layout.read, block)
+        .map_err(|message| Failure { kind: FailureKind::Unfit, ..failure(message) })?;
+    let stage = |(stage, text)| stage_code(stage, "main", None, Some(text));
+    let stages = pixels::texts(&text, block, need.element, need.plan, need.stage.into());
+    Ok(Code {
+        stages: stages.map(stage).into(),
+        block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
+        results: Results::Pixels(pixels::indices(need.plan)),
+        writable: false,
+    })
+}
+
+/// Returns the user's WGSL with a probe.
+fn for_tint(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
+    let (Some(group), Some(binding)) = (need.block.group, need.block.binding) else {
+        let message = "its binding is not known".to_string();
+        return Err(Failure { kind: FailureKind::Unfit, ..failure(message) });
+    };
+    let text = wgsl::text(need.source, need.block, need.plan, need.stage);
+    let results =
+        BoundBuffer { binding: wgsl::free_binding(&need.source.text), ..BoundBuffer::default() };
+    Ok(Code {
+        stages: vec![stage_code(need.stage.into(), wgsl::ENTRY, None, Some(text))],
+        block: BoundBuffer { name: need.block.name.to_string(), group, binding },
+        results: Results::Buffer(results),
+        writable: need.writable,
+    })
 }
 
 fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
@@ -234,14 +322,14 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
             &format!("layout(std430) buffer {}", glsl::RESULTS),
             &format!("layout(std430, binding = {NAGA_BINDING}) buffer {}", glsl::RESULTS),
         ),
-        Form::Original | Form::Ported | Form::Module | Form::Spirv => text,
+        Form::Original | Form::Ported | Form::Declared | Form::Module | Form::Spirv => text,
     };
     let source =
         Source { text: Arc::from(text), stage: Some(need.stage.into()), ..need.source.clone() };
     let options = need.options.layout.clone().with_gather(true).with_naga(false);
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
-        Form::Original | Form::Ported | Form::Module | Form::Spirv => {
+        Form::Original | Form::Ported | Form::Declared | Form::Module | Form::Spirv => {
             Module::new(&source, &options)
         }
     };
@@ -262,7 +350,7 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
     if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
-    Ok(Code { stages, block, results, writable: need.writable })
+    Ok(Code { stages, block, results: Results::Buffer(results), writable: need.writable })
 }
 
 /// Returns the binding of the probed block in the module.

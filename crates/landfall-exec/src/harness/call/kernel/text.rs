@@ -60,7 +60,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         stage,
         entry: "main".to_string(),
         module: None,
-        glsl: Some(text),
+        text: Some(text),
         spirv: None,
     };
     // OpenGL has neither; a specialisation constant keeps its default.
