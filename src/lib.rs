@@ -60,6 +60,7 @@
 //! | `analysis` | lints that follow the code of functions, of lighting above all |
 //! | `exec` | commands that execute shaders on the interpreter |
 //! | `gl`, `gpu` | the OpenGL and wgpu backends |
+//! | `serve` | the page of `landfall serve` |
 //! | `full` | everything |
 //!
 //! # Types of other crates
@@ -89,6 +90,10 @@ pub mod codegen {
     pub use landfall_codegen::{CodeOptions, CodeOutput, OutputLanguage, c, languages, rust};
 }
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "report")]
 #[doc(hidden)]
 pub mod report;
+
+#[cfg(feature = "playground")]
+#[doc(hidden)]
+pub mod playground;

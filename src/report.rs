@@ -26,6 +26,7 @@ pub mod run;
 pub mod schema;
 #[cfg(feature = "exec")]
 pub mod stress;
+#[cfg(feature = "cli")]
 pub mod unified;
 #[cfg(feature = "exec")]
 pub mod verify;

@@ -14,16 +14,31 @@ pub use document::{MOST_UNDER_ALL_RULES, Part, RULES};
 use texts::Texts;
 
 const TEMPLATE: &str = include_str!("html/page.html");
-const STYLE: &str = concat!(include_str!("html/page.css"), include_str!("html/map.css"));
 
-/// The parts of the script, which share one scope.
+/// The style of the page and of its maps.
+pub const MAP_STYLE: &str = concat!(include_str!("html/page.css"), include_str!("html/map.css"));
+
+macro_rules! blocks {
+    () => {
+        concat!(
+            include_str!("html/model.js"),
+            include_str!("html/decode.js"),
+            include_str!("html/dom.js"),
+            include_str!("html/map.js"),
+            include_str!("html/block.js"),
+            include_str!("html/detail.js"),
+        )
+    };
+}
+
+/// The parts of the script that draw blocks, which the playground has, too.
+#[cfg(feature = "playground")]
+pub const BLOCKS: &str = blocks!();
+
+/// The script: its parts share one scope.
 const SCRIPT: &str = concat!(
     "'use strict';\n(() => {\n",
-    include_str!("html/model.js"),
-    include_str!("html/decode.js"),
-    include_str!("html/dom.js"),
-    include_str!("html/map.js"),
-    include_str!("html/block.js"),
+    blocks!(),
     include_str!("html/changes.js"),
     include_str!("html/page.js"),
     "})();\n"
@@ -44,26 +59,17 @@ impl Page {
 
     /// The page; `title` says what it shows.
     pub fn finish(self, title: &str) -> String {
-        // In the order of the template, so that no text is searched for the slots behind it.
         let slots = [
             ("{{policy}}", policy()),
-            ("{{style}}", STYLE.to_string()),
+            ("{{style}}", MAP_STYLE.to_string()),
             ("{{data}}", self.data(title)),
             ("{{script}}", SCRIPT.to_string()),
         ];
-        let mut page = String::with_capacity(slots.iter().map(|(_, text)| text.len()).sum());
-        let mut rest = TEMPLATE;
-        for (slot, text) in slots {
-            let (before, after) = rest.split_once(slot).expect("the template has every slot");
-            page.push_str(before);
-            page.push_str(&text);
-            rest = after;
-        }
-        page + rest
+        filled(TEMPLATE, &slots)
     }
 
     /// The JSON that the page holds; without `<`, which could end its element.
-    fn data(&self, title: &str) -> String {
+    pub fn data(&self, title: &str) -> String {
         let tool = landfall_layout::format::json::Tool::LANDFALL;
         let text = format!(
             "{{\"tool\":{},\"title\":{},\"texts\":{},\"shaders\":[\n{}\n]}}",
@@ -76,17 +82,34 @@ impl Page {
     }
 }
 
+/// Fills the slots of a template, in its order, so that no text is searched for the slots behind it.
+pub fn filled(template: &str, slots: &[(&str, String)]) -> String {
+    let mut page = String::with_capacity(slots.iter().map(|(_, text)| text.len()).sum());
+    let mut rest = template;
+    for (slot, text) in slots {
+        let (before, after) = rest.split_once(slot).expect("the template has every slot");
+        page.push_str(before);
+        page.push_str(text);
+        rest = after;
+    }
+    page + rest
+}
+
+/// The hash of a style or script as a content security policy spells it.
+pub fn hash(text: &str) -> String {
+    BASE64.encode(&hmac_sha256::Hash::hash(text.as_bytes()))
+}
+
 fn json<T: serde::Serialize + ?Sized>(value: &T) -> String {
     serde_json::to_string(value).expect("keys are strings")
 }
 
 /// The content security policy: the one style and the one script, by their hashes, and nothing else.
 fn policy() -> String {
-    let hash = |text: &str| BASE64.encode(&hmac_sha256::Hash::hash(text.as_bytes()));
     format!(
         "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; base-uri 'none'; \
          form-action 'none'; require-trusted-types-for 'script'; trusted-types 'none'",
-        hash(STYLE),
+        hash(MAP_STYLE),
         hash(SCRIPT),
     )
 }
@@ -98,7 +121,7 @@ mod tests {
     #[test]
     fn the_script_and_the_style_cannot_end_their_elements() {
         assert!(!SCRIPT.contains("</script") && !SCRIPT.contains("<!--"));
-        assert!(!STYLE.contains("</style"));
+        assert!(!MAP_STYLE.contains("</style"));
     }
 
     #[test]

@@ -229,6 +229,7 @@ fn far_lights() {
         let all: &[&str] = &[
             "used",
             "budget=0.5",
+            "far=0.49x4,always",
             "interpolate=2",
             "interpolate=3",
             "interpolate=4",

@@ -89,7 +89,7 @@ fn the_help_groups_commands_by_purpose_and_fits_80_columns() {
     let mut groups: Vec<&str> = commands.iter().map(|(_, group)| group.as_str()).collect();
     groups.dedup();
     assert_eq!(groups, ["Lay out", "Generate", "Guard", "Prove", "Light", "Measure"]);
-    assert_eq!(commands.len(), 22, "{commands:?}");
+    assert_eq!(commands.len(), 23, "{commands:?}");
     let long = help(&["--help"]);
     assert_eq!(long, help(&["help"]));
     assert_eq!(long, help(&["-h"]));
@@ -105,6 +105,7 @@ Lay out:
   layout   Print the byte layout of every block
   explain  Explain the offset of a member, or find the member at a byte
   report   Draw memory maps of all blocks, with the findings, as one HTML file
+  serve    Serve the playground: layouts, maps and findings as you type
 
 Generate:
   emit     Generate mirrors of blocks in Rust, C and other languages
@@ -172,6 +173,11 @@ fn every_example_of_every_help_exits_as_documented() {
         let place = checkout(&command);
         for Example { line, code } in examples {
             let mut shell = Command::new("sh");
+            // It runs until Ctrl-C.
+            let line = match command.as_str() {
+                "serve" => format!("timeout --preserve-status --signal INT 2 {line}"),
+                _ => line,
+            };
             shell.args(["-c", &line]).env("PATH", &path).current_dir(&place);
             let output = shell.output().expect("a shell runs");
             let said = String::from_utf8_lossy(&output.stderr);

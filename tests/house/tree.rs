@@ -226,9 +226,11 @@ fn dependencies(manifest: &str) -> BTreeSet<String> {
     for line in manifest.lines().map(str::trim) {
         if line.starts_with('[') {
             section = line;
-        } else if section == "[dependencies]" && line.starts_with("landfall-") {
-            let end = line.find(['.', ' ', '=']).unwrap_or(line.len());
-            found.insert(line[..end].to_string());
+        } else if section == "[dependencies]" {
+            let name = &line[..line.find(['.', ' ', '=']).unwrap_or(line.len())];
+            if name == "landfall" || name.starts_with("landfall-") {
+                found.insert(name.to_string());
+            }
         }
     }
     found

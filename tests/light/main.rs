@@ -8,6 +8,7 @@ mod bind_signs;
 mod hazards;
 mod light_bound;
 mod light_claims;
+mod light_far;
 mod light_forms;
 mod light_plan;
 mod light_planned;

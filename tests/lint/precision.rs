@@ -7,10 +7,12 @@
 
 mod comments;
 mod copies;
+mod hazards;
 mod layouts;
 mod macros;
+mod mirrors;
 
-use landfall_layout::finding::Finding;
+use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source};
 use landfall_lint::{Check, Settings, Subject, lint};
 
@@ -36,6 +38,17 @@ impl Fixture {
         }
     }
 
+    /// One shader. A finding is expected on each line that ends with `//<`, and on each that ends
+    /// with `//?`, where the lint is known to miss it.
+    fn marked(name: &str, text: &str) -> Fixture {
+        let marked = text
+            .lines()
+            .zip(1..)
+            .filter(|(line, _)| line.ends_with("//<") || line.ends_with("//?"));
+        let expected: Vec<(&str, u32)> = marked.map(|(_, line)| ("a.frag", line)).collect();
+        Fixture::of(name, &[("a.frag", text)], &expected)
+    }
+
     fn with(self, settings: Settings) -> Fixture {
         Fixture { settings, ..self }
     }
@@ -57,7 +70,12 @@ impl Fixture {
                 subjects.iter().flat_map(|s| check(s, &self.settings)).collect()
             }
             Check::Tree(check) => check(&subjects, &self.settings),
-            Check::Hazard(_) | Check::Elsewhere => panic!("`{code}` is not asked by itself"),
+            Check::Hazard(_) => {
+                let levels = vec![("all".into(), Level::Allow), (code.into(), Level::Warn)];
+                let settings = Settings { levels, ..self.settings.clone() };
+                subjects.iter().flat_map(|s| landfall_lint::run::shader(s, &settings)).collect()
+            }
+            Check::Elsewhere => panic!("`{code}` is not asked by itself"),
         }
     }
 }
@@ -93,6 +111,18 @@ impl Score {
         score
     }
 
+    /// What differs from the marks of the texts, for messages; nothing if a finding stands on each
+    /// `//<` and on no other line.
+    fn differences(&self, code: &str, texts: &[&str]) -> String {
+        let Score { right, false_words, missed } = self;
+        let marked = |mark| texts.iter().map(|text| text.matches(mark).count()).sum::<usize>();
+        assert!(marked("//<") > 0, "{code} has nothing to report");
+        if (*right, missed.len(), false_words.len()) == (marked("//<"), marked("//?"), 0) {
+            return String::new();
+        }
+        format!("{code}: missed {missed:#?}, falsely {false_words:#?}\n")
+    }
+
     fn precision(&self) -> f64 {
         self.right as f64 / (self.right + self.false_words.len()) as f64
     }
@@ -107,4 +137,34 @@ impl Score {
         assert!(p >= precision, "precision {p:.3}: {:#?}", self.false_words);
         assert!(r >= recall, "recall {r:.3}: {:#?}", self.missed);
     }
+}
+
+/// Lints that compare numbers which are given, and guess nothing: their own tests hold each number.
+const GIVEN: &[&str] = &[
+    "buffer-too-small",
+    "driver-disagrees",
+    "layout-drift",
+    "lock-missing",
+    "lock-orphan",
+    "naga-disagrees",
+    "not-proved",
+    "over-limit",
+    "rust-mirror-unknown",
+    "target-changes-layout",
+    "unused-allow",
+];
+
+/// Lints with a test of their own below this module.
+const ALONE: &[&str] =
+    &["block-mismatch", "define-changes-layout", "rust-mirror", "stale-comment", "webgl2-size"];
+
+#[test]
+fn every_lint_that_guesses_has_fixtures() {
+    let tables = [hazards::BODIES, hazards::SHADERS, layouts::CORPUS, layouts::USES];
+    let tables = tables.into_iter().flatten().map(|(code, _)| code);
+    let mut known: Vec<&str> = tables.chain(GIVEN).chain(ALONE).copied().collect();
+    known.sort_unstable();
+    let mut all: Vec<&str> = landfall_lint::LINTS.iter().map(|lint| lint.code).collect();
+    all.sort_unstable();
+    assert_eq!(known, all);
 }

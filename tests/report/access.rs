@@ -9,7 +9,7 @@ use crate::browser::Browser;
 use crate::hostile::requests;
 use crate::support::{DRAW_ALL, Folder, output, repository};
 
-const TAB: &str = "\u{e004}";
+pub const TAB: &str = "\u{e004}";
 const RIGHT: &str = "\u{e014}";
 const DOWN: &str = "\u{e015}";
 const SPACE: &str = " ";
@@ -39,11 +39,27 @@ fn page(folder: &Folder) -> std::path::PathBuf {
     folder.path().join("page.html")
 }
 
-#[test]
-fn axe_finds_no_violation_in_either_scheme() {
+/// What axe-core finds in a page: the rules that it breaks, and where.
+pub fn violations(browser: &Browser) -> Value {
     let axe = repository().join("target/axe/node_modules/axe-core/axe.min.js");
     let axe = std::fs::read_to_string(axe)
         .expect("axe-core is missing: npm install --prefix target/axe axe-core");
+    let done = browser.devtools("Runtime.evaluate", json!({"expression": axe}));
+    assert!(done["exceptionDetails"].is_null(), "{done:#}");
+    let mut found = browser.run_async(
+        "const done = arguments[0];
+         axe.run(document, { resultTypes: ['violations'] }).then(
+             result => done({ checked: result.passes.length, violations: result.violations.map(one =>
+                 [one.id, one.help, one.nodes.slice(0, 3).map(node => node.html + ' ' + node.failureSummary)]) }),
+             error => done({ error: String(error) }));",
+        &[],
+    );
+    assert!(found["checked"].as_u64().is_some_and(|checked| checked > 20), "{found:#}");
+    found["violations"].take()
+}
+
+#[test]
+fn axe_finds_no_violation_in_either_scheme() {
     let (browser, folder) = (Browser::start("axe"), Folder::new("axe"));
     let page = page(&folder);
     for (width, scheme) in [(1400, "light"), (1400, "dark"), (400, "light"), (400, "dark")] {
@@ -60,28 +76,17 @@ fn axe_finds_no_violation_in_either_scheme() {
             &[],
         );
         browser.run(DRAW_ALL, &[]);
-        let done = browser.devtools("Runtime.evaluate", json!({"expression": axe}));
-        assert!(done["exceptionDetails"].is_null(), "{done:#}");
-        let found = browser.run_async(
-            "const done = arguments[0];
-             axe.run(document, { resultTypes: ['violations'] }).then(
-                 result => done({ checked: result.passes.length, violations: result.violations.map(one =>
-                     [one.id, one.help, one.nodes.slice(0, 3).map(node => node.html + ' ' + node.failureSummary)]) }),
-                 error => done({ error: String(error) }));",
-            &[],
-        );
-        assert_eq!(found["violations"], json!([]), "{width} {scheme}: {found:#}");
-        assert!(found["checked"].as_u64().unwrap() > 20, "{found:#}");
+        assert_eq!(violations(&browser), json!([]), "{width} {scheme}");
     }
 }
 
 /// Numbers everything that can be operated.
-const NUMBER: &str = "
+pub const NUMBER: &str = "
     window.reached = new Set();
     document.addEventListener('focusin', event => window.reached.add(event.target), true);
     document.body.focus();
-    window.operable = () => [...document.querySelectorAll('a[href], button, input, summary, [tabindex=\"0\"]')]
-        .filter(one => one.checkVisibility() && !one.closest('[hidden]'));";
+    window.operable = () => [...document.querySelectorAll('a[href], button, input, select, textarea, summary, [tabindex=\"0\"]')]
+        .filter(one => one.checkVisibility() && !one.closest('[hidden]') && !one.disabled);";
 
 #[test]
 fn the_keyboard_alone_reaches_everything() {

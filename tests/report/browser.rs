@@ -60,6 +60,8 @@ impl Browser {
         .into();
         flags.push(format!("--user-data-dir={}", browser.profile.display()));
         let wanted = json!({"capabilities": {"alwaysMatch": {
+            // A busy machine takes its time.
+            "timeouts": {"script": 300_000},
             "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
             "goog:chromeOptions": {"args": flags},
         }}});
@@ -78,8 +80,18 @@ impl Browser {
 
     /// Opens a file and waits until its script has run.
     pub fn open(&self, file: &Path) {
-        let url = format!("file://{}", std::fs::canonicalize(file).unwrap().display());
+        self.open_url(&format!("file://{}", std::fs::canonicalize(file).unwrap().display()));
+    }
+
+    /// Opens a page and waits until it says that it is ready, at most a minute.
+    pub fn open_url(&self, url: &str) {
         self.post("/url", &json!({"url": url}));
+        let asked = std::time::Instant::now();
+        let is_ready =
+            || self.run("return document.documentElement.dataset.ready", &[]).is_string();
+        while !is_ready() && asked.elapsed().as_secs() < 60 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
         let ready = self.run("return document.documentElement.dataset.ready", &[]);
         assert!(ready.is_string(), "the script of the page has run: {:#?}", self.log("browser"));
     }

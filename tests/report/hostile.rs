@@ -6,7 +6,7 @@ use crate::browser::Browser;
 use crate::support::{DRAW_ALL, Folder, landfall, output};
 
 /// What would set `window.hacked`, open a dialog, load something, or end the element it is in.
-const INJECTIONS: [&str; 20] = [
+pub const INJECTIONS: [&str; 20] = [
     "<script>window.hacked = 1</script>",
     "</script><script>window.hacked = 1</script>",
     "</SCRIPT ><sCrIpT>hacked=1</ScRiPt>",

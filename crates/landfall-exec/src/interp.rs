@@ -71,11 +71,16 @@ impl Program {
     pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
         // Statements may nest deeply; only the used part of the stack is committed.
         let compile = || compile::compile(module, overrides, floats);
-        let mut program = std::thread::scope(|scope| {
-            let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
-            let thread = thread.expect("there is memory for a thread");
-            thread.join().expect("compiling a validated module does not panic")
-        });
+        let on_a_large_stack = || {
+            std::thread::scope(|scope| {
+                let thread =
+                    std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
+                let thread = thread.expect("there is memory for a thread");
+                thread.join().expect("compiling a validated module does not panic")
+            })
+        };
+        // WebAssembly has no threads.
+        let mut program = if cfg!(target_family = "wasm") { compile() } else { on_a_large_stack() };
         program.files = module.files.clone();
         program.bases = module.bases.clone();
         let kind = module.files.get(0).and_then(|file| kind_of_path(Path::new(&file.path)));

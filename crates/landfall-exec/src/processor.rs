@@ -47,6 +47,12 @@ fn time_of(_: u32) -> Option<Duration> {
     None
 }
 
+/// Returns the end of a time limit that begins now; `None` where there is no clock, as in
+/// WebAssembly: there the interpreter ends after its budget of steps.
+pub fn deadline(limit: Duration) -> Option<Instant> {
+    if cfg!(target_family = "wasm") { None } else { Instant::now().checked_add(limit) }
+}
+
 /// A clock for time limits: on a busy machine it runs as slowly as the work it measures.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {

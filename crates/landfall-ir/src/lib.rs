@@ -5,6 +5,8 @@
 pub mod analysis;
 #[cfg(feature = "lowering")]
 pub mod call_graph;
+#[cfg(feature = "es")]
+pub mod es;
 #[cfg(feature = "lowering")]
 mod glsl;
 #[cfg(feature = "lowering")]

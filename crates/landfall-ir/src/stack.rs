@@ -12,6 +12,10 @@ const STACK: usize = 256 << 20;
 pub(super) fn on_a_large_stack<T: Send>(
     run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
 ) -> Result<T, Vec<Diagnostic>> {
+    // WebAssembly has the one stack that its linker was told of, and no threads.
+    if cfg!(target_family = "wasm") {
+        return run();
+    }
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
         let message = match thread.map(|thread| thread.join()) {

@@ -439,6 +439,8 @@ pub struct ReadOptions {
     pub target: Option<Target>,
     /// The size limit of a file in bytes; [`MOST_BYTES`] unless set.
     pub max_bytes: Option<u64>,
+    /// The files that `#include` may read, by path and text, instead of those of the system.
+    pub files: Option<Vec<(String, String)>>,
 }
 
 impl ReadOptions {

@@ -16,6 +16,7 @@ mod options;
 mod patch;
 pub mod radius;
 pub mod region;
+mod smooth;
 mod upload;
 mod used;
 
@@ -35,6 +36,7 @@ use super::shading_f32::{Model, SpecularTerm};
 use super::{Frame, Upload};
 use bound::Bounded;
 use cull::Lists;
+use patch::Patched;
 use region::Points;
 
 /// One step of 8 bits.
@@ -192,11 +194,16 @@ impl Job<'_> {
     ) -> Option<Plan> {
         let Job { frame, options, .. } = *self;
         let before = whole.evaluations();
-        let Interpolate { diameters, nodes } = interpolate;
-        let option = format!("interpolate={diameters}x{nodes}");
-        let (plan, tests, sorted) = patch::patches(self, interpolate);
+        let Interpolate { diameters, nodes, within } = interpolate;
+        let option = match within {
+            Some(steps) => format!("far={steps}x{nodes}"),
+            None => format!("interpolate={diameters}x{nodes}"),
+        };
+        let Patched { plan, tests, sorted, error } = patch::patches(self, interpolate);
         let plain = options.costs.total(whole, 0, 0);
-        let cost = options.costs.total(&plan, tests, sorted);
+        // A bound of the error takes as long as this many other tests.
+        let weight = if within.is_some() { 20 } else { 1 };
+        let cost = options.costs.total(&plan, weight * tests, sorted);
         if options.choose == Choose::Cheaper && cost >= plain * options.costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;
@@ -213,7 +220,13 @@ impl Job<'_> {
             cost * 1e-6,
             plain * 1e-6
         );
-        let error = Claim::Unmeasured;
+        let error = match within {
+            Some(_) => Claim::Proven {
+                steps: error / STEP,
+                by: "the bounds of the error of interpolating each far light, summed, at their largest".to_string(),
+            },
+            None => Claim::Unmeasured,
+        };
         savings.steps.push(OptionEffect {
             option,
             did,

@@ -9,10 +9,12 @@ mod border;
 mod ignored;
 pub(crate) mod limits;
 pub mod planned;
+mod scene_shader;
 mod shown;
 pub mod tally;
 pub mod truth;
 
+pub use scene_shader::SceneShader;
 use std::fmt;
 use std::time::Duration;
 

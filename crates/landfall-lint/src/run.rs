@@ -5,9 +5,12 @@
 use super::allow::{allows, suppress};
 use super::definition::{Check, Subject};
 use super::levels::{at_levels, level};
-use super::registry::LINTS;
+use super::registry::{LINTS, lint};
 use super::settings::Settings;
 use landfall_layout::finding::{Finding, Level};
+
+/// The most errors that are reported of a shader.
+pub const MOST_ERRORS: usize = 100;
 
 /// Returns the findings in one shader, without those that its comments allow.
 pub fn shader(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
@@ -60,4 +63,28 @@ pub fn tree_unsuppressed(subjects: &[Subject<'_>], settings: &Settings) -> Vec<F
         }
     }
     at_levels(findings, settings)
+}
+
+/// Sorts findings by place and removes duplicates, as from an include of two shaders.
+pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
+    fn order(f: &Finding) -> (&str, u32, u32, &str, &str, &str, u32) {
+        let place = &f.place();
+        (&place.path, place.line, place.column, &f.code, &f.about, &f.message, place.end)
+    }
+    findings.sort_by(|a, b| order(a).cmp(&order(b)));
+    // A finding in an include comes from every shader, with the names of its own blocks.
+    findings.dedup_by(|a, b| a == b || a.place().line > 0 && order(a) == order(b));
+    findings
+}
+
+/// Whether a lint ran, so that an `allow` comment for it can be reported as unused: in a run over
+/// all shaders (`whole`), and one that compares locks.
+pub fn has_run(code: &str, whole: bool, locks: bool) -> bool {
+    match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
+        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
+        // The other copy may be in a file that was not checked.
+        Some(Check::Tree(_)) => whole,
+        Some(Check::Elsewhere) => locks && (code == "layout-drift" || code == "lock-missing"),
+        None => false,
+    }
 }

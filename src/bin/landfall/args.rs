@@ -19,7 +19,7 @@ mod levels;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
-#[cfg(not(all(feature = "exec", feature = "completions")))]
+#[cfg(not(all(feature = "exec", feature = "completions", feature = "serve")))]
 mod missing;
 #[cfg(feature = "exec")]
 mod prove;
@@ -29,6 +29,8 @@ mod render;
 mod report;
 #[cfg(feature = "exec")]
 mod run;
+#[cfg(feature = "serve")]
+mod serve;
 #[cfg(feature = "exec")]
 mod stress;
 #[cfg(feature = "exec")]
@@ -63,6 +65,8 @@ pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 #[cfg(not(feature = "analysis"))]
 pub use missing::LightsArgs;
+#[cfg(not(feature = "serve"))]
+pub use missing::ServeArgs;
 #[cfg(not(feature = "exec"))]
 pub use missing::{BenchArgs, DevicesArgs, ProveArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
 #[cfg(not(feature = "completions"))]
@@ -75,6 +79,8 @@ pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use report::ReportArgs;
 #[cfg(feature = "exec")]
 pub use run::{RunArgs, RunFormat};
+#[cfg(feature = "serve")]
+pub use serve::ServeArgs;
 #[cfg(feature = "exec")]
 pub use stress::{StressArgs, StressFormat};
 #[cfg(feature = "exec")]
@@ -111,6 +117,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Draw memory maps of all blocks, with the findings, as one HTML file
     Report(ReportArgs),
+    /// Serve the playground: layouts, maps and findings as you type
+    Serve(ServeArgs),
     /// Generate mirrors of blocks in Rust, C and other languages
     Emit(EmitArgs),
     /// Rewrite legacy GLSL as Vulkan GLSL, naga's GLSL or WGSL

@@ -17,15 +17,6 @@ use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{read, without_effect, work};
 use writer::Writer;
 
-/// Errors after which a shader cannot be parsed further: none of its blocks is printed.
-const SYNTAX: &[Code] = &[
-    Code::Syntax,
-    Code::UnexpectedToken,
-    Code::UnclosedBrace,
-    Code::UnclosedComment,
-    Code::UnmatchedDirective,
-];
-
 pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
     if args.naga && !cfg!(feature = "naga") {
         let error = Error::new("--naga", "is not in this build: it needs the feature `analysis`");
@@ -54,7 +45,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 /// Whether a finding ends the parsing of a shader.
 pub fn is_syntax(found: &Diagnostic) -> bool {
-    SYNTAX.contains(&found.code)
+    found.code.ends_parsing()
 }
 
 /// Whether a block or its instance has this name.

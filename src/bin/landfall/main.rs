@@ -34,7 +34,7 @@ mod lights;
 mod lock;
 mod locks;
 mod merge;
-#[cfg(not(all(feature = "exec", feature = "completions")))]
+#[cfg(not(all(feature = "exec", feature = "completions", feature = "serve")))]
 mod missing;
 mod output;
 mod port;
@@ -48,6 +48,8 @@ mod rule;
 #[cfg(feature = "exec")]
 mod run;
 mod schema;
+#[cfg(feature = "serve")]
+mod serve;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 mod serve_backend;
 mod shader;
@@ -76,6 +78,10 @@ fn main() -> ExitCode {
         Command::Layout(args) => layout::run(args, &streams),
         Command::Explain(args) => explain::run(args, &streams),
         Command::Report(args) => report::run(args, &streams),
+        #[cfg(feature = "serve")]
+        Command::Serve(args) => serve::run(args, &streams),
+        #[cfg(not(feature = "serve"))]
+        Command::Serve(_) => missing::run(&args.command),
         Command::Emit(args) => emit::run(args, &streams),
         Command::Port(args) => port::run(args, &streams),
         Command::Encode(args) => encode::run(args, &streams),

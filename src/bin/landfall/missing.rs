@@ -1,5 +1,5 @@
 //! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
-//! needs `analysis`, `completions` and `man` need `completions`.
+//! needs `analysis`, `serve` needs `serve`, `completions` and `man` need `completions`.
 
 use landfall_layout::Error;
 
@@ -19,11 +19,13 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Bench(_) => "bench",
         Command::Devices(_) => "devices",
         Command::Lights(_) => "lights",
+        Command::Serve(_) => "serve",
         _ => unreachable!("every other command is in every build"),
     };
     let (feature, all) = match name {
         "completions" | "man" => ("completions", "completions"),
         "lights" => ("analysis", "analysis"),
+        "serve" => ("serve", "full"),
         _ => ("exec", "full"),
     };
     let message = format!("is not in this build of landfall: it needs the feature `{feature}`");

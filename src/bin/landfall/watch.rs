@@ -158,9 +158,10 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
     if flag::register_conditional_default(SIGINT, Arc::clone(&stop)).is_ok() {
         let _ = flag::register(SIGINT, Arc::clone(&stop));
     }
-    // `check --watch` runs until it is interrupted.
+    // `check --watch` and `serve` run until they are interrupted.
     let usual = match command {
         Command::Check(args) if args.watch => Duration::MAX,
+        Command::Serve(_) => Duration::MAX,
         _ => TIME,
     };
     let (own_time, wait): (Duration, fn()) = match command {

@@ -313,7 +313,8 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         | Command::Man(_)
         | Command::Merge(_)
         | Command::Rule(_)
-        | Command::Schema(_) => return None,
+        | Command::Schema(_)
+        | Command::Serve(_) => return None,
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
     };

@@ -50,6 +50,21 @@ class BlockView {
     this.element.view = this;
   }
 
+  /** Takes over what is chosen in the view of the same block before its text was changed. */
+  adopt(other) {
+    const rules = this.block.layouts.map((layout) => layout.rules).filter((one) => other.rules.has(one));
+    if (other.rules.size > 1 && rules.length > 0) this.rules = new Set(rules);
+    this.state = other.state;
+    this.element.querySelectorAll('.rules button').forEach((button) => {
+      button.setAttribute('aria-pressed', String(this.rules.has(button.dataset.rules)));
+    });
+    if (!other.dump || !this.offset) return;
+    this.dump = other.dump;
+    this.offset.value = other.offset.value;
+    this.loaded.hidden = false;
+    this.take();
+  }
+
   get title() {
     const { name, instance, space } = this.block;
     return [space === 'default' ? 'Loose uniforms' : name, instance].filter(Boolean).join(' ');

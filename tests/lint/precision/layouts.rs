@@ -1,10 +1,9 @@
-//! Lints of single blocks. `//<` marks each line that has to be reported, `//?` one that is known
-//! to be missed.
+//! Lints of single blocks. `//<` marks each line that has to be reported.
 
 use super::{Fixture, Score};
 
 /// Blocks, by lint: those that are right stand beside those that are not.
-const CORPUS: &[(&str, &[&str])] = &[
+pub const CORPUS: &[(&str, &[&str])] = &[
     (
         "array-stride-waste",
         &[
@@ -82,7 +81,7 @@ const CORPUS: &[(&str, &[&str])] = &[
 ];
 
 /// Bodies that use some of a block, by lint: in Vulkan's GLSL, as naga has to take the text.
-const USES: &[(&str, &[&str])] = &[
+pub const USES: &[(&str, &[&str])] = &[
     (
         "unused-block",
         &[
@@ -109,27 +108,15 @@ const USES: &[(&str, &[&str])] = &[
     ),
 ];
 
-fn fixture(text: &str, main: &str) -> Fixture {
-    let text = format!("#version 460\n{text}\nvoid main() {{ {main} }}\n");
-    let marked =
-        text.lines().zip(1..).filter(|(line, _)| line.ends_with("//<") || line.ends_with("//?"));
-    let expected: Vec<(&str, u32)> = marked.map(|(_, line)| ("a.frag", line)).collect();
-    Fixture::of(text.as_str(), &[("a.frag", &text)], &expected)
-}
-
 #[test]
 fn blocks_on_which_one_lint_speaks_and_blocks_on_which_it_does_not() {
     let mut wrong = String::new();
     let all = CORPUS.iter().map(|(code, texts)| (code, texts, ""));
     for (code, texts, main) in all.chain(USES.iter().map(|(code, texts)| (code, texts, "used();")))
     {
-        let fixtures: Vec<Fixture> = texts.iter().map(|text| fixture(text, main)).collect();
-        let Score { right, false_words, missed } = Score::of(code, &fixtures);
-        let marked = |mark| texts.iter().map(|text| text.matches(mark).count()).sum::<usize>();
-        assert!(right > 0, "{code} has nothing to report");
-        if (right, missed.len(), false_words.len()) != (marked("//<"), marked("//?"), 0) {
-            wrong.push_str(&format!("{code}: not said {missed:#?}, falsely {false_words:#?}\n"));
-        }
+        let whole = |text| format!("#version 460\n{text}\nvoid main() {{ {main} }}\n");
+        let fixtures = texts.iter().map(|text| Fixture::marked(text, &whole(text)));
+        wrong.push_str(&Score::of(code, &fixtures.collect::<Vec<_>>()).differences(code, texts));
     }
     assert_eq!(wrong, "");
 }

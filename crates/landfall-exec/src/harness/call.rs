@@ -18,7 +18,7 @@ pub mod report;
 
 use crate::backend::BackendKind;
 use landfall_layout::diagnostic::Code;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -32,6 +32,7 @@ use crate::harness::bindings::Data;
 use crate::interp::{
     Call, Called, Cpu, Floats, FunctionSignature, Precision, Program, Settings, ValueType, Words,
 };
+use crate::processor::deadline;
 use landfall_ir::module::{Direction, FunctionInfo, HandleKind, ModuleHandle};
 use landfall_ir::{Module, call_graph};
 use landfall_layout::source::{Files, Language, Source};
@@ -108,6 +109,20 @@ pub fn call(
     let job = Job { source, options, request, module: &module, entry_point };
     let report = job.run(backend).map_err(refused)?;
     Ok(CallReport { assumed_target, ..report })
+}
+
+/// Returns the functions of a shader that [`call`] takes, as `NAME(TYPE, …)` with arguments that fit;
+/// none of a shader that does not run.
+pub fn signatures(source: &Source, options: &Options) -> Vec<(String, Vec<Value>)> {
+    let options = &options.clone().with_naga(false).with_gather(true);
+    let Ok(module) = Module::for_calls(source, options) else { return Vec::new() };
+    let program = Program::new(&module, &[]);
+    let described = |info: &FunctionInfo| {
+        let signature = program.signature(info.handle.index()).ok()??;
+        let arguments = signature.parameters.iter().map(|p| arguments::ones(&p.ty)).collect();
+        Some((find::spelled_signature(info), arguments))
+    };
+    module.functions().iter().filter_map(described).collect()
 }
 
 /// A call in progress.
@@ -255,7 +270,7 @@ impl Job<'_> {
         let settings = Settings {
             precision: Precision::Both,
             watch: true,
-            deadline: Instant::now().checked_add(request.limit),
+            deadline: deadline(request.limit),
             threads: 1,
             ..Settings::default()
         };

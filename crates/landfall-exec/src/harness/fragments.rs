@@ -23,7 +23,7 @@ pub use batch::{Batch, Image, Shaded};
 pub use permitted::Permitted;
 
 /// The name of the texture that holds the inputs.
-const ATLAS: &str = "landfall_inputs";
+pub const ATLAS: &str = "landfall_inputs";
 /// GLSL's name of the pixel coordinate, which is an input too.
 pub const PIXEL: &str = "gl_FragCoord";
 /// The name of the uniform with the texture's width and rows per input, for GLSL without
@@ -73,6 +73,18 @@ pub enum InputKind {
     Float,
     Sint,
     Uint,
+}
+
+/// A fragment shader in GLSL ES 3.00.
+#[derive(Clone, Debug)]
+pub struct EsText {
+    /// The text.
+    pub text: String,
+    /// The names of the blocks in it, in the order of [`Batch::blocks`]; `None` for one that it does
+    /// not read.
+    pub blocks: Vec<Option<String>>,
+    /// Its samplers, each with its index in [`Batch::textures`]; `None` for that of the inputs.
+    pub samplers: Vec<(String, Option<usize>)>,
 }
 
 impl FragmentShader {
@@ -180,6 +192,25 @@ impl FragmentShader {
     /// Returns the GLSL text for OpenGL; `None` for WGSL.
     pub fn glsl(&self) -> Option<&str> {
         self.texts.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    /// Returns the shader in GLSL ES 3.00: it reads its inputs from the sampler [`ATLAS`], one below
+    /// the other.
+    ///
+    /// # Errors
+    /// What WebGL 2 does not have.
+    #[cfg(feature = "es")]
+    pub fn es(&self) -> Result<EsText, String> {
+        let shader = self.module.es(&self.entry)?;
+        let handles = self.module.handles();
+        let is_texture = |handle: &&ModuleHandle| handle.kind == HandleKind::Texture;
+        let number = |handle: usize| handles[..handle].iter().filter(is_texture).count();
+        let samplers = shader.textures.into_iter();
+        Ok(EsText {
+            text: shader.text,
+            blocks: shader.blocks,
+            samplers: samplers.map(|(name, handle)| (name, handle.map(number))).collect(),
+        })
     }
 
     /// Returns whether a block holds the loose uniforms of GLSL.

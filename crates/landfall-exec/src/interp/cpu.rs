@@ -5,7 +5,6 @@
 use crate::backend::BackendKind;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::code::{Class, LANES, Reg};
 use super::drive::Outcome;
@@ -75,7 +74,7 @@ impl Cpu {
     }
 
     fn run_in<R: Real>(&mut self, job: &Job) -> Result<JobOutput, Failure> {
-        let deadline = Instant::now().checked_add(job.limit);
+        let deadline = crate::processor::deadline(job.limit);
         let settings = Settings { deadline, ..self.settings.clone() };
         let stage = |kind: Stage| job.stages.iter().find(|s| s.stage == kind);
         let (notes, buffers, pixels) = match job.grid {

@@ -188,6 +188,18 @@ codes! {
 }
 
 impl Code {
+    /// Whether a shader is not parsed further after an error of this code.
+    pub fn ends_parsing(self) -> bool {
+        matches!(
+            self,
+            Code::Syntax
+                | Code::UnexpectedToken
+                | Code::UnclosedBrace
+                | Code::UnclosedComment
+                | Code::UnmatchedDirective
+        )
+    }
+
     /// Returns the code of that name.
     pub fn from_name(name: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.name() == name)

@@ -222,6 +222,11 @@ impl Bounded {
         Some(reflected)
     }
 
+    /// Returns the colours of its ambient, diffuse and specular terms.
+    pub fn terms(&self) -> [DVec3; 3] {
+        self.terms
+    }
+
     /// Whether some channel of its highlights is black.
     pub fn is_dull(&self) -> bool {
         self.terms[2].cmpeq(DVec3::ZERO).any()

@@ -81,6 +81,9 @@ pub struct Interpolate {
     pub diameters: f64,
     /// The nodes along each side of a patch, 2 to 8.
     pub nodes: u32,
+    /// A light is far where the proven errors of all far lights stay within that many steps
+    /// together, instead of by `diameters`.
+    pub within: Option<f64>,
 }
 
 /// When to divide a frame.
@@ -120,6 +123,11 @@ pub const PARTS: &[(&str, &str)] = &[
         "interpolate[=DIAMETERS[xNODES]]",
         "on flat surfaces, light NODES by NODES points of a patch and interpolate, for lights farther \
          away than DIAMETERS patch sizes; the error is measured; default 4x3",
+    ),
+    (
+        "far=STEPS[xNODES]",
+        "as `interpolate`, for the lights whose errors add up to at most STEPS/255 at any fragment by \
+         proof; point lights without a range; default 5 nodes",
     ),
     (
         "cut=VALUE",
@@ -193,7 +201,12 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
             let (diameters, nodes) =
                 value.unwrap_or("4").split_once('x').unwrap_or((value.unwrap_or("4"), "3"));
             let (diameters, nodes) = (positive(diameters)?, integer(nodes, 2..=8)?);
-            options.interpolate = Some(Interpolate { diameters, nodes });
+            options.interpolate = Some(Interpolate { diameters, nodes, within: None });
+        }
+        "far" => {
+            let (steps, nodes) = needed()?.split_once('x').unwrap_or((needed()?, "5"));
+            let (steps, nodes) = (positive(steps)?, integer(nodes, 2..=6)?);
+            options.interpolate = Some(Interpolate { diameters: 0.0, nodes, within: Some(steps) });
         }
         "cut" => options.cull = Cull::Range(positive(needed()?)?),
         "below" => options.cull = Cull::Threshold(positive(needed()?)?),
@@ -237,7 +250,10 @@ mod tests {
         assert_eq!(options.cull, Cull::Budget(0.5));
         assert_eq!(options.choose, Choose::Always);
         let options = parse("interpolate=2x4").expect("good");
-        assert_eq!(options.interpolate, Some(Interpolate { diameters: 2.0, nodes: 4 }));
+        assert_eq!(
+            options.interpolate,
+            Some(Interpolate { diameters: 2.0, nodes: 4, within: None })
+        );
         assert_eq!(parse("interpolate").expect("good").interpolate.map(|i| i.nodes), Some(3));
         assert_eq!(parse("cut=5/256").expect("good").cull, Cull::Range(5.0 / 256.0));
     }
@@ -254,6 +270,7 @@ mod tests {
             ("slots=3x4", "one number, or three"),
             ("clusters=3x4", "columns, rows and slices"),
             ("interpolate=4x9", "from 2 to 8"),
+            ("far=0.5x7", "from 2 to 6"),
             ("tiles,interpolate", "remove `tiles`"),
         ] {
             let said = parse(text).expect_err(text);

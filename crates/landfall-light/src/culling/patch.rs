@@ -12,13 +12,25 @@ use glam::DVec3;
 use super::bound::{Bounded, Shape};
 use super::options::Interpolate;
 use super::region::{Points, Region};
-use super::{Job, set};
+use super::smooth::{Order, Reflects};
+use super::{Job, STEP, set, smooth};
 use crate::Fragment;
 use crate::plan::{Draw, Grid, Plan, places};
 use crate::scene::Surface;
 
-/// Returns the plan with grids, the tests of lights against patches, and the fragments sorted.
-pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> (Plan, u64, u64) {
+/// A plan with grids.
+pub(super) struct Patched {
+    pub plan: Plan,
+    /// The tests of lights against patches.
+    pub tests: u64,
+    /// The fragments sorted.
+    pub sorted: u64,
+    /// The largest sum of proven errors at a fragment.
+    pub error: f64,
+}
+
+/// Returns the plan with grids.
+pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
     let points = Points::new(job.frame, job.upload, job.model);
     let mut patches = Patches {
         job,
@@ -28,21 +40,38 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> (Plan, u64, u6
         plan: Plan::default(),
         tests: 0,
         sorted: 0,
+        error: 0.0,
+        order: Order::new(interpolate.nodes.min(6)),
     };
     let all: Vec<u32> = (0..job.lights.len() as u32).collect();
     let (planes, rest) = planes(job, &points);
     for (plane, fragments) in planes {
-        patches.split(fragments, Some(&plane), &all, None);
+        patches.split(fragments, Some(&plane), &all, Above { grid: None, spent: 0.0 });
     }
     for fragments in rest {
-        patches.split(fragments, None, &all, None);
+        patches.split(fragments, None, &all, Above { grid: None, spent: 0.0 });
     }
-    (patches.plan, patches.tests, patches.sorted)
+    let Patches { plan, tests, sorted, error, .. } = patches;
+    Patched { plan, tests, sorted, error }
 }
 
 /// The directions of a plane.
 struct Plane {
     axes: [DVec3; 2],
+    normal: DVec3,
+    /// The largest distance of a fragment from it.
+    off: f64,
+    /// The largest difference of a unit normal from its own.
+    tilt: f64,
+}
+
+/// What larger patches give a patch.
+#[derive(Clone, Copy)]
+struct Above {
+    /// The innermost grid around it.
+    grid: Option<u32>,
+    /// The proven error of all grids around it.
+    spent: f64,
 }
 
 /// The fewest fragments for a plane of its own.
@@ -98,8 +127,11 @@ fn planes(job: &Job<'_>, points: &Points<'_>) -> (Vec<(Plane, Group)>, Vec<Group
         let origin = points.position(group[0]);
         let diameter = (region.high - region.low).length();
         let off = |n: &u32| (points.position(*n) - origin).dot(normal).abs();
-        if group.len() >= FEWEST && group.iter().all(|n| off(n) <= FLAT * diameter) {
-            planes.push((Plane { axes: [first, second] }, group));
+        let off = group.iter().map(off).fold(0.0, f64::max);
+        if group.len() >= FEWEST && off <= FLAT * diameter {
+            let tilt = |n: &u32| (points.normal(*n) - normal).length();
+            let tilt = group.iter().map(tilt).fold(0.0, f64::max);
+            planes.push((Plane { axes: [first, second], normal, off, tilt }, group));
         } else {
             set_aside(object, group);
         }
@@ -116,6 +148,8 @@ struct Patches<'a> {
     plan: Plan,
     tests: u64,
     sorted: u64,
+    error: f64,
+    order: Order,
 }
 
 impl Patches<'_> {
@@ -124,7 +158,7 @@ impl Patches<'_> {
         mut fragments: Group,
         plane: Option<&Plane>,
         candidates: &[u32],
-        parent: Option<u32>,
+        above: Above,
     ) {
         let region = self.points.region(&fragments);
         self.tests += candidates.len() as u64;
@@ -132,11 +166,11 @@ impl Patches<'_> {
         let (lights, model) = (self.job.lights, self.job.model);
         let shines = |place: &u32| lights[*place as usize].most(&region, model) != DVec3::ZERO;
         let mut near: Vec<u32> = candidates.iter().copied().filter(shines).collect();
-        let mut grid = parent;
+        let mut here = above;
         let sides = match plane {
             Some(plane) => {
                 let rectangle = self.rectangle(&fragments, plane);
-                grid = self.take_far(&fragments, plane, &rectangle, &region, &mut near, parent);
+                here = self.take_far(&fragments, plane, &rectangle, &region, &mut near, above);
                 rectangle.half
             }
             None => [0.0; 2],
@@ -145,7 +179,8 @@ impl Patches<'_> {
         if !lamps || fragments.len() <= self.nodes * 3 {
             fragments.sort_unstable();
             let lights = set(lights, &near, self.job.ambient);
-            self.plan.draws.push(Draw { fragments, lights, grid });
+            self.plan.draws.push(Draw { fragments, lights, grid: here.grid });
+            self.error = self.error.max(here.spent);
             return;
         }
         let axis = match plane {
@@ -156,8 +191,8 @@ impl Patches<'_> {
         let middle = fragments.len() / 2;
         fragments.select_nth_unstable_by(middle, |a, b| along(a).total_cmp(&along(b)));
         let upper = fragments.split_off(middle);
-        self.split(fragments, plane, &near, grid);
-        self.split(upper, plane, &near, grid);
+        self.split(fragments, plane, &near, here);
+        self.split(upper, plane, &near, here);
     }
 
     fn rectangle(&self, fragments: &[u32], plane: &Plane) -> Rectangle {
@@ -186,23 +221,33 @@ impl Patches<'_> {
         rectangle: &Rectangle,
         region: &Region,
         near: &mut Vec<u32>,
-        parent: Option<u32>,
-    ) -> Option<u32> {
+        above: Above,
+    ) -> Above {
         let Rectangle { center, half } = *rectangle;
         let diameter = 2.0 * half[0].hypot(half[1]);
         let apart = self.interpolate.diameters * diameter;
         let lights = self.job.lights;
-        let is_far = |place: &u32| far(&lights[*place as usize], region, apart);
-        let count = near.iter().filter(|place| is_far(place)).count();
+        let (taken, kept, spent) = match self.interpolate.within {
+            Some(steps) => {
+                let shape = rectangle.of(plane);
+                self.provably_far(fragments, &shape, near, (steps * STEP - above.spent).max(0.0))
+            }
+            None => {
+                let is_far = |place: &&u32| far(&lights[**place as usize], region, apart);
+                let (taken, kept): (Vec<u32>, Vec<u32>) = near.iter().partition(is_far);
+                (taken, kept, 0.0)
+            }
+        };
+        let count = taken.len();
+        let parent = above.grid;
         // Worth it if the evaluations saved exceed the cost of nodes and polynomial.
         let saved = count as f64 * (fragments.len() as f64 - self.nodes as f64);
         let polynomial = if parent.is_some() { self.nodes } else { fragments.len() };
         let costs = &self.job.options.costs;
         let overhead = costs.interpolation / costs.evaluation * polynomial as f64;
         if count == 0 || diameter <= 0.0 || saved <= overhead {
-            return parent;
+            return above;
         }
-        let (taken, kept): (Vec<u32>, Vec<u32>) = near.iter().partition(|place| is_far(place));
         *near = kept;
         // Not so narrow that rounding of node positions matters.
         let half = half.map(|h| h.max(diameter * 1e-3));
@@ -222,13 +267,75 @@ impl Patches<'_> {
             axes: plane.axes,
             half,
         });
-        Some(self.plan.grids.len() as u32 - 1)
+        let grid = Some(self.plan.grids.len() as u32 - 1);
+        Above { grid, spent: above.spent + spent }
+    }
+
+    /// Divides the lights of a patch into those whose errors together fit into this patch's share of
+    /// `left`, the smallest first, and the others; returns that error too.
+    fn provably_far(
+        &self,
+        fragments: &[u32],
+        shape: &smooth::Rectangle,
+        near: &[u32],
+        left: f64,
+    ) -> (Vec<u32>, Vec<u32>, f64) {
+        let Job { upload, model, lights, frame, .. } = *self.job;
+        let first = &frame.fragments[fragments[0] as usize];
+        let region = self.points.region(&fragments[..1]);
+        let given = upload.materials[first.material as usize].shininess;
+        let shininess = model.shininess.map_or(given, f64::from);
+        let reflects = Reflects { body: region.body, shine: region.shine, shininess };
+        // As many levels as will follow share what is left.
+        let levels = (fragments.len() as f64 / (3 * self.nodes) as f64).log2().ceil().max(0.0);
+        let share = left / (levels + 1.0);
+        let error = |place: &u32| {
+            self.order.error(
+                &lights[*place as usize],
+                shape,
+                upload.camera,
+                &reflects,
+                model,
+                share,
+            )
+        };
+        let mut errors: Vec<(u32, f64)> = near.iter().map(|place| (*place, error(place))).collect();
+        errors.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        let mut spent = 0.0;
+        let mut count = 0;
+        while errors.get(count).is_some_and(|(_, error)| spent + error <= share) {
+            spent += errors[count].1;
+            count += 1;
+        }
+        let (taken, kept) = errors.split_at(count);
+        let ascending = |part: &[(u32, f64)]| {
+            let mut places: Vec<u32> = part.iter().map(|(place, _)| *place).collect();
+            places.sort_unstable();
+            places
+        };
+        (ascending(taken), ascending(kept), spent)
     }
 }
 
 struct Rectangle {
     center: DVec3,
     half: [f64; 2],
+}
+
+impl Rectangle {
+    fn of(&self, plane: &Plane) -> smooth::Rectangle {
+        // Nodes are rounded to `f32`, and a side is not shorter than that.
+        let rounding = self.center.abs().max_element().max(1.0) * 2f64.powi(-22);
+        let longest = 2.0 * self.half[0].hypot(self.half[1]);
+        smooth::Rectangle {
+            center: self.center,
+            axes: plane.axes,
+            normal: plane.normal,
+            half: self.half.map(|half| half.max(longest * 1e-3) + rounding),
+            off: plane.off + rounding,
+            tilt: plane.tilt + 2f64.powi(-22),
+        }
+    }
 }
 
 /// Whether a light is that far from a region and smooth all over it: without a cone, and with no

@@ -35,6 +35,9 @@ pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Tr
     let share = fragments.len().div_ceil(threads).max(1);
     let one = |fragment: &Fragment| pixel(model, upload, fragment);
     let lit: Vec<Vec<Pixel>> = thread::scope(|scope| {
+        if threads == 1 {
+            return vec![fragments.iter().map(one).collect()];
+        }
         let one = &one;
         let parts = fragments.chunks(share);
         let running: Vec<_> = parts

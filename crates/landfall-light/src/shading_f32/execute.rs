@@ -101,7 +101,12 @@ impl<T: Tally> Run<'_, T> {
 
     fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
         self.all.select(&grid.lights, &mut self.some);
-        grid.nodes.iter().map(|node| self.shade(&surface(node, upload, self.model))).collect()
+        let nodes = grid.nodes.iter().map(|node| surface(node, upload, self.model));
+        let nodes: Vec<Surface> = nodes.collect();
+        let numbers: Vec<u32> = (0..nodes.len() as u32).collect();
+        let mut colors = vec![Vec3::ZERO; nodes.len()];
+        self.draw(&nodes, &numbers, &mut colors);
+        colors
     }
 
     fn shade(&mut self, surface: &Surface) -> Vec3 {

@@ -7,7 +7,7 @@
 pub type Example = (&'static str, &'static str);
 
 /// The examples of each command, by its name.
-pub const EXAMPLES: [(&str, &[Example]); 22] = [
+pub const EXAMPLES: [(&str, &[Example]); 23] = [
     (
         "layout",
         &[
@@ -42,6 +42,19 @@ pub const EXAMPLES: [(&str, &[Example]); 22] = [
             (
                 "The same for CI, which fails for findings",
                 "landfall check shaders/light_arrays --format html=report.html",
+            ),
+        ],
+    ),
+    (
+        "serve",
+        &[
+            (
+                "The address of a page that follows a shader; Ctrl-C ends it",
+                "landfall serve shaders/light_arrays/lights.wgsl",
+            ),
+            (
+                "A scene with its lights as controls",
+                "landfall serve shaders/scenes/six_lights.json",
             ),
         ],
     ),

@@ -17,7 +17,7 @@ use crate::stdout;
 
 /// The commands by what people do with them, in the order of the help.
 const GROUPS: [(&str, &[&str]); 6] = [
-    ("Lay out", &["layout", "explain", "report"]),
+    ("Lay out", &["layout", "explain", "report", "serve"]),
     ("Generate", &["emit", "port", "encode", "decode", "schema"]),
     ("Guard", &["init", "lock", "check", "diff", "merge", "rule"]),
     ("Prove", &["verify", "prove", "run", "devices"]),

@@ -15,6 +15,7 @@ use landfall_layout::source::Files;
 use landfall_layout::{Diagnostic, Error, Language, Options, Severity, ShaderLayout, Source, lock};
 use landfall_lint::allow::{Allow, allows, suppress};
 use landfall_lint::digest::digest;
+use landfall_lint::run::MOST_ERRORS;
 use landfall_lint::{Subject, levels, run};
 use serde::{Deserialize, Serialize};
 
@@ -28,9 +29,6 @@ use crate::config::Root;
 use crate::inputs::Input;
 use crate::without_effect;
 use crate::work::Weighed;
-
-/// Maximum number of errors reported per shader.
-const MOST_ERRORS: usize = 100;
 
 /// The results for one shader, without its layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -11,13 +11,14 @@ use landfall_layout::{Options, ShaderLayout, Source, layout, lock};
 use landfall_lint::allow::{Allow, suppress, unused};
 use landfall_lint::digest::{BlockDigest, shaders_to_compare};
 use landfall_lint::settings::Proof;
-use landfall_lint::{Check, Subject, levels, lint, not_proved, run};
+use landfall_lint::{Subject, levels, not_proved, run};
 
 use super::basis::Basis;
 use super::check_shader::Checked;
 use super::hash::seal;
 use super::pass::{Pass, source};
 use crate::config::{Root, slashes};
+pub use landfall_lint::run::sorted;
 
 /// The findings of lints over all shaders before `allow` comments, cached while no shader changes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -80,18 +81,6 @@ pub fn findings_in_shaders(pass: &Pass) -> Vec<Finding> {
     each.chain(pass.no_input.iter().cloned()).collect()
 }
 
-/// Sorts findings by place and removes duplicates, as from an include of two shaders.
-pub fn sorted(mut findings: Vec<Finding>) -> Vec<Finding> {
-    fn order(f: &Finding) -> (&str, u32, u32, &str, &str, &str, u32) {
-        let place = &f.place();
-        (&place.path, place.line, place.column, &f.code, &f.about, &f.message, place.end)
-    }
-    findings.sort_by(|a, b| order(a).cmp(&order(b)));
-    // A finding in an include comes from every shader, with the names of its own blocks.
-    findings.dedup_by(|a, b| a == b || a.place().line > 0 && order(a) == order(b));
-    findings
-}
-
 /// The seal of everything that lints over all shaders depend on.
 fn seal_of(pass: &Pass, basis: &Basis, secret: &[u8]) -> String {
     let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
@@ -126,15 +115,7 @@ fn run_tree_lints(pass: &mut Pass, basis: &Basis, options: &Options) -> Vec<Find
 
 /// Whether a lint ran, so that an `allow` comment for it can be reported as unused.
 pub fn has_run(code: &str, basis: &Basis) -> bool {
-    match lint(code).filter(|lint| lint.is_built()).map(|lint| lint.check) {
-        Some(Check::Shader(_) | Check::Naga(_) | Check::Hazard(_)) => true,
-        // The other copy may be in a file that was not checked.
-        Some(Check::Tree(_)) => basis.whole,
-        Some(Check::Elsewhere) => {
-            basis.locks.is_some() && (code == "layout-drift" || code == "lock-missing")
-        }
-        None => false,
-    }
+    run::has_run(code, basis.whole, basis.locks.is_some())
 }
 
 /// Findings for rows of `[[prove]]` without a shader, in a check of all shaders.

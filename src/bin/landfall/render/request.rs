@@ -8,9 +8,10 @@ use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Source};
 use landfall_light::bind::BindError;
 use landfall_light::culling::{Compiled, Plan, Setting};
 use landfall_light::reference::Model;
+use landfall_light::render::SceneShader;
 use landfall_light::render::{RenderError, RenderOptions, Renderer, Work};
 use landfall_light::scene::{MOST_PIXELS, Reading, read_file};
-use landfall_light::{FrameOptions, Scene, VertexNormals};
+use landfall_light::{FrameOptions, Scene};
 use serde_json::{Map, Value};
 
 use crate::args::{ReadArgs, RenderArgs};
@@ -59,9 +60,6 @@ impl<'a> From<&'a RenderArgs> for RenderArguments<'a> {
     }
 }
 
-/// The keys of a scene's `shader` object.
-const SHADER_MEMBERS: [&str; 4] = ["path", "entry", "define", "normals"];
-
 /// Reads the scene and the shader; reports errors in the scene.
 pub fn load(
     args: &RenderArguments<'_>,
@@ -86,15 +84,11 @@ pub fn load(
     }
     let path = args.scene.display().to_string();
     let mut options = read::options(args.read);
-    let (mut entry, mut frame) = (args.entry.clone(), FrameOptions::default());
-    let own = match &scene.shader {
-        Some(Value::String(name)) => Some(relative_to_scene(args.scene, name)),
-        Some(Value::Object(map)) => {
-            let own = of_scene(&path, map, &mut entry, &mut frame, &mut options)?;
-            own.map(|name| relative_to_scene(args.scene, &name))
-        }
-        Some(_) | None => None,
-    };
+    let named = SceneShader::of(&scene, &path)?;
+    let (entry, frame) = (args.entry.clone().or(named.entry), named.frame);
+    // The command line's macros are last and take precedence.
+    options.read.defines.splice(0..0, named.defines);
+    let own = named.path.map(|name| relative_to_scene(args.scene, &name));
     let shader = match args.shader.clone().or(own) {
         Some(file) => Some(read::source(&file, args.read)?),
         None => None,
@@ -126,7 +120,8 @@ pub fn load(
     }))
 }
 
-fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
+/// The path of a file that a scene names.
+pub fn relative_to_scene(scene: &Path, name: &str) -> PathBuf {
     let mut path = scene.parent().unwrap_or(Path::new("")).to_path_buf();
     for part in Path::new(name).components() {
         match part {
@@ -157,56 +152,6 @@ pub fn model(about: &str, value: Value) -> Result<Model, Error> {
         Error::new(about, format!("names an unknown lighting model: {error}"))
             .with_help("the models are `multi`, `array`, `view_space` and `casters`")
     })
-}
-
-/// Reads the scene's `shader`; returns the path, if any.
-fn of_scene(
-    path: &str,
-    map: &Map<String, Value>,
-    entry: &mut Option<String>,
-    frame: &mut FrameOptions,
-    options: &mut Options,
-) -> Result<Option<String>, Error> {
-    let wrong = |what: String| Error::new(path, what);
-    if let Some(key) = map.keys().find(|key| !SHADER_MEMBERS.contains(&key.as_str())) {
-        let all = SHADER_MEMBERS.map(|name| format!("`{name}`")).join(", ");
-        return Err(wrong(format!("has the unknown key `shader.{key}`; the keys are {all}")));
-    }
-    let text = |key: &str| match map.get(key) {
-        None => Ok(None),
-        Some(Value::String(text)) => Ok(Some(text.clone())),
-        Some(_) => Err(wrong(format!("has a `shader.{key}` that is not a string"))),
-    };
-    if entry.is_none() {
-        *entry = text("entry")?;
-    }
-    frame.normals = match text("normals")?.as_deref() {
-        None | Some("transformed") => VertexNormals::Transformed,
-        Some("unit") => VertexNormals::Unit,
-        Some("unit_of_four") => VertexNormals::UnitOfFour,
-        Some(other) => {
-            let known = "`transformed` (of any length), `unit` (normalised) and `unit_of_four` \
-                         (normalised as a `vec4`, a mistake found in published shaders)";
-            return Err(wrong(format!(
-                "has the unknown `shader.normals` of `{other}`; the values are {known}"
-            )));
-        }
-    };
-    match map.get("define") {
-        None => {}
-        Some(Value::Object(defines)) => {
-            for (name, value) in defines {
-                let value = match value {
-                    Value::String(text) => text.clone(),
-                    other => other.to_string(),
-                };
-                // The command line's macros are last and take precedence.
-                options.read.defines.insert(0, (name.clone(), value));
-            }
-        }
-        Some(_) => return Err(wrong("has a `shader.define` that is not an object".to_string())),
-    }
-    text("path")
 }
 
 impl RenderRequest {

@@ -26,6 +26,26 @@ impl ArgumentError {
     }
 }
 
+/// Returns an argument of a type whose numbers are one.
+pub(super) fn ones(ty: &ValueType) -> Value {
+    let list = |count: usize, item: Value| Value::Array(vec![item; count]);
+    match ty {
+        ValueType::Scalar(scalar) if scalar.kind == ScalarKind::Bool => Value::Bool(true),
+        ValueType::Scalar(_) => Value::from(1),
+        ValueType::Vector { scalar, rows } => {
+            list(usize::from(*rows), ones(&ValueType::Scalar(*scalar)))
+        }
+        ValueType::Matrix { scalar, columns, rows } => {
+            let column = ValueType::Vector { scalar: *scalar, rows: *rows };
+            list(usize::from(*columns), ones(&column))
+        }
+        ValueType::Array { element, len } => list(*len as usize, ones(element)),
+        ValueType::Struct { members, .. } => {
+            Value::Object(members.iter().map(|(name, ty)| (name.clone(), ones(ty))).collect())
+        }
+    }
+}
+
 /// Appends the words of a value, one per scalar, each the bits of 32 or 64.
 pub(super) fn append_words(
     ty: &ValueType,

@@ -3,8 +3,6 @@
 //!
 //! Packs as [`batch`](super::batch) does; used by `bench` of landfall-light.
 
-use std::time::Instant;
-
 use super::batch::Batch;
 use super::{ATLAS, FragmentShader};
 use crate::backend::{Failure, Resource, ResourceKind};
@@ -49,7 +47,7 @@ impl FragmentShader {
         let invocations = Invocations { count: batch.count, inputs };
         let settings = Settings {
             precision: Precision::Permitted,
-            deadline: Instant::now().checked_add(batch.limit),
+            deadline: crate::processor::deadline(batch.limit),
             ..Settings::default()
         };
         let outputs = program.run_entry(&self.entry, &invocations, &resources, &settings)?;

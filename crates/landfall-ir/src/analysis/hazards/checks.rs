@@ -124,8 +124,11 @@ impl<'m> Walk<'m> {
                             about,
                         );
                     }
+                } else {
+                    self.look_at_comparison(x, low, span);
                 }
             }
+            (M::Step, &[edge, x]) => self.look_at_comparison(x, edge, span),
             _ => {}
         }
     }

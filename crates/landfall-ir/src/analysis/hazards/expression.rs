@@ -256,11 +256,16 @@ impl<'m> Walk<'m> {
 
     fn is_four_wide(&self, frame: &Frame<'m>, handle: Handle<Expression>) -> bool {
         // Types of expressions are known after validation only; the node's shape tells instead.
+        let is_quad = |ty: Handle<naga::Type>| {
+            let inner = &self.ir.types[ty].inner;
+            matches!(inner, naga::TypeInner::Vector { size: naga::VectorSize::Quad, .. })
+        };
         match &frame.function.expressions[handle] {
-            Expression::Compose { ty, .. } => matches!(
-                self.ir.types[*ty].inner,
-                naga::TypeInner::Vector { size: naga::VectorSize::Quad, .. }
-            ),
+            Expression::Compose { ty, .. } => is_quad(*ty),
+            Expression::Load { pointer } => match frame.function.expressions[*pointer] {
+                Expression::LocalVariable(v) => is_quad(frame.function.local_variables[v].ty),
+                _ => false,
+            },
             Expression::Binary { op: naga::BinaryOperator::Multiply, left, right } => {
                 self.is_four_wide(frame, *left) || self.is_four_wide(frame, *right)
             }

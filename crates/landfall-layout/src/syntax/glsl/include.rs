@@ -137,7 +137,7 @@ impl<'a> Preprocessor<'a> {
         } else {
             beside.into_iter().chain(given).collect()
         };
-        let found = places.iter().find(|place| place.is_file()).cloned();
+        let found = places.iter().find(|place| self.is_file(place)).cloned();
         (places, found)
     }
 
@@ -157,11 +157,19 @@ impl<'a> Preprocessor<'a> {
             }
             seen.push(folder);
             let place = folder.join(relative);
-            if place.is_file() {
+            if self.is_file(&place) {
                 return Some(place);
             }
         }
         None
+    }
+
+    /// Whether a path is that of a file that may be included.
+    fn is_file(&self, path: &Path) -> bool {
+        match &self.options.files {
+            Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
+            None => path.is_file(),
+        }
     }
 
     fn open_include(&mut self, path: &Path) -> Result<(u32, &'a str), crate::Error> {
@@ -170,7 +178,14 @@ impl<'a> Preprocessor<'a> {
             let text = self.files.get(file).map(|f| f.text.clone()).unwrap_or_default();
             return Ok((file, self.texts.alloc(text)));
         }
-        let (text, foreign) = decode_shader(&shown, read_bytes(path, self.options.max_bytes)?)?;
+        let bytes = match &self.options.files {
+            Some(files) => {
+                let given = files.iter().find(|(given, _)| Path::new(given) == path);
+                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
+            }
+            None => read_bytes(path, self.options.max_bytes)?,
+        };
+        let (text, foreign) = decode_shader(&shown, bytes)?;
         let text = normalized(text.into());
         let file = self.files.add(shown.clone(), text.clone());
         self.note_foreign(file, foreign);

@@ -1,0 +1,22 @@
+//! Arguments of `serve`.
+
+use std::path::PathBuf;
+
+use super::read::define;
+
+#[derive(Debug, clap::Args)]
+pub struct ServeArgs {
+    /// Shaders, and scenes (.json) with theirs, to open and to watch; nothing else of the disk is
+    /// shown [default: an example]
+    #[arg(value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Port on the loopback interface; 0 takes a free one
+    #[arg(short, long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Search DIR for #include files
+    #[arg(short = 'I', long = "include", value_name = "DIR")]
+    pub include_dirs: Vec<PathBuf>,
+    /// Define a macro at first [default value: 1]
+    #[arg(short = 'D', long = "define", value_name = "NAME[=TEXT]", value_parser = define)]
+    pub defines: Vec<(String, String)>,
+}

@@ -1,0 +1,184 @@
+//! The named files of `serve`, read again when they change.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use data_encoding::BASE64;
+use landfall_layout::buffer::read_json;
+use landfall_layout::{Error, Options, ReadOptions, Source, layout, other_language, source};
+use landfall_light::render::SceneShader;
+use landfall_light::scene;
+use serde::Serialize;
+
+use crate::args::ServeArgs;
+use crate::render::request::relative_to_scene;
+
+/// The named files.
+pub struct Files {
+    options: Options,
+    /// Raised by every change.
+    version: u64,
+    files: Vec<Opened>,
+}
+
+/// A named file: a shader, or a scene with its shader.
+#[derive(Serialize)]
+struct Opened {
+    path: String,
+    /// The path of the shader.
+    shader: String,
+    /// Its text.
+    text: String,
+    /// Its includes: paths and texts.
+    includes: Vec<(String, String)>,
+    /// The text of the scene.
+    scene: Option<String>,
+    /// The meshes and textures that the scene names: names, and bytes in base64.
+    assets: Vec<(String, String)>,
+    /// Why it could not be read.
+    error: Option<String>,
+    #[serde(skip)]
+    stamps: Vec<Stamp>,
+}
+
+/// A file as it was when it was read.
+#[derive(PartialEq)]
+struct Stamp {
+    path: PathBuf,
+    state: Option<(SystemTime, u64)>,
+}
+
+impl Stamp {
+    fn of(path: &Path) -> Stamp {
+        let found = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file);
+        let state = found.and_then(|found| Some((found.modified().ok()?, found.len())));
+        Stamp { path: path.to_path_buf(), state }
+    }
+}
+
+impl Files {
+    /// Reads the named files.
+    ///
+    /// # Errors
+    ///
+    /// One cannot be read.
+    pub fn open(args: &ServeArgs) -> Result<Files, Error> {
+        let mut read = ReadOptions::default();
+        read.defines.clone_from(&args.defines);
+        read.include_dirs.clone_from(&args.include_dirs);
+        let options = Options::default().with_read(read);
+        let files = args.files.iter().map(|path| read_file(path, &options));
+        let files = files.collect::<Result<_, Error>>()?;
+        Ok(Files { options, version: 1, files })
+    }
+
+    /// The paths of the named files.
+    pub fn paths(&self) -> Vec<String> {
+        self.files.iter().map(|file| file.path.clone()).collect()
+    }
+
+    /// The files as JSON; without them if `since=VERSION` names this state.
+    pub fn json(&mut self, query: Option<&str>) -> String {
+        self.read_again();
+        let known = query.and_then(|query| query.strip_prefix("since=")?.parse().ok());
+        let files = match known == Some(self.version) {
+            true => "[]".to_string(),
+            false => serde_json::to_string(&self.files).expect("keys are strings"),
+        };
+        format!("{{\"version\":{},\"files\":{files}}}", self.version)
+    }
+
+    /// Writes a scene back to its file.
+    ///
+    /// # Errors
+    ///
+    /// It is no scene that was named, the text is no JSON, or the file cannot be written.
+    pub fn save(&self, path: &str, text: &str) -> Result<(), Error> {
+        if !self.files.iter().any(|file| file.path == path && file.scene.is_some()) {
+            return Err(Error::new(path, "is no scene of this server"));
+        }
+        read_json(text).map_err(|cause| Error::new(path, format!("would not be JSON: {cause}")))?;
+        crate::write::writer().write(Path::new(path), text).map(drop)
+    }
+
+    /// Reads the files that have changed.
+    fn read_again(&mut self) {
+        for file in &mut self.files {
+            if file.stamps.iter().all(|stamp| Stamp::of(&stamp.path) == *stamp) {
+                continue;
+            }
+            self.version += 1;
+            match read_file(Path::new(&file.path), &self.options) {
+                Ok(read) => *file = read,
+                Err(error) => {
+                    // The page keeps the text it has.
+                    file.error = Some(format!("{} {}", error.path, error.message));
+                    file.stamps = vec![Stamp::of(Path::new(&file.path))];
+                }
+            }
+        }
+    }
+}
+
+fn read_file(path: &Path, options: &Options) -> Result<Opened, Error> {
+    match path.extension().is_some_and(|end| end == "json") {
+        true => read_scene(path, options),
+        false => read_shader(path, options),
+    }
+}
+
+fn read_shader(path: &Path, options: &Options) -> Result<Opened, Error> {
+    // Before it is read: a change in between is seen at the next look.
+    let mut stamps = vec![Stamp::of(path)];
+    let shown = path.display().to_string();
+    other_language::refuse(path)?;
+    let read = Source::from_bytes(shown.as_str(), source::read_bytes(path, None)?)?;
+    let shader = layout(&read, options);
+    let included = shader.files.iter().skip(1).filter(|file| !file.path.starts_with("-D "));
+    let mut includes = Vec::new();
+    for file in included {
+        stamps.push(Stamp::of(Path::new(&file.path)));
+        includes.push((file.path.clone(), file.text.to_string()));
+    }
+    Ok(Opened {
+        path: shown.clone(),
+        shader: shown,
+        text: read.text.to_string(),
+        includes,
+        scene: None,
+        assets: Vec::new(),
+        error: None,
+        stamps,
+    })
+}
+
+/// Reads a scene, its shader, and the files that it names.
+fn read_scene(path: &Path, options: &Options) -> Result<Opened, Error> {
+    let mut stamps = vec![Stamp::of(path)];
+    let text = crate::read::text(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let opened = RefCell::new(Vec::new());
+    let open = |name: &str| {
+        let bytes = crate::read::bytes(&folder.join(name))?;
+        opened.borrow_mut().push((name.to_string(), bytes.clone()));
+        Ok(bytes)
+    };
+    let shown = path.display().to_string();
+    let reading = scene::read(&shown, &text, &open);
+    let Some(scene) = reading.scene else {
+        let found = reading.diagnostics.into_iter().map(|found| found.message).collect::<Vec<_>>();
+        return Err(Error::new(shown, format!("is not a scene: {}", found.join("; "))));
+    };
+    let Some(shader) = SceneShader::of(&scene, &shown)?.path else {
+        return Err(Error::new(shown, "names no shader"));
+    };
+    let shader = read_shader(&relative_to_scene(path, &shader), options)?;
+    stamps.extend(shader.stamps);
+    let mut assets = Vec::new();
+    for (name, bytes) in opened.into_inner() {
+        stamps.push(Stamp::of(&folder.join(&name)));
+        assets.push((name, BASE64.encode(&bytes)));
+    }
+    Ok(Opened { path: shown, scene: Some(text), assets, stamps, ..shader })
+}

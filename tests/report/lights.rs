@@ -1,0 +1,477 @@
+//! Scenes under one's hands: the picture of the page against that of `render`, the bytes that its
+//! controls write against `encode`, and what is saved.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use landfall_light::picture::png;
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
+use serde_json::{Value, json};
+
+use crate::browser::Browser;
+use crate::hostile::INJECTIONS;
+use crate::playground::WRITE;
+use crate::serve::Server;
+use crate::support::{Folder, output, repository};
+
+const TAB: &str =
+    "const tab = document.getElementById('results').page.tabs.find(one => one.name === 'Lights');";
+
+/// Waits until the picture was drawn more than `times` times and nothing is under way.
+fn drawn(browser: &Browser, times: u64) -> u64 {
+    let asked = Instant::now();
+    loop {
+        let script = format!(
+            "{TAB} return [Number(tab.canvas.dataset.drawn ?? 0), tab.busy === true || tab.asked !== null || tab.page.running, document.getElementById('problem').textContent]"
+        );
+        let now = browser.run(&script, &[]);
+        let count = now[0].as_u64().unwrap();
+        if count > times && now[1] == json!(false) {
+            assert_eq!(now[2], json!(""));
+            return count;
+        }
+        assert!(asked.elapsed() < Duration::from_secs(60), "{now}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// The pixels of the picture: width, height, and red, green, blue and alpha from the top.
+fn picture(browser: &Browser) -> png_pixels::Pixels {
+    let url = browser.run(&format!("{TAB} return tab.canvas.toDataURL('image/png')"), &[]);
+    let text = url.as_str().unwrap().strip_prefix("data:image/png;base64,").unwrap();
+    png_pixels::read(&png_pixels::decoded(text))
+}
+
+/// What `landfall render` draws of a scene.
+fn rendered(folder: &Folder, scene: &Path) -> png_pixels::Pixels {
+    let out = folder.path().join("rendered.png");
+    let arguments = ["render", scene.to_str().unwrap(), "-o", out.to_str().unwrap(), "--quiet"];
+    output(folder.path(), 0, &arguments);
+    let pixels = png_pixels::read(&std::fs::read(&out).unwrap());
+    std::fs::remove_file(out).unwrap();
+    pixels
+}
+
+mod png_pixels {
+    use super::png;
+
+    pub type Pixels = (u32, u32, Vec<[u8; 4]>);
+
+    pub fn read(bytes: &[u8]) -> Pixels {
+        let codes = png::read(bytes).unwrap();
+        (codes.width, codes.height, codes.pixels)
+    }
+
+    /// Base64.
+    pub fn decoded(text: &str) -> Vec<u8> {
+        let value = |c: u8| match c {
+            b'A'..=b'Z' => c - b'A',
+            b'a'..=b'z' => c - b'a' + 26,
+            b'0'..=b'9' => c - b'0' + 52,
+            b'+' => 62,
+            _ => 63,
+        };
+        let digits: Vec<u8> = text.bytes().filter(|c| *c != b'=').map(value).collect();
+        let bytes = digits.chunks(4).flat_map(|four| {
+            let word = four.iter().fold(0u32, |word, six| word << 6 | u32::from(*six));
+            let word = word << (6 * (4 - four.len()));
+            word.to_be_bytes()[1..four.len()].to_vec()
+        });
+        bytes.collect()
+    }
+}
+
+/// Holds a picture to another: within one step of 8 bits, PSNR and FLIP as the issue of the page asks.
+fn assert_same(name: &str, page: &png_pixels::Pixels, wanted: &png_pixels::Pixels) {
+    assert_eq!((page.0, page.1), (wanted.0, wanted.1), "{name}");
+    let channels = |pixels: &png_pixels::Pixels| -> Vec<u8> {
+        pixels.2.iter().flat_map(|pixel| pixel[..3].to_vec()).collect()
+    };
+    let (a, b) = (channels(page), channels(wanted));
+    let most = a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    let squares: f64 = a.iter().zip(&b).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum();
+    let psnr = 10.0 * (255.0f64.powi(2) * a.len() as f64 / squares).log10();
+    let image = |data: &[u8]| FlipImageRgb8::with_data(page.0, page.1, data);
+    let map = flip(image(&b), image(&a), DEFAULT_PIXELS_PER_DEGREE);
+    let mean = FlipPool::from_image(&map).mean();
+    println!("{name}: at most {most} steps, PSNR {psnr:.1} dB, FLIP {mean:.1e}");
+    assert!(most <= 1 && psnr >= 45.0 && mean <= 0.01, "{name}: {most} {psnr} {mean}");
+    let different = a.chunks(3).filter(|pixel| *pixel != &a[..3]).count();
+    assert!(different > a.len() / 30, "{name}: there is something in the picture");
+}
+
+/// A scene of the repository with a smaller picture, in a folder with its shader.
+fn small(folder: &Folder, name: &str, size: [u32; 2]) -> PathBuf {
+    let scenes = repository().join("shaders/scenes");
+    let text = std::fs::read_to_string(scenes.join(name)).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    scene["size"] = json!(size);
+    let shader = scene["shader"].as_str().unwrap().to_string();
+    let inside = shader.trim_start_matches("../");
+    folder.file(inside, std::fs::read(scenes.join(&shader)).unwrap());
+    scene["shader"] = json!(format!("../{inside}"));
+    folder.file(&format!("scenes/{name}"), serde_json::to_string(&scene).unwrap())
+}
+
+#[test]
+fn the_picture_is_that_of_render() {
+    let (browser, folder) = (Browser::start("scene"), Folder::new("scene"));
+    for name in [
+        "six_lights.json",
+        "caster_directional.json",
+        "caster_point.json",
+        "caster_spot_hard.json",
+        "caster_spot_soft.json",
+        "two_of_128.json",
+    ] {
+        let scene = small(&folder, name, [200, 150]);
+        let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+        browser.open_url(&server.url);
+        drawn(&browser, 0);
+        assert_same(name, &picture(&browser), &rendered(&folder, &scene));
+    }
+}
+
+#[test]
+fn a_scene_that_was_changed_and_saved_is_rendered_alike() {
+    let (browser, folder) = (Browser::start("save"), Folder::new("save"));
+    let scene = small(&folder, "six_lights.json", [200, 150]);
+    let shader = folder.path().join("six_lights/phong_330.frag");
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let mut times = drawn(&browser, 0);
+    let before = picture(&browser);
+    // A slider, a colour, a handle moved by the keyboard, a light turned off, and the camera.
+    let steps = [
+        "const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === 'linear'); field.value = '0.5'; field.dispatchEvent(new Event('input'));",
+        "const picker = document.querySelectorAll('input[type=color]')[0]; picker.value = '#ff4020'; picker.dispatchEvent(new Event('input'));",
+        "const handle = document.querySelector('.handle[data-light=\"point 3\"]'); handle.focus(); handle.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowUp', bubbles: true }));",
+        "[...document.querySelectorAll('.lights button')].find(one => one.textContent === 'spot 0').click(); document.querySelector('.controls input[type=checkbox]').click();",
+        "[...document.querySelectorAll('#panel-lights .tools button')].find(one => one.textContent === 'Turn →').click();",
+    ];
+    for step in steps {
+        browser.run(step, &[]);
+        times = drawn(&browser, times);
+    }
+    let page = picture(&browser);
+    assert_ne!(page.2, before.2);
+    browser.run("[...document.querySelectorAll('#panel-lights .tools button')].find(one => one.textContent === 'Save scene').click()", &[]);
+    let asked = Instant::now();
+    let saved = loop {
+        let text = std::fs::read_to_string(&scene).unwrap();
+        let saved: Value = serde_json::from_str(&text).unwrap();
+        if saved["lights"]["spot"] == json!([]) {
+            break saved;
+        }
+        assert!(asked.elapsed() < Duration::from_secs(20), "{text}");
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert_eq!(saved["lights"]["point"][0]["attenuation"]["linear"], json!(0.5));
+    assert_eq!(saved["size"], json!([200, 150]));
+    assert_same("saved", &page, &rendered(&folder, &scene));
+    // The shader changes on disk: the picture follows, the light stays off.
+    let text = std::fs::read_to_string(&shader).unwrap();
+    let changed = text.replace("FragColor = vec4(sum, 1.0);", "FragColor = vec4(sum.bgr, 1.0);");
+    assert_ne!(text, changed);
+    std::fs::write(&shader, changed).unwrap();
+    let asked = Instant::now();
+    while browser
+        .run("return document.getElementById('editor').editor.text.includes('sum.bgr')", &[])
+        != json!(true)
+    {
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drawn(&browser, 0);
+    assert_same("changed", &picture(&browser), &rendered(&folder, &scene));
+    // What is not a scene of the server is not written.
+    let refused = |path: &str, text: &str| {
+        browser.run_async(
+            "const [path, text, done] = arguments;
+             document.getElementById('results').page.engine.save(path, text).then(() => done(''), error => done(error.message));",
+            &[json!(path), json!(text)],
+        )
+    };
+    let other = shader.to_str().unwrap();
+    assert!(refused(other, "{}").as_str().unwrap().contains("is no scene of this server"));
+    assert!(refused("/tmp/new.json", "{}").as_str().unwrap().contains("is no scene"));
+    assert!(refused(scene.to_str().unwrap(), "{").as_str().unwrap().contains("would not be JSON"));
+    assert_eq!(
+        std::fs::read_to_string(&scene).unwrap(),
+        format!("{}\n", serde_json::to_string_pretty(&saved).unwrap()).replace("\r", "")
+    );
+}
+
+/// The block of the page's example, as its scene has the values.
+fn values(scene: &Value) -> Value {
+    let numbers = |value: &Value, factor: &Value| -> Value {
+        let all = value.as_array().unwrap().iter();
+        all.map(|x| x.as_f64().unwrap() * factor.as_f64().unwrap()).collect()
+    };
+    let lights = scene["lights"]["point"].as_array().unwrap();
+    let each = lights.iter().map(|light| {
+        let of = &light["attenuation"];
+        json!({
+            "position": light["position"], "color": numbers(&light["color"], &light["intensity"]),
+            "constant": of["constant"], "linear": of["linear"], "quadratic": of["quadratic"],
+        })
+    });
+    let ambient = &scene["lights"]["ambient"];
+    json!({
+        "lights": each.collect::<Vec<_>>(), "count": lights.len(),
+        "ambient": numbers(&ambient["color"], &ambient["intensity"]),
+    })
+}
+
+#[test]
+fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
+    let (browser, folder) = (Browser::start("bytes"), Folder::new("slider-bytes"));
+    let server = Server::start(folder.path(), &[]);
+    browser.open_url(&server.url);
+    browser.run("document.getElementById('tab-lights').click()", &[]);
+    let mut times = drawn(&browser, 0);
+    let text = browser.run("return document.getElementById('editor').editor.text", &[]);
+    folder.file("shader.frag", text.as_str().unwrap());
+    let state = format!(
+        "{TAB} return {{ scene: tab.lit(), bytes: [...tab.before[0][0]], ranges: tab.maps.firstChild.dataset.ranges,
+            fresh: [...tab.maps.querySelectorAll('.cell.fresh')].map(one => [Number(one.dataset.offset), Number(one.dataset.size)]) }}"
+    );
+    let bytes = |now: &Value| -> Vec<u8> { serde_json::from_value(now["bytes"].clone()).unwrap() };
+    let check = |now: &Value, what: &str| {
+        let out = folder.path().join("encoded.bin");
+        let values = values(&now["scene"]).to_string();
+        output(
+            folder.path(),
+            0,
+            &[
+                "encode",
+                "shader.frag",
+                "-b",
+                "Lights",
+                &folder.file("values.json", values).display().to_string(),
+                "-o",
+                out.to_str().unwrap(),
+            ],
+        );
+        assert_eq!(bytes(now), std::fs::read(out).unwrap(), "{what}");
+    };
+    let mut last = browser.run(&state, &[]);
+    check(&last, "at first");
+    let fields: Vec<String> = serde_json::from_value(browser.run("return [...document.querySelectorAll('.field input[type=range]')].map(one => one.dataset.field)", &[])).unwrap();
+    assert_eq!(
+        fields,
+        ["intensity", "position x", "position y", "position z", "constant", "linear", "quadratic"]
+    );
+    for light in [0, 5] {
+        browser.run("[...document.querySelectorAll('.lights button')].find(one => one.textContent === arguments[0]).click()", &[json!(format!("point {light}"))]);
+        for field in &fields {
+            // Exact in binary, so that products are.
+            let value = if field == "intensity" { "2" } else { "0.25" };
+            browser.run(
+                "const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === arguments[0]);
+                 field.value = arguments[1]; field.dispatchEvent(new Event('input'));",
+                &[json!(field), json!(value)],
+            );
+            times = drawn(&browser, times);
+            let now = browser.run(&state, &[]);
+            check(&now, &format!("{light} {field}"));
+            // The ranges are those that differ, and inside of the light's element.
+            let (before, after) = (bytes(&last), bytes(&now));
+            let differ: Vec<usize> =
+                (0..after.len()).filter(|at| before[*at] != after[*at]).collect();
+            let ranges: Vec<(usize, usize)> = now["ranges"]
+                .as_str()
+                .unwrap()
+                .split_whitespace()
+                .map(|range| {
+                    let (from, to) = range.split_once('-').unwrap();
+                    (from.parse().unwrap(), to.parse().unwrap())
+                })
+                .collect();
+            assert!(!ranges.is_empty(), "{light} {field}");
+            for at in &differ {
+                assert!(ranges.iter().any(|(from, to)| (from..to).contains(&at)), "{field} {at}");
+            }
+            for (from, to) in &ranges {
+                assert!(differ.iter().any(|at| (from..to).contains(&at)), "{field} {from}");
+                assert!(*from >= 48 * light && *to <= 48 * (light + 1), "{field} {from}");
+            }
+            // Those cells are marked, and no others.
+            let fresh: Vec<(usize, usize)> = serde_json::from_value(now["fresh"].clone()).unwrap();
+            assert!(!fresh.is_empty(), "{field}");
+            for (offset, size) in fresh {
+                assert!(
+                    ranges.iter().any(|(from, to)| offset < *to && offset + size > *from),
+                    "{field} {offset}"
+                );
+            }
+            last = now;
+        }
+    }
+    // Lights are removed and added up to the array's length; the count follows.
+    let press = |name: &str| {
+        browser.run("const one = [...document.querySelectorAll('.lights button')].find(one => one.textContent === arguments[0]); const is = one.disabled; one.click(); return is", &[json!(name)])
+    };
+    assert_eq!(press("Add point"), json!(true), "the array is full");
+    assert_eq!(press("Remove"), json!(false));
+    times = drawn(&browser, times);
+    let now = browser.run(&state, &[]);
+    assert_eq!(bytes(&now)[300..304], 5i32.to_le_bytes());
+    check(&now, "removed");
+    assert_eq!(press("Add point"), json!(false));
+    drawn(&browser, times);
+    let now = browser.run(&state, &[]);
+    assert_eq!(bytes(&now)[300..304], 6i32.to_le_bytes());
+    check(&now, "added");
+}
+
+#[test]
+fn a_probe_is_compared_with_the_reference_and_nan_is_magenta() {
+    let (browser, folder) = (Browser::start("probe"), Folder::new("probe"));
+    let server = Server::start(folder.path(), &[]);
+    browser.open_url(&server.url);
+    browser.run("document.getElementById('tab-lights').click()", &[]);
+    let times = drawn(&browser, 0);
+    let mut probes = 0;
+    for (x, y) in [(0.5, 0.5), (0.3, 0.6), (0.55, 0.8), (0.7, 0.62)] {
+        browser.run(
+            "const canvas = document.querySelector('canvas'); const box = canvas.getBoundingClientRect();
+             canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: box.left + arguments[0] * box.width, clientY: box.top + arguments[1] * box.height }));",
+            &[json!(x), json!(y)],
+        );
+        drawn(&browser, times + probes);
+        probes += 1;
+        let steps = browser.run("return document.querySelector('.probe').dataset.steps", &[]);
+        let steps: f64 = steps.as_str().unwrap().parse().unwrap();
+        assert!(steps < 0.01, "{steps}");
+    }
+    // A root of a negative number, where the normal points up.
+    let text = browser.run("return document.getElementById('editor').editor.text", &[]);
+    let text = text.as_str().unwrap().replace(
+        "color = vec4(sum, 1.0);",
+        "color = vec4(n.y > 0.5 ? vec3(sqrt(-n.y)) : sum, 1.0);",
+    );
+    browser.run(WRITE, &[json!(text)]);
+    drawn(&browser, times + probes);
+    let (width, height, pixels) = picture(&browser);
+    // The floor is in front, the background at the top.
+    let below = pixels[((height - 2) * width + width / 2) as usize];
+    assert_eq!(below, [255, 0, 255, 255]);
+    assert_ne!(pixels[(width / 2) as usize][..3], [255, 0, 255]);
+}
+
+#[test]
+fn wgsl_is_drawn_too_and_skipped_lights_are_counted_as_by_render() {
+    let (browser, folder) = (Browser::start("wgsl"), Folder::new("wgsl"));
+    let scene = small(&folder, "six_lights.json", [200, 150]);
+    let mut changed: Value =
+        serde_json::from_str(&std::fs::read_to_string(&scene).unwrap()).unwrap();
+    let shader = repository().join("shaders/six_lights/phong.wgsl");
+    folder.file("six_lights/phong.wgsl", std::fs::read(shader).unwrap());
+    changed["shader"] = json!("../six_lights/phong.wgsl");
+    std::fs::write(&scene, changed.to_string()).unwrap();
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    drawn(&browser, 0);
+    assert_same("wgsl", &picture(&browser), &rendered(&folder, &scene));
+    // Offsets that std140 does not have: WebGL would read other bytes, and says so itself.
+    browser.run(
+        "const { editor } = document.getElementById('editor');
+         editor.text = editor.text.replace('direction: vec3f, // offset 0,', '@size(32) direction: vec3f, //');",
+        &[],
+    );
+    let asked = Instant::now();
+    let told = loop {
+        let told = browser.run("return document.getElementById('problem').textContent", &[]);
+        if told != json!("") {
+            break told;
+        }
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    assert!(told.as_str().unwrap().contains("Landfall has"), "{told}");
+    let scene = small(&folder, "lights_1024_windowed.json", [160, 90]);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let times = drawn(&browser, 0);
+    browser.run(
+        "const skip = [...document.querySelectorAll('#panel-lights select')][0];
+         skip.value = 'tiles=8'; skip.dispatchEvent(new Event('change'));",
+        &[],
+    );
+    drawn(&browser, times);
+    let found =
+        browser.run(&format!("{TAB} return [tab.drawn.skipping, tab.facts.textContent]"), &[]);
+    let arguments = [
+        "render",
+        scene.to_str().unwrap(),
+        "--skip",
+        "tiles=8",
+        "--plan",
+        "--backend",
+        "gl",
+        "--format",
+        "json",
+    ];
+    let report: Value = serde_json::from_str(&output(folder.path(), 0, &arguments)).unwrap();
+    let evaluations = &report["plan"]["evaluations"];
+    assert_eq!(found[0], json!([evaluations["after"], evaluations["before"]]));
+    assert!(found[1].as_str().unwrap().contains("skipped"), "{found}");
+}
+
+#[test]
+fn what_cannot_be_drawn_says_why_and_hostile_scenes_stay_text() {
+    let (browser, folder) = (Browser::start("hostile-scene"), Folder::new("hostile-scene"));
+    let server = Server::start(folder.path(), &[]);
+    browser.open_url(&server.url);
+    browser.run("document.getElementById('tab-lights').click()", &[]);
+    drawn(&browser, 0);
+    let problem = |script: &str, given: Value| {
+        browser.run_async(
+            &format!("{TAB} const [given, done] = arguments; (async () => {{ {script} while (tab.busy || tab.page.running) await new Promise(resolve => setTimeout(resolve, 10));
+                done([document.getElementById('problem').textContent, window.hacked ?? null, document.scripts.length]); }})();"),
+            &[given],
+        )
+    };
+    let open = "const file = new File([given[1]], given[0]); await tab.read([file]);";
+    let scripts = browser.run("return document.scripts.length", &[]);
+    let mut scene: Value = browser.run(&format!("{TAB} return tab.scene"), &[]);
+    scene["size"] = json!([64, 40]);
+    for injection in INJECTIONS {
+        for place in ["name", "mesh", "key", "material", "shader"] {
+            let mut scene = scene.clone();
+            match place {
+                "name" => scene["name"] = json!(injection),
+                "mesh" => scene["objects"][0]["mesh"] = json!(injection),
+                "key" => scene[injection] = json!(1),
+                "material" => scene["materials"][0]["name"] = json!(injection),
+                _ => scene["shader"] = json!(injection),
+            }
+            let told = problem(open, json!([format!("{injection}.json"), scene.to_string()]));
+            assert_eq!((&told[1], &told[2]), (&Value::Null, &scripts), "{place} {injection}");
+            if place == "mesh" || place == "key" {
+                assert_ne!(told[0], json!(""), "{place} {injection}");
+            }
+        }
+        let told = problem(open, json!([format!("{injection}.json"), injection]));
+        assert!(told[0].as_str().unwrap().contains("is not JSON"), "{told}");
+        assert_eq!((&told[1], &told[2]), (&Value::Null, &scripts), "{injection}");
+    }
+    let told = problem(open, json!(["a.frag", ""]));
+    assert!(told[0].as_str().unwrap().contains("A scene is a .json file"), "{told}");
+    // Back to a scene that is one, and shaders that WebGL does not have.
+    problem(open, json!(["scene.json", scene.to_string()]));
+    let text = browser.run("return document.getElementById('editor').editor.text", &[]);
+    let text = text.as_str().unwrap();
+    let write = "document.getElementById('editor').editor.text = given;";
+    let storage = text
+        .replace("#version 330 core", "#version 450")
+        .replace("layout(std140) uniform", "layout(std430, binding = 0) readonly buffer");
+    let told = problem(write, json!(storage));
+    assert!(told[0].as_str().unwrap().contains("WebGL 2 has uniform blocks in std140"), "{told}");
+    let told =
+        problem(write, json!("#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"));
+    assert!(told[0].as_str().unwrap().contains("light"), "{told}");
+    let told = problem(write, json!(text));
+    assert_eq!(told[0], json!(""));
+}
