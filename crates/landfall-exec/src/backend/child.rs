@@ -62,7 +62,10 @@ impl<M: Message> Process<M> {
         in_own_group(&mut command);
         let mut child = command.spawn().map_err(|cause| {
             let program = command.get_program().to_string_lossy().into_owned();
-            Failure::missing(format!("the {} does not start: {program}", role.name), cause.to_string())
+            Failure::missing(
+                format!("the {} does not start: {program}", role.name),
+                cause.to_string(),
+            )
         })?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(mut stdin), Some(stdout), Some(stderr)) = pipes else {

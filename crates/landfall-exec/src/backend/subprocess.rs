@@ -21,8 +21,8 @@ use std::time::Duration;
 pub use self::serve::{DriverKind, serve};
 
 use super::devices::BackendEntry;
-use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use crate::backend::child::{Message, Process, Role};
+use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
 use frame::Frame;
 use landfall_ir::Module;
 use wire::{Reply, Request, Times, WireFound, WireJob};

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::wire::Reply;
 use super::Launch;
+use super::wire::Reply;
 use crate::backend::child::{Message, Process, Role};
 use crate::backend::{BackendKind, Failure};
 

@@ -6,8 +6,8 @@ use crate::backend::BackendKind;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{declared, partner};
 use super::{Form, VerifyOptions};
+use super::{declared, partner};
 use crate::backend::{Failure, FailureKind, LooseUniform, StageCode};
 use crate::harness::probe::plan::Plan;
 use crate::harness::probe::{glsl, pixels, wgsl};

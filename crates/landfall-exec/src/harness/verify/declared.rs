@@ -13,8 +13,7 @@ use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 use landfall_layout::syntax::glsl::raw;
 
 /// The `#version` line, and the precision of everything: others could lose bits of a sentinel.
-pub(super) const HEAD: &str =
-    "#version 300 es\nprecision highp float;\nprecision highp int;\n";
+pub(super) const HEAD: &str = "#version 300 es\nprecision highp float;\nprecision highp int;\n";
 
 /// Returns why WebGL 2 has no such block, if it has none.
 pub(super) fn refusal(source: &Source, block: &BlockLayout) -> Option<String> {
@@ -34,9 +33,7 @@ pub(super) fn refusal(source: &Source, block: &BlockLayout) -> Option<String> {
         return lacks("arrays of arrays");
     }
     block.leaves.iter().find_map(|leaf| match &leaf.ty {
-        Type::Scalar(scalar)
-        | Type::Vector { scalar, .. }
-        | Type::Matrix { scalar, .. }
+        Type::Scalar(scalar) | Type::Vector { scalar, .. } | Type::Matrix { scalar, .. }
             if scalar.width != 4 =>
         {
             lacks(&format!("type `{}`", leaf.ty.spelled(Language::Glsl)))
@@ -59,7 +56,8 @@ pub(super) fn text(
     block: &BlockLayout,
 ) -> Result<String, String> {
     let flat = Source { text: raw::flattened(source, options).into(), ..source.clone() };
-    let read = ReadOptions { target: options.target, ..ReadOptions::default() };
+    let mut read = ReadOptions::default();
+    read.target = options.target;
     let raw = raw::read(&flat, &read);
     let code = raw.code();
     let word = |at: &usize| &flat.text[raw.tokens[*at].start..raw.tokens[*at].end];
@@ -68,9 +66,10 @@ pub(super) fn text(
         |declaration| matches!(&declaration.item, Item::Block(found) if found.name.text == &*block.name),
     );
     let own = own.ok_or_else(|| format!("its declaration of `{}` is not found", block.name))?;
-    let placed = declarations[own].tokens.windows(2).find(|pair| {
-        matches!(word(&pair[0]), "offset" | "align") && word(&pair[1]) == "="
-    });
+    let placed = declarations[own]
+        .tokens
+        .windows(2)
+        .find(|pair| matches!(word(&pair[0]), "offset" | "align") && word(&pair[1]) == "=");
     if let Some(pair) = placed {
         return Err(format!("GLSL ES 3.00 has no `{}` in `layout(…)`", word(&pair[0])));
     }
@@ -115,8 +114,7 @@ pub(super) fn text(
             words.filter(|word| !matches!(*word, "lowp" | "mediump" | "highp")).collect();
         let declared = words.join(" ");
         let dropped = ["set", "binding", "constant_id"];
-        let declared =
-            dropped.iter().fold(declared, |text, word| without_qualifier(&text, word));
+        let declared = dropped.iter().fold(declared, |text, word| without_qualifier(&text, word));
         text.push_str(&declared);
         text.push('\n');
     }

@@ -191,8 +191,7 @@ impl Verifier<'_> {
             return None;
         }
         let kind = backend.device().backend;
-        let texts =
-            code::texts_without_probe(kind, self.source, self.block, self.options, stage);
+        let texts = code::texts_without_probe(kind, self.source, self.block, self.options, stage);
         let texts: Vec<(Stage, &str)> = texts.iter().map(|(at, text)| (*at, &**text)).collect();
         backend.reflect(&texts, self.options.limit)
     }
@@ -309,7 +308,8 @@ impl Verifier<'_> {
                 resources.push(bound(place, kind));
             }
             Results::Pixels(indices) => {
-                resources.push(bound(&BoundBuffer::default(), ResourceKind::Loose(indices.clone())));
+                resources
+                    .push(bound(&BoundBuffer::default(), ResourceKind::Loose(indices.clone())));
                 grid = a_word_each(grid, plan.words);
             }
         }
@@ -317,12 +317,7 @@ impl Verifier<'_> {
             let others = self.others().into_iter();
             resources.extend(others.filter(|other| other.name != code.block.name));
         }
-        let job = Job {
-            stages: code.stages.clone(),
-            resources,
-            grid,
-            limit: self.options.limit,
-        };
+        let job = Job { stages: code.stages.clone(), resources, grid, limit: self.options.limit };
         let mut answer = backend.run(&job)?;
         if let Results::Pixels(_) = code.results {
             let words = answer.pixels.iter().map(|pixel| pixel[0]).collect();
