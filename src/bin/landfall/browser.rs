@@ -43,7 +43,7 @@ fn launch() -> Result<landfall_exec::backend::web::Launch, Failure> {
 
     let path = std::env::var_os("PATH").unwrap_or_default();
     let mut programs =
-        PROGRAMS.iter().flat_map(|name| std::env::split_paths(&path).map(|at| at.join(name)));
+        PROGRAMS.iter().flat_map(|name| std::env::split_paths(&path).map(move |at| at.join(name)));
     let Some(program) = programs.find(|program| is_executable(program)) else {
         let names = PROGRAMS.join(", ");
         return Err(Failure::missing(format!("no browser is on the path: none of {names}"), ""));
