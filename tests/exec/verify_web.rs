@@ -1,0 +1,390 @@
+//! Blocks read back through WebGL 2 and WebGPU of a browser: every leaf of every shader of the
+//! repository and of random blocks, planted faults, and text that must stay text. A browser that is
+//! missing fails the tests.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use snapbox::str;
+
+use crate::support;
+use crate::support::command::golden;
+
+use landfall_exec::backend::web::{self, Apis, Launch};
+use landfall_exec::backend::{Backend, FailureKind, Grid, Job, StageCode, Texel};
+use landfall_exec::harness::verify::{
+    BackendReport, Form, Outcome, ShaderReport, Subject, VerifyOptions, verify,
+};
+use landfall_layout::{BlockLayout, Source, Stage};
+use support::blocks::{Block, Rules as BlockRules, Space, print};
+use support::generate::{Diet, random};
+
+/// A browser keeps several processors busy: one at a time.
+static ONLY: Mutex<()> = Mutex::new(());
+
+struct Browser {
+    /// WebGL, then WebGPU.
+    apis: Vec<Box<dyn Backend>>,
+    processes: Vec<Option<u32>>,
+    scratch: PathBuf,
+    _only: MutexGuard<'static, ()>,
+}
+
+impl Browser {
+    fn start(name: &str, arguments: &[&str]) -> Browser {
+        let _only = ONLY.lock().unwrap_or_else(PoisonError::into_inner);
+        // Characters that a URL does not have.
+        let scratch =
+            std::env::temp_dir().join(format!("landfall web {name}#{}", std::process::id()));
+        std::fs::create_dir_all(&scratch).expect("a directory for the profile");
+        let mut launch = Launch::new("chromium", &scratch);
+        launch.arguments = arguments.iter().map(OsString::from).collect();
+        let Apis { webgl, webgpu } =
+            web::open(launch).expect("a browser: apt-get install chromium");
+        let apis = [webgl.expect("WebGL 2"), webgpu.expect("WebGPU")];
+        let processes = apis.iter().map(web::Web::process).collect();
+        let apis = apis.into_iter().map(|api| Box::new(api) as Box<dyn Backend>).collect();
+        Browser { apis, processes, scratch, _only }
+    }
+
+    fn verified(&mut self, source: &Source, options: &VerifyOptions) -> ShaderReport {
+        let subject = Subject::new(source, options)
+            .unwrap_or_else(|(_, found)| panic!("{}: {found:?}\n{}", source.path, source.text));
+        verify(&subject, options, &mut self.apis)
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        self.apis.clear();
+        let left = std::fs::read_dir(&self.scratch).map_or(0, Iterator::count);
+        let _ = std::fs::remove_dir_all(&self.scratch);
+        if !std::thread::panicking() {
+            assert_eq!(left, 0, "the profile is removed");
+        }
+    }
+}
+
+fn options() -> VerifyOptions {
+    VerifyOptions { limit: Duration::from_secs(120), ..VerifyOptions::default() }
+}
+
+/// Every report of a block by an API, with what it is about.
+fn each(report: &ShaderReport) -> impl Iterator<Item = (&str, &BackendReport)> {
+    let blocks = report.blocks.iter();
+    blocks.flat_map(|block| block.backends.iter().map(|backend| (&*block.name, backend)))
+}
+
+/// Blocks confirmed and their reads, and blocks skipped by reason.
+#[derive(Default)]
+struct Tally {
+    confirmed: BTreeMap<&'static str, (usize, usize)>,
+    skipped: BTreeMap<(&'static str, String), usize>,
+}
+
+impl Tally {
+    fn add(&mut self, source: &Source, block: &str, seen: &BackendReport) {
+        let api = seen.backend.name();
+        let name = format!("{} {block} {api}", source.path);
+        match seen.outcome {
+            Outcome::Confirmed => {
+                assert!(!seen.reads.is_empty(), "{name}");
+                let (blocks, reads) = self.confirmed.entry(api).or_default();
+                (*blocks, *reads) = (*blocks + 1, *reads + seen.reads.len());
+            }
+            Outcome::Skipped => {
+                let reason = seen.reason.clone().unwrap_or_default();
+                let reason = match &*seen.log {
+                    "" => reason,
+                    log => format!("{reason}: {}", log.lines().next().unwrap_or_default()),
+                };
+                *self.skipped.entry((api, reason)).or_default() += 1;
+            }
+            Outcome::Disagrees | Outcome::Failed => {
+                panic!("{name}: {:?} {}\n{:#?}", seen.reason, seen.log, seen.causes)
+            }
+        }
+    }
+}
+
+/// Through ANGLE's translation to SPIR-V, and to the GLSL of Mesa's driver.
+#[test]
+fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
+    for (name, arguments) in [("angle-vulkan", &[][..]), ("angle-gl", &["--use-angle=gl-egl"])] {
+        let mut browser = Browser::start(name, arguments);
+        let adapter = browser.apis[0].device().adapter.clone();
+        let (mut tally, mut leaves, mut unread) = (Tally::default(), 0, 0);
+        for path in support::files::shaders() {
+            let source = Source::read(&path).expect("a shader of ours is text");
+            let report = browser.verified(&source, &options());
+            each(&report).for_each(|(block, seen)| tally.add(&source, block, seen));
+            for block in &report.blocks {
+                match block.backends.iter().any(|seen| seen.outcome == Outcome::Confirmed) {
+                    true => leaves += block.leaves,
+                    false => unread += 1,
+                }
+            }
+        }
+        println!("{adapter}: {:?}, {leaves} leaves; {unread} blocks unread", tally.confirmed);
+        for ((api, reason), count) in &tally.skipped {
+            println!("{count:>4} {api}: {reason}");
+            assert!(is_known(reason), "{api}: {reason}");
+        }
+        let least = [("webgl", (130, 30_000)), ("webgpu", (99, 6_000))];
+        for (api, (blocks, reads)) in least {
+            let found = tally.confirmed[api];
+            assert!(found.0 >= blocks && found.1 >= reads, "{api}: {found:?}");
+        }
+    }
+}
+
+/// What an API does not take, and what this browser's devices lack.
+fn is_known(reason: &str) -> bool {
+    let known = [
+        "WebGL does not accept WGSL",
+        "WebGL 2 has no ",
+        "WebGPU accepts only WGSL",
+        "GLSL ES 3.00 has no `align`",
+        "GLSL ES 3.00 has no `offset`",
+        "the browser's WebGPU has no push constants",
+        "it is a buffer reference",
+        "it holds addresses",
+        // WebGL 2 §5.32: `shared` and `packed` are errors.
+        "its compiler rejects the shader: ERROR: 0:4: 'shared'",
+        "its compiler rejects the shader: ERROR: 0:4: 'packed'",
+        // SwiftShader has no 16-bit floats.
+        "its compiler rejects the shader: 1:8 error: extension 'f16' is not allowed",
+    ];
+    known.iter().any(|start| reason.starts_with(start))
+}
+
+/// What WebGL 2 has: std140 uniform blocks of 32-bit scalars.
+const DIET: Diet = Diet {
+    kinds: &[(Space::Uniform, BlockRules::Std140)],
+    scalars: &[
+        support::blocks::Scalar::Float,
+        support::blocks::Scalar::Int,
+        support::blocks::Scalar::Uint,
+        support::blocks::Scalar::Bool,
+    ],
+    matrices: &[support::blocks::Scalar::Float],
+    push_constant: false,
+};
+
+#[test]
+fn random_blocks_are_read_where_they_are_laid_out() {
+    let mut browser = Browser::start("random", &[]);
+    let mut tally = Tally::default();
+    for seed in 0..120 {
+        let (standing, made) = random(seed, 3, &DIET);
+        let made: Vec<&Block> = made.iter().collect();
+        let extension = ["vert", "frag"][seed as usize % 2];
+        let text = print(&standing, &made);
+        let source = Source::new(format!("seed_{seed}.{extension}"), text.as_str());
+        let report = browser.verified(&source, &options());
+        each(&report)
+            .filter(|(_, seen)| seen.backend.name() == "webgl")
+            .for_each(|(block, seen)| tally.add(&source, block, seen));
+    }
+    println!("{:?} {:?}", tally.confirmed, tally.skipped);
+    let (blocks, reads) = tally.confirmed["webgl"];
+    assert!(blocks >= 60 && reads >= 5_000, "{blocks} blocks, {reads} reads");
+}
+
+/// The structures whose layout encase computes, too.
+#[test]
+fn wgsl_structures_are_read_and_written_where_they_are_laid_out() {
+    let mut browser = Browser::start("wgsl", &[]);
+    let source = Source::new("structures.wgsl", support::wgsl::text().as_str());
+    let report = browser.verified(&source, &options());
+    let (mut reads, mut writes) = (0, 0);
+    for (block, seen) in each(&report).filter(|(_, seen)| seen.backend.name() == "webgpu") {
+        assert_eq!(seen.outcome, Outcome::Confirmed, "{block}: {:?}\n{}", seen.reason, seen.log);
+        let written = seen.reads.iter().filter(|read| read.way == "written").count();
+        (reads, writes) = (reads + seen.reads.len() - written, writes + written);
+    }
+    println!("{} blocks, {reads} reads, {writes} writes", report.blocks.len());
+    assert_eq!(report.blocks.len(), support::wgsl::cases().len());
+    assert!(reads > 500 && writes > 200, "{reads} reads, {writes} writes");
+}
+
+const GLSL: &str = "#version 300 es
+precision mediump float;
+struct Light { vec3 position; float power; };
+layout(std140) uniform Lights { float time; Light lights[4]; mat3 frame; float weights[3]; vec2 tail; } u;
+out vec4 colour;
+void main() { colour = vec4(u.lights[1].power); }
+";
+
+const WGSL: &str = "struct Light { position: vec3<f32>, power: f32 }
+struct Lights { time: f32, lights: array<Light, 4>, frame: mat3x3<f32>, weights: array<vec4f, 3>, tail: vec2<f32> }
+@group(0) @binding(1) var<uniform> u: Lights;
+@fragment fn main() -> @location(0) vec4<f32> { return vec4<f32>(u.lights[1].power); }
+";
+
+/// The leaves that an API sees elsewhere, with the causes.
+fn caught(browser: &mut Browser, fault: impl Fn(&mut BlockLayout)) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    for (name, text, api) in [("a.frag", GLSL, "webgl"), ("a.wgsl", WGSL, "webgpu")] {
+        let source = Source::new(name, text);
+        let mut given = landfall_layout::layout(&source, &Default::default()).blocks;
+        fault(&mut given[0]);
+        let report = browser.verified(&source, &VerifyOptions { given: Some(given), ..options() });
+        let seen = each(&report).find(|(_, seen)| seen.backend.name() == api).expect("it ran").1;
+        let elsewhere = seen.reads.iter().filter(|read| read.byte_read != Some(read.expected_byte));
+        let mut leaves: Vec<(String, String)> = elsewhere
+            .map(|read| {
+                let cause = seen.causes.iter().find(|cause| cause.leaf == read.leaf);
+                (read.leaf.clone(), cause.map_or(String::new(), |cause| cause.cause.clone()))
+            })
+            .collect();
+        leaves.dedup();
+        assert_eq!(seen.outcome == Outcome::Disagrees, !leaves.is_empty(), "{:?}", seen.reason);
+        all.push(leaves);
+    }
+    assert_eq!(all[0], all[1], "WebGL against WebGPU");
+    all.swap_remove(0)
+}
+
+#[test]
+fn planted_faults_are_caught_by_both_apis() {
+    let mut browser = Browser::start("faults", &[]);
+    let leaf =
+        |block: &mut BlockLayout, path: &str, change: &dyn Fn(&mut landfall_layout::Leaf)| {
+            change(block.leaves.iter_mut().find(|leaf| leaf.path == path).expect("such a leaf"));
+        };
+    assert_eq!(caught(&mut browser, |_| {}), []);
+    // By hand: lights at 16 to 80, frame to 128, weights to 176, then tail.
+    let found = caught(&mut browser, |block| {
+        leaf(block, "tail", &|leaf| leaf.offset = leaf.offset.map(|offset| offset + 8));
+    });
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, "tail");
+    golden().eq(&found[0].1, str!["it starts at 176 instead of 184"]);
+    let found = caught(&mut browser, |block| {
+        leaf(block, "lights[].power", &|leaf| leaf.strides[0] = 32);
+    });
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].0, "lights[].power");
+    golden().eq(&found[0].1, str!["the array stride is 16 instead of 32"]);
+    let found = caught(&mut browser, |block| {
+        leaf(block, "frame", &|leaf| leaf.row_major = true);
+    });
+    assert_eq!(found.len(), 1, "{found:?}");
+    golden().eq(&found[0].1, str!["rows and columns are swapped"]);
+}
+
+/// GLSL ES 3.00 is reflected as it is, its `main` included.
+#[test]
+fn webgl_reports_offsets_of_the_unchanged_text() {
+    let mut browser = Browser::start("reflected", &[]);
+    let report = browser.verified(&Source::new("a.frag", GLSL), &options());
+    let (_, seen) = each(&report).next().expect("WebGL");
+    assert_eq!((seen.form, seen.outcome), (Form::Declared, Outcome::Confirmed));
+    let reported: Vec<(&str, Option<u64>)> = seen
+        .reads
+        .iter()
+        .filter(|read| read.way == "reported")
+        .map(|read| (&*read.path, read.byte_read))
+        .collect();
+    // OpenGL ES 3.0 §2.12.6.4, by hand.
+    for expected in
+        [("time", 0), ("lights[3].power", 16 + 48 + 12), ("frame", 80), ("weights[1]", 144)]
+    {
+        assert!(reported.contains(&(expected.0, Some(expected.1))), "{expected:?} in {reported:?}");
+    }
+}
+
+/// Every part of a text that reaches the browser: comments, names of files, names of blocks.
+#[test]
+fn hostile_text_stays_text() {
+    let mut browser = Browser::start("hostile", &[]);
+    let acts = [
+        "</script><script>document.title='acted'</script>",
+        "`${document.title='acted'}`",
+        "'); document.title='acted'; ('",
+        "\"}); document.title=\"acted\"; ({\"",
+        "\\u0027); document.title='acted'; //",
+        "<img src=x onerror=document.title='acted'>",
+        "\u{2028}document.title='acted'\u{2029}",
+        "\u{0000}\u{FEFF}\u{202E}",
+    ];
+    for act in acts {
+        let comment = act.replace('\n', " ").replace('\0', "");
+        let glsl = GLSL.replace("out vec4", &format!("// {comment}\nout vec4"));
+        let wgsl = format!("/* {} */\n{WGSL}", comment.replace("*/", ""));
+        for (name, text, api) in [("a.frag", glsl, 0), ("a.wgsl", wgsl, 1)] {
+            let source =
+                Source { path: format!("{act}{name}"), ..Source::new(name, text.as_str()) };
+            let report = browser.verified(&source, &options());
+            let seen = &report.blocks[0].backends[api];
+            let title = run(&mut browser, "float", None).map(|pixel| pixel[0]);
+            assert_eq!(title, Ok(7.0f32.to_bits()), "{act}");
+            assert_eq!(seen.outcome, Outcome::Confirmed, "{act}: {:?}\n{}", seen.reason, seen.log);
+        }
+    }
+}
+
+/// Runs a fragment shader of one pixel on WebGL, with a type of it replaced.
+fn run(browser: &mut Browser, ty: &str, limit: Option<Duration>) -> Result<[u32; 4], FailureKind> {
+    let code = |stage, text: &str| StageCode {
+        stage,
+        entry: "main".to_string(),
+        module: None,
+        text: Some(text.to_string()),
+        spirv: None,
+    };
+    let vertex = "#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, \
+                  gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }\n";
+    let fragment = format!(
+        "#version 300 es\nprecision highp float;\nout vec4 o;\nvoid main() {{ {ty} a = 7.0; o = vec4(a); }}\n"
+    );
+    let job = Job {
+        stages: vec![code(Stage::Vertex, vertex), code(Stage::Fragment, &fragment)],
+        resources: Vec::new(),
+        grid: Grid::Image { width: 1, height: 1, texel: Texel::Float },
+        limit: limit.unwrap_or(Duration::from_secs(60)),
+    };
+    browser.apis[0].run(&job).map(|output| output.pixels[0]).map_err(|failure| failure.kind)
+}
+
+/// A refused shader, a limit that is exceeded, and a browser that was killed: the next job runs.
+#[test]
+fn a_browser_that_fails_is_started_again() {
+    let mut browser = Browser::start("again", &[]);
+    let seven = Ok([7.0f32.to_bits(); 4]);
+    assert_eq!(run(&mut browser, "float", None), seven);
+    assert_eq!(run(&mut browser, "nothing", None), Err(FailureKind::Refused));
+    assert_eq!(run(&mut browser, "float", None), seven);
+    assert_eq!(run(&mut browser, "float", Some(Duration::ZERO)), Err(FailureKind::TimedOut));
+    assert_eq!(run(&mut browser, "float", None), seven);
+    let supervisor = browser.processes[0].expect("it ran");
+    assert!(!std::path::Path::new(&format!("/proc/{supervisor}")).exists(), "it was ended");
+    let running = children(std::process::id());
+    let [supervisor] = &running[..] else { panic!("{running:?}") };
+    for process in children(*supervisor) {
+        let killed = std::process::Command::new("kill").args(["-9", &process.to_string()]).status();
+        assert!(killed.expect("kill").success());
+    }
+    let begun = Instant::now();
+    assert_eq!(run(&mut browser, "float", None), Err(FailureKind::Died));
+    assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
+    assert_eq!(run(&mut browser, "float", None), seven);
+}
+
+/// The children of a process that run `sh` or a browser.
+fn children(process: u32) -> Vec<u32> {
+    let tasks = std::fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
+    let all = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    let all: Vec<u32> = all
+        .flat_map(|all| all.split_whitespace().filter_map(|id| id.parse().ok()).collect::<Vec<_>>())
+        .collect();
+    let is_browser = |id: &u32| {
+        let command = std::fs::read_to_string(format!("/proc/{id}/cmdline")).unwrap_or_default();
+        command.contains("--user-data-dir=")
+    };
+    all.into_iter().filter(is_browser).collect()
+}
