@@ -152,7 +152,7 @@ fn is_known(reason: &str) -> bool {
         "the browser's WebGPU has no push constants",
         "it is a buffer reference",
         "it holds addresses",
-        // WebGL 2 §5.32: `shared` and `packed` are errors.
+        // WebGL 2 allows std140 only.
         "its compiler rejects the shader: ERROR: 0:4: 'shared'",
         "its compiler rejects the shader: ERROR: 0:4: 'packed'",
         // SwiftShader has no 16-bit floats.

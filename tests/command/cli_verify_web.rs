@@ -1,0 +1,169 @@
+//! `landfall verify --backend web` from outside: a browser that is missing, what is printed, wrong
+//! layouts, and that nothing of the browser stays.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use snapbox::str;
+
+use crate::support::command::{Place, Ran};
+
+const GLSL: &str = "#version 330 core
+layout(std140) uniform B { float time; vec3 wind; float gains[4]; } u;
+uniform vec4 loose;
+buffer S { vec4 stored; };
+out vec4 colour;
+void main() { colour = vec4(u.time + u.gains[1] + u.gains[2]) + loose + stored; }
+";
+
+const WGSL: &str = "struct B { time: f32, wind: vec3<f32> }
+@group(0) @binding(0) var<uniform> u: B;
+@group(1) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
+@fragment fn main() -> @location(0) vec4f { return vec4f(u.wind, u.time); }
+";
+
+fn place(name: &str) -> Place {
+    let place = Place::new(name);
+    place.write("a.frag", GLSL).write("b.wgsl", WGSL);
+    place
+}
+
+#[test]
+fn a_missing_browser_is_named() {
+    let folder = place("verify-web-missing");
+    let without = |arguments: &[&str]| {
+        let mut command = folder.command(arguments);
+        // No program is in this directory.
+        command.env("PATH", &folder.0);
+        Ran::of(command.output().expect("the command of this package"))
+    };
+    without(&["verify", "a.frag", "--backend", "web"]).code(2).stdout_eq("").stderr_eq(str![]);
+    without(&["verify", "a.frag", "--require", "web"]).code(2).stdout_eq("").stderr_eq(str![]);
+    without(&["verify", "a.frag", "--backend", "cpu", "--require", "web"])
+        .code(2)
+        .stdout_eq("")
+        .stderr_eq(str![]);
+    // Beside another backend it is no error.
+    without(&["verify", "a.frag", "--backend", "cpu,web"]).code(0).stdout_eq(str![]);
+    let json = without(&["verify", "a.frag", "--backend", "cpu,web", "--format", "json"]).json();
+    assert_eq!(json["readers"][1]["reader"], "webgl");
+    let missing = json["readers"][1]["missing"].as_str().expect("a reason");
+    assert!(missing.contains("on the path"), "{missing}");
+}
+
+#[test]
+fn a_browser_that_does_not_start_says_why() {
+    let folder = place("verify-web-broken");
+    folder.write("chromium", "#!/bin/sh\necho 'error: no display' >&2\nexit 3\n");
+    assert!(
+        Command::new("chmod").arg("+x").arg(folder.path("chromium")).status().unwrap().success()
+    );
+    let mut command = folder.command(&["verify", "a.frag", "--backend", "web"]);
+    command.env("PATH", &folder.0);
+    let ran = Ran::of(command.output().expect("the command of this package"));
+    ran.code(2).stdout_eq("").stderr_eq(str![]);
+}
+
+#[test]
+fn both_apis_read_the_blocks_and_say_what_they_lack() {
+    let folder = place("verify-web");
+    let verify = ["verify", "a.frag", "b.wgsl", "--backend", "web"];
+    folder.run(&[&verify[..], &["--require", "web"]].concat()).code(0).stdout_eq(str![]);
+    let schema = folder.run(&["schema", "verify"]).json();
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let value = folder.run(&[&verify[..], &["--format", "json"]].concat()).json();
+    let errors: Vec<String> = validator.iter_errors(&value).map(|e| e.to_string()).collect();
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
+    assert_eq!(value["shaders"][0]["blocks"][0]["readers"][0]["form"], "declared");
+    assert_eq!(value["shaders"][1]["blocks"][0]["readers"][1]["form"], "original");
+}
+
+#[test]
+fn a_wrong_layout_exits_with_1_and_the_leaf_is_named() {
+    let folder = place("verify-web-stale");
+    folder.run(&["lock", "a.frag"]).code(0);
+    // `gains` moves from 32 to 48.
+    folder.write("a.frag", GLSL.replace("float gains", "vec4 fog; float gains"));
+    let lock = "layouts/a.frag.json";
+    let verify = ["verify", "a.frag", "--backend", "web", "--block", "B", "--layout", lock];
+    folder.run(&verify).code(1).stdout_eq(str![]);
+}
+
+/// The probes record in the lock which API confirmed it.
+#[test]
+fn the_lock_records_the_browser() {
+    let folder = place("verify-web-record");
+    folder.write("a.frag", GLSL.replace("buffer S { vec4 stored; };", "").replace(" + stored", ""));
+    folder.run(&["lock", "a.frag"]).code(0);
+    folder.run(&["verify", "a.frag", "--backend", "web", "--record"]).code(0);
+    let lock = folder.read("layouts/a.frag.json");
+    assert!(
+        lock.contains("\"reader\": \"webgl\"") || lock.contains("\"reader\":\"webgl\""),
+        "{lock}"
+    );
+    assert!(!lock.contains("webgpu"), "{lock}");
+}
+
+#[test]
+fn devices_lists_both_apis() {
+    let listed = crate::support::command::run(&["devices", "--format", "json"]).json();
+    let kind = |reader: &str| {
+        let devices = listed["devices"].as_array().expect("a list");
+        let device = devices.iter().find(|device| device["reader"] == reader).expect(reader);
+        assert_eq!(device["available"], true, "{device}");
+        // WebGL 2 and WebGPU promise at least these.
+        assert!(device["limits"]["uniform_block_size"].as_u64().expect("a size") >= 16384);
+        device["kind"].as_str().expect("a kind").to_string()
+    };
+    assert_eq!((kind("webgl"), kind("webgpu")), ("webgl 2".to_string(), "webgpu".to_string()));
+}
+
+/// However the command ends, the browser ends, and its profile is removed.
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_of_the_browser_stays() {
+    for signal in ["-INT", "-TERM", "-KILL"] {
+        let folder = place(&format!("verify-web-end{signal}"));
+        let scratch = folder.0.join("scratch");
+        std::fs::create_dir_all(&scratch).unwrap();
+        for copy in 0..60 {
+            folder.write(&format!("copy_{copy}.frag"), GLSL);
+        }
+        let mut command = folder.command(&["verify", ".", "--backend", "web"]);
+        command.env("TMPDIR", &scratch).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().expect("the command of this package");
+        let is_there = || std::fs::read_dir(&scratch).unwrap().count() > 0;
+        wait("the browser starts", || is_there() && !browsers(&scratch).is_empty());
+        end(&mut child, signal);
+        wait("the browser ends", || browsers(&scratch).is_empty());
+        wait("the profile is removed", || !is_there());
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn end(child: &mut Child, signal: &str) {
+    let kill = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(kill.expect("kill runs").success());
+    assert!(!child.wait().expect("it ends").success());
+}
+
+#[cfg(target_os = "linux")]
+fn wait(what: &str, holds: impl Fn() -> bool) {
+    let begun = Instant::now();
+    while !holds() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "{what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// The processes whose profile is in this directory.
+#[cfg(target_os = "linux")]
+fn browsers(scratch: &Path) -> Vec<String> {
+    let scratch = scratch.display().to_string();
+    std::fs::read_dir("/proc")
+        .expect("Linux")
+        .filter_map(|entry| std::fs::read_to_string(entry.ok()?.path().join("cmdline")).ok())
+        .filter(|command| command.contains(&scratch))
+        .collect()
+}
