@@ -11,6 +11,7 @@ pub mod report;
 mod reported;
 mod user_spirv;
 mod verifier;
+mod web;
 
 use std::time::Duration;
 

@@ -7,10 +7,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::{Form, VerifyOptions};
-use super::{declared, partner};
+use super::{declared, partner, web};
 use crate::backend::{Failure, FailureKind, LooseUniform, StageCode};
 use crate::harness::probe::plan::Plan;
-use crate::harness::probe::{glsl, pixels, wgsl};
+use crate::harness::probe::{glsl, wgsl};
 use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::port::{PortOptions, port};
@@ -67,6 +67,7 @@ pub(super) fn form(backend: BackendKind, source: &Source, block: &BlockLayout, n
     match (backend, naga) {
         (BackendKind::Gl | BackendKind::WebGl, _) if is_loose(source, block) => Form::Ported,
         (BackendKind::WebGl, _) => Form::Declared,
+        (BackendKind::WebGpu, _) if source.language == Language::Glsl => Form::Ported,
         (BackendKind::Gl | BackendKind::WebGpu, _) => Form::Original,
         (_, false) => Form::Module,
         (_, true) => Form::Naga,
@@ -96,7 +97,7 @@ pub(super) fn fits(
             let runs = if fragment { ExecutableStage::Fragment } else { runs };
             return declared::refusal(source, block).map_or(Ok(runs), Err);
         }
-        BackendKind::WebGpu => return for_webgpu(source, block, runs),
+        BackendKind::WebGpu => return web::for_webgpu(block, runs),
         BackendKind::Gl => {}
     }
     match (source.language, block.space) {
@@ -111,21 +112,6 @@ pub(super) fn fits(
     }
 }
 
-/// Returns the stage a probe runs in on WebGPU, or why it cannot run.
-fn for_webgpu(
-    source: &Source,
-    block: &BlockLayout,
-    stage: ExecutableStage,
-) -> Result<ExecutableStage, String> {
-    let reason = match (source.language, block.space, stage) {
-        (Language::Glsl, ..) => "WebGPU accepts only WGSL",
-        (_, AddressSpace::PushConstant, _) => "the browser's WebGPU has no push constants",
-        (.., ExecutableStage::Vertex) => "WebGPU's vertex shaders cannot write the results",
-        (.., ExecutableStage::Fragment | ExecutableStage::Compute) => return Ok(stage),
-    };
-    Err(reason.to_string())
-}
-
 /// Returns the code of a probe.
 ///
 /// # Errors
@@ -133,13 +119,16 @@ fn for_webgpu(
 pub(super) fn code(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
-        Form::Declared => declared(need, need.source, need.block),
-        Form::Original if need.backend == BackendKind::WebGpu => for_tint(need),
+        Form::Declared => web::declared(need, need.source, need.block),
+        Form::Original if need.backend == BackendKind::WebGpu => {
+            web::of_wgsl(need, need.source, need.block)
+        }
         Form::Original => {
             let source = raised(opened(need.source, &need.options.layout.read));
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
             for_gl(need, &source, &text)
         }
+        Form::Ported if need.backend == BackendKind::WebGpu => web::ported_to_wgsl(need),
         Form::Ported => ported(need),
         Form::Module | Form::Naga | Form::Spirv => module(need, form),
     }
@@ -192,6 +181,10 @@ pub(super) fn texts_without_probe(
 ) -> Vec<(Stage, String)> {
     let read = &options.layout.read;
     match backend {
+        BackendKind::WebGpu if source.language == Language::Glsl => {
+            let ported = web::to_wgsl(source, options).ok();
+            ported.map(|ported| (stage, ported.source.text.to_string())).into_iter().collect()
+        }
         BackendKind::WebGpu => vec![(stage, source.text.to_string())],
         BackendKind::WebGl => declared::whole(source, read, block, stage),
         _ => vec![(stage, without_qualifier(&opened(source, read).text, "set"))],
@@ -234,7 +227,7 @@ fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failu
     Ok(stage_code(Stage::Fragment, "main", module, Some(source.text.to_string())))
 }
 
-fn stage_code(
+pub(super) fn stage_code(
     stage: Stage,
     entry: &str,
     module: Option<Arc<Module>>,
@@ -265,48 +258,13 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
         ));
     };
     if need.backend == BackendKind::WebGl {
-        return declared(need, &ported.source, block);
+        return web::declared(need, &ported.source, block);
     }
     let source = raised(Cow::Borrowed(&ported.source));
     let text = glsl::text(&source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &source, &text)?;
     code.block.name = name.to_string();
     Ok(code)
-}
-
-/// Returns the block's declaration in GLSL ES 3.00 with a probe.
-fn declared(
-    need: &ProbeRequest<'_>,
-    source: &Source,
-    block: &BlockLayout,
-) -> Result<Code, Failure> {
-    let text = declared::text(source, &need.options.layout.read, block)
-        .map_err(|message| Failure { kind: FailureKind::Unfit, ..failure(message) })?;
-    let stage = |(stage, text)| stage_code(stage, "main", None, Some(text));
-    let stages = pixels::texts(&text, block, need.element, need.plan, need.stage.into());
-    Ok(Code {
-        stages: stages.map(stage).into(),
-        block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
-        results: Results::Pixels(pixels::indices(need.plan)),
-        writable: false,
-    })
-}
-
-/// Returns the user's WGSL with a probe.
-fn for_tint(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
-    let (Some(group), Some(binding)) = (need.block.group, need.block.binding) else {
-        let message = "its binding is not known".to_string();
-        return Err(Failure { kind: FailureKind::Unfit, ..failure(message) });
-    };
-    let text = wgsl::text(need.source, need.block, need.plan, need.stage);
-    let results =
-        BoundBuffer { binding: wgsl::free_binding(&need.source.text), ..BoundBuffer::default() };
-    Ok(Code {
-        stages: vec![stage_code(need.stage.into(), wgsl::ENTRY, None, Some(text))],
-        block: BoundBuffer { name: need.block.name.to_string(), group, binding },
-        results: Results::Buffer(results),
-        writable: need.writable,
-    })
 }
 
 fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
@@ -375,11 +333,15 @@ fn nth_buffer(block: &BlockLayout, element: &[u32]) -> Option<u32> {
     (!block.count.is_empty()).then_some(counted)
 }
 
-fn failure(message: String) -> Failure {
+pub(super) fn failure(message: String) -> Failure {
     Failure { kind: FailureKind::Refused, message, log: String::new() }
 }
 
-fn refused(what: &str, found: &[Diagnostic]) -> Failure {
+pub(super) fn unfit(message: &str) -> Failure {
+    Failure { kind: FailureKind::Unfit, ..failure(message.to_string()) }
+}
+
+pub(super) fn refused(what: &str, found: &[Diagnostic]) -> Failure {
     let first = found.first().map_or("no reason given", |first| first.message.as_str());
     Failure { kind: FailureKind::Unfit, ..failure(format!("it cannot be {what}: {first}")) }
 }

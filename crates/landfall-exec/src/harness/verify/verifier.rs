@@ -187,10 +187,11 @@ impl Verifier<'_> {
         stage: Stage,
         form: Form,
     ) -> Option<Result<Reflection, Failure>> {
-        if !matches!(form, Form::Original | Form::Declared) {
-            return None;
-        }
         let kind = backend.device().backend;
+        match (form, kind) {
+            (Form::Original | Form::Declared, _) | (Form::Ported, BackendKind::WebGpu) => {}
+            _ => return None,
+        }
         let texts = code::texts_without_probe(kind, self.source, self.block, self.options, stage);
         let texts: Vec<(Stage, &str)> = texts.iter().map(|(at, text)| (*at, &**text)).collect();
         backend.reflect(&texts, self.options.limit)
