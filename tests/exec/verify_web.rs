@@ -133,7 +133,7 @@ fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
             println!("{count:>4} {api}: {reason}");
             assert!(is_known(reason), "{api}: {reason}");
         }
-        let least = [("webgl", (130, 30_000)), ("webgpu", (99, 6_000))];
+        let least = [("webgl", (130, 30_000)), ("webgpu", (200, 12_000))];
         for (api, (blocks, reads)) in least {
             let found = tally.confirmed[api];
             assert!(found.0 >= blocks && found.1 >= reads, "{api}: {found:?}");
@@ -146,7 +146,9 @@ fn is_known(reason: &str) -> bool {
     let known = [
         "WebGL does not accept WGSL",
         "WebGL 2 has no ",
-        "WebGPU accepts only WGSL",
+        "it cannot be ported to WGSL: ",
+        // bools become integers.
+        "`landfall port --to wgsl` gives its members other types",
         "GLSL ES 3.00 has no `align`",
         "GLSL ES 3.00 has no `offset`",
         "the browser's WebGPU has no push constants",

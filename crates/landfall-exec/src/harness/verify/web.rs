@@ -75,11 +75,11 @@ pub(super) fn ported_to_wgsl(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
         Some(name) if is_loose(need.source, need.block) => name,
         _ => &*need.block.name,
     };
+    // Ports number bindings over all sets.
     let bound = ported.bindings.iter().find(|bound| bound.name == *name);
-    let bound = bound.map(|bound| (Some(bound.set), Some(bound.binding)));
-    let bound = bound.unwrap_or((need.block.group.or(Some(0)), need.block.binding));
+    let bound = bound.map_or(need.block.binding, |bound| Some(bound.binding));
     let shader = layout(&ported.source, &need.options.layout);
-    let block = shader.blocks.iter().find(|block| (block.group, block.binding) == bound);
+    let block = shader.blocks.iter().find(|block| block.binding == bound);
     let places = |block: &BlockLayout| -> Vec<_> {
         let place = |leaf: &Leaf| (leaf.offset, leaf.strides.clone(), leaf.ty.clone());
         block.leaves.iter().map(place).collect()
