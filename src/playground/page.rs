@@ -4,11 +4,10 @@
 use data_encoding::BASE64;
 use landfall_codegen::languages::LANGUAGES;
 use landfall_layout::format::json::Tool;
-use landfall_layout::text::escape;
 use serde::Serialize;
 
 use super::json;
-use crate::report::html::{BLOCKS, MAP_STYLE, filled, hash};
+use crate::report::html::{BLOCKS, MAP_STYLE, embedded, filled, head, policy};
 
 const TEMPLATE: &str = include_str!("page/playground.html");
 const STYLE: &str = include_str!("page/playground.css");
@@ -57,18 +56,12 @@ pub fn page(engine: Engine<'_>) -> (String, String) {
     let script = format!("'use strict';\n(() => {{\n{BLOCKS}{PARTS}}})();\n");
     let style = format!("{MAP_STYLE}{STYLE}");
     let connect = match engine {
-        Engine::Server(_) => "connect-src 'self'; ",
+        Engine::Server(_) => "; connect-src 'self'",
         Engine::Wasm(_) => "",
     };
-    // Hashes as one alternative each, then what compiles WebAssembly and nothing else.
-    let policy = format!(
-        "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}' 'sha256-{}' \
-         'wasm-unsafe-eval'; {connect}base-uri 'none'; form-action 'none'; \
-         require-trusted-types-for 'script'; trusted-types 'none'",
-        hash(&style),
-        hash(EDITOR),
-        hash(&script),
-    );
+    // WebAssembly is compiled, and no other text.
+    let more = format!(" 'wasm-unsafe-eval'{connect}");
+    let policy = policy(&style, &[EDITOR, &script], &more);
     let data = Data {
         tool: Tool::LANDFALL,
         languages: LANGUAGES.iter().map(|language| [language.name, language.title]).collect(),
@@ -83,9 +76,8 @@ pub fn page(engine: Engine<'_>) -> (String, String) {
     };
     let [layout, evaluator] = wasm;
     let slots = [
-        ("{{policy}}", policy.clone()),
-        ("{{style}}", style),
-        ("{{data}}", escape::json(&json(&data)).replace('<', "\\u003c")),
+        ("{{head}}", head("Landfall playground", &policy, &style)),
+        ("{{data}}", embedded(&json(&data))),
         ("{{layout}}", layout),
         ("{{evaluator}}", evaluator),
         ("{{editor}}", EDITOR.to_string()),

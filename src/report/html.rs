@@ -13,6 +13,7 @@ use landfall_layout::text::escape;
 pub use document::{MOST_UNDER_ALL_RULES, Part, RULES};
 use texts::Texts;
 
+const HEAD: &str = include_str!("html/head.html");
 const TEMPLATE: &str = include_str!("html/page.html");
 
 /// The style of the page and of its maps.
@@ -59,16 +60,16 @@ impl Page {
 
     /// The page; `title` says what it shows.
     pub fn finish(self, title: &str) -> String {
+        let policy = policy(MAP_STYLE, &[SCRIPT], "");
         let slots = [
-            ("{{policy}}", policy()),
-            ("{{style}}", MAP_STYLE.to_string()),
+            ("{{head}}", head("Landfall report", &policy, MAP_STYLE)),
             ("{{data}}", self.data(title)),
             ("{{script}}", SCRIPT.to_string()),
         ];
         filled(TEMPLATE, &slots)
     }
 
-    /// The JSON that the page holds; without `<`, which could end its element.
+    /// The JSON that the page holds.
     pub fn data(&self, title: &str) -> String {
         let tool = landfall_layout::format::json::Tool::LANDFALL;
         let text = format!(
@@ -78,8 +79,19 @@ impl Page {
             json(&self.texts.all),
             self.shaders.join(",\n"),
         );
-        escape::json(&text).replace('<', "\\u003c")
+        embedded(&text)
     }
+}
+
+/// JSON as an element of a page holds it; without `<`, which could end that element.
+pub fn embedded(json: &str) -> String {
+    escape::json(json).replace('<', "\\u003c")
+}
+
+/// The start of a page, up to its body.
+pub fn head(title: &str, policy: &str, style: &str) -> String {
+    let slots = [("{{policy}}", policy), ("{{title}}", title), ("{{style}}", style)];
+    filled(HEAD, &slots.map(|(slot, text)| (slot, text.to_string())))
 }
 
 /// Fills the slots of a template, in its order, so that no text is searched for the slots behind it.
@@ -95,22 +107,22 @@ pub fn filled(template: &str, slots: &[(&str, String)]) -> String {
     page + rest
 }
 
-/// The hash of a style or script as a content security policy spells it.
-pub fn hash(text: &str) -> String {
-    BASE64.encode(&hmac_sha256::Hash::hash(text.as_bytes()))
-}
-
 fn json<T: serde::Serialize + ?Sized>(value: &T) -> String {
     serde_json::to_string(value).expect("keys are strings")
 }
 
-/// The content security policy: the one style and the one script, by their hashes, and nothing else.
-fn policy() -> String {
+/// The content security policy: the one style and the scripts, by their hashes, what `more` allows,
+/// and nothing else.
+pub fn policy(style: &str, scripts: &[&str], more: &str) -> String {
+    let hash = |text: &str| {
+        format!("'sha256-{}'", BASE64.encode(&hmac_sha256::Hash::hash(text.as_bytes())))
+    };
+    let scripts: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
     format!(
-        "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; base-uri 'none'; \
+        "default-src 'none'; style-src {}; script-src {}{more}; base-uri 'none'; \
          form-action 'none'; require-trusted-types-for 'script'; trusted-types 'none'",
-        hash(MAP_STYLE),
-        hash(SCRIPT),
+        hash(style),
+        scripts.join(" "),
     )
 }
 

@@ -70,7 +70,7 @@ fn of_object(map: &Map<String, Value>, about: &str) -> Result<SceneShader, Error
                     Value::String(text) => text.clone(),
                     other => other.to_string(),
                 };
-                // As the command always had them: the last one first.
+                // The last one first, as `render` reads them.
                 defines.insert(0, (name.clone(), value));
             }
         }

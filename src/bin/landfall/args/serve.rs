@@ -6,8 +6,8 @@ use super::read::define;
 
 #[derive(Debug, clap::Args)]
 pub struct ServeArgs {
-    /// Shaders, and scenes (.json) with theirs, to open and to watch; nothing else of the disk is
-    /// shown [default: an example]
+    /// Shaders and scenes (.json) to open and to watch, with what they include or name; no other file
+    /// is served [default: an example]
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Port on the loopback interface; 0 takes a free one
@@ -16,7 +16,7 @@ pub struct ServeArgs {
     /// Search DIR for #include files
     #[arg(short = 'I', long = "include", value_name = "DIR")]
     pub include_dirs: Vec<PathBuf>,
-    /// Define a macro at first [default value: 1]
+    /// Define a macro, which the page can change [default value: 1]
     #[arg(short = 'D', long = "define", value_name = "NAME[=TEXT]", value_parser = define)]
     pub defines: Vec<(String, String)>,
 }
