@@ -38,14 +38,41 @@ fn a_missing_browser_is_named() {
         command.env("PATH", &folder.0);
         Ran::of(command.output().expect("the command of this package"))
     };
-    without(&["verify", "a.frag", "--backend", "web"]).code(2).stdout_eq("").stderr_eq(str![]);
-    without(&["verify", "a.frag", "--require", "web"]).code(2).stdout_eq("").stderr_eq(str![]);
+    without(&["verify", "a.frag", "--backend", "web"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `web` did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+  |
+  = help: install Chromium; `--backend cpu` needs no browser
+
+
+"#]]);
+    without(&["verify", "a.frag", "--require", "web"]).code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `web` is required but did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+  |
+  = help: `landfall devices` lists the available backends
+
+
+"#]]);
     without(&["verify", "a.frag", "--backend", "cpu", "--require", "web"])
         .code(2)
         .stdout_eq("")
-        .stderr_eq(str![]);
+        .stderr_eq(str![[r#"
+error[output]: `web` is required, but `--backend` excludes it
+
+
+"#]]);
     // Beside another backend it is no error.
-    without(&["verify", "a.frag", "--backend", "cpu,web"]).code(0).stdout_eq(str![]);
+    without(&["verify", "a.frag", "--backend", "cpu,web"]).code(0).stdout_eq(str![[r#"
+backends
+  cpu    interpreter · landfall [VERSION]
+  webgl  did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+  webgpu did not run: no browser is on the path: none of chromium, chromium-browser, google-chrome, google-chrome-stable, chrome
+
+a.frag
+  B             std140  96 bytes     3 leaves  cpu ✓ 15 reads
+  S             std430  16 bytes     1 leaf    cpu ✓ 12 reads
+  DefaultBlock  std140  16 bytes     1 leaf    cpu ✓ 8 reads
+
+"#]]);
     let json = without(&["verify", "a.frag", "--backend", "cpu,web", "--format", "json"]).json();
     assert_eq!(json["readers"][1]["reader"], "webgl");
     let missing = json["readers"][1]["missing"].as_str().expect("a reason");
@@ -62,14 +89,40 @@ fn a_browser_that_does_not_start_says_why() {
     let mut command = folder.command(&["verify", "a.frag", "--backend", "web"]);
     command.env("PATH", &folder.0);
     let ran = Ran::of(command.output().expect("the command of this package"));
-    ran.code(2).stdout_eq("").stderr_eq(str![]);
+    ran.code(2).stdout_eq("").stderr_eq(str![[r#"
+error[output]: `web` did not run: the browser does not start: the browser ended with exit code 127: error: no display
+  |
+  = help: install Chromium; `--backend cpu` needs no browser
+
+
+"#]]);
 }
 
 #[test]
 fn both_apis_read_the_blocks_and_say_what_they_lack() {
     let folder = place("verify-web");
     let verify = ["verify", "a.frag", "b.wgsl", "--backend", "web"];
-    folder.run(&[&verify[..], &["--require", "web"]].concat()).code(0).stdout_eq(str![]);
+    folder.run(&[&verify[..], &["--require", "web"]].concat()).code(0).stdout_eq(str![[r#"
+backends
+  webgl  [BROWSER] · [BROWSER]
+  webgpu [BROWSER] · [BROWSER]
+
+a.frag
+  B             std140  96 bytes     3 leaves  webgl ✓ 19 reads  webgpu –
+    webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
+  S             std430  16 bytes     1 leaf    webgl –  webgpu –
+    webgl: WebGL 2 has no storage buffers
+    webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
+  DefaultBlock  std140  16 bytes     1 leaf    webgl ✓ 8 reads  webgpu –
+    webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
+
+b.wgsl
+  B       wgsl    32 bytes     2 leaves  webgl –  webgpu ✓ 7 reads
+    webgl: WebGL does not accept WGSL
+  counts  wgsl     4 bytes     1 leaf    webgl –  webgpu ✓ 6 reads
+    webgl: WebGL does not accept WGSL
+
+"#]]);
     let schema = folder.run(&["schema", "verify"]).json();
     let validator = jsonschema::validator_for(&schema).unwrap();
     let value = folder.run(&[&verify[..], &["--format", "json"]].concat()).json();
@@ -87,7 +140,24 @@ fn a_wrong_layout_exits_with_1_and_the_leaf_is_named() {
     folder.write("a.frag", GLSL.replace("float gains", "vec4 fog; float gains"));
     let lock = "layouts/a.frag.json";
     let verify = ["verify", "a.frag", "--backend", "web", "--block", "B", "--layout", lock];
-    folder.run(&verify).code(1).stdout_eq(str![]);
+    folder.run(&verify).code(1).stdout_eq(str![[r#"
+backends
+  webgl  [BROWSER] · [BROWSER]
+  webgpu [BROWSER] · [BROWSER]
+
+a.frag
+  B  std140  112 bytes     4 leaves  webgl ✗ 10 of 19 reads returned another byte  webgpu –
+    gains[]
+      webgl gains[0]  reads byte 48, expected 32  constant
+      webgl gains[3]  reads byte 96, expected 80  constant
+      webgl gains[1]  reads byte 64, expected 48  constant
+      webgl gains[0]  reads byte 48, expected 32  dynamic
+      … and 6 more
+      it starts at 48 instead of 32
+    webgpu: it cannot be ported to WGSL: the array stride of `gains[]` is 16 bytes, but 4 in WGSL
+    not probed: `fog`: the given layout has no member of this path
+
+"#]]);
 }
 
 /// The probes record in the lock which API confirmed it.

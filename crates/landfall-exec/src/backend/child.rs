@@ -29,7 +29,7 @@ pub(super) struct Role {
     /// The noun: `driver process`.
     pub(super) name: &'static str,
     /// Whether the process itself works, not others that it starts: its processor time is measured
-    /// against limits.
+    /// against limits from its start on.
     pub(super) works: bool,
     /// The time to end on its own after its stdin is closed, before it is killed.
     pub(super) parting: Duration,
@@ -41,6 +41,8 @@ pub(super) struct Process<M> {
     /// Whether the process has ended and was waited for: its number may be another's by now.
     over: bool,
     role: Role,
+    /// The processes whose processor time counts.
+    workers: Vec<u32>,
     /// `None` once the stdin of the process is to be closed.
     to: Option<mpsc::Sender<M>>,
     from: mpsc::Receiver<io::Result<Option<M>>>,
@@ -106,11 +108,24 @@ impl<M: Message> Process<M> {
             // The receiver may be gone.
             let _ = all.send(());
         });
-        Ok(Process { child, over: false, role, to: Some(to), from, stderr_lines, stderr_ended })
+        let workers = if role.works { vec![child.id()] } else { Vec::new() };
+        let to = Some(to);
+        Ok(Process { child, over: false, role, workers, to, from, stderr_lines, stderr_ended })
     }
 
     pub(super) fn id(&self) -> u32 {
         self.child.id()
+    }
+
+    /// Measures the processor time of all processes that this one has started so far.
+    #[cfg(feature = "web")]
+    pub(super) fn measure_group(&mut self) {
+        self.workers = crate::processor::in_group(self.child.id());
+    }
+
+    /// Starts a clock for a time limit.
+    pub(super) fn clock(&self) -> Stopwatch {
+        Stopwatch::start_of(&self.workers)
     }
 
     pub(super) fn send(&self, message: M) {
@@ -120,10 +135,7 @@ impl<M: Message> Process<M> {
 
     /// Returns the next reply, or a failure if it does not come within the limit.
     pub(super) fn receive(&mut self, limit: Duration) -> Result<M, Failure> {
-        let clock = match self.role.works {
-            true => Stopwatch::start_of(self.child.id()),
-            false => Stopwatch::start_of_clock(),
-        };
+        let clock = self.clock();
         loop {
             match self.from.recv_timeout(limit.saturating_sub(clock.elapsed())) {
                 Ok(Ok(Some(message))) => return Ok(message),

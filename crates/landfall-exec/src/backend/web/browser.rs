@@ -31,8 +31,8 @@ const PAGE: &str = "<!doctype html><meta charset=\"utf-8\"><title>landfall</titl
 const ROLE: Role = Role { name: "browser", works: false, parting: Duration::from_secs(5) };
 
 /// `$1` is the profile's directory, the rest the browser's command.
-const SUPERVISOR: &str =
-    "directory=$1; shift; \"$@\" 3<&0 4>&1 </dev/null >/dev/null; rm -rf -- \"$directory\"";
+const SUPERVISOR: &str = "directory=$1; shift; \"$@\" 3<&0 4>&1 </dev/null >/dev/null; status=$?; \
+     rm -rf -- \"$directory\" 2>/dev/null; exit $status";
 
 /// No window, no requests of the browser's own, no names that resolve, WebGPU where it is not on by
 /// default, and a software renderer where there is no GPU.
@@ -99,6 +99,7 @@ impl Browser {
             script: String::new(),
         };
         browser.open(launch.opening)?;
+        browser.process.measure_group();
         Ok(browser)
     }
 
@@ -213,7 +214,7 @@ impl Browser {
             session_id: &'a str,
         }
 
-        let begun = Instant::now();
+        let begun = self.process.clock();
         self.last += 1;
         let sent = Sent { id: self.last, method, params: parameters, session_id: &self.session };
         self.process.send(Text(serde_json::to_vec(&sent).map_err(garbled)?));

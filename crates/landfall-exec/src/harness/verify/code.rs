@@ -182,7 +182,7 @@ pub(super) fn texts_without_probe(
     let read = &options.layout.read;
     match backend {
         BackendKind::WebGpu if source.language == Language::Glsl => {
-            let ported = web::to_wgsl(source, options).ok();
+            let ported = web::to_wgsl(source, block, options).ok();
             ported.map(|ported| (stage, ported.source.text.to_string())).into_iter().collect()
         }
         BackendKind::WebGpu => vec![(stage, source.text.to_string())],

@@ -1,5 +1,6 @@
-//! The declaration of one block in GLSL ES 3.00, which WebGL 2 takes: the user's own tokens, macros
-//! expanded, with the structures and constants that it needs, and nothing else of the shader.
+//! The declaration of one block: the user's own tokens, macros expanded, with the structures and
+//! constants that it needs, and nothing else of the shader. In GLSL ES 3.00, which WebGL 2 takes, or
+//! as a shader that `landfall port` takes where it does not take the whole.
 
 use rustc_hash::FxHashSet;
 
@@ -46,7 +47,7 @@ fn nests_arrays(member: &MemberLayout) -> bool {
     member.dims.len() > 1 || member.members.iter().any(nests_arrays)
 }
 
-/// Returns the declaration of a block as a text of its own, without `main`.
+/// Returns the declaration of a block as a text of its own in GLSL ES 3.00, without `main`.
 ///
 /// # Errors
 /// Fails if GLSL ES 3.00 cannot declare it so.
@@ -55,6 +56,59 @@ pub(super) fn text(
     options: &ReadOptions,
     block: &BlockLayout,
 ) -> Result<String, String> {
+    let declarations = declarations(source, options, block)?;
+    let mut text = String::from(HEAD);
+    for words in &declarations {
+        let placed = |pair: &&[String]| matches!(&*pair[0], "offset" | "align") && pair[1] == "=";
+        if let Some(pair) = words.windows(2).find(placed) {
+            return Err(format!("GLSL ES 3.00 has no `{}` in `layout(…)`", pair[0]));
+        }
+        let words = words.iter().map(String::as_str);
+        let words: Vec<&str> =
+            words.filter(|word| !matches!(*word, "lowp" | "mediump" | "highp")).collect();
+        let dropped = ["set", "binding", "constant_id"];
+        let fold = |text: String, word: &&str| without_qualifier(&text, word);
+        text.push_str(&dropped.iter().fold(words.join(" "), fold));
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// Returns the declaration of a block as a shader of its own in the user's version of GLSL.
+///
+/// # Errors
+/// Fails if it is not found.
+pub(super) fn alone(
+    source: &Source,
+    options: &ReadOptions,
+    block: &BlockLayout,
+) -> Result<Source, String> {
+    let directive = |line: &&str| {
+        let name = line.trim_start().strip_prefix('#').map(str::trim_start);
+        name.is_some_and(|name| name.starts_with("version") || name.starts_with("extension"))
+    };
+    let mut text = String::new();
+    for line in source.text.lines().filter(directive) {
+        text.push_str(line);
+        text.push('\n');
+    }
+    if glsl::Head::of(&source.text).es {
+        text.push_str("precision highp float;\nprecision highp int;\n");
+    }
+    for words in declarations(source, options, block)? {
+        text.push_str(&words.join(" "));
+        text.push('\n');
+    }
+    text.push_str("void main() {}\n");
+    Ok(Source { text: text.into(), ..source.clone() })
+}
+
+/// Returns the words of each declaration that a block needs, and of its own.
+fn declarations(
+    source: &Source,
+    options: &ReadOptions,
+    block: &BlockLayout,
+) -> Result<Vec<Vec<String>>, String> {
     let flat = Source { text: raw::flattened(source, options).into(), ..source.clone() };
     let mut read = ReadOptions::default();
     read.target = options.target;
@@ -66,20 +120,17 @@ pub(super) fn text(
         |declaration| matches!(&declaration.item, Item::Block(found) if found.name.text == &*block.name),
     );
     let own = own.ok_or_else(|| format!("its declaration of `{}` is not found", block.name))?;
-    let placed = declarations[own]
-        .tokens
-        .windows(2)
-        .find(|pair| matches!(word(&pair[0]), "offset" | "align") && word(&pair[1]) == "=");
-    if let Some(pair) = placed {
-        return Err(format!("GLSL ES 3.00 has no `{}` in `layout(…)`", word(&pair[0])));
-    }
+    let own_storage = match block.space {
+        AddressSpace::Storage => Storage::Buffer,
+        _ => Storage::Uniform,
+    };
     // Each declaration that is kept may need earlier ones.
     let mut needed: FxHashSet<&str> = FxHashSet::default();
     let mut kept: Vec<Vec<usize>> = Vec::new();
     for (nth, declaration) in declarations[..=own].iter().enumerate().rev() {
         let tokens = match &declaration.item {
             Item::Block(_) if nth == own => declaration.tokens.clone(),
-            Item::Defaults(qualifiers) if qualifiers.storage == Storage::Uniform => {
+            Item::Defaults(qualifiers) if qualifiers.storage == own_storage => {
                 kept.push(declaration.tokens.clone());
                 continue;
             }
@@ -107,18 +158,8 @@ pub(super) fn text(
         needed.extend(tokens.iter().map(word));
         kept.push(tokens);
     }
-    let mut text = String::from(HEAD);
-    for tokens in kept.iter().rev() {
-        let words = tokens.iter().map(word);
-        let words: Vec<&str> =
-            words.filter(|word| !matches!(*word, "lowp" | "mediump" | "highp")).collect();
-        let declared = words.join(" ");
-        let dropped = ["set", "binding", "constant_id"];
-        let declared = dropped.iter().fold(declared, |text, word| without_qualifier(&text, word));
-        text.push_str(&declared);
-        text.push('\n');
-    }
-    Ok(text)
+    let words = |tokens: &Vec<usize>| tokens.iter().map(|at| word(at).to_string()).collect();
+    Ok(kept.iter().rev().map(words).collect())
 }
 
 /// Returns a program that declares the block: the user's own text if it is GLSL ES 3.00, otherwise

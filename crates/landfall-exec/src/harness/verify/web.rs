@@ -70,7 +70,7 @@ pub(super) fn of_wgsl(
 /// Returns the WGSL of `landfall port --to wgsl` with a probe. naga may rename members, but keeps
 /// their order.
 pub(super) fn ported_to_wgsl(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
-    let ported = to_wgsl(need.source, need.options)?;
+    let ported = to_wgsl(need.source, need.block, need.options)?;
     let name = match &ported.block {
         Some(name) if is_loose(need.source, need.block) => name,
         _ => &*need.block.name,
@@ -90,9 +90,19 @@ pub(super) fn ported_to_wgsl(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     }
 }
 
-pub(super) fn to_wgsl(source: &Source, options: &VerifyOptions) -> Result<Ported, Failure> {
+/// Returns a shader in WGSL; of one that has more than WGSL the block's declaration alone.
+pub(super) fn to_wgsl(
+    source: &Source,
+    block: &BlockLayout,
+    options: &VerifyOptions,
+) -> Result<Ported, Failure> {
     let mut to = PortOptions::default();
     to.read = options.layout.read.clone();
     to.dialect = Dialect::Wgsl;
-    port(source, &to).map_err(|found| refused("ported to WGSL", &found))
+    let ported =
+        |source: &Source| port(source, &to).map_err(|found| refused("ported to WGSL", &found));
+    ported(source).or_else(|whole| match declared::alone(source, &options.layout.read, block) {
+        Ok(alone) if !is_loose(source, block) => ported(&alone),
+        _ => Err(whole),
+    })
 }
