@@ -90,7 +90,7 @@ fn a_browser_that_does_not_start_says_why() {
     command.env("PATH", &folder.0);
     let ran = Ran::of(command.output().expect("the command of this package"));
     ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `web` did not run: the browser does not start: the browser ended with exit code 127: error: no display
+error[output]: `web` did not run: the browser does not start: the browser ended with exit code 3: error: no display
   |
   = help: install Chromium; `--backend cpu` needs no browser
 
@@ -110,9 +110,8 @@ backends
 a.frag
   B             std140  96 bytes     3 leaves  webgl ✓ 19 reads  webgpu –
     webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
-  S             std430  16 bytes     1 leaf    webgl –  webgpu –
+  S             std430  16 bytes     1 leaf    webgl –  webgpu ✓ 12 reads
     webgl: WebGL 2 has no storage buffers
-    webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
   DefaultBlock  std140  16 bytes     1 leaf    webgl ✓ 8 reads  webgpu –
     webgpu: it cannot be ported to WGSL: `gains[]` is at offset 32, but WGSL puts it at 28
 

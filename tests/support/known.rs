@@ -108,7 +108,7 @@ pub const UNREAD: &[Unread] = &[
     ),
     unread(
         "webgl",
-        "its compiler rejects the shader: ERROR: 0:8: 'V' : Reference of struct type V exceeds",
+        "its compiler rejects the shader: ERROR: 0:8: 'a' : Reference of struct type W exceeds",
         "WebGL 1.0, \"Maximum Nesting Level of Structures in GLSL Shaders\": four",
         (
             "frag",

@@ -16,7 +16,7 @@ use landfall_exec::harness::verify::{
 use landfall_layout::diagnostic::Code;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, Source};
 use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
 
 use crate::args::{VerifierName, VerifyArgs, VerifyFormat};
@@ -196,7 +196,7 @@ impl Run<'_> {
             VerifyFormat::Json => self.streams.json(&text)?,
         }
         if self.args.record {
-            self.record(&subject, &input, &report, &backends.statuses)?;
+            self.record(&source, &input, &report, &backends.statuses)?;
         }
         Ok(())
     }
@@ -209,7 +209,7 @@ impl Run<'_> {
     /// Records in the shader's lock the backends that confirmed all of its blocks.
     fn record(
         &self,
-        subject: &Subject,
+        source: &Source,
         input: &Input,
         report: &ShaderReport,
         statuses: &[BackendStatus],
@@ -246,8 +246,10 @@ impl Run<'_> {
             });
             lock.verified.push(verified);
         }
-        // Renewing drops the records of another layout.
-        let renewed = lock::renew(subject.layout(), Some(&lock));
+        // Renewing drops the records of another layout. Locks hold the layout without what probes
+        // need, such as a block of loose uniforms.
+        let shader = landfall_layout::layout(source, &self.options.layout);
+        let renewed = lock::renew(&shader, Some(&lock));
         if renewed != text {
             let named = self.args.locks.is_some();
             self.config.writer(&locks, named).write(&path, renewed.as_bytes())?;
