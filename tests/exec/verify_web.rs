@@ -127,22 +127,19 @@ fn reason(seen: &BackendReport) -> String {
     }
 }
 
-/// Through ANGLE's translation to the GLSL of Mesa's driver, and to SPIR-V for SwiftShader, which
-/// takes ten times as long: there WebGPU reads every shader, and WebGL every third.
+/// Through ANGLE's translation to the GLSL of Mesa's driver, and to SPIR-V for SwiftShader, whose
+/// compiler takes ten times as long: there, and by WebGPU, every third shader is read. All are by
+/// `landfall verify shaders --backend web`.
 #[test]
 fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
     for (name, arguments) in [("angle-gl", &["--use-angle=gl-egl"][..]), ("angle-vulkan", &[])] {
         let mut browser = Browser::start(name, arguments);
         let adapter = browser.apis[0].device().adapter.clone();
         let mut tally = Tally::default();
-        for (nth, path) in support::files::shaders().iter().enumerate() {
+        let (step, apis) = if arguments.is_empty() { (3, 0..2) } else { (1, 0..1) };
+        for path in support::files::shaders().iter().step_by(step) {
             let source = Source::read(path).expect("a shader of ours is text");
-            let apis = match (arguments.is_empty(), nth % 3) {
-                (false, _) => 0..1,
-                (true, 0) => 0..2,
-                (true, _) => 1..2,
-            };
-            let report = browser.verified_by(apis, &source, &options());
+            let report = browser.verified_by(apis.clone(), &source, &options());
             report.blocks.iter().for_each(|block| tally.add(&source, block));
         }
         println!("{adapter}: blocks, leaves, reads {:?}", tally.confirmed);
@@ -150,7 +147,7 @@ fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
             println!("{count:>4} {api}: {reason}");
         }
         let least = match arguments.is_empty() {
-            true => [("webgl", [40, 200, 5_000]), ("webgpu", [220, 1_100, 14_000])].to_vec(),
+            true => vec![("webgl", [38, 250, 11_000]), ("webgpu", [60, 300, 4_000])],
             false => vec![("webgl", [130, 720, 32_000])],
         };
         for (api, least) in least {
@@ -202,9 +199,9 @@ const DIET: Diet = Diet {
 
 #[test]
 fn random_blocks_are_read_where_they_are_laid_out() {
-    let mut browser = Browser::start("random", &["--use-angle=gl-egl"]);
+    let mut browser = Browser::start("random", &[]);
     let mut tally = Tally::default();
-    for seed in 0..240 {
+    for seed in 0..80 {
         let (standing, made) = random(seed, 3, &DIET);
         let made: Vec<&Block> = made.iter().collect();
         let extension = ["vert", "frag"][seed as usize % 2];
@@ -215,7 +212,7 @@ fn random_blocks_are_read_where_they_are_laid_out() {
     }
     println!("{:?} {:?}", tally.confirmed, tally.skipped);
     let [blocks, _, reads] = tally.confirmed["webgl"];
-    assert!(blocks >= 200 && reads >= 10_000, "{blocks} blocks, {reads} reads");
+    assert!(blocks >= 60 && reads >= 3_000, "{blocks} blocks, {reads} reads");
 }
 
 /// The structures whose layout encase computes, too.
@@ -265,6 +262,8 @@ fn caught(browser: &mut Browser, fault: impl Fn(&mut BlockLayout)) -> Vec<(Strin
                 (read.leaf.clone(), cause.map_or(String::new(), |cause| cause.cause.clone()))
             })
             .collect();
+        // One that a probe reads and WebGL reports elsewhere is one.
+        leaves.sort();
         leaves.dedup();
         assert_eq!(seen.outcome == Outcome::Disagrees, !leaves.is_empty(), "{:?}", seen.reason);
         all.push(leaves);
@@ -312,7 +311,7 @@ fn planted_faults_are_caught_by_both_apis() {
     let wrong: Vec<Leaf> = wrong.blocks[0].leaves.clone();
     let found = caught(&mut browser, |block| block.leaves.clone_from(&wrong));
     let paths: Vec<&str> = found.iter().map(|(path, _)| &**path).collect();
-    assert_eq!(paths, ["weights[]", "tail"], "{found:?}");
+    assert_eq!(paths, ["tail", "weights[]"], "{found:?}");
 }
 
 /// GLSL ES 3.00 is reflected as it is, its `main` included.
