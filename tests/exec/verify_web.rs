@@ -128,7 +128,7 @@ fn reason(seen: &BackendReport) -> String {
 }
 
 /// Through ANGLE's translation to the GLSL of Mesa's driver, and to SPIR-V for SwiftShader, whose
-/// compiler takes ten times as long: there, and by WebGPU, every third shader is read. All are by
+/// compiler takes ten times as long: there, and by WebGPU, every fifth shader is read. All are by
 /// `landfall verify shaders --backend web`.
 #[test]
 fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
@@ -136,7 +136,7 @@ fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
         let mut browser = Browser::start(name, arguments);
         let adapter = browser.apis[0].device().adapter.clone();
         let mut tally = Tally::default();
-        let (step, apis) = if arguments.is_empty() { (3, 0..2) } else { (1, 0..1) };
+        let (step, apis) = if arguments.is_empty() { (5, 0..2) } else { (1, 0..1) };
         for path in support::files::shaders().iter().step_by(step) {
             let source = Source::read(path).expect("a shader of ours is text");
             let report = browser.verified_by(apis.clone(), &source, &options());
@@ -147,7 +147,7 @@ fn every_leaf_of_our_shaders_is_read_where_it_is_laid_out() {
             println!("{count:>4} {api}: {reason}");
         }
         let least = match arguments.is_empty() {
-            true => vec![("webgl", [38, 250, 11_000]), ("webgpu", [60, 300, 4_000])],
+            true => vec![("webgl", [20, 120, 1_000]), ("webgpu", [35, 150, 1_500])],
             false => vec![("webgl", [130, 720, 32_000])],
         };
         for (api, least) in least {
@@ -201,7 +201,7 @@ const DIET: Diet = Diet {
 fn random_blocks_are_read_where_they_are_laid_out() {
     let mut browser = Browser::start("random", &[]);
     let mut tally = Tally::default();
-    for seed in 0..80 {
+    for seed in 0..60 {
         let (standing, made) = random(seed, 3, &DIET);
         let made: Vec<&Block> = made.iter().collect();
         let extension = ["vert", "frag"][seed as usize % 2];
@@ -212,7 +212,7 @@ fn random_blocks_are_read_where_they_are_laid_out() {
     }
     println!("{:?} {:?}", tally.confirmed, tally.skipped);
     let [blocks, _, reads] = tally.confirmed["webgl"];
-    assert!(blocks >= 60 && reads >= 3_000, "{blocks} blocks, {reads} reads");
+    assert!(blocks >= 50 && reads >= 2_000, "{blocks} blocks, {reads} reads");
 }
 
 /// The structures whose layout encase computes, too.
@@ -351,9 +351,15 @@ fn hostile_text_stays_text() {
     ];
     for act in acts {
         let comment = act.replace('\n', " ").replace('\0', "");
-        let glsl = GLSL.replace("out vec4", &format!("// {comment}\nout vec4"));
-        let wgsl = format!("/* {} */\n{WGSL}", comment.replace("*/", ""));
-        for (name, text, api) in [("a.frag", glsl, 0), ("a.wgsl", wgsl, 1)] {
+        let glsl = format!(
+            "#version 300 es\nprecision highp float;\n// {comment}\n\
+             layout(std140) uniform B {{ float a; }};\nvoid main() {{ gl_Position = vec4(a); }}\n"
+        );
+        let wgsl = format!(
+            "/* {} */\n@group(0) @binding(0) var<uniform> B: vec4f;\n",
+            comment.replace("*/", "")
+        );
+        for (name, text, api) in [("a.vert", glsl, 0), ("a.wgsl", wgsl, 1)] {
             let source =
                 Source { path: format!("{act}{name}"), ..Source::new(name, text.as_str()) };
             let report = browser.verified(&source, &options());

@@ -27,53 +27,40 @@ pub fn time() -> Option<Duration> {
     None
 }
 
-/// Returns the processor time of another process (`/proc/PID/stat`); `None` if the system does not
-/// report it.
+/// Returns the process group of another process, and its processor time (`/proc/PID/stat`); `None`
+/// if the system does not report them.
 #[cfg(target_os = "linux")]
-fn time_of(process: u32) -> Option<Duration> {
-    let [user, system] = numbers(process, 11)?;
+fn facts_of(process: u32) -> Option<(u32, Duration)> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The program's name is in parentheses and may hold anything; fields are counted after it.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let fields: Vec<&str> = fields.split_ascii_whitespace().collect();
+    let [group, user, system] = [2, 11, 12].map(|at| fields.get(at)?.parse::<u64>().ok());
     let ticks = rustix::param::clock_ticks_per_second();
-    Some(Duration::from_secs_f64((user + system) as f64 / ticks as f64))
+    let time = Duration::from_secs_f64((user? + system?) as f64 / ticks as f64);
+    Some((u32::try_from(group?).ok()?, time))
+}
+
+/// Returns nothing: this system is not known to report it of another process.
+#[cfg(not(target_os = "linux"))]
+fn facts_of(_: u32) -> Option<(u32, Duration)> {
+    None
 }
 
 /// Returns the processes of a process group that there are now; none if the system does not list
 /// them.
-#[cfg(all(feature = "web", target_os = "linux"))]
+#[cfg(feature = "web")]
 pub(crate) fn in_group(group: u32) -> Vec<u32> {
     let all = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     let ids = all.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    ids.filter(|id| numbers::<1>(*id, 2) == Some([u64::from(group)])).collect()
-}
-
-#[cfg(all(feature = "web", not(target_os = "linux")))]
-pub(crate) fn in_group(_: u32) -> Vec<u32> {
-    Vec::new()
-}
-
-/// Returns numbers of a process's `stat`, from one after its name on, which is in parentheses and may
-/// hold anything.
-#[cfg(target_os = "linux")]
-fn numbers<const COUNT: usize>(process: u32, first: usize) -> Option<[u64; COUNT]> {
-    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    let (_, fields) = stat.rsplit_once(')')?;
-    let mut fields = fields.split_ascii_whitespace().skip(first);
-    let mut found = [0; COUNT];
-    for number in &mut found {
-        *number = fields.next()?.parse().ok()?;
-    }
-    Some(found)
-}
-
-/// Returns the processor time of another process; `None` if the system does not report it.
-#[cfg(not(target_os = "linux"))]
-fn time_of(_: u32) -> Option<Duration> {
-    None
+    ids.filter(|id| facts_of(*id).is_some_and(|(found, _)| found == group)).collect()
 }
 
 /// Returns the processor time of those processes that there are; `None` if there are none, or the
 /// system does not report it.
 fn time_of_all(processes: &[u32]) -> Option<Duration> {
-    processes.iter().filter_map(|process| time_of(*process)).reduce(|all, one| all + one)
+    let times = processes.iter().filter_map(|process| Some(facts_of(*process)?.1));
+    times.reduce(|all, one| all + one)
 }
 
 /// Returns the end of a time limit that begins now; `None` where there is no clock, as in

@@ -269,23 +269,32 @@ struct Directory(PathBuf);
 
 impl Directory {
     /// Creates a directory that only this user may read.
-    #[cfg(unix)]
     fn create(scratch: &Path) -> Result<Directory, Failure> {
-        use std::os::unix::fs::DirBuilderExt as _;
-
         /// The number of directories that this process has made.
         static MADE: AtomicU32 = AtomicU32::new(0);
 
         loop {
             let number = MADE.fetch_add(1, Ordering::Relaxed);
             let path = scratch.join(format!("landfall-browser-{}-{number}", std::process::id()));
-            match std::fs::DirBuilder::new().mode(0o700).create(&path) {
+            match create_private(&path) {
                 Ok(()) => return Ok(Directory(path)),
                 Err(cause) if cause.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(cause) => return Err(unwritable(&path, &cause)),
             }
         }
     }
+}
+
+#[cfg(unix)]
+fn create_private(path: &Path) -> io::Result<()> {
+    let mut builder = std::fs::DirBuilder::new();
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(path)
+}
+
+#[cfg(not(unix))]
+fn create_private(path: &Path) -> io::Result<()> {
+    std::fs::create_dir(path)
 }
 
 impl Drop for Directory {

@@ -4,8 +4,8 @@
 
 use rustc_hash::FxHashSet;
 
-use super::code::{opened, without_qualifier};
 use super::partner;
+use super::request::{opened, without_qualifier};
 use crate::harness::probe::{glsl, pixels};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
 use landfall_layout::shape::{AddressSpace, Rules, Type};

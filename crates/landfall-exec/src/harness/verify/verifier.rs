@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use rustc_hash::FxHashMap;
 
 use super::code;
-use super::code::{BoundBuffer, Code, ProbeRequest, Results};
+use super::request::{BoundBuffer, Code, ProbeRequest, Results, gl_name};
 use super::{
     BackendReport, BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, Unprobed,
     VerifyOptions, reported,
@@ -94,7 +94,7 @@ impl Verifier<'_> {
                 AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
                 _ => return None,
             };
-            let name = code::gl_name(&block.name, &element);
+            let name = gl_name(&block.name, &element);
             Some(Resource { name, group: 0, binding: 0, kind })
         };
         self.blocks

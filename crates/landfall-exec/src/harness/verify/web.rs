@@ -2,10 +2,10 @@
 //! WGSL for WebGPU, and that of `landfall port --to wgsl`.
 
 use super::VerifyOptions;
-use super::code::{
+use super::declared;
+use super::request::{
     BoundBuffer, Code, ProbeRequest, Results, gl_name, is_loose, refused, stage_code, unfit,
 };
-use super::declared;
 use crate::backend::Failure;
 use crate::harness::probe::{pixels, wgsl};
 use landfall_layout::layout;
