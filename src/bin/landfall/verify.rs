@@ -103,7 +103,7 @@ fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
             BackendStatus::Missing { .. } => false,
         })
     };
-    for name in args.require.iter().filter(|name| !is_here(**name)) {
+    if let Some(name) = args.require.iter().find(|name| !is_here(**name)) {
         return Err(match missing(*name) {
             Some(failure) => {
                 let message = format!("is required but did not run: {}", failure.message);
