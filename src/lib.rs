@@ -61,6 +61,7 @@
 //! | `analysis` | lints that follow the code of functions, of lighting above all |
 //! | `exec` | commands that execute shaders on the interpreter |
 //! | `gl`, `gpu` | the OpenGL and wgpu backends |
+//! | `web` | reading blocks back through WebGL 2 and WebGPU in a browser |
 //! | `serve` | the page of `landfall serve` |
 //! | `full` | everything |
 //!

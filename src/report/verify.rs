@@ -33,6 +33,11 @@ const MOST_LOG: usize = 6;
 pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
     let mut text = paint.text(STRONG, "backends");
     text.push('\n');
+    let kind = |status: &BackendStatus| match status {
+        BackendStatus::Here(device) => device.backend,
+        BackendStatus::Missing { backend, .. } => *backend,
+    };
+    let width = statuses.iter().map(|status| kind(status).name().len()).max().unwrap_or(0).max(4);
     for backend in statuses {
         let (name, line) = match backend {
             BackendStatus::Here(device) => (device.backend, paint.text(PLAIN, &about(device))),
@@ -40,7 +45,7 @@ pub fn backends(statuses: &[BackendStatus], paint: Paint) -> String {
                 (*backend, paint.text(CAUTION, &format!("did not run: {}", failure.message)))
             }
         };
-        let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<4}")));
+        let _ = writeln!(text, "  {} {line}", paint.text(HEADING, &format!("{name:<width$}")));
     }
     text
 }

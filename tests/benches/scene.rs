@@ -25,7 +25,7 @@ pub fn job(module: &Arc<Module>, size: u32) -> Job {
             stage: Stage::Fragment,
             entry: "main".into(),
             module: Some(Arc::clone(module)),
-            glsl: None,
+            text: None,
             spirv: None,
         }],
         resources: vec![Resource {

@@ -23,6 +23,7 @@ mod cli_rule;
 mod cli_run;
 mod cli_stress;
 mod cli_verify;
+mod cli_verify_web;
 mod completions;
 mod help;
 mod hostile_names;

@@ -70,7 +70,7 @@ fn run(backend: &mut dyn Backend, family: &Family, module: &Arc<Module>) -> Opti
         stage: Stage::Compute,
         entry: "main".into(),
         module: Some(Arc::clone(module)),
-        glsl,
+        text: glsl,
         spirv: None,
     };
     let given = ResourceKind::Storage { bytes: bytes(&family.given()), writable: false };

@@ -133,7 +133,7 @@ fn wrong(block: &str, bytes: &[u8]) -> Vec<(&'static str, Vec<&'static str>)> {
             stage: Stage::Compute,
             entry: "main".to_string(),
             module: Some(Arc::new(module)),
-            glsl: Some(text.clone()),
+            text: Some(text.clone()),
             spirv: None,
         }],
         resources: vec![

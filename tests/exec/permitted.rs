@@ -154,7 +154,7 @@ layout(std430, binding = 1) buffer Got { float got[]; };\n",
     for backend in &mut backends {
         let name = backend.device().backend.name();
         let mut stage = jobs::module(Stage::Compute, "main", &module);
-        stage.glsl = Some(text.clone());
+        stage.text = Some(text.clone());
         let kind = ResourceKind::Storage { bytes: jobs::bytes(&given), writable: false };
         let resources = vec![jobs::bound("Given", 0, kind), jobs::output("Got", 1, LANES * count)];
         let job = jobs::job(vec![stage], resources, Grid::Groups([LANES as u32 / 64, 1, 1]));

@@ -244,7 +244,7 @@ fn what_is_bound_twice_or_not_at_all_or_too_short_is_named() {
 #[test]
 fn a_job_without_text_or_the_stage_of_its_grid_is_refused() {
     let mut job = copy();
-    job.stages[0].glsl = None;
+    job.stages[0].text = None;
     assert_eq!(refused(&job).0, "OpenGL needs GLSL, but the compute stage has none");
     let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
     assert_eq!(refused(&Job { grid, ..copy() }).0, "the job has no fragment stage");

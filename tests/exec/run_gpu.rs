@@ -69,7 +69,7 @@ fn spirv(name: &str, text: &str) -> Arc<[u32]> {
 
 fn passed(stage: Stage, words: &Arc<[u32]>) -> StageCode {
     let spirv = Some(Arc::clone(words));
-    StageCode { stage, entry: "main".to_string(), module: None, glsl: None, spirv }
+    StageCode { stage, entry: "main".to_string(), module: None, text: None, spirv }
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn wgsl(text: &str) -> Arc<Module> {
 
 /// One stage in the two forms the drivers take.
 fn both(stage: Stage, text: &str, code: &Arc<Module>) -> StageCode {
-    StageCode { glsl: Some(text.to_string()), ..module(stage, "main", code) }
+    StageCode { text: Some(text.to_string()), ..module(stage, "main", code) }
 }
 
 /// A job that either driver runs: the output is the input and 7 more.
@@ -245,7 +245,7 @@ fn a_refused_shader_comes_with_the_drivers_log_and_keeps_the_process() {
     let mut backend = open(&DriverKind::Gl);
     let process = backend.process();
     let mut job = adding();
-    job.stages[0].glsl = Some("#version 430\nvoid main() { gone(); }".to_string());
+    job.stages[0].text = Some("#version 430\nvoid main() { gone(); }".to_string());
     let failure = backend.run(&job).unwrap_err();
     assert_eq!(failure.kind, FailureKind::Refused);
     assert!(failure.log.contains("gone"), "{failure}");

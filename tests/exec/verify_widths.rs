@@ -204,7 +204,7 @@ fn constants_of_16_and_64_bits_keep_their_low_bits() {
             stage: landfall_layout::Stage::Compute,
             entry: "main".to_string(),
             module: Some(module),
-            glsl: None,
+            text: None,
             spirv: None,
         }],
         resources: vec![landfall_exec::backend::Resource {

@@ -169,6 +169,7 @@ impl Ran {
 /// | `[TIME]` | a time that was measured |
 /// | `[HASH]` | the name of a cache |
 /// | `[DRIVER]` | name and version of a driver and its device |
+/// | `[BROWSER]` | name and version of a browser and its device |
 pub fn golden() -> &'static Assert {
     static GOLDEN: LazyLock<Assert> = LazyLock::new(|| {
         let mut redactions = Redactions::new();
@@ -180,6 +181,8 @@ pub fn golden() -> &'static Assert {
         stands("[VERSION]", pattern(&format!(r"landfall (?<redacted>{version})\b")));
         stands("[TIME]", pattern(r"time +(?<redacted>\d+\.\d+ s)"));
         stands("[HASH]", pattern(r"check-(?<redacted>[0-9a-f]{16})\.json"));
+        let browser = r"ANGLE \([^\n]*\)|google swiftshader|Chrome [0-9.]+";
+        stands("[BROWSER]", pattern(browser));
         stands("[DRIVER]", pattern(r"(llvmpipe|Mesa) [^·\n]*[^·\s]"));
         redactions.insert("[TMP]", env!("CARGO_TARGET_TMPDIR")).expect("the placeholder is right");
         redactions.insert("[ROOT]", env!("CARGO_MANIFEST_DIR")).expect("the placeholder is right");

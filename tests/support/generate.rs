@@ -115,6 +115,9 @@ impl Maker<'_> {
             if self.chance(20) {
                 let kinds: Vec<_> =
                     self.diet.kinds.iter().filter(|k| k.0 == space).copied().collect();
+                if kinds.is_empty() {
+                    continue;
+                }
                 let rules = self.pick(&kinds).1;
                 // GL_EXT_scalar_block_layout must be required before the statement.
                 if rules != Rules::Scalar && !(space == Space::Uniform && rules == Rules::Std430) {

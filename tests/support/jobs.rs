@@ -11,12 +11,12 @@ use landfall_layout::Stage;
 
 pub fn glsl(stage: Stage, text: &str) -> StageCode {
     let entry = "main".to_string();
-    StageCode { stage, entry, module: None, glsl: Some(text.to_string()), spirv: None }
+    StageCode { stage, entry, module: None, text: Some(text.to_string()), spirv: None }
 }
 
 pub fn module(stage: Stage, entry: &str, module: &Arc<Module>) -> StageCode {
     let module = Some(Arc::clone(module));
-    StageCode { stage, entry: entry.to_string(), module, glsl: None, spirv: None }
+    StageCode { stage, entry: entry.to_string(), module, text: None, spirv: None }
 }
 
 pub fn job(stages: Vec<StageCode>, resources: Vec<Resource>, grid: Grid) -> Job {

@@ -8,6 +8,145 @@ use super::blocks::{Basic, Block, Major, Member, Rules, Scalar, Standing, Type};
 use super::generate::alignment_bound;
 use super::leaf::{Difference, What};
 
+/// A kind of block that an API of a browser does not take, and is not asked to read.
+pub struct Unread {
+    /// `webgl` or `webgpu`.
+    pub api: &'static str,
+    /// How the reason begins that `verify` gives.
+    pub reason: &'static str,
+    /// The rule, or what this browser lacks.
+    pub because: &'static str,
+    /// A shader that shows it: its extension, and declarations of which the block is `B`.
+    pub example: (&'static str, &'static str),
+}
+
+const fn unread(
+    api: &'static str,
+    reason: &'static str,
+    because: &'static str,
+    example: (&'static str, &'static str),
+) -> Unread {
+    Unread { api, reason, because, example }
+}
+
+/// What Chromium 156 does not read, with ANGLE on SwiftShader and Mesa, and Tint on SwiftShader. Where
+/// it reads, it keeps to the rules: there is no difference in offsets to list.
+pub const UNREAD: &[Unread] = &[
+    unread(
+        "webgl",
+        "WebGL does not accept WGSL",
+        "WebGL 2.0: shaders are GLSL ES 3.00",
+        ("wgsl", "@group(0) @binding(0) var<uniform> B: vec4f;"),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no storage buffers",
+        "GLSL ES 3.00 §4.3: buffer is no storage qualifier",
+        ("frag", "layout(std430) buffer B { vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no push constants",
+        "GLSL ES 3.00 §4.3: they are those of GL_KHR_vulkan_glsl",
+        ("frag", "layout(push_constant) uniform B { vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no std430 blocks, only std140",
+        "WebGL 2.0, \"Only std140 layout supported in uniform blocks\"",
+        (
+            "frag",
+            "#extension GL_EXT_scalar_block_layout : require\n\
+             layout(std430) uniform B { vec4 a; };",
+        ),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no scalar blocks, only std140",
+        "WebGL 2.0, as above",
+        (
+            "frag",
+            "#extension GL_EXT_scalar_block_layout : require\n\
+             layout(scalar) uniform B { vec4 a; };",
+        ),
+    ),
+    unread(
+        "webgl",
+        "its compiler rejects the shader: ERROR: 0:4: 'shared'",
+        "WebGL 2.0, as above",
+        ("frag", "layout(shared) uniform B { vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "its compiler rejects the shader: ERROR: 0:4: 'packed'",
+        "WebGL 2.0, as above",
+        ("frag", "layout(packed) uniform B { vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no arrays of arrays",
+        "GLSL ES 3.00 §4.1.9: arrays have one dimension",
+        ("frag", "layout(std140) uniform B { vec4 a[2][3]; };"),
+    ),
+    unread(
+        "webgl",
+        "WebGL 2 has no type `",
+        "GLSL ES 3.00 §4.1: scalars have 32 bits",
+        ("frag", "layout(std140) uniform B { dvec3 a; };"),
+    ),
+    unread(
+        "webgl",
+        "GLSL ES 3.00 has no `align`",
+        "GLSL ES 3.00 §4.3.8.3: the qualifiers of a block's layout",
+        ("frag", "layout(std140) uniform B { layout(align = 32) vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "GLSL ES 3.00 has no `offset`",
+        "GLSL ES 3.00 §4.3.8.3, as above",
+        ("frag", "layout(std140) uniform B { layout(offset = 32) vec4 a; };"),
+    ),
+    unread(
+        "webgl",
+        "its compiler rejects the shader: ERROR: 0:8: 'a' : Reference of struct type W exceeds",
+        "WebGL 1.0, \"Maximum Nesting Level of Structures in GLSL Shaders\": four",
+        (
+            "frag",
+            "struct Z { vec4 a; }; struct Y { Z a; }; struct X { Y a; }; struct W { X a; };\n\
+             struct V { W a; };\nlayout(std140) uniform B { V a; };",
+        ),
+    ),
+    unread(
+        "webgpu",
+        "it cannot be ported to WGSL: ",
+        "WGSL §14.4: the layout of WGSL, here the stride of an array of floats; or a limit of naga, \
+         which `landfall port` says",
+        ("frag", "layout(std140) uniform B { float a[4]; };"),
+    ),
+    unread(
+        "webgpu",
+        "`landfall port --to wgsl` gives its members other types",
+        "WGSL §6.4: bool is not host-shareable; ports have u32",
+        ("frag", "layout(std140) uniform B { bool a; };"),
+    ),
+    unread(
+        "webgpu",
+        "the browser's WebGPU has no push constants",
+        "WebGPU has no immediate data yet",
+        ("frag", "layout(push_constant) uniform B { vec4 a; };"),
+    ),
+    unread(
+        "webgpu",
+        "its compiler rejects the shader: 1:8 error: extension 'f16' is not allowed",
+        "WGSL §4.1.1: f16 needs the feature shader-f16, which SwiftShader lacks",
+        (
+            "wgsl",
+            "enable f16;\n@group(0) @binding(0) var<storage> B: vec4<f16>;\n\
+             @compute @workgroup_size(1) fn main() { _ = B.x; }",
+        ),
+    ),
+];
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Oracle {
     Glslang,

@@ -1,9 +1,11 @@
 //! The interface of everything that executes a shader: a [`Job`] in, a [`JobOutput`] or a
 //! [`Failure`] out.
 //!
-//! The interpreter ([`interp`](crate::interp)) and the drivers (`gl`, `gpu`) are the
-//! backends; probes and the functions of a shader are the jobs.
+//! The interpreter ([`interp`](crate::interp)), the drivers (`gl`, `gpu`) and a browser (`web`) are
+//! the backends; probes and the functions of a shader are the jobs.
 
+#[cfg(any(feature = "gl", feature = "gpu", feature = "web"))]
+mod child;
 pub mod devices;
 #[cfg(feature = "gl")]
 pub mod gl;
@@ -13,6 +15,8 @@ pub mod reflection;
 mod runs;
 #[cfg(any(feature = "gl", feature = "gpu"))]
 pub mod subprocess;
+#[cfg(feature = "web")]
+pub mod web;
 #[cfg(feature = "gpu")]
 pub mod wgpu;
 
@@ -50,8 +54,9 @@ pub struct StageCode {
     pub entry: String,
     /// The module for the interpreter and wgpu.
     pub module: Option<Arc<Module>>,
-    /// The GLSL text for OpenGL.
-    pub glsl: Option<String>,
+    /// The text for compilers of drivers and browsers: GLSL for OpenGL, GLSL ES 3.00 for WebGL,
+    /// WGSL for WebGPU.
+    pub text: Option<String>,
     /// SPIR-V of a third-party compiler, for Vulkan.
     pub spirv: Option<Arc<[u32]>>,
 }
@@ -161,18 +166,30 @@ pub enum BackendKind {
     Gl,
     /// Vulkan, Metal or DX12 through wgpu.
     Gpu,
+    /// WebGL 2 of a browser.
+    WebGl,
+    /// WebGPU of a browser.
+    WebGpu,
 }
 
 impl BackendKind {
     /// All kinds.
-    pub const ALL: [BackendKind; 3] = [BackendKind::Cpu, BackendKind::Gl, BackendKind::Gpu];
+    pub const ALL: [BackendKind; 5] = [
+        BackendKind::Cpu,
+        BackendKind::Gl,
+        BackendKind::Gpu,
+        BackendKind::WebGl,
+        BackendKind::WebGpu,
+    ];
 
-    /// Returns the name on the command line and in reports: `cpu`, `gl`, `gpu`.
+    /// Returns the name in reports: `cpu`, `gl`, `gpu`, `webgl`, `webgpu`.
     pub fn name(self) -> &'static str {
         match self {
             BackendKind::Cpu => "cpu",
             BackendKind::Gl => "gl",
             BackendKind::Gpu => "gpu",
+            BackendKind::WebGl => "webgl",
+            BackendKind::WebGpu => "webgpu",
         }
     }
 

@@ -1,7 +1,7 @@
 //! Processor time of all threads of a process.
 //!
-//! Used by [`subprocess`](crate::backend::subprocess), whose driver has a separate process, and by
-//! the clock of `landfall_light::accuracy::bench`.
+//! Used for drivers and browsers, which have processes of their own, and by the clock of
+//! `landfall_light::accuracy::bench`.
 
 use std::time::{Duration, Instant};
 
@@ -27,24 +27,40 @@ pub fn time() -> Option<Duration> {
     None
 }
 
-/// Returns the processor time of another process (`/proc/PID/stat`); `None` if the system does not
-/// report it.
+/// Returns the process group of another process, and its processor time (`/proc/PID/stat`); `None`
+/// if the system does not report them.
 #[cfg(target_os = "linux")]
-fn time_of(process: u32) -> Option<Duration> {
+fn facts_of(process: u32) -> Option<(u32, Duration)> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The program's name is in parentheses and may hold anything; fields are counted after it.
     let (_, fields) = stat.rsplit_once(')')?;
-    let mut fields = fields.split_ascii_whitespace().skip(11);
-    let user: u64 = fields.next()?.parse().ok()?;
-    let system: u64 = fields.next()?.parse().ok()?;
+    let fields: Vec<&str> = fields.split_ascii_whitespace().collect();
+    let [group, user, system] = [2, 11, 12].map(|at| fields.get(at)?.parse::<u64>().ok());
     let ticks = rustix::param::clock_ticks_per_second();
-    Some(Duration::from_secs_f64((user + system) as f64 / ticks as f64))
+    let time = Duration::from_secs_f64((user? + system?) as f64 / ticks as f64);
+    Some((u32::try_from(group?).ok()?, time))
 }
 
-/// Returns the processor time of another process; `None` if the system does not report it.
+/// Returns nothing: this system is not known to report it of another process.
 #[cfg(not(target_os = "linux"))]
-fn time_of(_: u32) -> Option<Duration> {
+fn facts_of(_: u32) -> Option<(u32, Duration)> {
     None
+}
+
+/// Returns the processes of a process group that there are now; none if the system does not list
+/// them.
+#[cfg(feature = "web")]
+pub(crate) fn in_group(group: u32) -> Vec<u32> {
+    let all = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let ids = all.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    ids.filter(|id| facts_of(*id).is_some_and(|(found, _)| found == group)).collect()
+}
+
+/// Returns the processor time of those processes that there are; `None` if there are none, or the
+/// system does not report it.
+fn time_of_all(processes: &[u32]) -> Option<Duration> {
+    let times = processes.iter().filter_map(|process| Some(facts_of(*process)?.1));
+    times.reduce(|all, one| all + one)
 }
 
 /// Returns the end of a time limit that begins now; `None` where there is no clock, as in
@@ -54,11 +70,11 @@ pub fn deadline(limit: Duration) -> Option<Instant> {
 }
 
 /// A clock for time limits: on a busy machine it runs as slowly as the work it measures.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Stopwatch {
     begun: Instant,
-    /// The measured process; `None` is this one.
-    process: Option<u32>,
+    /// The measured processes; `None` is this one.
+    processes: Option<Vec<u32>>,
     processor: Option<Duration>,
 }
 
@@ -68,21 +84,22 @@ impl Stopwatch {
 
     /// Starts a clock for work in this process.
     pub fn start() -> Stopwatch {
-        Stopwatch { begun: Instant::now(), process: None, processor: time() }
+        Stopwatch { begun: Instant::now(), processes: None, processor: time() }
     }
 
-    /// Starts a clock for work in another process.
-    pub fn start_of(process: u32) -> Stopwatch {
-        Stopwatch { begun: Instant::now(), process: Some(process), processor: time_of(process) }
+    /// Starts a clock for work in other processes; without any, processor time is not measured.
+    pub fn start_of(processes: &[u32]) -> Stopwatch {
+        let processor = time_of_all(processes);
+        Stopwatch { begun: Instant::now(), processes: Some(processes.to_vec()), processor }
     }
 
     /// Returns the smaller of elapsed time and processor time since the start, but at least a tenth
     /// of the elapsed time.
     pub fn elapsed(&self) -> Duration {
         let elapsed = self.begun.elapsed();
-        let now = match self.process {
+        let now = match &self.processes {
             None => time(),
-            Some(process) => time_of(process),
+            Some(processes) => time_of_all(processes),
         };
         match (self.processor, now) {
             (Some(before), Some(now)) => {

@@ -87,7 +87,7 @@ pub use serve::ServeArgs;
 #[cfg(feature = "exec")]
 pub use stress::{StressArgs, StressFormat};
 #[cfg(feature = "exec")]
-pub use verify::{BackendName, VerifyArgs, VerifyFormat};
+pub use verify::{BackendName, VerifierName, VerifyArgs, VerifyFormat};
 
 /// Computes byte layouts of GLSL and WGSL blocks, generates mirrors, and checks them on drivers.
 #[derive(Debug, Parser)]

@@ -1,9 +1,9 @@
-//! Opens backends: the interpreter in this process, each driver in its own.
+//! Opens backends: the interpreter in this process, each driver and the browser in its own.
 
-use landfall_exec::backend::{Backend, Failure};
+use landfall_exec::backend::{Backend, BackendKind, Failure};
 use landfall_exec::harness::verify::report::BackendStatus;
 
-use crate::args::BackendName;
+use crate::args::{BackendName, VerifierName};
 
 /// The available backends, and the status of every requested one.
 pub struct Backends {
@@ -17,21 +17,41 @@ pub fn requested(names: &[BackendName]) -> Vec<BackendName> {
     all.filter(|name| names.is_empty() || names.contains(name)).collect()
 }
 
-/// Opens backends by name; all if none is named.
-pub fn open(names: &[BackendName], adapter: Option<&str>) -> Backends {
+/// Opens the backends of `verify` by name; if none is named all, the browser only where it is
+/// required.
+pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&str>) -> Backends {
     let mut backends = Backends { here: Vec::new(), statuses: Vec::new() };
-    for name in requested(names) {
-        match open_one(name, adapter) {
-            Ok(backend) => {
-                backends.statuses.push(BackendStatus::Here(backend.device().clone()));
-                backends.here.push(backend);
-            }
-            Err(failure) => {
-                backends.statuses.push(BackendStatus::Missing { backend: name.kind(), failure });
-            }
+    let is_named = |name| names.contains(&name);
+    for name in BackendName::ALL {
+        let as_verifier = match name {
+            BackendName::Cpu => VerifierName::Cpu,
+            BackendName::Gl => VerifierName::Gl,
+            BackendName::Gpu => VerifierName::Gpu,
+        };
+        if names.is_empty() || is_named(as_verifier) {
+            backends.add(name.kind(), open_one(name, adapter));
+        }
+    }
+    let browser = VerifierName::Web;
+    if is_named(browser) || names.is_empty() && required.contains(&browser) {
+        for (backend, opened) in crate::browser::open() {
+            backends.add(backend, opened);
         }
     }
     backends
+}
+
+impl Backends {
+    fn add(&mut self, backend: BackendKind, opened: Result<Box<dyn Backend>, Failure>) {
+        self.statuses.push(match opened {
+            Ok(opened) => {
+                let status = BackendStatus::Here(opened.device().clone());
+                self.here.push(opened);
+                status
+            }
+            Err(failure) => BackendStatus::Missing { backend, failure },
+        });
+    }
 }
 
 /// Opens one backend.

@@ -1,16 +1,18 @@
-//! `landfall devices`: lists backends and adapters. Each driver is opened in its own process, so a
-//! crash is a line of the table.
+//! `landfall devices`: lists backends and adapters. Each driver and the browser is opened in its own
+//! process, so a crash is a line of the table.
 
 use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::devices::{BackendEntry, cpu};
 
 use crate::args::{DevicesArgs, DevicesFormat};
+use crate::browser;
 use crate::output::{Failure, Outcome, Streams};
 
 pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let mut found = vec![cpu()];
     found.extend(drivers());
+    found.extend(browser::list());
     match args.format {
         DevicesFormat::Table => streams.product(&table(&found, streams.paint))?,
         DevicesFormat::Json => streams.json(&json(&found))?,

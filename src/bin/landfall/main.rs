@@ -11,6 +11,8 @@ mod args;
 mod backends;
 #[cfg(feature = "exec")]
 mod bench;
+#[cfg(feature = "exec")]
+mod browser;
 mod check;
 mod child;
 #[cfg(feature = "completions")]

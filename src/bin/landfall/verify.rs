@@ -16,10 +16,10 @@ use landfall_exec::harness::verify::{
 use landfall_layout::diagnostic::Code;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
-use landfall_layout::source::Files;
+use landfall_layout::source::{Files, Source};
 use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
 
-use crate::args::{VerifyArgs, VerifyFormat};
+use crate::args::{VerifierName, VerifyArgs, VerifyFormat};
 use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
@@ -38,7 +38,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         block: args.block.clone(),
         limit: args.limit,
     };
-    let mut backends = backends::open(&args.backends, args.adapter.as_deref());
+    let mut backends = backends::open(&args.backends, &args.require, args.adapter.as_deref());
     required(args, &backends)?;
     let form = match args.format {
         VerifyFormat::Human => FindingForm::Human,
@@ -51,7 +51,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         style: streams.style(form),
         streams,
         counts: Counts::default(),
-        idle: args.require.iter().map(|name| name.kind()).collect(),
+        idle: args.require.clone(),
         could_not: false,
         data: data::blocks(args.data.as_deref())?,
         spirv: args.spirv.as_deref().map(compiled).transpose()?,
@@ -85,31 +85,44 @@ fn given_layout(path: &Path) -> Result<Vec<BlockLayout>, Error> {
     Ok(locks.into_iter().flat_map(|lock| lock.blocks).collect())
 }
 
-/// Fails if a backend of `--require` is missing, or if none is available.
+/// Fails if a backend of `--require` is missing, or if none is available. One API of a browser is
+/// enough.
 fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
-    for statuses in &backends.statuses {
-        let BackendStatus::Missing { backend, failure } = statuses else { continue };
-        if args.require.iter().any(|name| name.kind() == *backend) {
-            let message = format!("is required but did not run: {}", failure.message);
-            return Err(Error::new(backend.name(), message)
-                .with_help("`landfall devices` lists the available backends"));
-        }
-    }
-    let named = |kind: BackendKind| {
-        backends.statuses.iter().any(|statuses| match statuses {
-            BackendStatus::Here(device) => device.backend == kind,
+    let statuses = || backends.statuses.iter();
+    let missing = |name: VerifierName| {
+        statuses().find_map(|status| match status {
+            BackendStatus::Missing { backend, failure } if name.kinds().contains(backend) => {
+                Some(failure)
+            }
+            BackendStatus::Missing { .. } | BackendStatus::Here(_) => None,
+        })
+    };
+    let is_here = |name: VerifierName| {
+        statuses().any(|status| match status {
+            BackendStatus::Here(device) => name.kinds().contains(&device.backend),
             BackendStatus::Missing { .. } => false,
         })
     };
-    if let Some(name) = args.require.iter().find(|name| !named(name.kind())) {
-        let message = "is required, but `--backend` excludes it";
-        return Err(Error::new(name.name(), message));
+    if let Some(name) = args.require.iter().find(|name| !is_here(**name)) {
+        return Err(match missing(*name) {
+            Some(failure) => {
+                let message = format!("is required but did not run: {}", failure.message);
+                Error::new(name.name(), message)
+                    .with_help("`landfall devices` lists the available backends")
+            }
+            None => Error::new(name.name(), "is required, but `--backend` excludes it"),
+        });
     }
-    if backends.here.is_empty() {
-        return Err(Error::new("verify", "finds no backend to run the shader on")
-            .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"));
+    if !backends.here.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    if let ([VerifierName::Web], Some(failure)) = (&args.backends[..], missing(VerifierName::Web)) {
+        let message = format!("did not run: {}", failure.message);
+        return Err(Error::new("web", message)
+            .with_help("install Chromium; `--backend cpu` needs no browser"));
+    }
+    Err(Error::new("verify", "finds no backend to run the shader on")
+        .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"))
 }
 
 struct Run<'a> {
@@ -120,7 +133,7 @@ struct Run<'a> {
     streams: &'a Streams,
     counts: Counts,
     /// The required backends that have read nothing so far.
-    idle: Vec<BackendKind>,
+    idle: Vec<VerifierName>,
     could_not: bool,
     data: Data,
     /// The words of `--spirv`.
@@ -175,14 +188,15 @@ impl Run<'_> {
         self.counts.add(&report);
         let backends_of = report.blocks.iter().flat_map(|block| &block.backends);
         for backend in backends_of.filter(|backend| !backend.reads.is_empty()) {
-            self.idle.retain(|idle| ReadBy::Backend(*idle) != backend.backend);
+            let read_by = |kind: &BackendKind| ReadBy::Backend(*kind) == backend.backend;
+            self.idle.retain(|idle| !idle.kinds().iter().any(read_by));
         }
         match self.args.format {
             VerifyFormat::Human => self.streams.product(&text)?,
             VerifyFormat::Json => self.streams.json(&text)?,
         }
         if self.args.record {
-            self.record(&subject, &input, &report, &backends.statuses)?;
+            self.record(&source, &input, &report, &backends.statuses)?;
         }
         Ok(())
     }
@@ -195,7 +209,7 @@ impl Run<'_> {
     /// Records in the shader's lock the backends that confirmed all of its blocks.
     fn record(
         &self,
-        subject: &Subject,
+        source: &Source,
         input: &Input,
         report: &ShaderReport,
         statuses: &[BackendStatus],
@@ -232,8 +246,10 @@ impl Run<'_> {
             });
             lock.verified.push(verified);
         }
-        // Renewing drops the records of another layout.
-        let renewed = lock::renew(subject.layout(), Some(&lock));
+        // Renewing drops the records of another layout. Locks hold the layout without what probes
+        // need, such as a block of loose uniforms.
+        let shader = landfall_layout::layout(source, &self.options.layout);
+        let renewed = lock::renew(&shader, Some(&lock));
         if renewed != text {
             let named = self.args.locks.is_some();
             self.config.writer(&locks, named).write(&path, renewed.as_bytes())?;

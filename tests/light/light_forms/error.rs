@@ -269,7 +269,7 @@ fn driven(gpu: &mut Gpu, form: &Form, given: &[[f32; INPUTS]], power: f32) -> Ve
             stage: Stage::Compute,
             entry: "measure".to_string(),
             module: Some(Arc::clone(&form.module)),
-            glsl: None,
+            text: None,
             spirv: None,
         }],
         resources: vec![

@@ -20,8 +20,12 @@ pub struct BackendEntry {
 impl BackendEntry {
     /// Returns the entry of a backend that this build lacks.
     pub fn not_built(backend: BackendKind) -> BackendEntry {
+        let feature = match backend {
+            BackendKind::WebGl | BackendKind::WebGpu => "web",
+            BackendKind::Cpu | BackendKind::Gl | BackendKind::Gpu => backend.name(),
+        };
         let message = format!(
-            "this build has no backend `{backend}`: it lacks the cargo feature `{backend}`"
+            "this build has no backend `{backend}`: it lacks the cargo feature `{feature}`"
         );
         BackendEntry { backend, kind: String::new(), outcome: Err(Failure::missing(message, "")) }
     }

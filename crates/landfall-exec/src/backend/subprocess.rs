@@ -4,7 +4,6 @@
 //! the next job after one has died. [`serve`] is the server, called by a program that is started as
 //! [`Launch`] describes, such as `landfall reader gl`.
 
-mod child;
 mod frame;
 #[cfg(feature = "gpu")]
 mod ir;
@@ -13,16 +12,17 @@ mod wire;
 
 use crate::backend::BackendKind;
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::PathBuf;
+use std::process::{ChildStdin, ChildStdout, Command};
 use std::sync::Arc;
 use std::time::Duration;
 
 pub use self::serve::{DriverKind, serve};
 
 use super::devices::BackendEntry;
+use crate::backend::child::{Message, Process, Role};
 use crate::backend::{Backend, Device, Failure, FailureKind, Job, JobOutput};
-use child::Process;
 use frame::Frame;
 use landfall_ir::Module;
 use wire::{Reply, Request, Times, WireFound, WireJob};
@@ -73,7 +73,7 @@ pub struct Subprocess {
 
 /// A process and the modules it knows.
 struct Session {
-    process: Process,
+    process: Process<Frame>,
     modules: Vec<(Arc<Module>, u64)>,
     next: u64,
 }
@@ -196,9 +196,34 @@ pub fn list(launch: &Launch) -> Result<Vec<BackendEntry>, Failure> {
     }
 }
 
+/// A driver's process is killed as soon as it is not needed.
+const ROLE: Role = Role { name: "driver process", works: true, parting: Duration::ZERO };
+
+fn start(launch: &Launch) -> Result<Process<Frame>, Failure> {
+    let mut command = Command::new(&launch.program);
+    command
+        .args(&launch.arguments)
+        // Mesa's device selection layer complains without a desktop session.
+        .env("NODEVICE_SELECT", "1")
+        // A panic without a backtrace is one line, so that the last lines hold it.
+        .env("RUST_BACKTRACE", "0")
+        .envs(launch.environment.iter().map(|(name, value)| (name, value)));
+    Process::start(command, ROLE)
+}
+
+impl Message for Frame {
+    fn write(&self, to: &mut ChildStdin) -> io::Result<()> {
+        Frame::write(self, to)
+    }
+
+    fn read(from: &mut BufReader<ChildStdout>) -> io::Result<Option<Frame>> {
+        Frame::read(from)
+    }
+}
+
 impl Session {
     fn start(launch: &Launch) -> Result<Session, Failure> {
-        Ok(Session { process: Process::start(launch)?, modules: Vec::new(), next: 0 })
+        Ok(Session { process: start(launch)?, modules: Vec::new(), next: 0 })
     }
 
     fn open(launch: &Launch) -> Result<(Session, Device), Failure> {

@@ -136,7 +136,7 @@ mod tests {
             stage: Stage::Compute,
             entry: "main".to_string(),
             module: Some(Arc::new(module)),
-            glsl: None,
+            text: None,
             spirv: None,
         };
         let bytes = (0..12u32).flat_map(u32::to_le_bytes).collect();

@@ -154,7 +154,7 @@ fn run(
                 stage: Stage::Compute,
                 entry: entry.name.clone(),
                 module: Some(module.clone().into()),
-                glsl: None,
+                text: None,
                 spirv: None,
             }];
             let resources = resources.to_vec();

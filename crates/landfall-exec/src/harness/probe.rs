@@ -7,6 +7,7 @@
 
 pub mod cause;
 pub(crate) mod glsl;
+pub(crate) mod pixels;
 pub mod plan;
 pub mod results;
 pub mod sentinel;

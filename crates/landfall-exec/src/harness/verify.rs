@@ -4,12 +4,15 @@
 //! Takes a shader's layout, generates [`probe`](super::probe)s from its text, runs them on a
 //! [`Backend`], and returns a [`ShaderReport`].
 
-pub(super) mod code;
+mod code;
+mod declared;
 pub(super) mod partner;
 pub mod report;
 mod reported;
+pub(super) mod request;
 mod user_spirv;
 mod verifier;
+mod web;
 
 use std::time::Duration;
 

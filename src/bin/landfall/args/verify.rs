@@ -16,8 +16,8 @@ pub struct VerifyArgs {
     /// Files, directories and globs; - reads stdin
     #[arg(value_name = "FILE", default_value = ".")]
     pub files: Vec<PathBuf>,
-    /// Backends that run the probes, generated shaders that read one member each [default: all
-    /// available]
+    /// Backends that run the probes, generated shaders that read one member each [default: cpu, gl
+    /// and gpu as far as available]
     #[arg(
         help_heading = "Backends",
         long = "backend",
@@ -25,10 +25,10 @@ pub struct VerifyArgs {
         value_name = "BACKEND",
         value_delimiter = ','
     )]
-    pub backends: Vec<BackendName>,
-    /// Fail if this backend is not available
+    pub backends: Vec<VerifierName>,
+    /// Fail if this backend is not available; web is where the browser has one of its APIs
     #[arg(help_heading = "Backends", long, value_name = "BACKEND", value_delimiter = ',')]
-    pub require: Vec<BackendName>,
+    pub require: Vec<VerifierName>,
     /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "human")]
     pub format: VerifyFormat,
@@ -102,6 +102,38 @@ impl BackendName {
 
     pub fn name(self) -> &'static str {
         self.kind().name()
+    }
+}
+
+/// The backends of `verify`: those of other commands, and a browser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VerifierName {
+    /// Landfall's interpreter
+    Cpu,
+    /// The OpenGL driver, with the source unchanged
+    Gl,
+    /// wgpu: Vulkan, Metal or DX12
+    Gpu,
+    /// Chromium without a window: WebGL 2, and WebGPU where it has it
+    Web,
+}
+
+impl VerifierName {
+    /// The backends that it names, in the order of reports.
+    pub fn kinds(self) -> &'static [BackendKind] {
+        match self {
+            VerifierName::Cpu => &[BackendKind::Cpu],
+            VerifierName::Gl => &[BackendKind::Gl],
+            VerifierName::Gpu => &[BackendKind::Gpu],
+            VerifierName::Web => &[BackendKind::WebGl, BackendKind::WebGpu],
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            VerifierName::Web => "web",
+            VerifierName::Cpu | VerifierName::Gl | VerifierName::Gpu => self.kinds()[0].name(),
+        }
     }
 }
 

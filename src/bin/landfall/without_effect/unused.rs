@@ -7,7 +7,7 @@ use landfall_layout::diagnostic::Code;
 
 use super::{text_of, warn};
 #[cfg(feature = "exec")]
-use crate::args::BackendName;
+use crate::args::{BackendName, VerifierName};
 use crate::args::{Command, EmitArgs};
 use crate::output::Streams;
 
@@ -99,7 +99,8 @@ fn unused_adapter(command: &Command) -> Option<&str> {
     let gpu = BackendName::Gpu;
     let (adapter, is_used) = match command {
         Command::Verify(args) => {
-            (&args.adapter, args.backends.is_empty() || args.backends.contains(&gpu))
+            let used = args.backends.is_empty() || args.backends.contains(&VerifierName::Gpu);
+            (&args.adapter, used)
         }
         Command::Bench(args) => {
             (&args.adapter, args.backend.is_empty() || args.backend.contains(&gpu))

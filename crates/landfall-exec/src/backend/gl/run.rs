@@ -17,7 +17,7 @@ use landfall_layout::source::Stage;
 pub(super) fn texts(job: &Job) -> Result<Vec<(Stage, &str)>, Failure> {
     job.stages
         .iter()
-        .map(|code| match &code.glsl {
+        .map(|code| match &code.text {
             Some(text) => Ok((code.stage, text.as_str())),
             None => {
                 let name = code.stage.name();

@@ -75,7 +75,7 @@ struct WireStage {
     stage: String,
     entry: String,
     module: Option<u64>,
-    glsl: Option<String>,
+    text: Option<String>,
     spirv: Option<Blob>,
 }
 
@@ -125,9 +125,9 @@ impl WireJob {
         let mut stages = Vec::with_capacity(job.stages.len());
         for code in &job.stages {
             let (stage, entry) = (code.stage.name().to_string(), code.entry.clone());
-            let mut sent = WireStage { stage, entry, module: None, glsl: None, spirv: None };
+            let mut sent = WireStage { stage, entry, module: None, text: None, spirv: None };
             if backend == BackendKind::Gl {
-                sent.glsl = code.glsl.clone();
+                sent.text = code.text.clone();
             } else if let Some(words) = &code.spirv {
                 let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
                 sent.spirv = Some(frame.put(bytes));
@@ -182,7 +182,7 @@ impl WireJob {
                 stage: stage(&code.stage)?,
                 entry: code.entry,
                 module: code.module.map(known).transpose()?,
-                glsl: code.glsl,
+                text: code.text,
                 spirv,
             });
         }

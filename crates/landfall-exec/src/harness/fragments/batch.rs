@@ -10,7 +10,7 @@ use crate::backend::{
 };
 use crate::harness::access;
 use crate::harness::bindings as bound;
-use crate::harness::verify::{all_buffers, code};
+use crate::harness::verify::{all_buffers, request};
 use landfall_ir::Module;
 use landfall_ir::module::HandleKind;
 use landfall_layout::buffer::decode;
@@ -177,7 +177,7 @@ impl FragmentShader {
         for (block, bytes) in self.blocks().iter().zip(batch.blocks) {
             let elements = all_buffers(&block.layout.count);
             let nth = block.element.and_then(|nth| elements.get(nth as usize));
-            let name = code::gl_name(&block.layout.name, nth.map_or(&[], |nth| nth.as_slice()));
+            let name = request::gl_name(&block.layout.name, nth.map_or(&[], |nth| nth.as_slice()));
             let kind = match self.is_loose(&block.layout) {
                 true => ResourceKind::Loose(loose(&block.layout, bytes)),
                 false => bound::kind(&block.layout, bytes.clone(), self.writable(&block.layout)),
@@ -239,7 +239,7 @@ impl Jobs {
             stage: Stage::Fragment,
             entry: shader.entry.clone(),
             module: (!is_gl).then(|| Arc::clone(module)),
-            glsl: text.cloned(),
+            text: text.cloned(),
             spirv: None,
         };
         let grid = Grid::Image { width: 0, height: 0, texel: Texel::Float };

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::{ATLAS, Input, InputKind, PIXEL, SIZE};
 use crate::harness::rewrite::{Builtin, MAIN, RewriteTargets, rewritten, root};
-use crate::harness::verify::code;
+use crate::harness::verify::request::without_qualifier;
 use landfall_layout::source::{Language, ReadOptions, Source, Target};
 use landfall_layout::syntax::glsl::ast::{Item, Storage, TypeBase};
 pub use landfall_layout::syntax::glsl::raw;
@@ -137,7 +137,7 @@ pub(super) fn text(
         let _ = writeln!(out, "    {name};");
     }
     out.push_str("}\n");
-    code::without_qualifier(&out, "set")
+    without_qualifier(&out, "set")
 }
 
 /// Returns a statement that makes the first output white.

@@ -124,15 +124,27 @@ fn append(
     head: &Head,
 ) {
     results(text, source, stage, head);
-    let root = root(block, element);
     let mut body = String::new();
+    reads(text, &mut body, block, element, plan);
+    main(text, stage, &body);
+}
+
+/// Appends the functions of a plan's copies to `text`, and its reads to the `body` of `main`.
+pub(super) fn reads(
+    text: &mut String,
+    body: &mut String,
+    block: &BlockLayout,
+    element: &[u32],
+    plan: &Plan,
+) {
+    let root = root(block, element);
     for (number, group) in groups(block, plan).into_iter().enumerate() {
         let Group { way, member, start, reads } = group;
         match way {
             AccessMode::Constant | AccessMode::Dynamic => {
                 for read in reads {
                     let from = format!("{root}{}", path(block, read, 0, way, plan));
-                    result(&mut body, read, &component(from, read, way, plan));
+                    result(body, read, &component(from, read, way, plan));
                 }
             }
             AccessMode::Written => {
@@ -166,7 +178,6 @@ fn append(
             }
         }
     }
-    main(text, stage, &body);
 }
 
 /// Returns the prefix of a member's path: `block[1].`, or nothing.

@@ -140,7 +140,9 @@ pub fn plans(
             let [least, most] = INTERPRETER_WORDS;
             u32::try_from(block.leaves.len()).unwrap_or(most).clamp(least, most)
         }
-        BackendKind::Gl | BackendKind::Gpu => DRIVER_WORDS,
+        BackendKind::Gl | BackendKind::Gpu | BackendKind::WebGl | BackendKind::WebGpu => {
+            DRIVER_WORDS
+        }
     };
     let tops: FxHashMap<&str, usize> =
         block.members.iter().enumerate().map(|(at, m)| (&*m.name, at)).collect();

@@ -1,71 +1,39 @@
 //! The code of a probe in the form its backend takes: the user's text for OpenGL, ported if it has
-//! loose uniforms, which have no offsets in OpenGL, and a module for the interpreter and wgpu.
+//! loose uniforms, which have no offsets in OpenGL, and for WebGPU; the block's declaration for
+//! WebGL; and a module for the interpreter and wgpu.
 
 use crate::backend::BackendKind;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::partner;
+use super::request::{
+    BoundBuffer, Code, ProbeRequest, Results, failure, gl_name, is_loose, opened, refused,
+    stage_code, without_qualifier,
+};
 use super::{Form, VerifyOptions};
-use crate::backend::{Failure, FailureKind, StageCode};
-use crate::harness::probe::plan::Plan;
+use super::{declared, partner, web};
+use crate::backend::{Failure, StageCode};
 use crate::harness::probe::{glsl, wgsl};
 use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
-use landfall_layout::source::{ExecutableStage, Language, ReadOptions, Source, Stage};
-pub use landfall_layout::syntax::glsl::raw;
-use landfall_layout::{Diagnostic, Options, layout};
+use landfall_layout::source::{ExecutableStage, Language, Source, Stage};
+use landfall_layout::{Options, layout};
 use landfall_port::{PortOptions, port};
 
 /// The binding of the results if the text goes through naga's GLSL front end.
 const NAGA_BINDING: u32 = 99;
 
-/// The probe for which code is made.
-pub(super) struct ProbeRequest<'a> {
-    pub backend: BackendKind,
-    pub source: &'a Source,
-    pub block: &'a BlockLayout,
-    /// The indices of the buffer in an array of blocks.
-    pub element: &'a [u32],
-    pub plan: &'a Plan,
-    pub stage: ExecutableStage,
-    /// Whether the shader may write the block.
-    pub writable: bool,
-    pub options: &'a VerifyOptions,
-}
-
-/// A probe's code and the bindings of its buffers.
-pub(super) struct Code {
-    /// The stages in pipeline order.
-    pub stages: Vec<StageCode>,
-    pub block: BoundBuffer,
-    pub results: BoundBuffer,
-    /// Whether the shader may write the block.
-    pub writable: bool,
-}
-
-/// A buffer's name and its binding in the module.
-#[derive(Clone, Debug, Default)]
-pub(super) struct BoundBuffer {
-    pub name: String,
-    pub group: u32,
-    pub binding: u32,
-}
-
 /// Returns the form of code for a backend.
 pub(super) fn form(backend: BackendKind, source: &Source, block: &BlockLayout, naga: bool) -> Form {
     match (backend, naga) {
-        (BackendKind::Gl, _) if is_loose(source, block) => Form::Ported,
-        (BackendKind::Gl, _) => Form::Original,
+        (BackendKind::Gl | BackendKind::WebGl, _) if is_loose(source, block) => Form::Ported,
+        (BackendKind::WebGl, _) => Form::Declared,
+        (BackendKind::WebGpu, _) if source.language == Language::Glsl => Form::Ported,
+        (BackendKind::Gl | BackendKind::WebGpu, _) => Form::Original,
         (_, false) => Form::Module,
         (_, true) => Form::Naga,
     }
-}
-
-/// Returns whether the block holds the loose uniforms of a GLSL shader.
-pub(crate) fn is_loose(source: &Source, block: &BlockLayout) -> bool {
-    source.language == Language::Glsl && block.gathered
 }
 
 /// Returns the stage a probe runs in on a backend, or why it cannot run.
@@ -78,8 +46,16 @@ pub(super) fn fits(
     let Some(runs) = ExecutableStage::of(stage) else {
         return Err(format!("probes do not run in {} stages", stage.name()));
     };
-    if backend != BackendKind::Gl {
-        return Ok(runs);
+    match backend {
+        BackendKind::Cpu | BackendKind::Gpu => return Ok(runs),
+        BackendKind::WebGl => {
+            // The declaration is the same in every stage, and there is no compute stage.
+            let fragment = runs == ExecutableStage::Compute;
+            let runs = if fragment { ExecutableStage::Fragment } else { runs };
+            return declared::refusal(source, block).map_or(Ok(runs), Err);
+        }
+        BackendKind::WebGpu => return web::for_webgpu(block, runs),
+        BackendKind::Gl => {}
     }
     match (source.language, block.space) {
         (Language::Wgsl, _) => Err("OpenGL does not accept WGSL".to_string()),
@@ -100,23 +76,19 @@ pub(super) fn fits(
 pub(super) fn code(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
     let form = form(need.backend, need.source, need.block, need.options.naga);
     match form {
+        Form::Declared => web::declared(need, need.source, need.block),
+        Form::Original if need.backend == BackendKind::WebGpu => {
+            web::of_wgsl(need, need.source, need.block)
+        }
         Form::Original => {
             let source = raised(opened(need.source, &need.options.layout.read));
             let text = glsl::text(&source, need.block, need.element, need.plan, need.stage);
             for_gl(need, &source, &text)
         }
+        Form::Ported if need.backend == BackendKind::WebGpu => web::ported_to_wgsl(need),
         Form::Ported => ported(need),
         Form::Module | Form::Naga | Form::Spirv => module(need, form),
     }
-}
-
-/// Returns the shader with its includes inlined, since drivers open no files.
-pub(crate) fn opened<'a>(source: &'a Source, options: &ReadOptions) -> Cow<'a, Source> {
-    if !source.text.contains("#include") {
-        return Cow::Borrowed(source);
-    }
-    let text = raw::flattened(source, options);
-    Cow::Owned(Source { text: Arc::from(text), ..source.clone() })
 }
 
 /// Returns an ES 3.00 shader as ES 3.10, which has storage buffers and the same std140.
@@ -146,9 +118,25 @@ fn bound_apart(need: &ProbeRequest<'_>, source: &Source, text: &str) -> String {
     text.replace(&declaration, &bound)
 }
 
-/// Returns the user's text for OpenGL's compiler, without a probe.
-pub(super) fn text_without_probe(source: &Source, options: &VerifyOptions) -> String {
-    without_qualifier(&opened(source, &options.layout.read).text, "set")
+/// Returns the texts of a program without a probe, as the backend's compiler takes them: the user's
+/// own where it does, otherwise the block's declaration.
+pub(super) fn texts_without_probe(
+    backend: BackendKind,
+    source: &Source,
+    block: &BlockLayout,
+    options: &VerifyOptions,
+    stage: Stage,
+) -> Vec<(Stage, String)> {
+    let read = &options.layout.read;
+    match backend {
+        BackendKind::WebGpu if source.language == Language::Glsl => {
+            let ported = web::to_wgsl(source, block, options).ok();
+            ported.map(|ported| (stage, ported.source.text.to_string())).into_iter().collect()
+        }
+        BackendKind::WebGpu => vec![(stage, source.text.to_string())],
+        BackendKind::WebGl => declared::whole(source, read, block, stage),
+        _ => vec![(stage, without_qualifier(&opened(source, read).text, "set"))],
+    }
 }
 
 fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, Failure> {
@@ -166,7 +154,10 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, 
     Ok(Code {
         stages,
         block: BoundBuffer { name, ..BoundBuffer::default() },
-        results: BoundBuffer { name: glsl::RESULTS.to_string(), ..BoundBuffer::default() },
+        results: Results::Buffer(BoundBuffer {
+            name: glsl::RESULTS.to_string(),
+            ..BoundBuffer::default()
+        }),
         writable: need.writable,
     })
 }
@@ -182,20 +173,6 @@ fn fragment(need: &ProbeRequest<'_>, source: &Source) -> Result<StageCode, Failu
         }
     };
     Ok(stage_code(Stage::Fragment, "main", module, Some(source.text.to_string())))
-}
-
-fn stage_code(
-    stage: Stage,
-    entry: &str,
-    module: Option<Arc<Module>>,
-    glsl: Option<String>,
-) -> StageCode {
-    StageCode { stage, entry: entry.to_string(), module, glsl, spirv: None }
-}
-
-/// Returns OpenGL's name of a block, or of one buffer of an array of blocks: `B[0]`.
-pub(crate) fn gl_name(block: &str, element: &[u32]) -> String {
-    element.iter().fold(block.to_string(), |name, index| format!("{name}[{index}]"))
 }
 
 /// Returns the code with loose uniforms in a block, members in their order.
@@ -214,6 +191,9 @@ fn ported(need: &ProbeRequest<'_>) -> Result<Code, Failure> {
             "its uniforms have other offsets in the shader that `landfall port` writes".to_string(),
         ));
     };
+    if need.backend == BackendKind::WebGl {
+        return web::declared(need, &ported.source, block);
+    }
     let source = raised(Cow::Borrowed(&ported.source));
     let text = glsl::text(&source, block, need.element, need.plan, need.stage);
     let mut code = for_gl(need, &source, &text)?;
@@ -234,14 +214,14 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
             &format!("layout(std430) buffer {}", glsl::RESULTS),
             &format!("layout(std430, binding = {NAGA_BINDING}) buffer {}", glsl::RESULTS),
         ),
-        Form::Original | Form::Ported | Form::Module | Form::Spirv => text,
+        Form::Original | Form::Ported | Form::Declared | Form::Module | Form::Spirv => text,
     };
     let source =
         Source { text: Arc::from(text), stage: Some(need.stage.into()), ..need.source.clone() };
     let options = need.options.layout.clone().with_gather(true).with_naga(false);
     let made = match form {
         Form::Naga => Module::by_naga(&source, &options),
-        Form::Original | Form::Ported | Form::Module | Form::Spirv => {
+        Form::Original | Form::Ported | Form::Declared | Form::Module | Form::Spirv => {
             Module::new(&source, &options)
         }
     };
@@ -262,7 +242,7 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
     if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
-    Ok(Code { stages, block, results, writable: need.writable })
+    Ok(Code { stages, block, results: Results::Buffer(results), writable: need.writable })
 }
 
 /// Returns the binding of the probed block in the module.
@@ -285,73 +265,4 @@ fn nth_buffer(block: &BlockLayout, element: &[u32]) -> Option<u32> {
         ArrayLen::Runtime | ArrayLen::Override(_) => sum,
     });
     (!block.count.is_empty()).then_some(counted)
-}
-
-fn failure(message: String) -> Failure {
-    Failure { kind: FailureKind::Refused, message, log: String::new() }
-}
-
-fn refused(what: &str, found: &[Diagnostic]) -> Failure {
-    let first = found.first().map_or("no reason given", |first| first.message.as_str());
-    Failure { kind: FailureKind::Unfit, ..failure(format!("it cannot be {what}: {first}")) }
-}
-
-/// Removes `WORD = N` from layout qualifiers; OpenGL has no descriptor sets.
-pub(crate) fn without_qualifier(text: &str, word: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(at) = rest.find(word) {
-        let (step, after) = rest.split_at(at);
-        result.push_str(step);
-        let list = result.rfind(['(', ')']).map(|at| result.split_at(at));
-        let opens = result.trim_end().ends_with(['(', ','])
-            && list.is_some_and(|(head, list)| {
-                list.starts_with('(') && head.trim_end().ends_with("layout")
-            });
-        let value = after[word.len()..].trim_start().strip_prefix('=').map(str::trim_start);
-        let end = value.and_then(|value| {
-            let digits = value.find(|c: char| !c.is_ascii_digit())?;
-            (digits > 0).then(|| after.len() - value.len() + digits)
-        });
-        let Some(end) = end.filter(|_| opens) else {
-            result.push_str(word);
-            rest = &after[word.len()..];
-            continue;
-        };
-        rest = &after[end..];
-        if let Some(more) = rest.trim_start().strip_prefix(',') {
-            rest = more;
-        } else if result.trim_end().ends_with(',') {
-            result.truncate(result.trim_end().len() - 1);
-        } else if let (Some(more), Some(head)) =
-            (rest.trim_start().strip_prefix(')'), result.trim_end().strip_suffix('('))
-        {
-            // An empty `layout()` is invalid.
-            rest = more;
-            let head = head.trim_end();
-            let head = head.strip_suffix("layout").unwrap_or(head).len();
-            result.truncate(head);
-        }
-    }
-    result.push_str(rest);
-    result
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_qualifier_goes_and_nothing_else() {
-        for (before, after) in [
-            ("layout(set = 0, binding = 1) uniform", "layout( binding = 1) uniform"),
-            ("layout(std140, set=12,binding=1)", "layout(std140, binding=1)"),
-            ("layout(binding = 1, set = 2) uniform", "layout(binding = 1) uniform"),
-            ("layout(set = 2) uniform", " uniform"),
-            ("int offset = 3; f(set = 4);", "int offset = 3; f(set = 4);"),
-            ("int reset; layout(offset = 16) float x;", "int reset; layout(offset = 16) float x;"),
-        ] {
-            assert_eq!(without_qualifier(before, "set"), after, "{before}");
-        }
-    }
 }

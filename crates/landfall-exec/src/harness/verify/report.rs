@@ -87,7 +87,7 @@ pub enum ReadBy {
 }
 
 impl ReadBy {
-    /// Returns the name in reports: `cpu`, `gl`, `gpu`, `spirv`.
+    /// Returns the name in reports: `cpu`, `gl`, `gpu`, `webgl`, `webgpu`, `spirv`.
     pub fn name(self) -> &'static str {
         match self {
             ReadBy::Backend(kind) => kind.name(),
@@ -132,8 +132,11 @@ pub struct BackendReport {
 pub enum Form {
     /// The user's text with a probe instead of its `main`.
     Original,
-    /// The same, ported to GLSL 4.50 with its loose uniforms in one block.
+    /// The same, ported to GLSL 4.50 with its loose uniforms in one block; for WebGL, the
+    /// declaration of that block.
     Ported,
+    /// The block's own declaration in GLSL ES 3.00, with a probe.
+    Declared,
     /// A module of the user's text with Landfall's offsets.
     Module,
     /// A module of naga's front end.
@@ -152,7 +155,7 @@ pub enum Outcome {
     Disagrees,
     /// The backend could not run a probe.
     Failed,
-    /// Not applicable to this backend, such as WGSL on OpenGL.
+    /// Not applicable to this backend, such as WGSL on OpenGL and GLSL on WebGPU.
     Skipped,
 }
 
@@ -187,7 +190,7 @@ pub enum BackendStatus {
     Here(Device),
     /// Not available.
     Missing {
-        /// `cpu`, `gl` or `gpu`.
+        /// The kind.
         backend: BackendKind,
         /// The reason.
         failure: Failure,

@@ -84,7 +84,7 @@ fn compare(
         stage: entry.stage,
         entry: entry.name.clone(),
         module: words.is_none().then(|| Arc::clone(&module)),
-        glsl: None,
+        text: None,
         spirv: words,
     };
     let words: Arc<[u32]> = Arc::from(words);
@@ -184,7 +184,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         stage: Stage::Vertex,
         entry: "main".to_string(),
         module: Some(Arc::new(module)),
-        glsl: None,
+        text: None,
         spirv: None,
     }))
 }

@@ -7,12 +7,15 @@ use std::collections::BTreeMap;
 use rustc_hash::FxHashMap;
 
 use super::code;
-use super::code::{Code, ProbeRequest};
+use super::request::{BoundBuffer, Code, ProbeRequest, Results, gl_name};
 use super::{
     BackendReport, BlockReport, Cause, ElementReport, Form, Outcome, ReadBy, Unprobed,
     VerifyOptions, reported,
 };
-use crate::backend::{Backend, Failure, FailureKind, Job, Resource, ResourceKind};
+use crate::backend::reflection::Reflection;
+use crate::backend::{
+    Backend, BackendKind, Failure, FailureKind, Grid, Job, Resource, ResourceKind,
+};
 use crate::harness::bindings::kind as buffer_of;
 use crate::harness::probe::cause::OtherRules;
 use crate::harness::probe::plan::{Access, LARGEST_BUFFER, Plan, Plans, TAIL, plans};
@@ -91,7 +94,7 @@ impl Verifier<'_> {
                 AddressSpace::Storage => ResourceKind::Storage { bytes, writable: true },
                 _ => return None,
             };
-            let name = code::gl_name(&block.name, &element);
+            let name = gl_name(&block.name, &element);
             Some(Resource { name, group: 0, binding: 0, kind })
         };
         self.blocks
@@ -140,9 +143,10 @@ impl Verifier<'_> {
         buffer: u64,
     ) -> BackendReport {
         let name = backend.device().backend;
+        let fits = code::fits(name, self.source, self.block, stage);
         let mut report = BackendReport {
             backend: ReadBy::Backend(name),
-            stage: stage.name(),
+            stage: fits.as_ref().map_or(stage, |runs| Stage::from(*runs)).name(),
             form: code::form(name, self.source, self.block, self.options.naga),
             outcome: Outcome::Confirmed,
             reason: None,
@@ -150,7 +154,7 @@ impl Verifier<'_> {
             reads: Vec::new(),
             causes: Vec::new(),
         };
-        let runs = match code::fits(name, self.source, self.block, stage) {
+        let runs = match fits {
             Ok(runs) => runs,
             Err(reason) => {
                 report.outcome = Outcome::Skipped;
@@ -175,15 +179,27 @@ impl Verifier<'_> {
         report
     }
 
+    /// Returns what the driver reports of the text without a probe; `None` if it reports nothing, or
+    /// the form has no such text.
+    fn reflected(
+        &self,
+        backend: &mut dyn Backend,
+        stage: Stage,
+        form: Form,
+    ) -> Option<Result<Reflection, Failure>> {
+        let kind = backend.device().backend;
+        match (form, kind) {
+            (Form::Original | Form::Declared, _) | (Form::Ported, BackendKind::WebGpu) => {}
+            _ => return None,
+        }
+        let texts = code::texts_without_probe(kind, self.source, self.block, self.options, stage);
+        let texts: Vec<(Stage, &str)> = texts.iter().map(|(at, text)| (*at, &**text)).collect();
+        backend.reflect(&texts, self.options.limit)
+    }
+
     /// Compares the driver's reflection of the text with the layout.
     fn reported(&self, backend: &mut dyn Backend, stage: Stage, report: &mut BackendReport) {
-        if report.form != Form::Original {
-            return;
-        }
-        let text = code::text_without_probe(self.source, self.options);
-        let Some(Ok(reflection)) = backend.reflect(&[(stage, &text)], self.options.limit) else {
-            return;
-        };
+        let Some(Ok(reflection)) = self.reflected(backend, stage, report.form) else { return };
         for element in reported::elements(self.block, self.expected, &reflection) {
             if element.byte_read != Some(element.expected_byte) {
                 report.outcome = Outcome::Disagrees;
@@ -208,11 +224,10 @@ impl Verifier<'_> {
         if failure.kind == FailureKind::Unfit {
             report.outcome = Outcome::Skipped;
         }
-        if failure.kind != FailureKind::Refused || report.form != Form::Original {
+        if failure.kind != FailureKind::Refused {
             return;
         }
-        let text = code::text_without_probe(self.source, self.options);
-        let alone = backend.reflect(&[(stage, &text)], self.options.limit);
+        let alone = self.reflected(backend, stage, report.form);
         if let Some(Err(Failure { kind: FailureKind::Refused, log, .. })) = alone {
             report.outcome = Outcome::Skipped;
             report.reason = Some("its compiler rejects the shader".to_string());
@@ -279,26 +294,36 @@ impl Verifier<'_> {
             results.extend_from_slice(&index.to_le_bytes());
         }
         results.resize(plan.words as usize * 4, 0);
-        let bound = |bound: &code::BoundBuffer, kind| Resource {
+        let bound = |bound: &BoundBuffer, kind| Resource {
             name: bound.name.clone(),
             group: bound.group,
             binding: bound.binding,
             kind,
         };
-        let results = ResourceKind::Storage { bytes: results, writable: true };
         let block = buffer_of(self.block, bytes, code.writable);
-        let mut resources = vec![bound(&code.block, block), bound(&code.results, results)];
-        if code.stages[0].module.is_none() {
+        let mut resources = vec![bound(&code.block, block)];
+        let mut grid = crate::backend::single_run(stage);
+        match &code.results {
+            Results::Buffer(place) => {
+                let kind = ResourceKind::Storage { bytes: results, writable: true };
+                resources.push(bound(place, kind));
+            }
+            Results::Pixels(indices) => {
+                resources
+                    .push(bound(&BoundBuffer::default(), ResourceKind::Loose(indices.clone())));
+                grid = a_word_each(grid, plan.words);
+            }
+        }
+        if backend.device().backend == BackendKind::Gl {
             let others = self.others().into_iter();
             resources.extend(others.filter(|other| other.name != code.block.name));
         }
-        let job = Job {
-            stages: code.stages.clone(),
-            resources,
-            grid: crate::backend::single_run(stage),
-            limit: self.options.limit,
-        };
+        let job = Job { stages: code.stages.clone(), resources, grid, limit: self.options.limit };
         let mut answer = backend.run(&job)?;
+        if let Results::Pixels(_) = code.results {
+            let words = answer.pixels.iter().map(|pixel| pixel[0]).collect();
+            return Ok(Words { words, block: Vec::new() });
+        }
         let mut buffers = answer.buffers.drain(..);
         let (block, results) = (buffers.next().flatten(), buffers.next().flatten());
         let Some(results) = results else {
@@ -342,6 +367,16 @@ impl Verifier<'_> {
                 report.causes.push(Cause { leaf: path.clone(), cause });
             }
         }
+    }
+}
+
+/// Returns the grid of a run with that many results, one in each pixel or vertex.
+fn a_word_each(grid: Grid, words: u32) -> Grid {
+    let words = words.max(1);
+    match grid {
+        Grid::Points { texel, .. } => Grid::Points { count: words, texel },
+        Grid::Image { texel, .. } => Grid::Image { width: words, height: 1, texel },
+        Grid::Groups(groups) => Grid::Groups(groups),
     }
 }
 

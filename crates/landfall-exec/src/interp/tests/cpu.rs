@@ -11,7 +11,7 @@ use landfall_ir::Module;
 use landfall_layout::source::Stage;
 
 fn stage(stage: Stage, entry: &str, module: &Arc<Module>) -> StageCode {
-    StageCode { stage, entry: entry.into(), module: Some(module.clone()), glsl: None, spirv: None }
+    StageCode { stage, entry: entry.into(), module: Some(module.clone()), text: None, spirv: None }
 }
 
 fn run(stages: Vec<StageCode>, grid: Grid, resources: Vec<Resource>) -> JobOutput {

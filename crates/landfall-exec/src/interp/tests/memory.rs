@@ -21,7 +21,7 @@ fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput 
         stage: Stage::Compute,
         entry: "main".into(),
         module: Some(Arc::new(module(text))),
-        glsl: None,
+        text: None,
         spirv: None,
     }];
     let job = Job { stages, resources, grid: Grid::Groups(groups), limit: Duration::from_secs(60) };

@@ -70,7 +70,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
             stage,
             entry: ENTRY.to_string(),
             module: Some(Arc::new(module)),
-            glsl: None,
+            text: None,
             spirv: None,
         }],
         buffers: [buffer(INPUTS, bindings[0]), buffer(OUTPUTS, bindings[1])],

@@ -17,7 +17,7 @@ use crate::harness::bindings as bound;
 use crate::harness::call::pure::{Origin, PureFunction, Purpose, Slot};
 use crate::harness::probe::glsl::is_sized;
 use crate::harness::rewrite::{Builtin, RewriteTargets, Rewritten, rewritten, root};
-use crate::harness::verify::{all_buffers, code as texts, partner};
+use crate::harness::verify::{all_buffers, partner, request as texts};
 use crate::interp::ValueType;
 use landfall_layout::layout;
 use landfall_layout::layout::BlockLayout;
@@ -60,7 +60,7 @@ pub(super) fn code(pure: &PureFunction, places: &Places) -> Result<Code, Failure
         stage,
         entry: "main".to_string(),
         module: None,
-        glsl: Some(text),
+        text: Some(text),
         spirv: None,
     };
     // OpenGL has neither; a specialisation constant keeps its default.

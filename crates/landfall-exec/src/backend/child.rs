@@ -1,8 +1,10 @@
-//! The child process: starting it, exchanging messages, ending it, and explaining how it ended.
+//! A child process: starting it, exchanging messages, ending it, and explaining how it ended.
+//!
+//! Used by [`subprocess`](super::subprocess) for drivers and by `web` for the browser.
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -10,15 +12,40 @@ use std::time::{Duration, Instant};
 
 use crate::processor::Stopwatch;
 
-use super::Launch;
-use super::frame::Frame;
 use crate::backend::Failure;
 
-/// A child process that runs jobs; ended on drop.
-pub(super) struct Process {
+/// A message to a child process or from it.
+pub(super) trait Message: Send + Sized + 'static {
+    /// Writes the message to the child's stdin.
+    fn write(&self, to: &mut ChildStdin) -> io::Result<()>;
+
+    /// Reads the next message from the child's stdout; `None` at its end.
+    fn read(from: &mut BufReader<ChildStdout>) -> io::Result<Option<Self>>;
+}
+
+/// What messages call a child process, and how it ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Role {
+    /// The noun: `driver process`.
+    pub(super) name: &'static str,
+    /// Whether the process itself works, not others that it starts: its processor time is measured
+    /// against limits from its start on.
+    pub(super) works: bool,
+    /// The time to end on its own after its stdin is closed, before it is killed.
+    pub(super) parting: Duration,
+}
+
+/// A child process that exchanges messages; ended on drop, with its group.
+pub(super) struct Process<M> {
     child: Child,
-    to: mpsc::Sender<Frame>,
-    from: mpsc::Receiver<io::Result<Option<Frame>>>,
+    /// Whether the process has ended and was waited for: its number may be another's by now.
+    over: bool,
+    role: Role,
+    /// The processes whose processor time counts.
+    workers: Vec<u32>,
+    /// `None` once the stdin of the process is to be closed.
+    to: Option<mpsc::Sender<M>>,
+    from: mpsc::Receiver<io::Result<Option<M>>>,
     stderr_lines: Arc<Mutex<VecDeque<String>>>,
     stderr_ended: mpsc::Receiver<()>,
 }
@@ -29,25 +56,16 @@ const KEPT: usize = 20;
 /// The time to wait for a process to end after it has closed its stdout.
 const ENDING: Duration = Duration::from_secs(2);
 
-impl Process {
-    pub(super) fn start(launch: &Launch) -> Result<Process, Failure> {
-        let mut command = Command::new(&launch.program);
-        command
-            .args(&launch.arguments)
-            // Mesa's device selection layer complains without a desktop session.
-            .env("NODEVICE_SELECT", "1")
-            // A panic without a backtrace is one line, so that the last lines hold it.
-            .env("RUST_BACKTRACE", "0")
-            .envs(launch.environment.iter().map(|(name, value)| (name, value)))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
+impl<M: Message> Process<M> {
+    /// Starts a command, its three streams connected.
+    pub(super) fn start(mut command: Command, role: Role) -> Result<Process<M>, Failure> {
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Ctrl-C is meant for the parent: this process ends when its stdin does.
         in_own_group(&mut command);
         let mut child = command.spawn().map_err(|cause| {
-            let program = launch.program.display();
+            let program = command.get_program().to_string_lossy().into_owned();
             Failure::missing(
-                format!("the driver process does not start: {program}"),
+                format!("the {} does not start: {program}", role.name),
                 cause.to_string(),
             )
         })?;
@@ -56,11 +74,11 @@ impl Process {
             unreachable!("all three were asked for")
         };
         // Separate threads, since a process that hangs neither reads nor writes.
-        let (to, sent) = mpsc::channel::<Frame>();
+        let (to, sent) = mpsc::channel::<M>();
         thread::spawn(move || {
-            while let Ok(frame) = sent.recv() {
+            while let Ok(message) = sent.recv() {
                 // A process that has ended is noticed when its reply is read.
-                if frame.write(&mut stdin).is_err() {
+                if message.write(&mut stdin).is_err() {
                     break;
                 }
             }
@@ -69,9 +87,9 @@ impl Process {
         thread::spawn(move || {
             let mut stdout = BufReader::new(stdout);
             loop {
-                let frame = Frame::read(&mut stdout);
-                let over = !matches!(frame, Ok(Some(_)));
-                if received.send(frame).is_err() || over {
+                let message = M::read(&mut stdout);
+                let over = !matches!(message, Ok(Some(_)));
+                if received.send(message).is_err() || over {
                     break;
                 }
             }
@@ -90,24 +108,37 @@ impl Process {
             // The receiver may be gone.
             let _ = all.send(());
         });
-        Ok(Process { child, to, from, stderr_lines, stderr_ended })
+        let workers = if role.works { vec![child.id()] } else { Vec::new() };
+        let to = Some(to);
+        Ok(Process { child, over: false, role, workers, to, from, stderr_lines, stderr_ended })
     }
 
     pub(super) fn id(&self) -> u32 {
         self.child.id()
     }
 
-    pub(super) fn send(&self, frame: Frame) {
+    /// Measures the processor time of all processes that this one has started so far.
+    #[cfg(feature = "web")]
+    pub(super) fn measure_group(&mut self) {
+        self.workers = crate::processor::in_group(self.child.id());
+    }
+
+    /// Starts a clock for a time limit.
+    pub(super) fn clock(&self) -> Stopwatch {
+        Stopwatch::start_of(&self.workers)
+    }
+
+    pub(super) fn send(&self, message: M) {
         // The writing thread ends only with the process.
-        let _ = self.to.send(frame);
+        let _ = self.to.as_ref().map(|to| to.send(message));
     }
 
     /// Returns the next reply, or a failure if it does not come within the limit.
-    pub(super) fn receive(&mut self, limit: Duration) -> Result<Frame, Failure> {
-        let clock = Stopwatch::start_of(self.child.id());
+    pub(super) fn receive(&mut self, limit: Duration) -> Result<M, Failure> {
+        let clock = self.clock();
         loop {
             match self.from.recv_timeout(limit.saturating_sub(clock.elapsed())) {
-                Ok(Ok(Some(frame))) => return Ok(frame),
+                Ok(Ok(Some(message))) => return Ok(message),
                 Err(RecvTimeoutError::Timeout) if clock.elapsed() < limit => {}
                 Err(RecvTimeoutError::Timeout) => {
                     return Err(Failure { log: self.last_words(), ..Failure::timed_out(limit) });
@@ -119,38 +150,69 @@ impl Process {
         }
     }
 
-    /// Ends the process if need be and returns how it ended.
-    pub(super) fn death(&mut self) -> Failure {
-        let asked = Instant::now();
-        let status = loop {
-            match self.child.try_wait() {
-                Ok(None) if asked.elapsed() < ENDING => thread::sleep(Duration::from_millis(5)),
-                Ok(status) => break status,
-                Err(_) => break None,
-            }
-        };
+    /// Waits for the end of the process and returns how it ended.
+    fn death(&mut self) -> Failure {
+        let status = self.wait(ENDING);
         let how = match status {
             Some(status) => ending(status),
             None => "closed its output but is still running".to_string(),
         };
         // Its last output may still be in the pipe.
         let _ = self.stderr_ended.recv_timeout(Duration::from_millis(500));
-        Failure::died(format!("the driver process {how}"), self.last_words())
+        Failure::died(format!("the {} {how}", self.role.name), self.last_words())
     }
 
-    fn last_words(&self) -> String {
+    /// Returns the last lines of its stderr.
+    pub(super) fn last_words(&self) -> String {
         let lines = self.stderr_lines.lock().unwrap_or_else(PoisonError::into_inner);
         lines.iter().map(String::as_str).collect::<Vec<_>>().join("\n")
     }
 }
 
-impl Drop for Process {
-    fn drop(&mut self) {
-        // The process may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+impl<M> Process<M> {
+    /// Waits for the end of the process; `None` if it still runs after the limit.
+    fn wait(&mut self, limit: Duration) -> Option<ExitStatus> {
+        let asked = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if asked.elapsed() < limit => thread::sleep(Duration::from_millis(5)),
+                Ok(status) => {
+                    self.over |= status.is_some();
+                    return status;
+                }
+                Err(_) => return None,
+            }
+        }
     }
 }
+
+impl<M> Drop for Process<M> {
+    fn drop(&mut self) {
+        // Closes its stdin, unless it does not read.
+        self.to = None;
+        self.wait(self.role.parting);
+        if !self.over {
+            kill_group(&self.child);
+            // It may have ended meanwhile.
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+    }
+}
+
+/// Kills what runs in the process group of a child.
+#[cfg(unix)]
+fn kill_group(child: &Child) {
+    use rustix::process::{Pid, Signal, kill_process_group};
+
+    if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
+        // It may have ended already.
+        let _ = kill_process_group(pid, Signal::KILL);
+    }
+}
+
+#[cfg(not(unix))]
+fn kill_group(_: &Child) {}
 
 #[cfg(unix)]
 fn in_own_group(command: &mut Command) {
