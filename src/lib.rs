@@ -56,6 +56,7 @@
 //! |---|---|
 //! | none (`default-features = false`) | layouts, locks, diffs, buffers, code generation, [`Build`] |
 //! | `cli` (default) | the command and its lints of layouts |
+//! | `port` | ports of old GLSL to Vulkan |
 //! | `naga` | constant expressions beyond Landfall's own, naga's layout beside it, ports to WGSL |
 //! | `analysis` | lints that follow the code of functions, of lighting above all |
 //! | `exec` | commands that execute shaders on the interpreter |
@@ -80,8 +81,11 @@ pub use landfall_layout::{
     Span, Stage, Target, Type, layout,
 };
 pub use landfall_layout::{
-    buffer, diagnostic, diff, error, file, format, interface, lock, port, shape, source,
+    buffer, diagnostic, diff, error, file, format, interface, lock, shape, source,
 };
+
+#[cfg(feature = "port")]
+pub use landfall_port as port;
 
 pub use landfall_codegen::{Build, BuildError, build_script};
 

@@ -10,7 +10,7 @@ use landfall_layout::format::SCHEMA_VERSION;
 use landfall_layout::format::json::{Tool, to_lines};
 pub use landfall_layout::format::paint::{CAUTION, FAINT, HEADING, Paint, STRONG};
 pub use landfall_layout::format::phrases::number;
-use landfall_light::culling::{Claim, Measured, OptionEffect, Plan};
+use landfall_light::culling::{Choice, Claim, Measured, OptionEffect, Plan, Timed};
 
 pub use crate::report::schema::PLAN_SCHEMA;
 
@@ -40,6 +40,9 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
             }
         )
     );
+    if let Some(choice) = &savings.choice {
+        measured_ways(&mut text, choice, paint);
+    }
     for step in &savings.steps {
         let _ = writeln!(text, "  {}  {}", paint.text(HEADING, &step.option), step.did);
         if let Some([before, after]) = step.evaluations {
@@ -76,6 +79,45 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
     text
 }
 
+/// Appends the ways that were measured, the one picked marked.
+fn measured_ways(text: &mut String, choice: &Choice, paint: Paint) {
+    let _ = writeln!(
+        text,
+        "  {}  measured on {} of {} fragments, seconds for all of them; an error of {} of 1/255 is permitted",
+        paint.text(HEADING, "auto"),
+        number(choice.fragments),
+        number(choice.of),
+        steps_of(choice.permitted),
+    );
+    let name = |timed: &Timed| match timed.parts.is_empty() {
+        true => "nothing skipped".to_string(),
+        false => timed.parts.clone(),
+    };
+    let width = choice.timed.iter().map(|timed| name(timed).len()).max().unwrap_or(0);
+    for (at, timed) in choice.timed.iter().enumerate() {
+        let mut line = format!("{:width$}", name(timed));
+        if !timed.seconds.is_empty() {
+            let [fastest, slowest] = timed.range().map(seconds);
+            let _ = write!(line, "  {} ({fastest} to {slowest})", seconds(timed.median()));
+        }
+        if !timed.note.is_empty() {
+            let _ = write!(line, "  {}", timed.note);
+        }
+        if at == choice.picked {
+            line.push_str("  picked");
+        }
+        let line = if at == choice.picked { line } else { paint.text(FAINT, &line) };
+        let _ = writeln!(text, "    {line}");
+    }
+}
+
+fn seconds(seconds: f64) -> String {
+    match seconds {
+        s if s >= 0.1 => format!("{s:.2}"),
+        s => format!("{s:.2e}"),
+    }
+}
+
 /// Returns the plan as a JSON document.
 pub fn json(plan: &Plan) -> String {
     let document =
@@ -98,6 +140,7 @@ pub(super) fn object(plan: &Plan) -> Body<'_> {
             spot: plan.compiled.spot,
         },
         constants: &savings.compiled,
+        choice: savings.choice.as_ref().map(ChoiceObject::of),
         checked: savings.checked.as_ref().map(MeasuredObject::of),
         steps: savings.steps.iter().map(StepObject::of).collect(),
         notes: &savings.notes,
@@ -174,6 +217,8 @@ pub(super) struct Body<'a> {
     grids: usize,
     compiled: CompiledObject,
     constants: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    choice: Option<ChoiceObject<'a>>,
     checked: Option<MeasuredObject>,
     steps: Vec<StepObject<'a>>,
     notes: &'a [String],
@@ -191,6 +236,40 @@ struct CompiledObject {
     directional: u32,
     point: u32,
     spot: u32,
+}
+
+#[derive(Serialize)]
+struct ChoiceObject<'a> {
+    permitted: f64,
+    fragments: u64,
+    of: u64,
+    ways: Vec<WayObject<'a>>,
+}
+
+#[derive(Serialize)]
+struct WayObject<'a> {
+    parts: &'a str,
+    picked: bool,
+    seconds: &'a [f64],
+    error: Option<f64>,
+    seen: Option<f64>,
+    note: &'a str,
+}
+
+impl<'a> ChoiceObject<'a> {
+    fn of(choice: &'a Choice) -> ChoiceObject<'a> {
+        let finite = |number: f64| Some(number).filter(|number| number.is_finite());
+        let ways = choice.timed.iter().enumerate().map(|(at, timed)| WayObject {
+            parts: &timed.parts,
+            picked: at == choice.picked,
+            seconds: &timed.seconds,
+            error: timed.error.and_then(finite),
+            seen: finite(timed.seen),
+            note: &timed.note,
+        });
+        let Choice { permitted, fragments, of, .. } = *choice;
+        ChoiceObject { permitted, fragments, of, ways: ways.collect() }
+    }
 }
 
 #[derive(Serialize)]

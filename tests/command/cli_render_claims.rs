@@ -190,3 +190,63 @@ warning[bind]: skipping changes the picture by 0.85 steps of 1/255, more than th
         }
     }
 }
+
+#[test]
+fn what_auto_measures_is_reported_by_the_schema_and_costs_no_bit() {
+    let scene = "shaders/scenes/lights_1024_windowed.json";
+    let arguments = ["render", scene, "--size", "48x27", "--skip", "auto", "--format", "json"];
+    let ran = command::run(&arguments);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let schema = command::run(&["schema", "render"]).json();
+    let validator = jsonschema::validator_for(&schema).expect("a schema can be used");
+    let report = ran.json();
+    let errors: Vec<String> = validator.iter_errors(&report).map(|e| e.to_string()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let choice = &report["plan"]["choice"];
+    let ways = choice["ways"].as_array().expect("ways");
+    let parts: Vec<&str> = ways.iter().filter_map(|way| way["parts"].as_str()).collect();
+    assert_eq!(
+        parts,
+        ["", "used", "used,tiles=8", "used,tiles=16", "used,tiles=32", "used,clusters"]
+    );
+    assert_eq!(ways.iter().filter(|way| way["picked"] == true).count(), 1);
+    assert_eq!(choice["permitted"], 0.0);
+    assert!(ways.iter().all(|way| way["seen"] == 0.0));
+}
+
+#[test]
+fn a_shader_that_reads_lists_is_written_and_nothing_else_is_overwritten() {
+    let folder = Place::new("render-emit-shader");
+    let scene = "shaders/scenes/lights_1024_windowed.json";
+    let out = folder.path("listed.frag");
+    let render = |more: &[&str]| {
+        let mut all = vec!["render", scene, "--size", "48x27"];
+        all.extend(more);
+        command::run(&all)
+    };
+    let ran = render(&["--skip", "tiles=8,always", "--emit-shader", &out]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let blocks = command::run(&["layout", &out, "--format", "json"]);
+    assert!(blocks.out.contains("LandfallTileBlock"), "{}", blocks.out);
+    // What was written already reads lists.
+    let again = folder.path("again.frag");
+    let refused = render(&["--shader", &out, "--skip", "tiles", "--emit-shader", &again]);
+    refused.code(2);
+    assert!(refused.err.contains("names of Landfall's lists already"), "{}", refused.err);
+    let copy = folder.path("own.frag");
+    std::fs::copy("shaders/many_lights/windowed_330.frag", &copy).expect("it is there");
+    let before = folder.read("own.frag");
+    let png = folder.path("a.png");
+    for (more, why) in [
+        (vec!["--shader", &copy, "--skip", "tiles", "--emit-shader", &copy], "input"),
+        (vec!["--skip", "tiles", "--emit-shader", &png, "--out", &png], "picture too"),
+        (vec!["--skip", "tiles", "--emit-shader", "a.wgsl"], "another language"),
+        (vec!["--skip", "clusters,always", "--emit-shader", &again], "`tiles` has lists"),
+    ] {
+        let ran = render(&more);
+        ran.code(2);
+        assert!(ran.err.contains(why), "{more:?}: {}", ran.err);
+    }
+    assert_eq!(folder.read("own.frag"), before);
+    assert!(!folder.has("again.frag") && !folder.has("a.png"));
+}

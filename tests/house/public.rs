@@ -1,5 +1,5 @@
-//! What users of the façade see: the public items of `landfall-layout` and `landfall-codegen` that
-//! `src/lib.rs` re-exports, and what stands in their signatures.
+//! What users of the façade see: the public items of `landfall-layout`, `landfall-codegen` and
+//! `landfall-port` that `src/lib.rs` re-exports, and what stands in their signatures.
 //!
 //! Reads text, not types: a name in a signature is of another crate if the file imports it from
 //! there. Macros are not expanded.
@@ -11,9 +11,10 @@ use crate::token::{Token, matching, tokens, without_tests};
 use crate::tree::{File, Path};
 
 /// The crates that the façade re-exports, by the name in code, and their folders.
-const SHOWN: [(&str, &str); 2] = [
+const SHOWN: [(&str, &str); 3] = [
     ("landfall_layout", "crates/landfall-layout/"),
     ("landfall_codegen", "crates/landfall-codegen/"),
+    ("landfall_port", "crates/landfall-port/"),
 ];
 
 /// Enums that users see and that get no further variant without a new major version, and why.

@@ -9,8 +9,8 @@ use snapbox::str;
 
 use std::path::Path;
 
-use landfall_layout::port::{Dialect, Direction, PortOptions, Ported, port};
 use landfall_layout::{Options, Source, layout};
+use landfall_port::{Dialect, Direction, PortOptions, Ported, port};
 use support::driver::{Api, Driver};
 use support::glslang;
 use support::picture::draw;

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-use landfall_layout::port::{PortOptions, Ported, port};
 use landfall_layout::{Options, Source, layout};
+use landfall_port::{PortOptions, Ported, port};
 
 use crate::support::glslang;
 

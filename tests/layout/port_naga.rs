@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::port::{Dialect, PortOptions, port};
 use landfall_layout::{BlockLayout, Language, Options, Source, layout};
+use landfall_port::{Dialect, PortOptions, port};
 
 fn shaders(folders: &[&str]) -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use crate::support::tint;
-use landfall_layout::port::{Dialect, PortOptions, Ported, port};
 use landfall_layout::{Diagnostic, Source};
+use landfall_port::{Dialect, PortOptions, Ported, port};
 
 const HEAD: &str = "#version 330
 uniform sampler2D t;

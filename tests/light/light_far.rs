@@ -131,6 +131,15 @@ fn far_lights_err_by_no_more_than_proven_on_20_scenes() {
         let scene = random.scene(number, base.clone());
         let frame = Frame::new(&scene, &FrameOptions::default());
         let upload = Upload::new(&scene);
+        // In every fifth scene the array of the shader goes on with what is no number.
+        let slots = scene.lights.point.len();
+        let mut scene = scene;
+        if number % 5 == 2 {
+            let mut unset = random.lamp(DVec3::splat(f64::NAN), 1.0);
+            unset.emission.diffuse = DVec3::NAN;
+            scene.lights.point.push(unset);
+        }
+        let uploaded = Upload::new(&scene);
         let gate = [SpecularGate::None, SpecularGate::Facing][number % 2];
         let truth = reference::Model {
             window: Window::None,
@@ -140,12 +149,13 @@ fn far_lights_err_by_no_more_than_proven_on_20_scenes() {
         let model = Model::of(&truth).expect("known");
         let steps = [0.5, 0.05, 2.0][number % 3];
         let nodes = 4 + number % 3;
-        let parts = format!("far={steps}x{nodes},always");
-        let plan = culling::plan(&upload, &frame, &model, &culling::parse(&parts).expect("good"));
+        let parts = format!("slots={slots},far={steps}x{nodes},always");
+        let plan = culling::plan(&uploaded, &frame, &model, &culling::parse(&parts).expect("good"));
         let Claim::Proven { steps: proven, .. } = plan.savings.steps[0].error else { panic!() };
         assert!(proven <= steps, "{proven}");
         let surfaces = surfaces(&frame, &upload, &model, 0.0);
-        let lit: Shaded<()> = execute(&plan, &upload, &surfaces, &model, Form::Robust(Gates::ALL));
+        let lit: Shaded<()> =
+            execute(&plan, &uploaded, &surfaces, &model, Form::Robust(Gates::ALL));
         let mut most = 0f64;
         for (fragment, color) in frame.fragments.iter().zip(&lit.colors).step_by(3) {
             let texels = texels(&upload.materials[fragment.material as usize], fragment.uv);

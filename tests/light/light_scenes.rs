@@ -13,7 +13,7 @@ use landfall_light::scene::{
 use landfall_light::shading_f32::{Form, Gates, Model, Work, execute, surfaces};
 use landfall_light::{Frame, FrameOptions, Upload};
 
-const SCENES: u64 = 20;
+pub(super) const SCENES: u64 = 20;
 const ROBUST: Form = Form::Robust(Gates::ALL);
 
 /// The kinds of scenes, each with other surfaces or lights.
@@ -134,7 +134,7 @@ fn lights(kind: &str, ends: bool, random: &mut Rng) -> Lights {
     lights
 }
 
-fn generated(number: u64, ends: bool) -> (Scene, &'static str) {
+pub(super) fn generated(number: u64, ends: bool) -> (Scene, &'static str) {
     let mut random = Rng::with_seed(0x1911 + number);
     let kind = KINDS[number as usize % KINDS.len()];
     let material = |shininess: f64, specular: f64, random: &mut Rng| Material {

@@ -10,6 +10,7 @@ mod light_bound;
 mod light_claims;
 mod light_far;
 mod light_forms;
+mod light_listed;
 mod light_plan;
 mod light_planned;
 mod light_scenes;

@@ -27,7 +27,6 @@ pub mod naga_compare;
 #[cfg(feature = "naga")]
 pub mod naga_front;
 pub mod other_language;
-pub mod port;
 mod shader;
 pub mod shape;
 pub mod source;

@@ -28,8 +28,8 @@ pub use upload::{UploadChoice, choose};
 use rustc_hash::FxHashMap;
 
 pub use crate::plan::{
-    Claim, Compiled, ConstantKind, Draw, Grid, LightSet, Measured, OptionEffect, Plan, Savings,
-    Setting, TileLists, Value, interpolate,
+    Choice, Claim, Compiled, ConstantKind, Draw, Grid, LightSet, Measured, OptionEffect, Plan,
+    Savings, Setting, TileLists, Timed, Value, interpolate,
 };
 
 use super::shading_f32::{Model, SpecularTerm};

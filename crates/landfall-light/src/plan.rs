@@ -8,9 +8,12 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+mod choice;
 mod interpolation;
+mod lists;
 mod settings;
 
+pub use choice::{Choice, Timed};
 pub use interpolation::interpolate;
 pub(crate) use interpolation::places;
 pub use settings::{Compiled, ConstantKind, Setting, Value};
@@ -91,7 +94,7 @@ pub struct Grid {
     pub half: [f64; 2],
 }
 
-/// The point lights of each tile of a frame.
+/// The lights of each tile of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileLists {
     /// The side of a tile in pixels.
@@ -101,10 +104,15 @@ pub struct TileLists {
     pub columns: u32,
     /// The rows of tiles.
     pub rows: u32,
-    /// The start of each tile's list in `indices`, and its length.
+    /// The start of each tile's list of point lights in `indices`, and its length.
     pub tiles: Vec<[u32; 2]>,
-    /// The indices of point lights, ascending in each tile. Never empty, since no shader language
-    /// has empty buffers.
+    /// The start of each tile's list of spotlights in `indices`, and its length.
+    pub spots: Vec<[u32; 2]>,
+    /// Bit `n` of a tile's number: whether it needs directional light `n`. Those from the 33rd on
+    /// have no bit, and every tile needs them.
+    pub directional: Vec<u32>,
+    /// The indices of point lights and of spotlights in the upload, ascending in each list. Never
+    /// empty, since no shader language has empty buffers.
     pub indices: Vec<u32>,
 }
 
@@ -119,6 +127,8 @@ pub struct Savings {
     pub after: u64,
     /// The effect of each option, in the order applied.
     pub steps: Vec<OptionEffect>,
+    /// What was measured to pick the options, if they were picked.
+    pub choice: Option<Choice>,
     /// The measured difference from the picture with all lights, on the same backend.
     pub checked: Option<Measured>,
     /// The constants the shader was compiled with, as `NAME=VALUE`.
@@ -216,8 +226,11 @@ impl Plan {
     /// the shader was shown to compute the model. Returns false, and becomes the plan of `all`
     /// lights, if the difference is more than the claims permit.
     pub fn settle(&mut self, checked: Measured, shown: bool, all: LightSet) -> bool {
-        let permitted = self.permitted();
-        let holds = permitted.is_none_or(|most| checked.steps <= most + ROUNDING);
+        // Options that were picked must keep the error asked for, those named their own.
+        let asked = self.savings.choice.as_ref().map(|choice| choice.permitted);
+        let permitted = asked.or_else(|| self.permitted());
+        let rounding = if asked.is_some() { 0.0 } else { ROUNDING };
+        let holds = permitted.is_none_or(|most| checked.steps <= most + rounding);
         for step in &mut self.savings.steps {
             let applied = step.evaluations.is_some();
             match &step.error {
@@ -244,6 +257,7 @@ impl Plan {
         }
         self.savings.checked = Some(checked);
         if !holds {
+            self.savings.choice.iter_mut().for_each(|choice| choice.picked = 0);
             let fragments = self.draws.iter().map(|draw| draw.fragments.len()).sum();
             let savings = Savings {
                 after: self.savings.before,

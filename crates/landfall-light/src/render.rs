@@ -6,6 +6,7 @@
 //! counts.
 
 mod border;
+pub mod choose;
 mod ignored;
 pub(crate) mod limits;
 pub mod planned;
@@ -206,11 +207,7 @@ impl Renderer {
     /// Returns the slots of a kind that the shader visits for a fragment, evaluated or not: for a
     /// kind without a count, every one.
     pub fn walked(&self, kind: Kind, lit: &FragmentLights<'_>) -> u64 {
-        let lights = match kind {
-            Kind::Directional => lit.directional.len(),
-            Kind::Point => lit.point.len(),
-            Kind::Spot => lit.spot.len(),
-        };
+        let lights = lit.of(kind).len();
         let slots = self.filler.slots(kind);
         let counted = self.counts(kind) || slots == usize::MAX;
         if counted { lights as u64 } else { slots as u64 }

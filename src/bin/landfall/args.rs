@@ -19,8 +19,10 @@ mod levels;
 #[cfg(feature = "analysis")]
 mod lights;
 mod lock;
-#[cfg(not(all(feature = "exec", feature = "completions", feature = "serve")))]
+#[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
+#[cfg(feature = "port")]
+mod port;
 #[cfg(feature = "exec")]
 mod prove;
 mod read;
@@ -37,16 +39,13 @@ mod stress;
 mod verify;
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use landfall_layout::format;
-use landfall_layout::shape::DEFAULT_BLOCK;
 
 #[cfg(feature = "exec")]
 pub use bench::{BenchArgs, BenchFormat};
 pub use budget::BudgetArgs;
-use budget::seconds;
 pub use check::{CheckArgs, ConfigArgs, Form, MergeArgs, Report, RuleArgs, RuleFormat, Shard};
 pub use codec::{DecodeArgs, DecodeFormat, EncodeArgs, byte};
 #[cfg(feature = "completions")]
@@ -65,12 +64,16 @@ pub use lights::{LightsArgs, LightsFormat};
 pub use lock::{DiffArgs, DiffFormat, LockArgs};
 #[cfg(not(feature = "analysis"))]
 pub use missing::LightsArgs;
+#[cfg(not(feature = "port"))]
+pub use missing::PortArgs;
 #[cfg(not(feature = "serve"))]
 pub use missing::ServeArgs;
 #[cfg(not(feature = "exec"))]
 pub use missing::{BenchArgs, DevicesArgs, ProveArgs, RenderArgs, RunArgs, StressArgs, VerifyArgs};
 #[cfg(not(feature = "completions"))]
 pub use missing::{CompletionsArgs, ManArgs};
+#[cfg(feature = "port")]
+pub use port::{PortArgs, PortTo};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
 pub use read::{Api, ReadArgs, TextArgs, define, setting};
@@ -258,60 +261,6 @@ pub enum ExplainFormat {
     Json,
 }
 
-#[derive(Debug, clap::Args)]
-pub struct PortArgs {
-    /// The shader; - reads stdin
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
-    /// Target of the rewrite
-    #[arg(long, value_name = "TARGET", default_value = "vulkan")]
-    pub to: PortTo,
-    /// Write to FILE instead of stdout; a failure leaves FILE unchanged
-    #[arg(short, long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-    /// Do not compile the result with glslangValidator, which happens where it is installed
-    #[arg(long)]
-    pub no_compiler: bool,
-    /// Processor time limit of glslangValidator, in seconds; past it the result is written with a
-    /// warning
-    #[arg(long, value_name = "SECONDS", default_value = "20", value_parser = seconds)]
-    pub limit: Duration,
-    /// Shader of the stage before or after; locations are matched, and what both share has one
-    /// binding
-    #[arg(help_heading = "Locations and bindings", long, value_name = "FILE")]
-    pub partner: Option<PathBuf>,
-    /// Location of an input or output
-    #[arg(
-        help_heading = "Locations and bindings", long = "location", value_name = "NAME=N",
-        value_parser = location
-    )]
-    pub locations: Vec<(String, u32)>,
-    /// Name of the block that gathers loose uniforms
-    #[arg(
-        help_heading = "Locations and bindings", long, value_name = "NAME",
-        default_value = DEFAULT_BLOCK
-    )]
-    pub block: String,
-    /// Descriptor set of resources without one
-    #[arg(help_heading = "Locations and bindings", long, value_name = "N", default_value_t = 0)]
-    pub set: u32,
-    /// First binding to assign
-    #[arg(help_heading = "Locations and bindings", long, value_name = "N", default_value_t = 0)]
-    pub first_binding: u32,
-    #[command(flatten)]
-    pub read: ReadArgs,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PortTo {
-    /// Vulkan GLSL 4.50
-    Vulkan,
-    /// GLSL 4.50 for naga and wgpu, with textures and samplers separated
-    Naga,
-    /// WGSL, if its layout rules keep every offset
-    Wgsl,
-}
-
 #[cfg(feature = "exec")]
 #[derive(Debug, clap::Args)]
 pub struct DevicesArgs {
@@ -392,13 +341,6 @@ pub enum Schema {
     Config,
     /// Scenes for render and bench
     Scene,
-}
-
-/// Parses `NAME=N`.
-fn location(text: &str) -> Result<(String, u32), String> {
-    let (name, number) = setting(text)?;
-    let number = number.parse().map_err(|_| "a location is a whole number".to_string())?;
-    Ok((name, number))
 }
 
 #[cfg(test)]

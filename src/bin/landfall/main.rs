@@ -36,9 +36,10 @@ mod lights;
 mod lock;
 mod locks;
 mod merge;
-#[cfg(not(all(feature = "exec", feature = "completions", feature = "serve")))]
+#[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
 mod output;
+#[cfg(feature = "port")]
 mod port;
 #[cfg(feature = "exec")]
 mod prove;
@@ -85,7 +86,10 @@ fn main() -> ExitCode {
         #[cfg(not(feature = "serve"))]
         Command::Serve(_) => missing::run(&args.command),
         Command::Emit(args) => emit::run(args, &streams),
+        #[cfg(feature = "port")]
         Command::Port(args) => port::run(args, &streams),
+        #[cfg(not(feature = "port"))]
+        Command::Port(_) => missing::run(&args.command),
         Command::Encode(args) => encode::run(args, &streams),
         Command::Decode(args) => decode::run(args, &streams),
         #[cfg(feature = "exec")]

@@ -1,5 +1,5 @@
 //! Commands that are not in this build: those that run shaders need the feature `exec`, `lights`
-//! needs `analysis`, `serve` needs `serve`, `completions` and `man` need `completions`.
+//! needs `analysis`, `port` and `serve` need theirs, `completions` and `man` need `completions`.
 
 use landfall_layout::Error;
 
@@ -19,12 +19,14 @@ pub fn run(command: &Command) -> Result<Outcome, Failure> {
         Command::Bench(_) => "bench",
         Command::Devices(_) => "devices",
         Command::Lights(_) => "lights",
+        Command::Port(_) => "port",
         Command::Serve(_) => "serve",
         _ => unreachable!("every other command is in every build"),
     };
     let (feature, all) = match name {
         "completions" | "man" => ("completions", "completions"),
         "lights" => ("analysis", "analysis"),
+        "port" => ("port", "port"),
         "serve" => ("serve", "full"),
         _ => ("exec", "full"),
     };
@@ -52,6 +54,16 @@ mod tests {
             let help = error.help.expect("it says what to install");
             assert!(help.contains("--features completions"), "{help}");
         }
+    }
+
+    #[cfg(not(feature = "port"))]
+    #[test]
+    fn port_names_its_feature() {
+        let args = Args::parse_from(["landfall", "port", "a.frag", "--to", "naga"]);
+        let Err(error) = run(&args.command) else { panic!("it ran") };
+        assert!(error.message.contains("`port`"), "{}", error.message);
+        let help = error.help.expect("it says what to install");
+        assert!(help.starts_with("cargo install landfall --features port;"), "{help}");
     }
 
     #[cfg(not(feature = "analysis"))]

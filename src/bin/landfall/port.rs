@@ -5,10 +5,10 @@ mod compiler;
 use std::fmt::Write as _;
 
 use landfall_layout::diagnostic::Code;
-use landfall_layout::port::{Dialect, PortOptions, Ported, port};
 use landfall_layout::shape::DEFAULT_BLOCK;
 use landfall_layout::source::{Files, Span};
 use landfall_layout::{Diagnostic, Severity, Source};
+use landfall_port::{Dialect, PortOptions, Ported, port};
 
 use crate::args::{PortArgs, PortTo};
 use compiler::Verdict;

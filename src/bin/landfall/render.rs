@@ -1,5 +1,7 @@
 //! `landfall render`: renders a scene with a shader, and compares it with the f64 reference.
 
+mod applied;
+mod auto;
 mod compare;
 mod plan;
 pub mod request;
@@ -28,7 +30,7 @@ use landfall_light::{Frame, Scene, Upload};
 use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, shader, without_effect, write};
-use plan::Planned;
+use applied::Planned;
 use request::{RenderArguments, RenderRequest};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -145,6 +147,7 @@ fn picture(
         writer.allows(out)?;
         compare::refuse_foreign(out, &args.compare)?;
     }
+    plan::allows_shader(&writer, args, request)?;
     let renderer = match args.reference && !compare::needs_shader(&args.compare) {
         true => None,
         false => Some(request.renderer()?.ok_or_else(|| request.no_shader())?),
@@ -169,6 +172,7 @@ fn picture(
     };
     let made = PreparedScene { scene, upload, frame, renderer, model, limit };
     let mut report = made.report(request);
+    let mut emitted = None;
     let picture = if args.reference {
         let begun = Instant::now();
         let truth = made.truth()?;
@@ -178,7 +182,9 @@ fn picture(
         truth.picture
     } else {
         let planned = plan::plan(args, request, &made)?;
-        let mut lighted = made.light(args.backend, planned.as_ref(), args, streams)?;
+        let lighting = planned.as_ref().filter(|planned| !planned.idle);
+        let mut lighted = made.light(args.backend, lighting, args, streams)?;
+        emitted = planned.as_ref().and_then(|planned| planned.emitted.clone());
         let demanded = planned.as_ref().is_some_and(|planned| planned.demanded);
         report.plan = planned.map(|planned| planned.plan);
         if let (Some(plan), Some(checked)) = (&mut report.plan, lighted.checked) {
@@ -192,7 +198,7 @@ fn picture(
                 report.notes.push(plan::broken(&checked, made.model.as_ref(), applied));
             }
             if !applied {
-                report.unmet = demanded;
+                report.unmet = demanded || emitted.take().is_some();
                 lighted = made.light(args.backend, None, args, streams)?;
             }
         }
@@ -215,6 +221,10 @@ fn picture(
         }
         report.model = done.model.or(report.model);
         report.compared.push(done.compared);
+    }
+    if let (Some(path), Some(text)) = (&args.emit_shader, &emitted) {
+        writer.write(path, text.as_bytes())?;
+        report.written.push(path.display().to_string());
     }
     if let Some(out) = &args.out {
         save(&writer, out, &picture, transfer)?;

@@ -1,10 +1,12 @@
 //! Reads and lays out the single shader of a command, and selects a block.
 
-use landfall_layout::diagnostic::Code;
 use std::path::Path;
 
-use landfall_layout::source::{Files, Target};
-use landfall_layout::{BlockLayout, Diagnostic, Options, ShaderLayout, Source};
+use landfall_layout::diagnostic::Code;
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
+#[cfg(any(feature = "exec", feature = "port"))]
+use landfall_layout::{Options, Source, Target};
 
 use crate::args::ReadArgs;
 use crate::layout::{is_named, is_syntax};
@@ -37,6 +39,7 @@ pub fn laid_out(
 
 /// Records the names of a shader that is executed or ported, and warns of blocks whose layout
 /// depends on the API that was assumed, which it returns.
+#[cfg(any(feature = "exec", feature = "port"))]
 pub fn record(
     source: &Source,
     options: &Options,

@@ -278,6 +278,7 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         Command::Explain(args) => &args.read,
         Command::Report(args) => &args.read,
         Command::Emit(args) => &args.read,
+        #[cfg(feature = "port")]
         Command::Port(args) => &args.read,
         Command::Encode(args) => &args.read,
         Command::Decode(args) => &args.read,
@@ -315,6 +316,8 @@ fn text_of(command: &Command) -> Option<(&TextArgs, &[(String, String)])> {
         | Command::Rule(_)
         | Command::Schema(_)
         | Command::Serve(_) => return None,
+        #[cfg(not(feature = "port"))]
+        Command::Port(_) => return None,
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(_) => return None,
     };

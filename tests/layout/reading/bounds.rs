@@ -10,7 +10,7 @@ use ::landfall::{Options, Source, layout};
 use landfall_codegen::c::{COptions, c};
 use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_layout::naga_front::glsl_module;
-use landfall_layout::port::{PortOptions, port};
+use landfall_port::{PortOptions, port};
 
 use super::read;
 

@@ -165,7 +165,7 @@ pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnos
 
 /// Returns the values of `KEY = N` in the layout qualifiers of global declarations, by the first
 /// byte of each key in the shader's own text.
-pub(crate) fn layout_numbers(source: &Source, options: &ReadOptions) -> FxHashMap<u32, u32> {
+pub fn layout_numbers(source: &Source, options: &ReadOptions) -> FxHashMap<u32, u32> {
     let texts = Texts::new();
     let mut reader = reader(source, options, &texts, Bodies::Skip);
     let mut items = Vec::new();

@@ -9,13 +9,13 @@ mod values;
 mod varying;
 mod write;
 
-use super::quantity::{Kind, MaterialPart, Quantity};
+use super::quantity::{Kind, MaterialPart, Quantity, TilePart};
 use super::{BindError, BindingMap, Source};
 use crate::Upload;
 use crate::scene::{Lights, Material, Surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
-use values::{Number, ValueSources, chosen, surface};
+use values::{Number, ValueSources, surface};
 use write::{Write, slots, write};
 
 /// The lights of a list of fragments: indices into the upload, in the order of the sum.
@@ -31,17 +31,53 @@ pub struct FragmentLights<'a> {
     pub spot: &'a [u32],
 }
 
-/// The point lights of a [`FragmentLights`] for each tile of the picture, for shaders that use them.
+impl<'a> FragmentLights<'a> {
+    /// Returns the lights of a kind.
+    pub fn of(&self, kind: Kind) -> &'a [u32] {
+        match kind {
+            Kind::Directional => self.directional,
+            Kind::Point => self.point,
+            Kind::Spot => self.spot,
+        }
+    }
+}
+
+/// The lights of a [`FragmentLights`] for each tile of the picture, for shaders that use them; the
+/// fields are those of [`TileLists`](crate::plan::TileLists).
 #[derive(Clone, Copy, Debug)]
 pub struct Tiles<'a> {
     /// The side of a tile in pixels.
     pub size: u32,
     /// The tiles in a row.
     pub columns: u32,
-    /// The start of each tile's list in `indices`, and its length.
+    /// The height of the picture in pixels.
+    pub height: u32,
+    /// The start of each tile's list of point lights in `indices`, and its length.
     pub tiles: &'a [[u32; 2]],
-    /// The indices of point lights.
+    /// The same of spotlights.
+    pub spots: &'a [[u32; 2]],
+    /// The directional lights of each tile, a bit each.
+    pub directional: &'a [u32],
+    /// The indices of point lights and of spotlights.
     pub indices: &'a [u32],
+}
+
+impl Tiles<'_> {
+    /// Returns the number of a part, of those that have several the one at an index.
+    fn number(&self, part: TilePart, index: usize) -> u32 {
+        let pair = |pairs: &[[u32; 2]], at: usize| pairs.get(index).map_or(0, |pair| pair[at]);
+        match part {
+            TilePart::Size => self.size,
+            TilePart::Columns => self.columns,
+            TilePart::Height => self.height,
+            TilePart::First => pair(self.tiles, 0),
+            TilePart::Count => pair(self.tiles, 1),
+            TilePart::SpotFirst => pair(self.spots, 0),
+            TilePart::SpotCount => pair(self.spots, 1),
+            TilePart::DirectionalMask => self.directional.get(index).copied().unwrap_or(0),
+            TilePart::Index => self.indices.get(index).copied().unwrap_or(0),
+        }
+    }
 }
 
 /// The treatment of lights for which a shader has no slot.
@@ -152,16 +188,25 @@ impl BlockWriter {
         tiles: Option<&Tiles<'_>>,
     ) -> Result<Vec<Vec<u8>>, BindError> {
         for kind in Kind::ALL {
-            let (lights, (slots, member)) = (chosen(lit, kind).len(), &self.slots[kind as usize]);
+            let (lights, (slots, member)) = (lit.of(kind).len(), &self.slots[kind as usize]);
             if lights > *slots {
                 let (slots, member) = (*slots, member.clone());
                 return Err(BindError::TooManyLights { kind, lights, slots, member });
             }
         }
         // A single tile with all lights, for a shader that uses tiles and a plan without them.
-        let all: Vec<u32> = (0..lit.point.len().max(1) as u32).collect();
-        let one = [[0, lit.point.len() as u32]];
-        let whole = Tiles { size: u32::MAX, columns: 1, tiles: &one, indices: &all };
+        let [points, spots] = [lit.point.len() as u32, lit.spot.len() as u32];
+        // Never empty, since no shader language has empty buffers.
+        let all: Vec<u32> = (0..points.max(u32::from(spots == 0))).chain(0..spots).collect();
+        let whole = Tiles {
+            size: u32::MAX,
+            columns: 1,
+            height: 1,
+            tiles: &[[0, points]],
+            spots: &[[points, spots]],
+            directional: &[u32::MAX],
+            indices: &all,
+        };
         let given = ValueSources { upload, lit, material, tiles: tiles.unwrap_or(&whole) };
         let mut blocks = self.sized(&given);
         for write in &self.writes {

@@ -259,9 +259,13 @@ fn other(leaf: &Leaf, block: &BlockLayout) -> Option<Source> {
         Type::Scalar(scalar) if scalar.kind != ScalarKind::Bool && tiles => {
             let each = !leaf.dims.is_empty();
             let part = match each {
+                true if says(&["mask"]) && says(&["directional"]) => TilePart::DirectionalMask,
+                true if says(&["spot"]) && says(&["first"]) => TilePart::SpotFirst,
+                true if says(&["spot"]) && says(&["count"]) => TilePart::SpotCount,
                 true if says(&["first", "start", "offset", "begin"]) => TilePart::First,
                 true if says(&["count", "length", "num"]) => TilePart::Count,
                 true if says(&["index", "indices", "list", "lights"]) => TilePart::Index,
+                false if says(&["height"]) && says(&["picture"]) => TilePart::Height,
                 false if says(&["size", "width"]) => TilePart::Size,
                 false if says(&["across", "columns", "stride", "row"]) => TilePart::Columns,
                 true | false => return None,

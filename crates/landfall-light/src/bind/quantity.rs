@@ -22,7 +22,7 @@ pub enum Quantity {
     Count(Kind),
     /// A property of the fragments' material.
     Material(MaterialPart),
-    /// The lists of point lights per tile of the picture.
+    /// The lists of lights per tile of the picture.
     Tiles(TilePart),
     /// The position of the fragment.
     Position,
@@ -149,12 +149,45 @@ parts! {
         Size = "size",
         /// The tiles in a row.
         Columns = "columns",
-        /// The start of each tile's list.
+        /// The start of each tile's list of point lights.
         First = "first",
-        /// The length of each tile's list.
+        /// The length of each tile's list of point lights.
         Count = "count",
-        /// The lists: indices of point lights.
+        /// The start of each tile's list of spotlights.
+        SpotFirst = "spot_first",
+        /// The length of each tile's list of spotlights.
+        SpotCount = "spot_count",
+        /// The directional lights of each tile: bit `n` for light `n`, up to 32.
+        DirectionalMask = "directional_mask",
+        /// The lists: indices of point lights and of spotlights.
         Index = "index",
+        /// The height of the picture in pixels.
+        Height = "height",
+    }
+}
+
+impl TilePart {
+    /// Whether it has a value for each tile, or for each index.
+    fn is_each(self) -> bool {
+        match self {
+            TilePart::First
+            | TilePart::Count
+            | TilePart::SpotFirst
+            | TilePart::SpotCount
+            | TilePart::DirectionalMask
+            | TilePart::Index => true,
+            TilePart::Size | TilePart::Columns | TilePart::Height => false,
+        }
+    }
+
+    /// Returns the kind of light whose lists it is a part of.
+    pub(crate) fn kind(self) -> Option<Kind> {
+        match self {
+            TilePart::First | TilePart::Count => Some(Kind::Point),
+            TilePart::SpotFirst | TilePart::SpotCount => Some(Kind::Spot),
+            TilePart::DirectionalMask => Some(Kind::Directional),
+            TilePart::Index | TilePart::Size | TilePart::Columns | TilePart::Height => None,
+        }
     }
 }
 
@@ -200,9 +233,9 @@ impl fmt::Display for Quantity {
             Quantity::Count(kind) => write!(f, "{}.count", kind.name()),
             Quantity::Material(part) => write!(f, "material.{}", part.word()),
             Quantity::Tiles(part) => match part {
-                TilePart::Size | TilePart::Columns => write!(f, "tiles.{}", part.word()),
-                TilePart::First | TilePart::Count => write!(f, "tiles[].{}", part.word()),
                 TilePart::Index => f.write_str("tiles.index[]"),
+                part if part.is_each() => write!(f, "tiles[].{}", part.word()),
+                part => write!(f, "tiles.{}", part.word()),
             },
             Quantity::Position => f.write_str("position"),
             Quantity::Normal => f.write_str("normal"),
@@ -253,10 +286,7 @@ impl Quantity {
     pub fn is_each(self) -> bool {
         match self {
             Quantity::Light { slot, .. } => slot == Slot::Each,
-            Quantity::Tiles(part) => match part {
-                TilePart::First | TilePart::Count | TilePart::Index => true,
-                TilePart::Size | TilePart::Columns => false,
-            },
+            Quantity::Tiles(part) => part.is_each(),
             Quantity::Camera
             | Quantity::Ambient(_)
             | Quantity::Count(_)

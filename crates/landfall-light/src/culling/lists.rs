@@ -1,4 +1,4 @@
-//! The light lists of tiles as buffers, for shaders that look up their lights.
+//! The light lists of the tiles of a divided frame.
 
 use super::bound::{Bounded, Kind};
 use super::options::Division;
@@ -18,19 +18,17 @@ pub(super) fn tile_lists(
         Division::Whole | Division::Clusters { .. } => return None,
     };
     let (columns, rows) = (frame.width.div_ceil(size), frame.height.div_ceil(size));
-    let mut tiles = vec![[0, 0]; columns as usize * rows as usize];
-    let mut indices = Vec::new();
+    let mut all = TileLists { size, columns, rows, ..TileLists::default() };
+    all.resize(columns as usize * rows as usize);
     for (cell, list) in divided.cells.iter().zip(lists) {
         let [column, row, _] = cell.key;
-        let first = indices.len();
-        let points = list.iter().map(|&place| &lights[place as usize]);
-        indices.extend(points.filter(|l| l.kind == Kind::Point).map(|l| l.number));
-        if let Some(tile) = tiles.get_mut(row as usize * columns as usize + column as usize) {
-            *tile = [first as u32, (indices.len() - first) as u32];
-        }
+        let of = |kind| {
+            let lights = list.iter().map(|&place| &lights[place as usize]);
+            lights.filter(move |light| light.kind == kind).map(|light| light.number)
+        };
+        let tile = row as usize * columns as usize + column as usize;
+        all.set(tile, of(Kind::Directional), of(Kind::Point), of(Kind::Spot));
     }
-    if indices.is_empty() {
-        indices.push(0);
-    }
-    Some(TileLists { size, columns, rows, tiles, indices })
+    all.close();
+    Some(all)
 }

@@ -20,6 +20,9 @@ pub struct Options {
     pub interpolate: Option<Interpolate>,
     /// When to divide the frame.
     pub choose: Choose,
+    /// Measure a sample of the scene and pick the other options, at an error of at most that many
+    /// steps.
+    pub auto: Option<f64>,
     /// The costs on the executing backend.
     pub costs: Costs,
 }
@@ -34,6 +37,7 @@ impl Default for Options {
             cull: Cull::Exact,
             interpolate: None,
             choose: Choose::Cheaper,
+            auto: None,
             costs: Costs::CPU,
         }
     }
@@ -138,6 +142,11 @@ pub const PARTS: &[(&str, &str)] = &[
         "drop each light that contributes less than VALUE in a region; the error is measured",
     ),
     ("always", "apply `tiles` or `clusters` even where they cost more than they save"),
+    (
+        "auto[=STEPS]",
+        "measure `used`, `tiles` and `clusters` on a sample of the scene and apply the fastest, or \
+         nothing; with STEPS also `budget`, `far` and `interpolate` within that error",
+    ),
 ];
 
 /// Parses the value of `--skip`: parts separated by commas.
@@ -150,6 +159,10 @@ pub fn parse(text: &str) -> Result<Options, String> {
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
         let (name, value) = part.split_once('=').map_or((part, None), |(n, v)| (n, Some(v)));
         apply(&mut options, name, value).map_err(|why| format!("`{part}`: {why}"))?;
+    }
+    let alone = Options { auto: options.auto, slots: options.slots, ..Options::default() };
+    if options.auto.is_some() && options != alone {
+        return Err("`auto` picks the parts itself: remove all others but `slots`".to_string());
     }
     let divides = !matches!(options.cull, Cull::Exact);
     if divides && options.division == Division::Whole {
@@ -211,6 +224,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         "cut" => options.cull = Cull::Range(positive(needed()?)?),
         "below" => options.cull = Cull::Threshold(positive(needed()?)?),
         "always" => options.choose = Choose::Always,
+        "auto" => options.auto = Some(value.map_or(Ok(0.0), positive)?),
         _ => {
             let names: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
             return Err(format!("unknown part; expected one of {}", names.join(", ")));
@@ -272,6 +286,8 @@ mod tests {
             ("interpolate=4x9", "from 2 to 8"),
             ("far=0.5x7", "from 2 to 6"),
             ("tiles,interpolate", "remove `tiles`"),
+            ("auto,tiles", "remove all others"),
+            ("auto=0", "expects a positive number"),
         ] {
             let said = parse(text).expect_err(text);
             assert!(said.contains(named), "{text}: {said}");

@@ -15,11 +15,10 @@ impl Renderer {
     /// # Errors
     /// More lights than the device loops over: it would drop the rest.
     pub(super) fn within_limits(&self, device: &Device, draw: &Draw<'_>) -> Result<(), Failure> {
-        let listed = draw.tiles.filter(|_| self.reads_tile_lists());
-        let iterations = Kind::ALL.into_iter().map(|kind| match (kind, &listed) {
-            (Kind::Point, Some(tiles)) => {
-                tiles.tiles.iter().map(|[_, count]| u64::from(*count)).max().unwrap_or(0)
-            }
+        let longest = |lists: &[[u32; 2]]| lists.iter().map(|[_, count]| u64::from(*count)).max();
+        let iterations = Kind::ALL.into_iter().map(|kind| match (kind, &draw.tiles) {
+            (Kind::Point, Some(tiles)) if self.lists(kind) => longest(tiles.tiles).unwrap_or(0),
+            (Kind::Spot, Some(tiles)) if self.lists(kind) => longest(tiles.spots).unwrap_or(0),
             _ => self.walked(kind, &draw.lights),
         });
         check_iterations(device, iterations.sum())

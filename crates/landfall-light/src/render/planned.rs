@@ -78,12 +78,12 @@ impl Renderer {
                 self.listed(work, plan, lists, |draw| self.fragment_groups(work, draw))?;
             let mut listed = vec![0u64; work.frame.fragments.len()];
             for draw in &plan.draws {
-                let len = draw.lights.point.len() as u64;
+                let len = self.in_lists(&draw.lights);
                 draw.fragments.iter().for_each(|number| listed[*number as usize] = len);
             }
             for lot in &mut lots {
                 let listed: u64 = lot.fragments.iter().map(|number| listed[*number as usize]).sum();
-                let others = lot.slots.iter().filter(|(kind, _)| *kind != Kind::Point);
+                let others = lot.slots.iter().filter(|(kind, _)| !self.lists(*kind));
                 let others: u64 = others.map(|(_, slots)| slots).sum();
                 lot.walked = others + listed.div_ceil(lot.fragments.len().max(1) as u64);
             }
@@ -103,6 +103,15 @@ impl Renderer {
 
     /// Makes a plan for this shader, whose loops without a count visit every slot.
     pub fn plan(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
+        culling::plan(work.upload, work.frame, model, &self.with_slots(options))
+    }
+
+    /// Makes a plan for this shader without measuring its error, as every picture needs one.
+    pub fn plan_only(&self, work: &Work<'_>, model: &Model, options: &Options) -> Plan {
+        culling::plan_only(work.upload, work.frame, model, &self.with_slots(options))
+    }
+
+    fn with_slots(&self, options: &Options) -> Options {
         let mut options = options.clone();
         for (slots, kind) in options.slots.iter_mut().zip(Kind::ALL) {
             let fixed = self.slots(kind);
@@ -110,13 +119,28 @@ impl Renderer {
                 *slots = u32::try_from(fixed).ok();
             }
         }
-        culling::plan(work.upload, work.frame, model, &options)
+        options
     }
 
-    /// Whether the shader reads its point lights from lists of tiles.
+    /// Whether the shader reads lights of some kind from lists of tiles.
     pub fn reads_tile_lists(&self) -> bool {
-        let asks = |quantity| matches!(quantity, Some(Quantity::Tiles(_)));
-        self.map.members.iter().any(|member| asks(member.source.quantity()))
+        Kind::ALL.into_iter().any(|kind| self.lists(kind))
+    }
+
+    /// Whether the shader reads its lights of a kind from lists of tiles.
+    pub fn lists(&self, kind: Kind) -> bool {
+        let of = |quantity| match quantity {
+            Some(Quantity::Tiles(part)) => part.kind() == Some(kind),
+            _ => false,
+        };
+        self.map.members.iter().any(|member| of(member.source.quantity()))
+    }
+
+    /// Returns how many of some lights the shader reads from lists.
+    fn in_lists(&self, lights: &LightSet) -> u64 {
+        let lit = lit(lights);
+        let listed = Kind::ALL.into_iter().filter(|kind| self.lists(*kind));
+        listed.map(|kind| lit.of(kind).len() as u64).sum()
     }
 
     /// Returns the costs on a backend by which a plan is applied or not.
@@ -214,15 +238,12 @@ impl Renderer {
         let (mut rendered, others) = self.listed(work, plan, lists, |draw| {
             let rendered = self.render(backend, work, std::slice::from_ref(draw), after)?;
             // All lights of the other kinds, which have no lists.
-            let others = FragmentLights { point: &[], ..draw.lights };
-            Ok((rendered, self.evaluated(&others)))
+            let others = Kind::ALL.into_iter().filter(|kind| !self.lists(*kind));
+            Ok((rendered, others.map(|kind| self.walked(kind, &draw.lights)).sum::<u64>()))
         })?;
-        let point: u64 = plan
-            .draws
-            .iter()
-            .map(|draw| draw.fragments.len() as u64 * draw.lights.point.len() as u64)
-            .sum();
-        rendered.evaluations = point + rendered.fragments * others;
+        let listed = plan.draws.iter();
+        let listed = listed.map(|d| d.fragments.len() as u64 * self.in_lists(&d.lights));
+        rendered.evaluations = listed.sum::<u64>() + rendered.fragments * others;
         Ok(rendered)
     }
 
@@ -235,10 +256,12 @@ impl Renderer {
         with: impl FnOnce(&Draw<'_>) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let lights = &work.upload.lights;
-        // All point lights, since the lists hold indices into the upload.
-        let point: Vec<u32> = (0..lights.point.len() as u32).collect();
-        let [directional, spot] =
-            [union(plan, |set| &set.directional), union(plan, |set| &set.spot)];
+        let counts = [lights.directional.len(), lights.point.len(), lights.spot.len()];
+        // All lights of a listed kind, since the lists hold indices into the upload.
+        let [directional, point, spot] = Kind::ALL.map(|kind| match self.lists(kind) {
+            true => (0..counts[kind as usize] as u32).collect(),
+            false => union(plan, |set| lit(set).of(kind)),
+        });
         let ambient = plan.draws.iter().any(|draw| draw.lights.ambient);
         let all: Vec<u32> = (0..work.frame.fragments.len() as u32).collect();
         let lights =
@@ -246,7 +269,10 @@ impl Renderer {
         let tiles = Tiles {
             size: lists.size,
             columns: lists.columns,
+            height: work.frame.height,
             tiles: &lists.tiles,
+            spots: &lists.spots,
+            directional: &lists.directional,
             indices: &lists.indices,
         };
         with(&Draw { fragments: &all, lights, tiles: Some(tiles) })
@@ -293,7 +319,7 @@ fn lit(lights: &LightSet) -> FragmentLights<'_> {
 }
 
 /// Returns the lights of a kind that some draw has.
-fn union(plan: &Plan, of: impl Fn(&LightSet) -> &Vec<u32>) -> Vec<u32> {
+fn union<'p>(plan: &'p Plan, of: impl Fn(&'p LightSet) -> &'p [u32]) -> Vec<u32> {
     let mut all: Vec<u32> =
         plan.draws.iter().flat_map(|draw| of(&draw.lights).iter().copied()).collect();
     all.sort_unstable();

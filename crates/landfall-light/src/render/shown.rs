@@ -133,12 +133,14 @@ impl Renderer {
         kind: Kind,
         holds: &dyn Fn(&LightBinding<'_>) -> bool,
     ) -> [Vec<String>; 2] {
-        let listed = kind == Kind::Point && self.reads_tile_lists();
+        let listed = kind != Kind::Directional && self.lists(kind);
         let [mut counts, mut lists] = [Vec::new(), Vec::new()];
         for member in &self.map.members {
             match member.source.quantity() {
                 Some(Quantity::Tiles(TilePart::Index)) if listed => lists.push(member.path.clone()),
-                Some(Quantity::Tiles(_)) if listed => counts.push(member.path.clone()),
+                Some(Quantity::Tiles(part)) if listed && part.kind() == Some(kind) => {
+                    counts.push(member.path.clone());
+                }
                 Some(Quantity::Count(of)) if of == kind && !listed => {
                     counts.push(member.path.clone());
                 }

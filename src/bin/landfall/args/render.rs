@@ -82,6 +82,10 @@ pub struct RenderArgs {
     /// Print what the plan skips, its savings and its error bound (always in JSON)
     #[arg(help_heading = "Skipped work", long, requires = "skip")]
     pub plan: bool,
+    /// Write the shader to FILE with its loops over lights reading lists, which `--skip` fills, and
+    /// render with it
+    #[arg(help_heading = "Skipped work", long, value_name = "FILE", requires = "skip")]
+    pub emit_shader: Option<PathBuf>,
     /// Drop lights that exceed the shader's slots, instead of failing
     #[arg(help_heading = "Shader and scene", long)]
     pub leave_out: bool,

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use landfall_layout::Source;
-use landfall_layout::port::Ported;
 use landfall_layout::source::Stage;
+use landfall_port::Ported;
 
 use crate::args::PortArgs;
 use crate::child::{self, Ended, Limits};

@@ -3,24 +3,18 @@
 use std::fmt::Write as _;
 
 use landfall_layout::Error;
+use landfall_layout::file::FileWriter;
 use landfall_layout::format::columns::{WIDTH, wrapped};
+use landfall_layout::source::kind_of_path;
 use landfall_light::culling;
-use landfall_light::culling::{ConstantKind, Measured, Plan};
+use landfall_light::culling::Measured;
 use landfall_light::reference;
-use landfall_light::render::{Renderer, Work};
 use landfall_light::shading_f32::Model;
 
+use super::applied::{Planned, applied, listed};
 use super::request::RenderRequest;
-use super::{PreparedScene, Stop};
+use super::{PreparedScene, Stop, auto};
 use crate::args::RenderArgs;
-
-/// A plan, and the shader compiled for it.
-pub struct Planned {
-    pub plan: Plan,
-    pub renderer: Renderer,
-    /// Whether it is to be applied in any case.
-    pub demanded: bool,
-}
 
 /// The text of `--skip help`.
 pub fn help() -> String {
@@ -53,6 +47,27 @@ pub fn broken(
     )
 }
 
+/// Refuses a file for the shader that is an input, the picture's, or of another language.
+pub fn allows_shader(
+    writer: &FileWriter,
+    args: &RenderArgs,
+    request: &RenderRequest,
+) -> Result<(), Error> {
+    let Some(path) = args.emit_shader.as_deref() else { return Ok(()) };
+    let shown = path.display().to_string();
+    if args.out.as_deref() == Some(path) {
+        return Err(Error::new(shown, "is the file of the picture too"));
+    }
+    let language = request.shader.as_ref().map(|shader| shader.language);
+    let named = kind_of_path(path).map(|(language, _)| language);
+    match (language, named) {
+        (Some(language), Some(named)) if language != named => {
+            Err(Error::new(shown, "is named as a shader in another language than the scene's"))
+        }
+        _ => writer.allows(path),
+    }
+}
+
 pub fn plan(
     args: &RenderArgs,
     request: &RenderRequest,
@@ -62,37 +77,26 @@ pub fn plan(
     let mut options = culling::parse(parts).map_err(|why| {
         Error::new("--skip", why).with_help("`landfall render SCENE.json --skip help` lists them")
     })?;
-    options.costs = whole.costs(args.backend.kind());
     let (model, _) = made.model.as_ref().ok_or_else(|| {
         Error::new("--skip", "needs a lighting model to bound the lights")
             .with_help("add `--model multi`, `array` or `view_space`")
     })?;
     let model = Model::of(model)
         .map_err(|why| Error::new("--skip", format!("cannot plan for this model: {why}")))?;
-    let PreparedScene { upload, frame, scene, limit, .. } = made;
-    let work = Work { upload, frame, background: scene.background, limit: *limit };
-    let mut plan = whole.plan(&work, &model, &options);
-    let mut renderer = whole.clone();
-    if options.used {
-        let settings = request.settings(&plan.compiled);
-        if !settings.is_empty() {
-            let constants: Vec<String> =
-                settings.iter().map(|s| format!("{}={}", s.name, s.text())).collect();
-            let smaller = request.renderer_with(|read| {
-                for setting in &settings {
-                    let given = (setting.name.clone(), setting.text());
-                    match setting.place {
-                        ConstantKind::Define => read.defines.push(given),
-                        ConstantKind::Override => read.overrides.push(given),
-                    }
-                }
-            })?;
-            if let Some(smaller) = smaller {
-                renderer = smaller;
-                plan.savings.compiled = constants;
-            }
-        }
+    let listed = match (args.emit_shader.is_some(), options.auto) {
+        (false, None) => None,
+        (true, _) => Some(listed(request, whole)?),
+        (false, Some(_)) => listed(request, whole).ok(),
+    };
+    if let Some(permitted) = options.auto {
+        let planned = auto::picked(args, request, made, &model, &options, permitted, listed)?;
+        return Ok(Some(planned));
     }
+    let drawn = listed.as_ref().map_or(whole, |listed| &listed.renderer);
+    options.costs = drawn.costs(args.backend.kind());
+    let (plan, renderer) =
+        applied(request, whole, &made.work(), &model, &options, listed.as_ref())?;
     let demanded = options.choose == culling::Choose::Always;
-    Ok(Some(Planned { plan, renderer, demanded }))
+    let emitted = listed.map(|listed| listed.text);
+    Ok(Some(Planned { plan, renderer, demanded, idle: false, emitted }))
 }

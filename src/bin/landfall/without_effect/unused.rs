@@ -24,6 +24,7 @@ pub fn warn_of_options(command: &Command, streams: &Streams) {
     if named && !std::env::args_os().any(|argument| argument == OsStr::new("-")) {
         add("--stdin-filename", "without the input `-`");
     }
+    #[cfg(feature = "port")]
     if let Command::Port(args) = command {
         if args.read.text.gather {
             add("--gather", "on `port`, which always gathers uniforms outside blocks");

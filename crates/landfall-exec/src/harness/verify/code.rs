@@ -16,10 +16,10 @@ use crate::backend::{Failure, StageCode};
 use crate::harness::probe::{glsl, wgsl};
 use landfall_ir::Module;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::port::{PortOptions, port};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
 use landfall_layout::source::{ExecutableStage, Language, Source, Stage};
 use landfall_layout::{Options, layout};
+use landfall_port::{PortOptions, port};
 
 /// The binding of the results if the text goes through naga's GLSL front end.
 const NAGA_BINDING: u32 = 99;

@@ -10,9 +10,9 @@ use crate::backend::Failure;
 use crate::harness::probe::{pixels, wgsl};
 use landfall_layout::layout;
 use landfall_layout::layout::{BlockLayout, Leaf};
-use landfall_layout::port::{Dialect, PortOptions, Ported, port};
 use landfall_layout::shape::AddressSpace;
 use landfall_layout::source::{ExecutableStage, Source};
+use landfall_port::{Dialect, PortOptions, Ported, port};
 
 /// Returns the stage a probe runs in on WebGPU, or why it cannot run.
 pub(super) fn for_webgpu(

@@ -122,7 +122,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the parser with names that count as qualifiers: macros that are not expanded.
-    pub(crate) fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
+    pub fn with_qualifier_macros(self, qualifier_macros: FxHashSet<&'a str>) -> Parser<'a> {
         Parser { qualifier_macros, ..self }
     }
 
@@ -132,7 +132,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Drops the diagnostics so far.
-    pub(crate) fn forget_diagnostics(&mut self) {
+    pub fn forget_diagnostics(&mut self) {
         self.diagnostics.clear();
     }
 
@@ -291,7 +291,7 @@ impl<'a> Parser<'a> {
     }
 
     /// The diagnostics so far.
-    pub(crate) fn diagnostics(&self) -> &Vec<Diagnostic> {
+    pub fn diagnostics(&self) -> &Vec<Diagnostic> {
         match &self.preprocessor {
             Some(preprocessor) => &preprocessor.diagnostics,
             None => &self.diagnostics,

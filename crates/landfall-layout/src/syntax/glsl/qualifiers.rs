@@ -62,7 +62,7 @@ pub(crate) const OTHER_STORAGE: &[&str] = &[
 const BLOCK_STORAGE: &[&str] = &["const", "uniform", "buffer"];
 
 /// Whether a word may be among the qualifiers before a type.
-pub(crate) fn is_qualifier(word: &str) -> bool {
+pub fn is_qualifier(word: &str) -> bool {
     const FILTER: WordFilter =
         WordFilter::NONE.with(BLOCK_STORAGE).with(OTHER_STORAGE).with(INTERPOLATION).with(SILENT);
     FILTER.may_contain(word) && is_in_lists(word)

@@ -84,7 +84,7 @@ impl RawText {
 }
 
 /// Returns tokens for the parser, from their kinds and ranges in a text.
-pub(crate) fn lexed<'a>(
+pub fn lexed<'a>(
     text: &'a str,
     places: impl Iterator<Item = (Kind, usize, usize)>,
 ) -> Vec<Token<'a>> {

@@ -52,11 +52,17 @@ impl ValueSources<'_> {
     /// Returns the number of elements of a quantity.
     pub(super) fn count(&self, quantity: Quantity) -> usize {
         match quantity {
-            Quantity::Light { kind, .. } => chosen(self.lit, kind).len(),
-            Quantity::Tiles(TilePart::First | TilePart::Count) => self.tiles.tiles.len(),
-            Quantity::Tiles(TilePart::Index) => self.tiles.indices.len(),
-            Quantity::Tiles(TilePart::Size | TilePart::Columns)
-            | Quantity::Camera
+            Quantity::Light { kind, .. } => self.lit.of(kind).len(),
+            Quantity::Tiles(part) => match part {
+                TilePart::Index => self.tiles.indices.len(),
+                TilePart::Size | TilePart::Columns | TilePart::Height => 1,
+                TilePart::First
+                | TilePart::Count
+                | TilePart::SpotFirst
+                | TilePart::SpotCount
+                | TilePart::DirectionalMask => self.tiles.tiles.len(),
+            },
+            Quantity::Camera
             | Quantity::Ambient(_)
             | Quantity::Count(_)
             | Quantity::Material(_)
@@ -85,20 +91,14 @@ impl ValueSources<'_> {
                     Slot::Each => index,
                     Slot::One(number) => number as usize,
                 };
-                match chosen(self.lit, kind).get(at) {
+                match self.lit.of(kind).get(at) {
                     Some(number) => self.light(kind, *number as usize, part),
                     None => nothing,
                 }
             }
-            Quantity::Count(kind) => Number::one(chosen(self.lit, kind).len() as f64),
+            Quantity::Count(kind) => Number::one(self.lit.of(kind).len() as f64),
             Quantity::Material(part) => self.of_material(part, textured),
-            Quantity::Tiles(part) => Number::one(f64::from(match part {
-                TilePart::Size => self.tiles.size,
-                TilePart::Columns => self.tiles.columns,
-                TilePart::First => self.tiles.tiles.get(index).map_or(0, |tile| tile[0]),
-                TilePart::Count => self.tiles.tiles.get(index).map_or(0, |tile| tile[1]),
-                TilePart::Index => self.tiles.indices.get(index).copied().unwrap_or(0),
-            })),
+            Quantity::Tiles(part) => Number::one(f64::from(self.tiles.number(part, index))),
             Quantity::Position | Quantity::Normal | Quantity::Uv | Quantity::Pixel => nothing,
         }
     }
@@ -215,14 +215,6 @@ fn of_cone(cone: &Cone, part: LightPart) -> Option<Number> {
         LightPart::InnerRadians => Some(Number::one(inner().to_radians())),
         LightPart::OuterRadians => Some(Number::one(outer().to_radians())),
         _ => None,
-    }
-}
-
-pub(super) fn chosen<'l>(lit: &FragmentLights<'l>, kind: Kind) -> &'l [u32] {
-    match kind {
-        Kind::Directional => lit.directional,
-        Kind::Point => lit.point,
-        Kind::Spot => lit.spot,
     }
 }
 

@@ -21,10 +21,10 @@ use crate::harness::verify::{all_buffers, partner, request as texts};
 use crate::interp::ValueType;
 use landfall_layout::layout;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::port::{Direction, PortOptions, Ported, port};
 use landfall_layout::shape::{AddressSpace, ScalarKind};
 use landfall_layout::source::{ExecutableStage, Language, Source, Stage};
 pub use landfall_layout::syntax::glsl::raw;
+use landfall_port::{Direction, PortOptions, Ported, port};
 
 /// The blocks that hold the words, and their arrays.
 const INPUTS: [&str; 2] = ["LandfallIn", "landfall_in"];

@@ -134,16 +134,13 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses the members of a block of inputs or outputs.
-    pub(crate) fn complete_interface(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
+    pub fn complete_interface(&mut self, block: &mut BlockDecl<'a>) -> Parsed<()> {
         let body = block.name.at + 1..block.tokens.end;
         self.part(&body, |parser| parser.interface_body(block))
     }
 
     /// Parses the parameters of a function.
-    pub(crate) fn parameters_of(
-        &mut self,
-        function: &FunctionDecl<'a>,
-    ) -> Parsed<Vec<Parameter<'a>>> {
+    pub fn parameters_of(&mut self, function: &FunctionDecl<'a>) -> Parsed<Vec<Parameter<'a>>> {
         self.part(&function.parameter_tokens, Self::parameters)
     }
 

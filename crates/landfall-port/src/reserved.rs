@@ -1,16 +1,16 @@
 //! Renames identifiers with another meaning, or none, in GLSL 4.50 for Vulkan, also in macros and
 //! inactive branches.
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 use rustc_hash::FxHashSet;
 
 use super::edits::Edits;
 use super::later_functions::is_later;
 use super::shader::Shader;
-use crate::Diagnostic;
-use crate::source::{Span, Target};
-use crate::syntax::glsl::lexer::Kind;
-use crate::syntax::glsl::types::builtin;
+use landfall_layout::Diagnostic;
+use landfall_layout::source::{Span, Target};
+use landfall_layout::syntax::glsl::lexer::Kind;
+use landfall_layout::syntax::glsl::types::builtin;
 
 /// Function names before GLSL 1.30 and ES 3.00, with their names since.
 const FUNCTIONS: &[(&str, &str)] = &[

@@ -1,22 +1,22 @@
 //! Checks a ported text with naga, and translates it to WGSL. Every member must keep its offset,
 //! both in naga's layout and under WGSL's rules.
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 
 use naga::Statement;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use super::shader::Shader;
 use super::uniformity::{Operation, non_uniform};
-use crate::naga_front::{caught, excess};
-use crate::shape::Type;
-use crate::source::{Language, Source, Span, Stage};
-use crate::syntax::glsl::types::{Builtin, builtin};
-use crate::{BlockLayout, Diagnostic, Leaf, Options, layout};
+use landfall_layout::naga_front::{caught, excess};
+use landfall_layout::shape::Type;
+use landfall_layout::source::{Language, Source, Span, Stage};
+use landfall_layout::syntax::glsl::types::{Builtin, builtin};
+use landfall_layout::{BlockLayout, Diagnostic, Leaf, Options, layout};
 
 /// Checks that naga accepts a GLSL text and reads the same offsets.
 pub(super) fn check(source: &Source, options: &Options) -> Result<(), Vec<Diagnostic>> {
-    let found = layout(source, &Options { naga: true, ..options.clone() });
+    let found = layout(source, &options.clone().with_naga(true));
     let elsewhere = |leaf: &&Leaf| leaf.naga.is_some();
     let leaves = found.blocks.iter().flat_map(|block| &block.leaves);
     let problems: Vec<Diagnostic> = leaves

@@ -1,7 +1,7 @@
 //! Rewrites a ported text for naga: separate textures and samplers, no precision qualifiers, no
 //! `bool` in blocks.
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binding;
@@ -10,9 +10,9 @@ use super::hoist::arguments;
 use super::outline::Tokens;
 use super::shader::{Shader, is_opaque, structure};
 use super::uniforms::number;
-use crate::Diagnostic;
-use crate::syntax::glsl::ast::{FunctionDecl, Item};
-use crate::syntax::glsl::lexer::Kind;
+use landfall_layout::Diagnostic;
+use landfall_layout::syntax::glsl::ast::{FunctionDecl, Item};
+use landfall_layout::syntax::glsl::lexer::Kind;
 
 /// A combined sampler split into a texture and a sampler.
 #[derive(Clone, Debug)]
@@ -252,7 +252,8 @@ fn refuse(shader: &Shader<'_>, globals: &Scope<'_>, problems: &mut Vec<Diagnosti
     });
     if let Some(at) = in_macro {
         let token = &shader.raw.tokens[at];
-        let span = crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
+        let span =
+            landfall_layout::Span { file: 0, start: token.start as u32, end: token.end as u32 };
         let message = format!("a macro uses the sampler `{}`", shader.word(at));
         problems.push(
             Diagnostic::error(Code::NotPortable, span, message)

@@ -4,11 +4,11 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashSet;
 
-pub(super) use crate::syntax::glsl::ast::Tokens;
-use crate::syntax::glsl::ast::{Declaration, Item, Qualifiers, TypeBase};
-use crate::syntax::glsl::lexer::Kind;
-use crate::syntax::glsl::parser::Parser;
-use crate::syntax::glsl::raw::{RawText, lexed};
+pub(super) use landfall_layout::syntax::glsl::ast::Tokens;
+use landfall_layout::syntax::glsl::ast::{Declaration, Item, Qualifiers, TypeBase};
+use landfall_layout::syntax::glsl::lexer::Kind;
+use landfall_layout::syntax::glsl::parser::Parser;
+use landfall_layout::syntax::glsl::raw::{RawText, lexed};
 
 /// A token outside directives and inactive branches.
 #[derive(Clone, Copy, Debug)]

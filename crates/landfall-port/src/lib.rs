@@ -32,16 +32,16 @@ mod uniforms;
 #[cfg(feature = "naga")]
 mod wgsl;
 
-#[cfg(feature = "naga")]
-use crate::Options;
-use crate::diagnostic::Code;
-use crate::shape::{AddressSpace, DEFAULT_BLOCK};
-use crate::source::{Language, ReadOptions, Source, Span, Stage, Target};
-use crate::syntax::glsl::ast::Item;
-use crate::syntax::glsl::raw;
-use crate::{Diagnostic, Severity};
 use edits::Edits;
 use hoist::Handles;
+#[cfg(feature = "naga")]
+use landfall_layout::Options;
+use landfall_layout::diagnostic::Code;
+use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK};
+use landfall_layout::source::{Language, ReadOptions, Source, Span, Stage, Target};
+use landfall_layout::syntax::glsl::ast::Item;
+use landfall_layout::syntax::glsl::raw;
+use landfall_layout::{Diagnostic, Severity};
 #[cfg(feature = "naga")]
 use origin::Origin;
 use partner::Partner;
@@ -138,8 +138,8 @@ fn through_naga(
     if options.dialect == Dialect::Wgsl {
         wgsl::refuse(&user)?;
     }
-    let read = ReadOptions { target: Some(Target::Vulkan), ..options.read.clone() };
-    let layouts = Options { read: read.clone(), ..Options::default() };
+    let read = options.read.clone().with_target(Target::Vulkan);
+    let layouts = Options::default().with_read(read.clone());
     let before = ported.source.clone();
     let mut problems = Vec::new();
     let mut bindings = std::mem::take(&mut ported.bindings);
@@ -273,7 +273,7 @@ fn edit(source: &Source, options: &PortOptions) -> Result<(Ported, Edits), Vec<D
 
 /// Errors that prevent porting, found before any edit.
 fn readable(source: &Source, options: &PortOptions, shader: &Shader<'_>) -> Vec<Diagnostic> {
-    let parsed = crate::syntax::parse(source, &options.read, false);
+    let parsed = landfall_layout::syntax::parse(source, &options.read, false);
     let mut problems = parsed.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     let found: FxHashSet<&str> = shader

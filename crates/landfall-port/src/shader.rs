@@ -6,15 +6,15 @@ use std::ops::Range;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::outline::{self, Token, Tokens};
-use crate::source::{ReadOptions, Source, Span};
-use crate::syntax::glsl::ast::{
+use landfall_layout::source::{ReadOptions, Source, Span};
+use landfall_layout::syntax::glsl::ast::{
     Declaration, Dim, FunctionDecl, Item, Qualifiers, StructDecl, TypeBase, TypeSpec,
 };
-use crate::syntax::glsl::layout_numbers;
-use crate::syntax::glsl::lexer::Kind;
-use crate::syntax::glsl::qualifiers::is_qualifier;
-use crate::syntax::glsl::raw::{self, RawText};
-use crate::syntax::glsl::types::{Builtin, builtin};
+use landfall_layout::syntax::glsl::layout_numbers;
+use landfall_layout::syntax::glsl::lexer::Kind;
+use landfall_layout::syntax::glsl::qualifiers::is_qualifier;
+use landfall_layout::syntax::glsl::raw::{self, RawText};
+use landfall_layout::syntax::glsl::types::{Builtin, builtin};
 
 /// A shader to be ported.
 pub(super) struct Shader<'a> {

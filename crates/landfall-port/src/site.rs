@@ -6,9 +6,9 @@ use rustc_hash::FxHashSet;
 use super::edits::Edits;
 use super::shader::Shader;
 use super::uniforms::Gathered;
-use crate::Diagnostic;
-use crate::diagnostic::Code;
-use crate::source::Span;
+use landfall_layout::Diagnostic;
+use landfall_layout::diagnostic::Code;
+use landfall_layout::source::Span;
 
 /// The byte at which to insert the declarations of `needed`.
 pub(super) fn find(

@@ -3,7 +3,7 @@
 
 use super::edits::Edits;
 use super::shader::Shader;
-use crate::source::Target;
+use landfall_layout::source::Target;
 
 /// Extensions that are part of GLSL 4.50, or have no effect in it.
 const ABSORBED: &[&str] = &[

@@ -1,6 +1,6 @@
 //! The result of a port.
 
-use crate::{Diagnostic, Source};
+use landfall_layout::{Diagnostic, Source};
 
 /// A ported shader, and the changes that matter to its host program.
 #[derive(Clone, Debug)]

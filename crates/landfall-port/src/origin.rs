@@ -2,8 +2,8 @@
 
 use super::edits::Edits;
 use super::shader::Shader;
-use crate::source::Span;
-use crate::{Diagnostic, Source};
+use landfall_layout::source::Span;
+use landfall_layout::{Diagnostic, Source};
 
 /// Maps places in a ported text back to the user's text.
 pub(super) struct Origin<'a> {

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 use std::collections::BTreeSet;
 
 use super::edits::Edits;
@@ -10,8 +10,8 @@ use super::hoist::Handles;
 use super::outline::layouts;
 use super::ported::{Binding, InitialValue};
 use super::shader::{Shader, is_opaque, structure};
-use crate::Diagnostic;
-use crate::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifiers};
+use landfall_layout::Diagnostic;
+use landfall_layout::syntax::glsl::ast::{BlockDecl, Declaration, Declarator, Item, Qualifiers};
 
 /// The loose uniforms of a shader.
 #[derive(Clone, Debug, Default)]

@@ -1,18 +1,18 @@
 //! Inputs and outputs of stages: `attribute`, `varying`, `in` and `out` with locations that both
 //! stages share, and `gl_FragColor` as an output.
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 use std::collections::BTreeMap;
 
 use super::edits::Edits;
 use super::ported::{Direction, Location};
 use super::shader::Shader;
 use super::uniforms::{number, qualify};
-use crate::Diagnostic;
-use crate::shape::{ArrayLen, Type};
-use crate::source::{ReadOptions, Source, Span, Stage};
-use crate::syntax::glsl::ast::{Declaration, Dim, Item, Name, Qualifiers};
-use crate::syntax::parse;
+use landfall_layout::Diagnostic;
+use landfall_layout::shape::{ArrayLen, Type};
+use landfall_layout::source::{ReadOptions, Source, Span, Stage};
+use landfall_layout::syntax::glsl::ast::{Declaration, Dim, Item, Name, Qualifiers};
+use landfall_layout::syntax::parse;
 
 /// An input or output as declared.
 #[derive(Clone, Debug)]
@@ -319,8 +319,11 @@ pub(super) fn fragment_output(
             match index {
                 Some(Ok(index)) => most = most.max(index + 1),
                 _ => {
-                    let span =
-                        crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
+                    let span = landfall_layout::Span {
+                        file: 0,
+                        start: token.start as u32,
+                        end: token.end as u32,
+                    };
                     let message = "`gl_FragData` is not indexed by a literal";
                     problems.push(
                         Diagnostic::error(Code::NotPortable, span, message)

@@ -9,8 +9,8 @@ use super::ported::{Binding, Ported};
 use super::shader::Shader;
 use super::uniforms::{PartnerBindings, explicit};
 use super::{PortOptions, edit, stage_of};
-use crate::source::{Source, Span, Stage};
-use crate::{BlockLayout, Options, layout};
+use landfall_layout::source::{Source, Span, Stage};
+use landfall_layout::{BlockLayout, Options, layout};
 
 /// The facts about the other stage that porting a stage needs.
 #[derive(Debug, Default)]
@@ -81,7 +81,7 @@ fn order(stage: Stage) -> u32 {
 
 /// The loose uniforms that two stages lay out alike, in the order of the first.
 fn shared(first: &Source, second: &Source, options: &PortOptions) -> Vec<String> {
-    let gather = Options { read: options.read.clone(), gather: true, ..Options::default() };
+    let gather = Options::default().with_read(options.read.clone()).with_gather(true);
     let [first, second] = [first, second].map(|source| layout(source, &gather));
     let loose = |block: &&BlockLayout| block.gathered;
     let (Some(first), Some(second)) =
@@ -102,7 +102,7 @@ fn member_rows(block: &BlockLayout, name: &str) -> Vec<String> {
     let of_member = |path: &str| path.split(['.', '[']).next() == Some(name);
     let leaves: Vec<_> = block.leaves.iter().filter(|leaf| of_member(&leaf.path)).collect();
     let start = leaves.first().and_then(|leaf| leaf.offset).unwrap_or(0);
-    let row = |leaf: &&crate::Leaf| {
+    let row = |leaf: &&landfall_layout::Leaf| {
         let offset = leaf.offset.map(|offset| offset - start);
         format!("{} {:?} {:?} {:?} {offset:?}", leaf.path, leaf.ty, leaf.dims, leaf.strides)
     };

@@ -2,15 +2,15 @@
 //! `material.diffuse` becomes the variable `material_diffuse`, also in arrays and in function
 //! parameters.
 
-use crate::diagnostic::Code;
+use landfall_layout::diagnostic::Code;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::edits::Edits;
 use super::outline::Tokens;
 use super::shader::{Shader, is_opaque, structure};
-use crate::Diagnostic;
-use crate::syntax::glsl::ast::{FunctionDecl, Parameter, StructDecl, TypeSpec};
-use crate::syntax::glsl::lexer::Kind;
+use landfall_layout::Diagnostic;
+use landfall_layout::syntax::glsl::ast::{FunctionDecl, Parameter, StructDecl, TypeSpec};
+use landfall_layout::syntax::glsl::lexer::Kind;
 
 /// The path from a structure to a handle in it.
 #[derive(Clone, Debug)]
@@ -352,8 +352,11 @@ impl<'s, 'a> Handles<'s, 'a> {
             let found = words.skip(3).find(|(_, word)| self.globals.contains_key(word));
             if let (true, Some((at, word))) = (is_define, found) {
                 let token = &self.shader.raw.tokens[at];
-                let span =
-                    crate::Span { file: 0, start: token.start as u32, end: token.end as u32 };
+                let span = landfall_layout::Span {
+                    file: 0,
+                    start: token.start as u32,
+                    end: token.end as u32,
+                };
                 let message = format!("a macro uses `{word}`, which contains samplers or images");
                 problems.push(
                     Diagnostic::error(Code::NotPortable, span, message)

@@ -1,9 +1,9 @@
 //! Checks of a ported shader before anybody sees it.
 
 use super::{PortOptions, Ported, edit};
-use crate::diagnostic::Code;
-use crate::source::{Source, Span};
-use crate::{AddressSpace, BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
+use landfall_layout::diagnostic::Code;
+use landfall_layout::source::{Source, Span};
+use landfall_layout::{AddressSpace, BlockLayout, Diagnostic, Leaf, Options, Severity, layout};
 
 /// Checks that the gathered uniforms have the layout of the original's, that both stages agree on
 /// the block they share, that no loose uniform is left, and that our own parser takes the result.
@@ -12,13 +12,13 @@ pub(super) fn check(
     options: &PortOptions,
     ported: &Ported,
 ) -> Result<(), Vec<Diagnostic>> {
-    let read = |gather| Options { read: options.read.clone(), gather, ..Options::default() };
+    let read = |gather| Options::default().with_read(options.read.clone()).with_gather(gather);
     let before = layout(source, &read(true));
     let after = layout(&ported.source, &read(false));
     let mut problems = after.diagnostics;
     problems.retain(|diagnostic| diagnostic.severity == Severity::Error);
     if problems.is_empty() {
-        problems.extend(crate::syntax::syntax_error(&ported.source, &options.read));
+        problems.extend(landfall_layout::syntax::syntax_error(&ported.source, &options.read));
     }
     if !problems.is_empty() {
         return Err(problems);
@@ -67,7 +67,7 @@ fn partners_block(source: &Source, options: &PortOptions) -> Option<BlockLayout>
     let beside = PortOptions { partner: Some(source.clone()), ..options.clone() };
     let (ported, _) = edit(partner, &beside).ok()?;
     let name = ported.shared?;
-    let read = Options { read: options.read.clone(), ..Options::default() };
+    let read = Options::default().with_read(options.read.clone());
     layout(&ported.source, &read).blocks.into_iter().find(|block| *block.name == *name)
 }
 

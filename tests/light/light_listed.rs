@@ -1,0 +1,455 @@
+//! Shaders rewritten to read lists of lights: the same bits as the loops they replace, on every
+//! backend; and `--skip auto`, whatever the clock says, the same bits or no more error than permitted.
+
+use std::path::Path;
+use std::time::Duration;
+
+use landfall_exec::backend::{Backend, BackendKind};
+use landfall_exec::interp::Cpu;
+use landfall_layout::{Options, ReadOptions, Source};
+use landfall_light::bind::{FragmentLights, Kind};
+use landfall_light::culling::{self, Choice, Plan};
+use landfall_light::listed::listed;
+use landfall_light::render::choose::{Candidate, candidates, choose, sample};
+use landfall_light::render::truth::likely_model;
+use landfall_light::render::{Draw, RenderOptions, Rendered, Renderer, Work};
+use landfall_light::scene::{self, Scene};
+use landfall_light::shading_f32::Model;
+use landfall_light::{Frame, FrameOptions, Upload};
+
+use crate::light_scenes::{SCENES, generated};
+use crate::support::backends::with_readers;
+use crate::support::command::Place;
+use crate::support::glslang;
+
+struct Made {
+    upload: Upload,
+    frame: Frame,
+    scene: Scene,
+}
+
+impl Made {
+    fn of(scene: Scene) -> Made {
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        Made { upload: Upload::new(&scene), frame, scene }
+    }
+
+    fn named(name: &str, size: [u32; 2]) -> Made {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes").join(name);
+        let reading = scene::read_file(path).expect("a scene of ours");
+        let mut scene = reading.scene.unwrap_or_else(|| panic!("{:?}", reading.diagnostics));
+        scene.size = size;
+        Made::of(scene)
+    }
+
+    fn work(&self) -> Work<'_> {
+        let (upload, frame) = (&self.upload, &self.frame);
+        let background = self.scene.background;
+        Work { upload, frame, background, limit: Duration::from_secs(120) }
+    }
+}
+
+fn source(shader: &str) -> Source {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(shader);
+    Source::new(shader, std::fs::read_to_string(&path).expect("a shader of ours"))
+}
+
+fn renderer(source: &Source) -> Renderer {
+    Renderer::new(source, &RenderOptions::default())
+        .unwrap_or_else(|error| panic!("{}: {error}\n{}", source.path, source.text))
+}
+
+/// The kinds that lists are read for, and a renderer of the text that reads them.
+fn rewritten(source: &Source, whole: &Renderer) -> (Vec<Kind>, Renderer, Source) {
+    let made = listed(source, &ReadOptions::default(), &whole.shader, &whole.map);
+    let made = made.unwrap_or_else(|why| panic!("{}: {why}", source.path));
+    (made.kinds, renderer(&made.source), made.source)
+}
+
+fn model(renderer: &Renderer) -> Model {
+    Model::of(&likely_model(&renderer.map)).expect("a compiled model")
+}
+
+/// A plan whose lists are set.
+fn plan(renderer: &Renderer, work: &Work<'_>, model: &Model, parts: &str) -> Plan {
+    let mut plan = renderer.plan(work, model, &culling::parse(parts).expect(parts));
+    plan.tiles = Some(plan.tile_lists().expect("tiles have lists"));
+    plan
+}
+
+fn by_plan(
+    renderer: &Renderer,
+    backend: &mut dyn Backend,
+    work: &Work<'_>,
+    plan: &Plan,
+) -> Rendered {
+    renderer.render_plan(backend, work, plan, &mut |_, _| {}).expect("it runs")
+}
+
+fn whole(renderer: &Renderer, backend: &mut dyn Backend, work: &Work<'_>) -> Rendered {
+    let lights = &work.upload.lights;
+    let count = |n: usize| (0..n as u32).collect::<Vec<u32>>();
+    let [directional, point, spot] =
+        [lights.directional.len(), lights.point.len(), lights.spot.len()].map(count);
+    let fragments = count(work.frame.fragments.len());
+    let lights =
+        FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
+    let draws = [Draw { fragments: &fragments, lights, tiles: None }];
+    renderer.render(backend, work, &draws, &mut |_, _| {}).expect("it runs")
+}
+
+fn bits(rendered: &Rendered) -> Vec<[u32; 4]> {
+    rendered.picture.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// The largest difference of two pictures in steps.
+fn apart(a: &Rendered, b: &Rendered) -> f64 {
+    let pairs = a.picture.pixels.iter().flatten().zip(b.picture.pixels.iter().flatten());
+    pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs() * 255.0).fold(0.0, f64::max)
+}
+
+const ALL: [Kind; 3] = Kind::ALL;
+
+/// Shaders with arrays of lights, and the kinds of them.
+const SHADERS: [(&str, &[Kind]); 10] = [
+    ("many_lights/windowed.wgsl", &ALL),
+    ("many_lights/windowed_450.frag", &ALL),
+    ("many_lights/windowed_330.frag", &ALL),
+    ("many_lights/plain.wgsl", &ALL),
+    ("many_lights/plain_450.frag", &ALL),
+    ("light_arrays/lights.wgsl", &[Kind::Directional, Kind::Point]),
+    ("light_arrays/all_lights_450.frag", &[Kind::Directional, Kind::Point]),
+    ("light_arrays/all_lights_330.frag", &[Kind::Directional, Kind::Point]),
+    ("six_lights/phong_330.frag", &[Kind::Point]),
+    ("six_lights/phong_300es.frag", &[Kind::Point]),
+];
+
+/// A scene with lights of all kinds that end, for a shader: some reach few tiles, a sun lights
+/// nothing that faces the camera.
+fn all_kinds(shader: &str) -> Made {
+    // The others do not end their lights, which their plan would.
+    let (mut scene, _) = generated(1, shader.contains("windowed"));
+    if shader.starts_with("light_arrays") || shader.starts_with("six_lights") {
+        scene.lights.spot.truncate(1);
+        scene.lights.point.truncate(4);
+    }
+    if shader.starts_with("six_lights") {
+        // What the shader has slots for.
+        scene.lights.directional.truncate(1);
+    } else {
+        if shader.starts_with("light_arrays") {
+            scene.lights.spot.clear();
+        }
+        let mut below = scene.lights.directional[0];
+        below.direction = glam::DVec3::new(0.1, 1.0, 0.05).normalize();
+        scene.lights.directional.insert(0, below);
+    }
+    Made::of(scene)
+}
+
+#[test]
+fn lists_give_the_bits_of_the_loops_on_every_backend() {
+    for (name, kinds) in SHADERS {
+        let source = source(name);
+        let all = renderer(&source);
+        let (read, lists, _) = rewritten(&source, &all);
+        assert_eq!(read, kinds, "{name}");
+        assert!(kinds.iter().all(|kind| lists.lists(*kind)), "{name}");
+        let made = all_kinds(name);
+        let (work, model) = (made.work(), model(&all));
+        let plans = ["used,tiles=8,always", "tiles=16,always", "used"]
+            .map(|parts| plan(&all, &work, &model, parts));
+        with_readers(|backends| {
+            for backend in backends {
+                if name.ends_with(".wgsl") && backend.device().backend == BackendKind::Gl {
+                    continue;
+                }
+                let truth = whole(&all, backend.as_mut(), &work);
+                assert!(truth.picture.pixels.iter().any(|pixel| pixel[0] > 0.1), "{name}");
+                for plan in &plans {
+                    let found = by_plan(&lists, backend.as_mut(), &work, plan);
+                    let steps = apart(&found, &truth);
+                    let device = &backend.device().backend;
+                    assert!(bits(&found) == bits(&truth), "{name} on {device:?}: {steps} steps");
+                    if kinds.len() == 3 {
+                        assert_eq!(found.evaluations, plan.evaluations(), "{name}");
+                    }
+                }
+            }
+        });
+        if kinds.len() == 3 && name.contains("windowed") {
+            let (before, after) = (plans[0].savings.before, plans[0].evaluations());
+            assert!(2 * after < before, "{name}: {after} of {before}");
+        }
+    }
+}
+
+#[test]
+fn lists_give_the_bits_of_the_loops_on_generated_scenes() {
+    let source = source("many_lights/windowed.wgsl");
+    let all = renderer(&source);
+    let (_, lists, _) = rewritten(&source, &all);
+    let model = model(&all);
+    let mut cpu = Cpu::new(Default::default());
+    let (mut masked, mut spots) = (0, 0);
+    for number in 0..SCENES {
+        let (scene, kind) = generated(number, true);
+        let made = Made::of(scene);
+        let work = made.work();
+        let plan = plan(&all, &work, &model, "used,tiles=8,always");
+        let (found, truth) =
+            (by_plan(&lists, &mut cpu, &work, &plan), whole(&all, &mut cpu, &work));
+        assert!(bits(&found) == bits(&truth), "{kind} {number}");
+        let tiles = plan.tiles.as_ref().expect("lists");
+        let suns = made.upload.lights.directional.len() as u32;
+        masked += tiles.directional.iter().filter(|mask| mask.count_ones() < suns).count();
+        spots += tiles.spots.iter().filter(|[_, count]| *count > 0).count();
+    }
+    println!("{masked} tiles without a sun, {spots} with spotlights");
+    assert!(masked > 100 && spots > 100);
+}
+
+#[test]
+fn lists_hold_what_the_bytes_of_the_buffers_say() {
+    for name in [
+        "many_lights/windowed.wgsl",
+        "many_lights/windowed_450.frag",
+        "many_lights/windowed_330.frag",
+    ] {
+        let source = source(name);
+        let all = renderer(&source);
+        let (_, lists, text) = rewritten(&source, &all);
+        let made = all_kinds(name);
+        let work = made.work();
+        let plan = plan(&all, &work, &model(&all), "used,tiles=8,always");
+        let expected = plan.tiles.as_ref().expect("lists").bytes(made.frame.height);
+        let group = &lists.plan_fragment_groups(&work, &plan).expect("it fits")[0];
+        // Written by the offsets that `landfall layout` prints for the text.
+        let printed = landfall_layout::layout(&text, &Options::default());
+        assert!(!printed.has_errors(), "{name}");
+        for (block, expected) in ["LandfallTileBlock", "LandfallIndexBlock"].iter().zip(expected) {
+            let at = lists.shader.blocks().iter().position(|b| *b.layout.name == **block);
+            assert!(printed.blocks.iter().any(|laid| *laid.name == **block), "{name}");
+            assert!(group.prepared.blocks[at.expect("a block")] == expected, "{name} {block}");
+        }
+    }
+}
+
+#[test]
+fn what_is_written_is_valid_for_the_compilers_of_both_languages() {
+    let folder = Place::new("listed-naga");
+    for (name, _) in SHADERS {
+        let source = source(name);
+        let (.., text) = rewritten(&source, &renderer(&source));
+        if name.ends_with(".wgsl") {
+            folder.write("listed.wgsl", &*text.text);
+            let module = naga::front::wgsl::parse_str(&text.text).expect(name);
+            let mut validator = naga::valid::Validator::new(
+                naga::valid::ValidationFlags::all(),
+                naga::valid::Capabilities::all(),
+            );
+            validator.validate(&module).expect(name);
+        } else {
+            let client = match name.contains("450") {
+                true => glslang::Client::Vulkan,
+                false => glslang::Client::OpenGl,
+            };
+            let options = glslang::Options { client, reflect: false, ..Default::default() };
+            glslang::blocks(&text.text, "frag", &options)
+                .unwrap_or_else(|log| panic!("{name}: {log}\n{}", text.text));
+        }
+    }
+}
+
+/// A shader of point lights with that loop; `LIGHT` is what it adds.
+fn with_loop(version: &str, code: &str) -> Source {
+    let text = format!(
+        "#version {version}\nstruct PointLight {{ vec3 position; vec3 color; }};\n\
+         layout(std140) uniform PointLights {{ PointLight pointLights[8]; int pointCount; }};\n\
+         in vec3 FragPos;\nin vec3 Normal;\nout vec4 FragColor;\n\
+         vec3 lit(PointLight light) {{\n\
+         vec3 d = light.position - FragPos;\n\
+         return light.color * max(dot(Normal, d), 0.0) / dot(d, d);\n}}\n\
+         void main() {{\nvec3 sum = vec3(0.0);\n{code}\nFragColor = vec4(sum, 1.0);\n}}\n"
+    )
+    .replace("LIGHT", "sum += lit(pointLights[i]);");
+    Source::new("own.frag", text)
+}
+
+#[test]
+fn a_loop_whose_lights_cannot_be_listed_says_why() {
+    for (version, code, why) in [
+        ("330", "for (int i = 1; i < pointCount; i++) { LIGHT }", "starts elsewhere than at 0"),
+        ("330", "for (int i = 0; i < pointCount; i += 2) { LIGHT }", "does not count one by one"),
+        ("330", "for (int i = 0; ; i++) { if (i == pointCount) break; LIGHT }", "has no condition"),
+        (
+            "330",
+            "for (int i = 0; i < 8; i++) { if (i >= pointCount) break; LIGHT }",
+            "ends by `break`",
+        ),
+        (
+            "330",
+            "for (int i = 0; i < 8; i++) { if (sum.x > 1.0) { FragColor = vec4(1.0); return; } LIGHT }",
+            "ends by `return`",
+        ),
+        ("330", "for (int i = 0; i < 8; i++) { LIGHT i++; }", "changes its variable"),
+        ("330", "for (int i = 0; i < 8; i++) if (i < pointCount) { LIGHT }", "without braces"),
+        (
+            "330",
+            "for (int i = 0; pointLights[i].color.x > 0.0; i++) { LIGHT }",
+            "reads a light in its condition",
+        ),
+        ("330", "int i = 0; while (i < pointCount) { LIGHT i++; }", "not the variable of a `for`"),
+        ("330", "sum += lit(pointLights[0]);", "an index that is not the variable of a loop"),
+        ("130", "for (int i = 0; i < 8; i++) { LIGHT }", "`#version 130` cannot be raised"),
+    ] {
+        let source = with_loop(version, code);
+        let all = renderer(&source);
+        let said = listed(&source, &ReadOptions::default(), &all.shader, &all.map);
+        let said = said.expect_err(code);
+        assert!(said.contains(why), "{code}: {said}");
+    }
+    // Written in other ways, but all of them loops over lights.
+    for code in [
+        "for (int i = 0; i < pointCount; ++i) LIGHT",
+        "for (highp uint i = 0u; i < uint(pointCount); i += 1u) { LIGHT }",
+        "for (int i = 0; i != pointCount; i = i + 1) { if (sum.x > 9.0) continue; LIGHT }",
+        "for (int i = 0; i < 8; i++) { for (int k = 0; k < 2; k++) { if (k == 1) break; \
+         if (i < pointCount) { LIGHT } } }",
+        "if (pointCount > 0) for (int i = 0; i < min(pointCount, 8); i++) { PointLight one = \
+         pointLights[int(i)]; sum += lit(one); }",
+    ] {
+        let source = with_loop("330", code);
+        let all = renderer(&source);
+        let (kinds, lists, text) = rewritten(&source, &all);
+        assert_eq!(kinds, [Kind::Point], "{code}");
+        let mut made = all_kinds("light_arrays");
+        made.scene.lights.point.truncate(4);
+        made.scene.lights.directional.clear();
+        let made = Made::of(made.scene);
+        let work = made.work();
+        let mut plan = plan(&all, &work, &model(&all), "used");
+        let mut cpu = Cpu::new(Default::default());
+        let found = by_plan(&lists, &mut cpu, &work, &plan);
+        assert!(bits(&found) == bits(&whole(&all, &mut cpu, &work)), "{}", text.text);
+        // Lists are read: without lights in them, there is none.
+        plan.draws[0].lights.point.clear();
+        plan.tiles = None;
+        plan.tiles = Some(plan.tile_lists().expect("lists"));
+        let found = by_plan(&lists, &mut cpu, &work, &plan);
+        let lit = |pixel: &[f32; 4]| pixel[..3] != [0.0; 3];
+        assert!(!found.picture.pixels.iter().any(lit), "{}", text.text);
+    }
+}
+
+#[test]
+fn parts_without_lists_say_why() {
+    let made = Made::named("lights_1024.json", [64, 36]);
+    let all = renderer(&source("many_lights/plain.wgsl"));
+    let (work, model) = (made.work(), model(&all));
+    for (parts, why) in [
+        ("interpolate=4,always", "no list of lights gives"),
+        ("far=0.5,always", "no list of lights gives"),
+    ] {
+        let plan = all.plan(&work, &model, &culling::parse(parts).expect(parts));
+        let said = plan.tile_lists().expect_err(parts);
+        assert!(said.contains(why), "{parts}: {said}");
+    }
+    let made = Made::named("lights_1024_windowed.json", [64, 36]);
+    let all = renderer(&source("many_lights/windowed.wgsl"));
+    let model = Model::of(&likely_model(&all.map)).expect("known");
+    let parts = culling::parse("clusters,always").expect("good");
+    let said = all.plan(&made.work(), &model, &parts).tile_lists().expect_err("clusters");
+    assert!(said.contains("`tiles` has lists"), "{said}");
+}
+
+/// What `--skip auto` picks by a clock that favours the candidate of that number.
+fn chosen(
+    all: &Renderer,
+    lists: &Renderer,
+    made: &Made,
+    permitted: f64,
+    favoured: usize,
+) -> (Choice, Vec<Candidate>) {
+    let model = model(all);
+    let few = sample(&made.frame);
+    let work = Work { frame: &few, ..made.work() };
+    let each = candidates(permitted).into_iter().map(|parts| {
+        let options = culling::parse(&parts).expect("good");
+        let mut plan = all.plan(&work, &model, &options);
+        let tiles = parts.contains("tiles");
+        plan.tiles = plan.tile_lists().ok().filter(|_| tiles);
+        let renderer = if tiles { lists.clone() } else { all.clone() };
+        Candidate { parts, options, renderer, plan }
+    });
+    let candidates: Vec<Candidate> = each.collect();
+    let mut cpu = Cpu::new(Default::default());
+    let mut calls = 0usize;
+    let choice = choose(
+        all,
+        &candidates,
+        &mut cpu,
+        &work,
+        &model,
+        [permitted, made.frame.fragments.len() as f64],
+        &mut |backend, run| {
+            calls += 1;
+            // The first run is skipping nothing, then the candidates follow in order.
+            Ok((run(backend)?, if calls.is_multiple_of(favoured + 2) { 0.5 } else { 1.0 }))
+        },
+    );
+    (choice.expect("it runs"), candidates)
+}
+
+#[test]
+fn whatever_auto_picks_has_the_bits_or_the_error_permitted_on_generated_scenes() {
+    let source = source("many_lights/windowed.wgsl");
+    let all = renderer(&source);
+    let (_, lists, _) = rewritten(&source, &all);
+    let model = model(&all);
+    let mut cpu = Cpu::new(Default::default());
+    let (mut exact, mut within) = (0, 0);
+    for number in 0..SCENES {
+        let made = Made::of(generated(number, number % 2 == 0).0);
+        let work = made.work();
+        let truth = whole(&all, &mut cpu, &work);
+        let permitted = 1.5;
+        let (choice, candidates) = chosen(&all, &lists, &made, permitted, number as usize % 3);
+        let ways = choice.timed.iter().skip(1).zip(&candidates);
+        for (way, candidate) in ways.filter(|(way, _)| way.note.is_empty()) {
+            let mut plan = all.plan_only(&work, &model, &candidate.options);
+            if candidate.renderer.reads_tile_lists() {
+                plan.tiles = plan.tile_lists().ok();
+            }
+            let found = by_plan(&candidate.renderer, &mut cpu, &work, &plan);
+            let steps = apart(&found, &truth);
+            assert!(steps <= permitted, "{} of scene {number}: {steps} steps", way.parts);
+            if way.error == Some(0.0) {
+                assert!(bits(&found) == bits(&truth), "{} of scene {number}", way.parts);
+                exact += 1;
+            } else {
+                within += 1;
+            }
+        }
+    }
+    println!("{exact} exact ways, {within} with an error");
+    assert!(exact > 20 && within > 5, "{exact} {within}");
+}
+
+#[test]
+fn a_sample_is_whole_squares_all_over_the_picture() {
+    let made = Made::named("lights_1024.json", [640, 360]);
+    let few = sample(&made.frame);
+    let [all, some] = [made.frame.fragments.len(), few.fragments.len()];
+    assert!(some * 40 > all && some * 20 < all, "{some} of {all}");
+    let square = |pixel: u32| (pixel % 640 / 32, pixel / 640 / 32);
+    let squares: std::collections::BTreeSet<(u32, u32)> =
+        few.fragments.iter().map(|fragment| square(fragment.pixel)).collect();
+    let inside = made.frame.fragments.iter().filter(|f| squares.contains(&square(f.pixel)));
+    assert_eq!(inside.count(), some);
+    let rows: std::collections::BTreeSet<u32> = squares.iter().map(|(_, row)| *row).collect();
+    let columns: std::collections::BTreeSet<u32> =
+        squares.iter().map(|(column, _)| *column).collect();
+    assert!(rows.len() >= 3 && columns.len() >= 3, "{squares:?}");
+    assert_eq!((few.width, few.height), (640, 360));
+}
