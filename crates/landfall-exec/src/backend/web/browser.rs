@@ -73,9 +73,12 @@ pub(super) struct Browser {
 }
 
 impl Browser {
-    /// Starts a browser and opens the page.
-    #[cfg(unix)]
+    /// Starts a browser and opens the page; fails where there is no Unix shell.
     pub(super) fn start(launch: &Launch) -> Result<Browser, Failure> {
+        if cfg!(not(unix)) {
+            let message = "landfall drives browsers on Linux, macOS and other Unix systems only";
+            return Err(Failure::missing(message, ""));
+        }
         let directory = Directory::create(&launch.scratch)?;
         let page = directory.0.join("page.html");
         std::fs::write(&page, PAGE).map_err(|cause| unwritable(&page, &cause))?;
@@ -86,7 +89,7 @@ impl Browser {
         command.args(["-c", SUPERVISOR, "sh"]).arg(&directory.0).arg(&launch.program);
         command.args(FLAGS).arg(profile);
         // Chromium's sandbox refuses to run as root.
-        if rustix::process::geteuid().is_root() {
+        if runs_as_root() {
             command.arg("--no-sandbox");
         }
         command.args(&launch.arguments).arg(&url);
@@ -101,13 +104,6 @@ impl Browser {
         browser.open(launch.opening)?;
         browser.process.measure_group();
         Ok(browser)
-    }
-
-    /// The pipe needs descriptors 3 and 4 of the child.
-    #[cfg(not(unix))]
-    pub(super) fn start(_: &Launch) -> Result<Browser, Failure> {
-        let message = "landfall drives browsers on Linux, macOS and other Unix systems only";
-        Err(Failure::missing(message, ""))
     }
 
     /// Waits for the page and runs the script in it.
@@ -240,6 +236,16 @@ impl Browser {
             return Ok(message["result"].take());
         }
     }
+}
+
+#[cfg(unix)]
+fn runs_as_root() -> bool {
+    rustix::process::geteuid().is_root()
+}
+
+#[cfg(not(unix))]
+fn runs_as_root() -> bool {
+    false
 }
 
 fn garbled(cause: serde_json::Error) -> Failure {
