@@ -20,6 +20,7 @@ const PARTS: &str = concat!(
     include_str!("page/engine.js"),
     include_str!("page/state.js"),
     include_str!("page/picture.js"),
+    include_str!("page/picture_gpu.js"),
     include_str!("page/lights.js"),
     include_str!("page/playground.js"),
 );

@@ -1,5 +1,5 @@
-//! What a browser needs to draw a scene of lights with a shader: the shader in GLSL ES 3.00, the
-//! fragments with the values of their inputs, and the bytes of its blocks.
+//! What a browser needs to draw a scene of lights with a shader: the shader in GLSL ES 3.00 or its own
+//! WGSL, the fragments with the values of their inputs, and the bytes of its blocks.
 //!
 //! All of it is what `landfall render` gives to a backend: the browser is one more.
 
@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use data_encoding::BASE64;
 use landfall_exec::backend::BackendKind;
+use landfall_exec::harness::fragments::{EsText, WgslTexts};
 use landfall_layout::format::{Paint, diagnostics};
 use landfall_layout::{Error, Options, Source};
 use landfall_light::bind::{FragmentLights, Kind, OverflowPolicy};
@@ -15,7 +16,7 @@ use landfall_light::culling::{LightSet, parse};
 use landfall_light::reference::Model;
 use landfall_light::render::truth::{likely_model, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Renderer, SceneShader, Work};
-use landfall_light::scene::{MOST_PIXELS, read};
+use landfall_light::scene::{Attenuation, MOST_PIXELS, PointLight, read};
 use landfall_light::shading_f32;
 use landfall_light::{Fragment, Frame, Scene, Upload};
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,8 @@ pub(super) struct SceneRequest {
     shader: bool,
     /// Whether to give the fragments.
     frame: bool,
+    /// Whether to give the point lights, random ones last.
+    points: bool,
     /// What is left out, as in `--skip`, to count it.
     skip: Option<String>,
     /// A pixel whose light by the reference is asked for.
@@ -70,6 +73,7 @@ struct Drawn {
     notes: Vec<String>,
     shader: Option<ShaderObject>,
     frame: Option<FrameObject>,
+    points: Option<Vec<PointObject>>,
     /// The light of the probe by the reference; `None` where nothing is drawn or it is undefined.
     probe: Option<[f32; 3]>,
 }
@@ -80,6 +84,37 @@ struct CameraObject {
     front: [f64; 3],
     up: [f64; 3],
     fov: f64,
+}
+
+/// A point light as scenes have it.
+#[derive(Serialize)]
+struct PointObject {
+    position: [f64; 3],
+    color: [f64; 3],
+    intensity: f64,
+    attenuation: AttenuationObject,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct AttenuationObject {
+    constant: f64,
+    linear: f64,
+    quadratic: f64,
+}
+
+impl PointObject {
+    fn of(PointLight { position, emission, attenuation }: &PointLight) -> PointObject {
+        let Attenuation { constant, linear, quadratic, range } = *attenuation;
+        PointObject {
+            position: position.to_array(),
+            color: emission.color.to_array(),
+            intensity: emission.intensity,
+            attenuation: AttenuationObject { constant, linear, quadratic },
+            range,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -97,11 +132,34 @@ struct TextureObject {
     texels: String,
 }
 
+/// The shader for the interfaces of a browser.
 #[derive(Serialize)]
 struct ShaderObject {
+    /// Name, components and kind of each input: the frame's values are for these.
+    inputs: Vec<String>,
+    webgl: Result<EsObject, String>,
+    /// `None` for GLSL.
+    webgpu: Option<Result<WgslObject, String>>,
+}
+
+#[derive(Serialize)]
+struct EsObject {
     text: String,
     blocks: Vec<Option<String>>,
     samplers: Vec<(String, Option<usize>)>,
+}
+
+#[derive(Serialize)]
+struct WgslObject {
+    vertex: String,
+    fragment: String,
+    entry: String,
+    /// The inputs that are attributes, by their index among those of the frame.
+    attributes: Vec<usize>,
+    /// Group, binding and type.
+    blocks: Vec<(u32, u32, &'static str)>,
+    textures: Vec<(u32, u32)>,
+    samplers: Vec<(u32, u32)>,
 }
 
 #[derive(Serialize)]
@@ -179,7 +237,9 @@ fn draw(
     upload.lights.directional.truncate(lit[0].len());
     upload.lights.point.truncate(lit[1].len());
     upload.lights.spot.truncate(lit[2].len());
-    if given.frame {
+    // A new shader has none yet.
+    let counts = kept.frame.is_none() && (given.probe.is_some() || given.skip.is_some());
+    if given.frame || counts {
         kept.frame = Some(Frame::new(scene, &named.frame));
     }
     let renderer = &kept.renderer;
@@ -229,11 +289,9 @@ fn draw(
             })
             .collect(),
         notes: renderer.notes(&upload),
-        shader: match given.shader {
-            true => Some(shader(renderer)?),
-            false => None,
-        },
+        shader: given.shader.then(|| shader(renderer)),
         frame: given.frame.then(|| fragments(renderer, &work, &draw)).transpose()?,
+        points: given.points.then(|| scene.lights.point.iter().map(PointObject::of).collect()),
         probe: given
             .probe
             .and_then(|pixel| probe(&model_of(renderer, scene), &upload, frame, pixel)),
@@ -283,10 +341,24 @@ fn skipping(
     Ok([rest, work.frame.fragments.len() as u64 * evaluated(&whole)])
 }
 
-fn shader(renderer: &Renderer) -> Result<ShaderObject, String> {
-    let es =
-        renderer.shader.es().map_err(|message| format!("does not run on WebGL 2: {message}"))?;
-    Ok(ShaderObject { text: es.text, blocks: es.blocks, samplers: es.samplers })
+fn shader(renderer: &Renderer) -> ShaderObject {
+    let shader = &renderer.shader;
+    let es = |es: EsText| EsObject { text: es.text, blocks: es.blocks, samplers: es.samplers };
+    let located = shader.inputs().iter().enumerate().filter(|(_, input)| input.location.is_some());
+    let wgsl = |texts: WgslTexts| WgslObject {
+        vertex: texts.vertex,
+        fragment: texts.fragment,
+        entry: texts.entry,
+        attributes: located.map(|(number, _)| number).collect(),
+        blocks: texts.blocks.iter().map(|(group, at, kind)| (*group, *at, kind.name())).collect(),
+        textures: texts.textures,
+        samplers: texts.samplers,
+    };
+    ShaderObject {
+        inputs: shader.inputs().iter().map(|input| format!("{input:?}")).collect(),
+        webgl: shader.es().map(es),
+        webgpu: shader.wgsl().map(|texts| texts.map(wgsl)).transpose(),
+    }
 }
 
 fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<FrameObject, String> {

@@ -216,7 +216,7 @@ error[bad-request]: `--variant a` is not a compiled kernel: `sturdy`
     refused(
         &[SCENE, "--variant", "a=plan:sometimes"],
         str![[r#"
-error[bad-request]: `--variant a` is not a plan: `sometimes`: unknown part; expected one of used, slots=N, gates[=STEPS], tiles[=PIXELS], clusters[=CxRxS], budget=STEPS, budget-srgb=STEPS, interpolate[=DIAMETERS[xNODES]], far=STEPS[xNODES], cut=VALUE, below=VALUE, always, auto[=STEPS]
+error[bad-request]: `--variant a` is not a plan: `sometimes`: unknown part; expected one of used, slots=N, gates[=STEPS], tiles[=PIXELS], clusters[=CxRxS], budget=STEPS, budget-srgb=STEPS, interpolate[=DIAMETERS[xNODES]], far=STEPS[xNODES], cut=VALUE, below=VALUE, always
 
 
 "#]],

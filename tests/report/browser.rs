@@ -25,6 +25,17 @@ impl Browser {
     /// # Panics
     /// The Debian packages chromium and chromium-driver are missing.
     pub fn start(name: &str) -> Browser {
+        Browser::start_with(name, &["--disable-gpu"])
+    }
+
+    /// The same with WebGPU and WebGL on the processor, by SwiftShader.
+    pub fn start_with_webgpu(name: &str) -> Browser {
+        let flags =
+            ["--ignore-gpu-blocklist", "--enable-unsafe-swiftshader", "--enable-unsafe-webgpu"];
+        Browser::start_with(name, &flags)
+    }
+
+    fn start_with(name: &str, more: &[&str]) -> Browser {
         let _only = ONLY.lock().unwrap_or_else(PoisonError::into_inner);
         let profile = std::env::temp_dir().join(format!("landfall-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&profile).unwrap();
@@ -49,7 +60,6 @@ impl Browser {
         let mut flags: Vec<String> = [
             "--headless",
             "--no-sandbox",
-            "--disable-gpu",
             "--disable-quic",
             "--no-first-run",
             "--disable-background-networking",
@@ -58,6 +68,7 @@ impl Browser {
         ]
         .map(str::to_string)
         .into();
+        flags.extend(more.iter().map(|flag| flag.to_string()));
         flags.push(format!("--user-data-dir={}", browser.profile.display()));
         let wanted = json!({"capabilities": {"alwaysMatch": {
             // A busy machine takes its time.

@@ -4,6 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use landfall_layout::buffer::Buffer;
+use landfall_layout::{Options, Source, layout};
 use landfall_light::picture::png;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip};
 use serde_json::{Value, json};
@@ -232,6 +234,8 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
     let mut times = drawn(&browser, 0);
     let text = browser.run("return document.getElementById('editor').editor.text", &[]);
     folder.file("shader.frag", text.as_str().unwrap());
+    let source = Source::new("shader.frag", text.as_str().unwrap());
+    let block = layout(&source, &Options::default()).blocks.remove(0);
     let state = format!(
         "{TAB} return {{ scene: tab.lit(), bytes: [...tab.before[0][0]], ranges: tab.maps.firstChild.dataset.ranges,
             fresh: [...tab.maps.querySelectorAll('.cell.fresh')].map(one => [Number(one.dataset.offset), Number(one.dataset.size)]) }}"
@@ -255,7 +259,7 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
         );
         assert_eq!(bytes(now), std::fs::read(out).unwrap(), "{what}");
     };
-    let mut last = browser.run(&state, &[]);
+    let last = browser.run(&state, &[]);
     check(&last, "at first");
     let fields: Vec<String> = serde_json::from_value(browser.run("return [...document.querySelectorAll('.field input[type=range]')].map(one => one.dataset.field)", &[])).unwrap();
     assert_eq!(
@@ -275,10 +279,7 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
             times = drawn(&browser, times);
             let now = browser.run(&state, &[]);
             check(&now, &format!("{light} {field}"));
-            // The ranges are those that differ, and inside of the light's element.
-            let (before, after) = (bytes(&last), bytes(&now));
-            let differ: Vec<usize> =
-                (0..after.len()).filter(|at| before[*at] != after[*at]).collect();
+            // The ranges are those that a `Buffer` marks dirty for the member.
             let ranges: Vec<(usize, usize)> = now["ranges"]
                 .as_str()
                 .unwrap()
@@ -288,14 +289,20 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
                     (from.parse().unwrap(), to.parse().unwrap())
                 })
                 .collect();
-            assert!(!ranges.is_empty(), "{light} {field}");
-            for at in &differ {
-                assert!(ranges.iter().any(|(from, to)| (from..to).contains(&at)), "{field} {at}");
+            let member = match field.split(' ').next().unwrap() {
+                "intensity" => "color",
+                same => same,
+            };
+            let path = format!("lights[{light}].{member}");
+            let mut buffer = Buffer::new(&block).unwrap();
+            buffer.clear_dirty();
+            match member {
+                "color" | "position" => buffer.set(&path, [0.5f32; 3]).unwrap(),
+                _ => buffer.set(&path, 0.5f32).unwrap(),
             }
-            for (from, to) in &ranges {
-                assert!(differ.iter().any(|at| (from..to).contains(&at)), "{field} {from}");
-                assert!(*from >= 48 * light && *to <= 48 * (light + 1), "{field} {from}");
-            }
+            let dirty: Vec<(usize, usize)> =
+                buffer.dirty(0).map(|range| (range.start, range.end)).collect();
+            assert_eq!(ranges, dirty, "{path}");
             // Those cells are marked, and no others.
             let fresh: Vec<(usize, usize)> = serde_json::from_value(now["fresh"].clone()).unwrap();
             assert!(!fresh.is_empty(), "{field}");
@@ -305,7 +312,6 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
                     "{field} {offset}"
                 );
             }
-            last = now;
         }
     }
     // Lights are removed and added up to the array's length; the count follows.
@@ -325,6 +331,11 @@ fn every_control_writes_the_bytes_of_encode_and_the_map_shows_which() {
     check(&now, "added");
 }
 
+/// Moves the pointer over the picture, by parts of its width and height.
+const POINT: &str =
+    "const canvas = document.querySelector('canvas'); const box = canvas.getBoundingClientRect();
+     canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: box.left + arguments[0] * box.width, clientY: box.top + arguments[1] * box.height }));";
+
 #[test]
 fn a_probe_is_compared_with_the_reference_and_nan_is_magenta() {
     let (browser, folder) = (Browser::start("probe"), Folder::new("probe"));
@@ -334,11 +345,7 @@ fn a_probe_is_compared_with_the_reference_and_nan_is_magenta() {
     let times = drawn(&browser, 0);
     let mut probes = 0;
     for (x, y) in [(0.5, 0.5), (0.3, 0.6), (0.55, 0.8), (0.7, 0.62)] {
-        browser.run(
-            "const canvas = document.querySelector('canvas'); const box = canvas.getBoundingClientRect();
-             canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: box.left + arguments[0] * box.width, clientY: box.top + arguments[1] * box.height }));",
-            &[json!(x), json!(y)],
-        );
+        browser.run(POINT, &[json!(x), json!(y)]);
         drawn(&browser, times + probes);
         probes += 1;
         let steps = browser.run("return document.querySelector('.probe').dataset.steps", &[]);
@@ -360,36 +367,129 @@ fn a_probe_is_compared_with_the_reference_and_nan_is_magenta() {
     assert_ne!(pixels[(width / 2) as usize][..3], [255, 0, 255]);
 }
 
-#[test]
-fn wgsl_is_drawn_too_and_skipped_lights_are_counted_as_by_render() {
-    let (browser, folder) = (Browser::start("wgsl"), Folder::new("wgsl"));
-    let scene = small(&folder, "six_lights.json", [200, 150]);
+/// A small scene of the repository with a shader in WGSL, in a folder with it.
+fn small_wgsl(folder: &Folder, name: &str, shader: &str, size: [u32; 2]) -> PathBuf {
+    let scene = small(folder, name, size);
     let mut changed: Value =
         serde_json::from_str(&std::fs::read_to_string(&scene).unwrap()).unwrap();
-    let shader = repository().join("shaders/six_lights/phong.wgsl");
-    folder.file("six_lights/phong.wgsl", std::fs::read(shader).unwrap());
-    changed["shader"] = json!("../six_lights/phong.wgsl");
+    folder.file(shader, std::fs::read(repository().join("shaders").join(shader)).unwrap());
+    changed["shader"] = json!(format!("../{shader}"));
     std::fs::write(&scene, changed.to_string()).unwrap();
-    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
-    browser.open_url(&server.url);
-    drawn(&browser, 0);
-    assert_same("wgsl", &picture(&browser), &rendered(&folder, &scene));
-    // Offsets that std140 does not have: WebGL would read other bytes, and says so itself.
-    browser.run(
-        "const { editor } = document.getElementById('editor');
-         editor.text = editor.text.replace('direction: vec3f, // offset 0,', '@size(32) direction: vec3f, //');",
-        &[],
-    );
+    scene
+}
+
+fn facts(browser: &Browser) -> String {
+    let facts = browser.run(&format!("{TAB} return tab.facts.textContent"), &[]);
+    facts.as_str().unwrap().to_string()
+}
+
+/// Waits until the page says that something is wrong, and returns what.
+fn problem(browser: &Browser) -> String {
     let asked = Instant::now();
-    let told = loop {
+    loop {
         let told = browser.run("return document.getElementById('problem').textContent", &[]);
         if told != json!("") {
-            break told;
+            return told.as_str().unwrap().to_string();
+        }
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A member that is moved from where std140 has it.
+const MOVED: &str = "const { editor } = document.getElementById('editor');
+     editor.text = editor.text.replace('direction: vec3f, // offset 0,', '@size(32) direction: vec3f, //');";
+
+#[test]
+fn wgsl_is_drawn_by_webgpu_as_it_is() {
+    let browser = Browser::start_with_webgpu("webgpu");
+    let folder = Folder::new("webgpu");
+    for (scene, shader) in [
+        ("six_lights.json", "six_lights/phong.wgsl"),
+        ("caster_spot_soft.json", "seed/caster_spot_soft.wgsl"),
+        // A storage buffer, which WebGL 2 does not have.
+        ("lights_1024_windowed.json", "many_lights/windowed.wgsl"),
+    ] {
+        let scene = small_wgsl(&folder, scene, shader, [200, 150]);
+        let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+        browser.open_url(&server.url);
+        drawn(&browser, 0);
+        assert!(facts(&browser).contains("drawn by WebGPU"), "{}", facts(&browser));
+        assert_same(shader, &picture(&browser), &rendered(&folder, &scene));
+    }
+    // NaN is magenta; the compiler must not take it that there is none.
+    let scene =
+        small_wgsl(&folder, "caster_spot_soft.json", "seed/caster_spot_soft.wgsl", [200, 150]);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let times = drawn(&browser, 0);
+    let text = std::fs::read_to_string(folder.path().join("seed/caster_spot_soft.wgsl")).unwrap();
+    let nan = text.replace(
+        "    let viewDir = normalize",
+        "    if in.clip.x > 100.0 { return vec4f(sqrt(in.clip.x * -1.0)); }\n    let viewDir = normalize",
+    );
+    assert_ne!(nan, text);
+    browser.run(WRITE, &[json!(nan)]);
+    drawn(&browser, times);
+    let (width, _, pixels) = picture(&browser);
+    let is_magenta = |pixel: &[u8; 4]| *pixel == [255, 0, 255, 255];
+    let columns = pixels.iter().enumerate().filter(|(_, pixel)| is_magenta(pixel));
+    let columns: Vec<u32> = columns.map(|(at, _)| at as u32 % width).collect();
+    assert!(columns.len() > 100 && columns.iter().all(|column| *column >= 100));
+    let scene = small_wgsl(&folder, "six_lights.json", "six_lights/phong.wgsl", [200, 150]);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    let mut times = drawn(&browser, 0);
+    let before = picture(&browser);
+    // Offsets that std140 does not have are WebGPU's, too.
+    browser.run(MOVED, &[]);
+    times = drawn(&browser, times);
+    assert_eq!(picture(&browser).2, before.2);
+    let text = browser.run("return document.getElementById('editor').editor.text", &[]);
+    let text = text.as_str().unwrap();
+    let shader = folder.path().join("six_lights/phong.wgsl");
+    let original = std::fs::read_to_string(&shader).unwrap();
+    assert_ne!(text, original);
+    // Of two compilers only the browser's refuses a texture that not all fragments sample.
+    let uneven = original.replace(
+        "    let normal = unit(in.normal);",
+        "    if in.texCoords.x > 0.5 && textureSample(materialDiffuse, materialSampler, in.texCoords).x > 2.0 { discard; }\n    let normal = unit(in.normal);",
+    );
+    assert_ne!(uneven, original);
+    browser.run(WRITE, &[json!(uneven)]);
+    let told = problem(&browser);
+    assert!(told.contains("WebGPU does not compile the shader: line"), "{told}");
+    browser.run(WRITE, &[json!(original)]);
+    drawn(&browser, times);
+    assert_eq!(picture(&browser).2, before.2);
+    // The light under the pointer is read back.
+    browser.run(POINT, &[json!(0.5), json!(0.6)]);
+    let asked = Instant::now();
+    let steps = loop {
+        let steps =
+            browser.run("return document.querySelector('.probe').dataset.steps ?? null", &[]);
+        if let Some(steps) = steps.as_str() {
+            break steps.parse::<f64>().unwrap();
         }
         assert!(asked.elapsed() < Duration::from_secs(20));
         std::thread::sleep(Duration::from_millis(20));
     };
-    assert!(told.as_str().unwrap().contains("Landfall has"), "{told}");
+    assert!(steps < 0.01, "{steps}");
+}
+
+#[test]
+fn wgsl_is_drawn_without_webgpu_too_and_skipped_lights_are_counted_as_by_render() {
+    let (browser, folder) = (Browser::start("wgsl"), Folder::new("wgsl"));
+    let scene = small_wgsl(&folder, "six_lights.json", "six_lights/phong.wgsl", [200, 150]);
+    let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
+    browser.open_url(&server.url);
+    drawn(&browser, 0);
+    assert!(facts(&browser).contains("drawn by WebGL 2"), "{}", facts(&browser));
+    assert_same("wgsl", &picture(&browser), &rendered(&folder, &scene));
+    // Offsets that std140 does not have: WebGL would read other bytes, and says so itself.
+    browser.run(MOVED, &[]);
+    let told = problem(&browser);
+    assert!(told.contains("Landfall has"), "{told}");
     let scene = small(&folder, "lights_1024_windowed.json", [160, 90]);
     let server = Server::start(folder.path(), &[scene.to_str().unwrap()]);
     browser.open_url(&server.url);
@@ -417,6 +517,23 @@ fn wgsl_is_drawn_too_and_skipped_lights_are_counted_as_by_render() {
     let evaluations = &report["plan"]["evaluations"];
     assert_eq!(found[0], json!([evaluations["after"], evaluations["before"]]));
     assert!(found[1].as_str().unwrap().contains("skipped"), "{found}");
+    // Random lights are written one by one, and nothing moves.
+    let before = picture(&browser);
+    let press = "[...document.querySelectorAll('#panel-lights button')].find(one => one.textContent === arguments[0]).click()";
+    browser.run(press, &[json!("Edit 1,024 random lights")]);
+    let mut times = drawn(&browser, times + 1);
+    assert_eq!(picture(&browser).2, before.2);
+    browser.run(press, &[json!("point 1000")]);
+    browser.run("const field = [...document.querySelectorAll('.field input[type=range]')].find(one => one.dataset.field === 'intensity'); field.value = field.max; field.dispatchEvent(new Event('input'));", &[]);
+    times = drawn(&browser, times);
+    browser.run(press, &[json!("Save scene")]);
+    let asked = Instant::now();
+    while !std::fs::read_to_string(&scene).unwrap().contains("\"omit\": true") {
+        assert!(asked.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    drawn(&browser, times - 1);
+    assert_same("random lights", &picture(&browser), &rendered(&folder, &scene));
 }
 
 #[test]

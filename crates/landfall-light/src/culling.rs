@@ -22,7 +22,7 @@ mod used;
 
 pub use cost::Costs;
 pub use measure::{brute, compare};
-pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse};
+pub use options::{Choose, Cull, Division, Interpolate, Options, PARTS, parse, parse_given};
 pub use upload::{UploadChoice, choose};
 
 use rustc_hash::FxHashMap;

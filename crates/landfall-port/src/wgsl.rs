@@ -156,13 +156,15 @@ fn differences(before: &[BlockLayout], after: &[BlockLayout]) -> Vec<Diagnostic>
             if leaf.offset != new.offset || leaf.matrix_stride != new.matrix_stride {
                 problems.push(moved(&leaf.path, leaf.offset, new.offset.unwrap_or(0), "WGSL puts"));
             } else if leaf.strides != new.strides || leaf.dims != new.dims {
-                let message = format!(
-                    "the array stride of `{}` is {} bytes, but {} in WGSL",
-                    leaf.path,
-                    strides(leaf),
-                    strides(new)
-                );
-                problems.push(about(&leaf.path, message));
+                let (path, ours, wgsl) = (&leaf.path, strides(leaf), strides(new));
+                let message = match (ours.as_str(), wgsl.as_str()) {
+                    ("", _) => format!("`{path}` is no array, but one in naga's WGSL"),
+                    (_, "") => format!("`{path}` is an array, but none in naga's WGSL"),
+                    _ => {
+                        format!("the array stride of `{path}` is {ours} bytes, but {wgsl} in WGSL")
+                    }
+                };
+                problems.push(about(path, message));
             }
         }
     }

@@ -264,6 +264,9 @@ pub enum ExplainFormat {
 #[cfg(feature = "exec")]
 #[derive(Debug, clap::Args)]
 pub struct DevicesArgs {
+    /// Backends to open [default: all]
+    #[arg(long = "backend", value_name = "BACKENDS", value_delimiter = ',')]
+    pub backends: Vec<VerifierName>,
     /// Output format
     #[arg(short, long, value_name = "FORMAT", default_value = "table")]
     pub format: DevicesFormat,

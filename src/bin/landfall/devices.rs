@@ -5,14 +5,20 @@ use landfall::report::devices::{json, table};
 use landfall_exec::backend::BackendKind;
 use landfall_exec::backend::devices::{BackendEntry, cpu};
 
-use crate::args::{DevicesArgs, DevicesFormat};
+use crate::args::{DevicesArgs, DevicesFormat, VerifierName};
 use crate::browser;
 use crate::output::{Failure, Outcome, Streams};
 
 pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
-    let mut found = vec![cpu()];
-    found.extend(drivers());
-    found.extend(browser::list());
+    let asked = |name: VerifierName| args.backends.is_empty() || args.backends.contains(&name);
+    let mut found = Vec::new();
+    if asked(VerifierName::Cpu) {
+        found.push(cpu());
+    }
+    found.extend(drivers(asked));
+    if asked(VerifierName::Web) {
+        found.extend(browser::list());
+    }
     match args.format {
         DevicesFormat::Table => streams.product(&table(&found, streams.paint))?,
         DevicesFormat::Json => streams.json(&json(&found))?,
@@ -21,11 +27,11 @@ pub fn run(args: &DevicesArgs, streams: &Streams) -> Result<Outcome, Failure> {
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
-fn drivers() -> Vec<BackendEntry> {
+fn drivers(asked: impl Fn(VerifierName) -> bool) -> Vec<BackendEntry> {
     use landfall_exec::backend::Failure;
     use landfall_exec::backend::subprocess::{DriverKind, Launch, list};
 
-    let ask = |(backend, driver_kind): (BackendKind, DriverKind)| {
+    let open = |(_, backend, driver_kind): (VerifierName, BackendKind, DriverKind)| {
         let found = match std::env::current_exe() {
             Ok(program) => list(&Launch::new(program, &driver_kind)),
             Err(cause) => {
@@ -38,13 +44,21 @@ fn drivers() -> Vec<BackendEntry> {
             vec![BackendEntry { backend, kind: String::new(), outcome: Err(failure) }]
         })
     };
-    [(BackendKind::Gl, DriverKind::Gl), (BackendKind::Gpu, DriverKind::Gpu(None))]
-        .into_iter()
-        .flat_map(ask)
-        .collect()
+    [
+        (VerifierName::Gl, BackendKind::Gl, DriverKind::Gl),
+        (VerifierName::Gpu, BackendKind::Gpu, DriverKind::Gpu(None)),
+    ]
+    .into_iter()
+    .filter(|(name, ..)| asked(*name))
+    .flat_map(open)
+    .collect()
 }
 
 #[cfg(not(any(feature = "gl", feature = "gpu")))]
-fn drivers() -> Vec<BackendEntry> {
-    [BackendKind::Gl, BackendKind::Gpu].map(BackendEntry::not_built).into()
+fn drivers(asked: impl Fn(VerifierName) -> bool) -> Vec<BackendEntry> {
+    [(VerifierName::Gl, BackendKind::Gl), (VerifierName::Gpu, BackendKind::Gpu)]
+        .into_iter()
+        .filter(|(name, _)| asked(*name))
+        .map(|(_, backend)| BackendEntry::not_built(backend))
+        .collect()
 }

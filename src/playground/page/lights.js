@@ -105,10 +105,10 @@ class LightsTab {
     if (this.busy) return;
     this.busy = true;
     while (this.asked) {
-      const { shader = false, frame = false, quick = false, probe } = this.asked;
+      const { shader = false, frame = false, quick = false, points = false, probe } = this.asked;
       this.asked = null;
       try {
-        await this.draw({ shader, frame, quick, probe });
+        await this.draw({ shader, frame, quick, points, probe });
       } catch (error) {
         this.page.problem(error.message);
       }
@@ -116,26 +116,31 @@ class LightsTab {
     this.busy = false;
   }
 
-  async draw({ shader, frame, quick, probe }) {
+  async draw({ shader, frame, quick, points, probe }) {
     const [width, height] = this.scene.size;
     const scale = quick ? Math.min(1, Math.sqrt(QUICK / (width * height))) : 1;
     const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
     const request = this.page.request();
     const map = shader ? [{ kind: 'map' }] : [];
-    const scene = { kind: 'scene', path: this.path, scene: this.text, assets: this.files, size, shader, frame, probe: probe ?? null, skip: this.skip.select.value || null };
+    const scene = { kind: 'scene', path: this.path, scene: this.text, assets: this.files, size, shader, frame, points, probe: probe ?? null, skip: this.skip.select.value || null };
     const text = await this.page.engine.answer({ ...request, gather: true, want: [...map, scene] });
     const { error, answers } = JSON.parse(text);
     if (error) throw new Error(error);
     const drawn = answers.at(-1);
     this.page.problem(drawn.size ? '' : drawn.findings);
     if (!drawn.size) return;
-    this.picture ??= new Picture(this.canvas);
+    if (drawn.points) this.unfold(drawn.points);
     if (shader) this.layouts(answers[0], drawn.blocks);
-    if (drawn.shader) this.picture.setShader(drawn.shader, this.views.map(own));
-    if (drawn.frame) this.picture.setFrame(drawn.frame, drawn.size);
+    if (drawn.frame) this.frame = [drawn.frame, drawn.size];
+    if (drawn.shader) await this.take(drawn.shader, Boolean(drawn.frame));
+    if (!this.frame) return;
+    if (this.frame !== this.picture.framed) {
+      await this.picture.setFrame(...this.frame);
+      this.picture.framed = this.frame;
+    }
     const bytes = drawn.materials.map(({ blocks }) => blocks.map(bytesOf));
-    this.picture.setMaterials(drawn.materials.map(({ textures }, at) => ({ blocks: bytes[at], textures })));
-    this.picture.draw(drawn.background, this.srgb.checked);
+    await this.picture.setMaterials(drawn.materials.map(({ textures }, at) => ({ blocks: bytes[at], textures })));
+    this.put(await this.picture.draw(drawn.background, this.srgb.checked));
     Object.assign(this, { camera: drawn.camera, drawn });
     this.written(bytes);
     this.handles();
@@ -144,14 +149,42 @@ class LightsTab {
       this.fields();
     }
     const { slots, evaluated } = drawn;
-    const { picture: { fragments }, drawn: { skipping } } = this;
+    const { picture: { api, fragments }, drawn: { skipping } } = this;
     this.facts.textContent = [
-      `${size.join(' × ')}`, counted(fragments, 'fragment'), `${counted(evaluated, 'light')} evaluated in each`,
+      `${size.join(' × ')}`, `drawn by ${api}`, counted(fragments, 'fragment'), `${counted(evaluated, 'light')} evaluated in each`,
       skipping && `with the plan of landfall render --skip: ${counted(skipping[0], 'evaluation')}, ${(skipping[1] - skipping[0]).toLocaleString('en')} skipped`,
       ...KINDS.map((kind, at) => slots[at] !== 0 && `${kind}: ${this.lit().lights?.[kind]?.length ?? 0} of ${slots[at] ?? 'any number'}`),
     ].filter(Boolean).join(' · ');
-    if (probe) this.probed(probe, drawn.probe);
+    if (probe) await this.probed(probe, drawn.probe);
     this.canvas.dataset.drawn = String(Number(this.canvas.dataset.drawn ?? 0) + 1);
+  }
+
+  /** Takes a shader: WGSL by WebGPU where the browser has it, the rest by WebGL 2. */
+  async take(shader, framed) {
+    if ((await this.gpu)?.lost !== undefined) this.gpu = null;
+    const gpu = shader.webgpu && await (this.gpu ??= GpuPicture.open());
+    this.picture = gpu || (this.gl ??= new GlPicture());
+    const inputs = JSON.stringify(shader.inputs);
+    if (inputs !== this.inputs) {
+      // Other inputs need other values.
+      [this.gl, gpu].filter(Boolean).forEach((picture) => { picture.framed = null; });
+      if (!framed) {
+        this.frame = null;
+        this.ask({ shader: true, frame: true });
+      }
+    }
+    this.inputs = inputs;
+    await this.picture.setShader(shader, this.views.map(own));
+  }
+
+  /** Puts a picture, a canvas or the pixels themselves, onto the page. */
+  put(drawn) {
+    const { canvas } = this;
+    const { width, height } = drawn;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    const context = canvas.getContext('2d', { alpha: false });
+    if (drawn instanceof ImageData) context.putImageData(drawn, 0, 0);
+    else context.drawImage(drawn, 0, 0);
   }
 
   /** Finds the maps of the blocks that are written. */
@@ -172,7 +205,7 @@ class LightsTab {
       const layout = own(block);
       if (!layout || this.drawn.materials.length === 0) return null;
       const now = bytes[first][number];
-      const ranges = before ? changed(before[first]?.[number] ?? now, now) : [];
+      const ranges = before ? changed(before[first]?.[number] ?? now, now, layout) : [];
       const mark = ({ start, end }) => (ranges.some(([from, to]) => start < to && end > from)
         ? { class: 'fresh', text: 'written', short: 'written' } : null);
       if (ranges.length > 0) {
@@ -194,6 +227,24 @@ class LightsTab {
 
   get light() { return this.scene.lights?.[this.chosen[0]]?.[this.chosen[1]]; }
 
+  /** The lights that the scene makes from a seed. */
+  get random() {
+    const lights = this.scene.generate?.lights;
+    return lights && !lights.omit ? lights : null;
+  }
+
+  /** Writes random lights into the scene one by one; its cubes stay where they are. */
+  unfold(points) {
+    const { random } = this;
+    if (!random) return;
+    const lights = (this.scene.lights ??= {});
+    lights.point ??= [];
+    lights.point.push(...points.slice(points.length - random.count));
+    random.omit = true;
+    this.listed();
+    this.fields();
+  }
+
   /** The list of lights. */
   listed() {
     const all = KINDS.flatMap((kind) => (this.scene.lights?.[kind] ?? []).map((_, at) => [kind, at]));
@@ -206,6 +257,7 @@ class LightsTab {
     const slots = this.drawn.slots[KINDS.indexOf(kind)];
     const count = this.scene.lights?.[kind]?.length ?? 0;
     this.list.replaceChildren(...buttons,
+      ...(this.random ? [el('button', { type: 'button', class: 'plain', on: { click: () => this.ask({ points: true }) } }, `Edit ${counted(this.random.count, 'random light')}`)] : []),
       el('button', { type: 'button', class: 'plain', disabled: slots !== null && count >= slots, on: { click: () => this.add() } }, `Add ${kind}`),
       el('button', { type: 'button', class: 'plain', disabled: count === 0, on: { click: () => this.remove() } }, 'Remove'));
   }
@@ -298,6 +350,9 @@ class LightsTab {
       }
       told();
       parts.push(reach);
+    }
+    if (typeof light.range === 'number') {
+      parts.push(this.slider('range', { get: () => light.range, set: (value) => { light.range = value; }, min: 0.01, max: 2 * light.range }));
     }
     for (const name of ['inner_degrees', 'outer_degrees', 'half_degrees'].filter((one) => typeof cone?.[one] === 'number')) {
       parts.push(this.slider(name.replace('_', ' '), { get: () => cone[name], set: (value) => { cone[name] = value; }, max: 89, step: 0.1 }));
@@ -417,8 +472,8 @@ class LightsTab {
     if (at.every((n, axis) => n >= 0 && n < [this.canvas.width, this.canvas.height][axis])) this.ask({ probe: at });
   }
 
-  probed([column, row], reference) {
-    const light = this.picture.read(column, row);
+  async probed([column, row], reference) {
+    const light = await this.picture.read(column, row);
     if (!light || !reference) {
       this.probe.textContent = `column ${column}, row ${row}: ${light ? 'the reference is undefined' : 'nothing is drawn'}`;
       return;
@@ -487,15 +542,16 @@ function base64(given) {
   return btoa(binary);
 }
 
-/** The ranges of bytes in which two states of a block differ, words as they are written. */
-function changed(before, now) {
+/** The ranges of bytes that `Buffer` marks dirty when the values that differ are set: whole vectors. */
+function changed(before, now, layout) {
   const ranges = [];
   for (let at = 0; at < now.length; at += 4) {
     const same = [0, 1, 2, 3].every((n) => before[at + n] === now[at + n]);
-    if (same) continue;
-    const last = ranges.at(-1);
-    if (last && last[1] === at) last[1] = at + 4;
-    else ranges.push([at, at + 4]);
+    if (same || at < ranges.at(-1)?.[1]) continue;
+    const owner = ownerOf(layout, at, now.length);
+    const [from, to] = owner.kind === 'component' ? [owner.leafStart, owner.leafEnd] : [at, at + 4];
+    if (ranges.at(-1)?.[1] === from) ranges.at(-1)[1] = to;
+    else ranges.push([from, to]);
   }
   return ranges;
 }

@@ -45,9 +45,10 @@ const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)
 const floatsOf = (base64) => new Float32Array(bytesOf(base64).buffer);
 const wordsOf = (base64) => new Uint32Array(bytesOf(base64).buffer);
 
-class Picture {
-  constructor(canvas) {
-    this.canvas = canvas;
+class GlPicture {
+  constructor() {
+    const canvas = document.createElement('canvas');
+    Object.assign(this, { canvas, api: 'WebGL 2' });
     const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, preserveDrawingBuffer: true });
     if (!gl) throw new Error('this browser has no WebGL 2');
     if (!gl.getExtension('EXT_color_buffer_float')) throw new Error('WebGL 2 has no float targets here (EXT_color_buffer_float)');
@@ -87,8 +88,10 @@ class Picture {
     return texture;
   }
 
-  setShader({ text, blocks, samplers }, layouts) {
+  setShader({ webgl: { Ok: shader, Err: refusal } }, layouts) {
+    if (refusal !== undefined) throw new Error(`does not run on WebGL 2: ${refusal}`);
     const { gl } = this;
+    const { text, blocks, samplers } = shader;
     const program = this.program(text);
     if (this.own) gl.deleteProgram(this.own);
     Object.assign(this, { own: program, blocks, samplers });
@@ -165,9 +168,10 @@ class Picture {
     });
   }
 
+  /** Draws the scene and returns its picture. */
   draw(background, srgb) {
-    const { gl, canvas: { width, height } } = this;
-    gl.viewport(0, 0, width, height);
+    const { gl, canvas } = this;
+    gl.viewport(0, 0, canvas.width, canvas.height);
     Object.assign(this, { background, srgb });
     this.show(0);
     for (const material of this.used) {
@@ -176,6 +180,7 @@ class Picture {
     }
     const error = gl.getError();
     if (error !== gl.NO_ERROR) throw new Error(`WebGL fails to draw the scene (error ${error})`);
+    return canvas;
   }
 
   /** Lights all pixels as if they were of a material. */

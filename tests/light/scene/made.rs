@@ -86,7 +86,7 @@ fn cubes_stand_on_the_floor() {
 
 #[test]
 fn another_seed_is_another_scene_and_the_same_seed_the_same() {
-    let made = |seed| {
+    let made = |seed, omit| {
         generate(&Generate {
             seed,
             area: [10.0, 20.0],
@@ -96,13 +96,15 @@ fn another_seed_is_another_scene_and_the_same_seed_the_same() {
                 attenuations: Vec::new(),
                 gain: 1.0,
                 window: None,
+                omit,
             }),
             cubes: Some(RandomCubes { count: 4, edge: [1.0, 1.0], material: 0 }),
             floor: None,
         })
     };
-    assert_eq!(made(1), made(1));
-    let ((a, cubes), (b, _)) = (made(1), made(2));
+    assert_eq!(made(1, false), made(1, false));
+    let ((a, cubes), (b, _)) = (made(1, false), made(2, false));
+    assert_eq!(made(1, true), (Vec::new(), cubes.clone()), "the cubes stand as with lights");
     assert_eq!((a.len(), cubes.len()), (9, 4));
     assert!(a.iter().zip(&b).all(|(a, b)| a.position != b.position));
 }

@@ -4,12 +4,13 @@
 //! There are no vertices: the fragments are packed into an image in list order, and each pixel
 //! fetches its inputs from a texture of floats. `module` builds that into a module for the
 //! interpreter and wgpu, `text` into the user's GLSL for OpenGL, and `batch` makes and runs the
-//! jobs. Used by `landfall_light`.
+//! jobs. Browsers draw points with inputs instead: `wgsl`. Used by `landfall_light`.
 
 mod batch;
 mod module;
 mod permitted;
 mod text;
+mod wgsl;
 
 use landfall_layout::diagnostic::Code;
 use std::sync::Arc;
@@ -21,6 +22,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Options};
 
 pub use batch::{Batch, Image, Shaded};
 pub use permitted::Permitted;
+pub use wgsl::{BufferKind, WgslTexts};
 
 /// The name of the texture that holds the inputs.
 pub const ATLAS: &str = "landfall_inputs";
@@ -42,6 +44,8 @@ pub struct FragmentShader {
     entry: String,
     /// For OpenGL: the shader's text, and that of `covered`.
     texts: Option<(String, Option<String>)>,
+    /// For WebGPU in a browser: the text and the name of its entry point; `None` for GLSL.
+    wgsl: Option<(String, String)>,
     /// Whether the text declares [`SIZE`].
     wants_size: bool,
     inputs: Vec<Input>,
@@ -64,6 +68,8 @@ pub struct Input {
     pub components: u8,
     /// The component type.
     pub kind: InputKind,
+    /// How it is interpolated, as WGSL's attribute; empty for `gl_FragCoord`.
+    interpolation: String,
 }
 
 /// The component type of an input; integers are given as floats.
@@ -134,11 +140,14 @@ impl FragmentShader {
                 Some((made(text::Writes::Result), covered))
             }
         };
+        let wgsl = (source.language == Language::Wgsl)
+            .then(|| (source.text.to_string(), fetching.original));
         Ok(FragmentShader {
             module: Arc::new(fetching.module),
             covered: fetching.covered.map(Arc::new),
             entry: fetching.entry,
             texts,
+            wgsl,
             wants_size: text::wants_size(&original, &options.read),
             inputs: fetching.inputs,
             atlas: fetching.atlas,

@@ -100,7 +100,7 @@ pub enum Choose {
     Always,
 }
 
-/// The parts of `--skip` with their descriptions, for help and messages.
+/// The parts of `--skip` with their descriptions, for help and messages; `auto` is the last one.
 pub const PARTS: &[(&str, &str)] = &[
     ("used", "drop lights without effect and unused kinds of light"),
     (
@@ -155,9 +155,26 @@ pub const PARTS: &[(&str, &str)] = &[
 ///
 /// A message that names the invalid part.
 pub fn parse(text: &str) -> Result<Options, String> {
+    parse_of(text, PARTS)
+}
+
+/// Parses the parts of a plan that is given and not chosen: all but `auto`.
+///
+/// # Errors
+///
+/// A message that names the invalid part.
+pub fn parse_given(text: &str) -> Result<Options, String> {
+    parse_of(text, &PARTS[..PARTS.len() - 1])
+}
+
+fn parse_of(text: &str, parts: &[(&str, &str)]) -> Result<Options, String> {
     let mut options = Options::default();
     for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
         let (name, value) = part.split_once('=').map_or((part, None), |(n, v)| (n, Some(v)));
+        if !parts.iter().any(|(known, _)| known.split(['[', '=']).next() == Some(name)) {
+            let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+            return Err(format!("`{part}`: unknown part; expected one of {}", names.join(", ")));
+        }
         apply(&mut options, name, value).map_err(|why| format!("`{part}`: {why}"))?;
     }
     let alone = Options { auto: options.auto, slots: options.slots, ..Options::default() };
@@ -225,10 +242,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
         "below" => options.cull = Cull::Threshold(positive(needed()?)?),
         "always" => options.choose = Choose::Always,
         "auto" => options.auto = Some(value.map_or(Ok(0.0), positive)?),
-        _ => {
-            let names: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
-            return Err(format!("unknown part; expected one of {}", names.join(", ")));
-        }
+        _ => unreachable!("the caller knows the parts"),
     }
     Ok(())
 }

@@ -38,6 +38,8 @@ pub struct RandomLights {
     pub gain: f64,
     /// If set, the range of a light is where its brightest channel falls to this value.
     pub window: Option<f64>,
+    /// Whether they are left out, and only their random numbers drawn: the cubes stand as with them.
+    pub omit: bool,
 }
 
 /// Cubes that stand on the floor.
@@ -57,6 +59,9 @@ pub fn generate(from: &Generate) -> (Vec<PointLight>, Vec<Object>) {
     let mut lamps = Vec::new();
     if let Some(lights) = &from.lights {
         lamps.extend((0..lights.count).map(|_| lamp(&mut random, from, lights)));
+        if lights.omit {
+            lamps.clear();
+        }
     }
     let mut objects = Vec::new();
     if let Some(material) = from.floor {

@@ -225,12 +225,8 @@ fn variants(args: &BenchArgs, own: &RenderRequest) -> Result<Vec<(String, Varian
     }
     let one = |(name, what): &(String, String)| {
         let plan = |options| {
-            let plan = culling::parse(options)
-                .map_err(|error| wrong(name, format!("is not a plan: {error}")))?;
-            match plan.auto {
-                Some(_) => Err(wrong(name, "is not a plan: `auto` is for `render`".to_string())),
-                None => Ok(plan),
-            }
+            culling::parse_given(options)
+                .map_err(|error| wrong(name, format!("is not a plan: {error}")))
         };
         let what = match what.split_once(':') {
             Some(("rust", "seed")) => VariantKind::Rust(Form::Seed, 0.0),

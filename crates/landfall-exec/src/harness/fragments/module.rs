@@ -11,6 +11,7 @@ use naga::{
     StructMember, SwizzleComponent, Type, TypeInner, VectorSize,
 };
 
+use super::wgsl::attribute;
 use super::{ATLAS, Input, InputKind};
 use landfall_ir::{Module, call_graph};
 use landfall_layout::Diagnostic;
@@ -23,6 +24,8 @@ pub(super) struct Fetching {
     pub covered: Option<Module>,
     /// The name of the entry point.
     pub entry: String,
+    /// Its name in the text.
+    pub original: String,
     /// The inputs in the order of their rows of texels.
     pub inputs: Vec<Input>,
     /// Group and binding of the texture.
@@ -71,6 +74,7 @@ pub(super) fn fetching(module: &Module, name: Option<&str>) -> Result<Fetching, 
         read,
         covered: if kills { Some(made(EntryOutput::White)?) } else { None },
         entry: ENTRY.to_string(),
+        original: entry.name.clone(),
         inputs,
         atlas,
         differences,
@@ -88,7 +92,9 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
     let mut has_pixel = false;
     let mut add = |name: &Option<String>, binding: &Option<Binding>, ty: Handle<Type>| {
         has_pixel |= matches!(binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
-        let Some(Binding::Location { location, .. }) = binding else { return Ok(()) };
+        let Some(Binding::Location { location, interpolation, sampling, .. }) = binding else {
+            return Ok(());
+        };
         let known = module.inputs().iter().find(|input| input.location == *location);
         let name = known.map_or_else(|| name.clone().unwrap_or_default(), |k| k.name.clone());
         let (components, scalar) = match ir.types[ty].inner {
@@ -102,7 +108,8 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
             (ScalarKind::Uint, 4) => InputKind::Uint,
             _ => return Err(refused(format!("the input `{name}` does not have a 32-bit type"))),
         };
-        inputs.push(Input { name, location: Some(*location), components, kind });
+        let (location, interpolation) = (Some(*location), attribute(*interpolation, *sampling));
+        inputs.push(Input { name, location, components, kind, interpolation });
         Ok(())
     };
     for argument in &entry.function.arguments {
@@ -115,7 +122,8 @@ fn inputs(module: &Module, entry: &EntryPoint) -> Result<Vec<Input>, Vec<Diagnos
     }
     if has_pixel {
         let (name, kind) = (super::PIXEL.to_string(), InputKind::Float);
-        inputs.push(Input { name, location: None, components: 4, kind });
+        let interpolation = String::new();
+        inputs.push(Input { name, location: None, components: 4, kind, interpolation });
     }
     Ok(inputs)
 }

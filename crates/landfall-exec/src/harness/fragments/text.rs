@@ -164,7 +164,8 @@ mod tests {
     use super::*;
 
     fn input(name: &str, components: u8) -> Input {
-        Input { name: name.to_string(), location: Some(0), components, kind: InputKind::Float }
+        let (name, interpolation) = (name.to_string(), String::new());
+        Input { name, location: Some(0), components, kind: InputKind::Float, interpolation }
     }
 
     fn rewritten(text_in: &str, inputs: &[Input]) -> String {

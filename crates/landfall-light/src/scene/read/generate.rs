@@ -45,7 +45,7 @@ pub(super) fn read(
 }
 
 fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
-    let object = walk.object(at, &["count", "height", "distances", "gain", "window"])?;
+    let object = walk.object(at, &["count", "height", "distances", "gain", "window", "omit"])?;
     let count = count(walk, &object);
     let height = walk.needed(&object, "height").and_then(|at| positive(walk, &at));
     let height = height.and_then(|height| ordered(walk, &object, "height", height));
@@ -58,12 +58,17 @@ fn lights(walk: &mut Walk, at: &At<'_>) -> Option<RandomLights> {
         Some(at) => walk.positive(&at).map(Some),
         None => Some(None),
     };
+    let omit = match object.get("omit") {
+        Some(at) => walk.boolean(&at),
+        None => Some(false),
+    };
     Some(RandomLights {
         count: count?,
         height: height?,
         attenuations: rows?,
         gain: gain?,
         window: window?,
+        omit: omit?,
     })
 }
 
