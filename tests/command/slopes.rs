@@ -23,7 +23,7 @@ struct Measured {
 }
 
 /// Seconds above those of an empty input from which a slope is measured.
-const ENOUGH: f64 = 0.03;
+const ENOUGH: f64 = 0.015;
 
 /// Seconds that the largest size takes where a limit cuts a steeper slope off.
 const CUT_OFF: f64 = 4.0;
