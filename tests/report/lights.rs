@@ -415,6 +415,8 @@ fn wgsl_is_drawn_by_webgpu_as_it_is() {
         browser.open_url(&server.url);
         drawn(&browser, 0);
         assert!(facts(&browser).contains("drawn by WebGPU"), "{}", facts(&browser));
+        let language = browser.run("return document.getElementById('kind').value", &[]);
+        assert_eq!(language, json!("wgsl"));
         assert_same(shader, &picture(&browser), &rendered(&folder, &scene));
     }
     // NaN is magenta; the compiler must not take it that there is none.

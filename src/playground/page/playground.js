@@ -47,6 +47,8 @@ const SLOW = 100;
 /** Milliseconds between two looks at the files of a server. */
 const LOOK = 500;
 
+/** The values of the option `kind` for stages of GLSL. */
+const KINDS_OF_STAGES = { fragment: 'frag', vertex: 'vert', compute: 'comp' };
 const byId = (id) => document.getElementById(id);
 const OPTIONS = ['kind', 'defines', 'target', 'rules', 'gather'];
 const LAYOUTS = { table: 'Table', listing: 'Listing', json: 'JSON', csv: 'CSV', md: 'Markdown' };
@@ -343,6 +345,8 @@ class Playground {
     this.answers = answers;
     const [shader] = answers[0].shaders;
     const findings = shader.findings ?? [];
+    // Of a file it is not chosen, but shown.
+    if (byId('kind').disabled) byId('kind').value = shader.language === 'wgsl' ? 'wgsl' : KINDS_OF_STAGES[shader.stage] ?? 'glsl';
     byId('summary').textContent = [
       shader.stage ? `${shader.language.toUpperCase()} ${shader.stage}` : shader.language.toUpperCase(),
       counted(shader.blocks.length, 'block'), counted(findings.length, 'finding'), `landfall ${this.data.tool.version}`,
