@@ -283,15 +283,27 @@ fn a_slot_not_in_use_may_hold_what_is_no_number() {
         let model = Model::of(&models()[0]).expect("a compiled model");
         let surfaces = surfaces(&frame, &upload, &model, 0.0);
         let directional = scene.lights.directional.len();
-        let text = format!("slots={directional}x{points}x{spots},tiles=8,always");
-        let plan = culling::plan(&upload, &frame, &model, &culling::parse(&text).expect("good"));
-        let lit = execute::<()>(&plan, &upload, &surfaces, &model, ROBUST).colors;
-        let all = brute(&clean, &frame, &model, ROBUST).colors;
-        assert!(bits(&lit) == bits(&all), "{kind} {number}");
-        // In use, it is in every list, and every fragment shows it.
-        let used = culling::parse("tiles=8,always").expect("good");
-        let plan = culling::plan(&upload, &frame, &model, &used);
-        let lit = execute::<()>(&plan, &upload, &surfaces, &model, ROBUST).colors;
-        assert!(lit.iter().all(|color| color.is_nan()), "{kind} {number}");
+        let all = bits(&brute(&clean, &frame, &model, ROBUST).colors);
+        for strategy in [
+            "used",
+            "tiles=8,always",
+            "tiles=16,always",
+            "clusters=6x4x8,always",
+            "budget=2,always",
+        ] {
+            let lit = |upload: &Upload, text: &str| {
+                let options = culling::parse(text).expect("good");
+                let plan = culling::plan(upload, &frame, &model, &options);
+                execute::<()>(&plan, upload, &surfaces, &model, ROBUST).colors
+            };
+            let unused = format!("slots={directional}x{points}x{spots},{strategy}");
+            let unused = bits(&lit(&upload, &unused));
+            assert!(unused == bits(&lit(&clean, strategy)), "{kind} {number} {strategy}");
+            // A budget leaves light out.
+            assert!(unused == all || strategy.starts_with("budget"), "{kind} {number} {strategy}");
+            // In use, it is in every list, and every fragment shows it.
+            let used = lit(&upload, strategy);
+            assert!(used.iter().all(|color| color.is_nan()), "{kind} {number} {strategy}");
+        }
     }
 }
