@@ -212,6 +212,22 @@ fn requests_that_are_none_get_an_error() {
     }
 }
 
+/// A connection that stays open would get the error 500 after ten seconds, as the answer to whatever
+/// the browser asks next.
+#[test]
+fn an_answer_ends_its_connection() {
+    let folder = Folder::new("serve-connection");
+    let server = Server::start(folder.path(), &[]);
+    let (host, token) = server.parts();
+    let mut stream = TcpStream::connect(host).unwrap();
+    let request = format!("GET /{token}/files HTTP/1.1\r\nHost: {host}\r\n\r\n");
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answers = String::new();
+    stream.read_to_string(&mut answers).unwrap();
+    let lines = answers.lines().filter(|line| line.starts_with("HTTP/1.1 "));
+    assert_eq!(lines.collect::<Vec<_>>(), ["HTTP/1.1 200 OK"]);
+}
+
 #[test]
 fn ctrl_c_ends_it_and_closes_the_port() {
     let folder = Folder::new("serve-end");

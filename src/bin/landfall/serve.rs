@@ -15,7 +15,7 @@ use landfall::playground::page::{Engine, Opened, page};
 use landfall::playground::{self, MOST_BYTES};
 use landfall_layout::Error;
 use oxhttp::Server;
-use oxhttp::model::{Body, Method, Request, Response, StatusCode};
+use oxhttp::model::{Body, HeaderValue, Method, Request, Response, StatusCode};
 use serde::Deserialize;
 
 use crate::args::ServeArgs;
@@ -138,6 +138,9 @@ struct Site {
 
 impl Site {
     fn answer(&self, request: &mut Request<Body>) -> Response<Body> {
+        // oxhttp sends the error 500 over a connection that was quiet for the time limit, and a
+        // browser may take it for the answer to its next request: each answer ends its connection.
+        request.headers_mut().insert("connection", HeaderValue::from_static("close"));
         let (status, kind, text) = match self.content(request) {
             Ok((kind, text)) => (StatusCode::OK, kind, text),
             Err(status) => (status, "text/plain", String::new()),
