@@ -173,9 +173,9 @@ fn every_example_of_every_help_exits_as_documented() {
         let place = checkout(&command);
         for Example { line, code } in examples {
             let mut shell = Command::new("sh");
-            // It runs until Ctrl-C.
+            // It runs until Ctrl-C, which comes once: the second one ends a command at once.
             let line = match command.as_str() {
-                "serve" => format!("timeout --preserve-status --signal INT 2 {line}"),
+                "serve" => format!("timeout --foreground --preserve-status --signal INT 2 {line}"),
                 _ => line,
             };
             shell.args(["-c", &line]).env("PATH", &path).current_dir(&place);
