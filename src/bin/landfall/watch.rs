@@ -263,7 +263,11 @@ impl Watch {
         if thread::Builder::new().spawn(flush).is_ok() {
             let _ = flushed.recv_timeout(FLUSH);
         }
-        groups().drain(..).for_each(kill_group);
+        let mut groups = groups();
+        groups.drain(..).for_each(kill_group);
+        // Stays locked: a thread whose program was ended here waits where it drops the program, so
+        // that it reports no error about it.
+        std::mem::forget(groups);
         remove_partial();
         for directory in temporary().iter() {
             let _ = std::fs::remove_dir_all(directory);
