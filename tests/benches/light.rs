@@ -158,6 +158,11 @@ fn skipping() {
     for text in ["tiles=8", "tiles=16"] {
         gains("256 spotlights of 20 degrees", &spots, &Model::default(), text);
     }
+    let far = FragmentLights::of(scene_of("lights_1024", &[]));
+    gains("1,024 point lights without end", &far, &Model::default(), "far=0.49,always");
+    let many = [("\"count\": 1024", "\"count\": 8192")];
+    let far = FragmentLights::of(scene_of("lights_1024", &many));
+    gains("8,192 point lights without end", &far, &Model::default(), "far=0.49,always");
     let more = [
         ("\"count\": 1024", "\"count\": 16384"),
         ("[100, 100]", "[400, 400]"),

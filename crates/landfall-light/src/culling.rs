@@ -10,10 +10,13 @@
 pub mod bound;
 mod cost;
 mod cull;
+mod lamps;
 mod lists;
 mod measure;
+mod near;
 mod options;
 mod patch;
+mod plane;
 pub mod radius;
 pub mod region;
 mod smooth;
@@ -201,9 +204,7 @@ impl Job<'_> {
         };
         let Patched { plan, tests, sorted, error } = patch::patches(self, interpolate);
         let plain = options.costs.total(whole, 0, 0);
-        // A bound of the error takes as long as this many other tests.
-        let weight = if within.is_some() { 20 } else { 1 };
-        let cost = options.costs.total(&plan, weight * tests, sorted);
+        let cost = options.costs.total(&plan, tests, sorted);
         if options.choose == Choose::Cheaper && cost >= plain * options.costs.worth {
             savings.steps.push(unused(option, cost, plain, tests));
             return None;

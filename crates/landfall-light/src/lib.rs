@@ -13,6 +13,7 @@ pub mod accuracy;
 pub mod bind;
 pub mod culling;
 pub mod frame;
+mod lanes;
 pub mod listed;
 pub mod picture;
 pub mod plan;

@@ -95,7 +95,7 @@ const NEARER: f64 = 1.0 - 1.0 / (1 << 20) as f64;
 /// The margin for the terms in `f32` arithmetic.
 const MORE: f64 = 1.0 + 1.0 / (1 << 18) as f64;
 /// The cosine below which a surface faces away in `f32` arithmetic too.
-const AWAY: f64 = 1.0 / (1 << 19) as f64;
+pub(super) const AWAY: f64 = 1.0 / (1 << 19) as f64;
 
 /// Returns the lights of an upload by kind, in the order of the sum.
 pub fn bounded(upload: &Upload, model: &Model) -> Vec<Bounded> {

@@ -131,7 +131,7 @@ pub const PARTS: &[(&str, &str)] = &[
     (
         "far=STEPS[xNODES]",
         "as `interpolate`, for the lights whose errors add up to at most STEPS/255 at any fragment by \
-         proof; point lights without a range; default 5 nodes",
+         proof; point lights without a range; default 4 nodes, two on small patches",
     ),
     (
         "cut=VALUE",
@@ -234,7 +234,7 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
             options.interpolate = Some(Interpolate { diameters, nodes, within: None });
         }
         "far" => {
-            let (steps, nodes) = needed()?.split_once('x').unwrap_or((needed()?, "5"));
+            let (steps, nodes) = needed()?.split_once('x').unwrap_or((needed()?, "4"));
             let (steps, nodes) = (positive(steps)?, integer(nodes, 2..=6)?);
             options.interpolate = Some(Interpolate { diameters: 0.0, nodes, within: Some(steps) });
         }

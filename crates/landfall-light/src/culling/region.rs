@@ -86,6 +86,10 @@ impl<'a> Points<'a> {
         self.most.iter().any(|[_, shine]| shine.cmpeq(DVec3::ZERO).any())
     }
 
+    pub fn material(&self, number: u32) -> u32 {
+        self.fragments[number as usize].material
+    }
+
     pub fn position(&self, number: u32) -> DVec3 {
         Vec3::from(self.fragments[number as usize].position).as_dvec3()
     }
@@ -93,6 +97,19 @@ impl<'a> Points<'a> {
     /// Returns the unit normal; zero for one without a direction.
     pub fn normal(&self, number: u32) -> DVec3 {
         Vec3::from(self.fragments[number as usize].normal).as_dvec3().normalize_or_zero()
+    }
+
+    /// Returns the largest difference of their unit normals from `normal`.
+    pub fn tilt(&self, numbers: &[u32], normal: DVec3) -> f64 {
+        let (mut most, mut last) = (0f64, [f32::NAN; 3]);
+        for &number in numbers {
+            let given = self.fragments[number as usize].normal;
+            if given != last {
+                last = given;
+                most = most.max((self.normal(number) - normal).length());
+            }
+        }
+        most
     }
 
     pub fn region(&self, numbers: &[u32]) -> Region {

@@ -1,8 +1,10 @@
 //! Interpolates far lights between the nodes of grids, for the compiled models and the backends.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
+use pulp::{Simd, WithSimd};
 
-use super::{Grid, Plan};
+use super::{Draw, Grid, Plan};
+use crate::lanes::Lanes;
 
 /// Adds the interpolated light of every draw's grid to `colors`, the colours of the frame's
 /// fragments; `nodes` holds the light of each grid at its nodes.
@@ -12,23 +14,86 @@ pub fn interpolate(
     position: impl Fn(u32) -> Option<Vec3>,
     colors: &mut [Vec3],
 ) {
-    let mut surfaces: Vec<Polynomial<'_>> = Vec::with_capacity(plan.grids.len());
+    let most = plan.grids.iter().map(|grid| grid.side).max().unwrap_or_default();
+    let bases: Vec<Basis> = (0..=most).map(Basis::new).collect();
+    let mut surfaces: Vec<Polynomial> = Vec::with_capacity(plan.grids.len());
     for (grid, own) in plan.grids.iter().zip(nodes) {
-        let mut values = own.clone();
-        if let Some(parent) = grid.parent {
-            for (value, node) in values.iter_mut().zip(&grid.nodes) {
-                *value += surfaces[parent as usize].at(Vec3::from(node.position));
-            }
-        }
-        surfaces.push(Polynomial::through(grid, &values));
+        let own = Polynomial::through(grid, &bases[grid.side as usize], own);
+        let parent = grid.parent.and_then(|parent| surfaces.get(parent as usize));
+        let whole = parent.map(|parent| {
+            // A polynomial of the higher degree has the values of both.
+            let basis = &bases[own.side.max(parent.side)];
+            let value = |y: &f64, x: &f64| {
+                let at = grid.center
+                    + grid.axes[0] * (x * grid.half[0])
+                    + grid.axes[1] * (y * grid.half[1]);
+                Vec3::from(own.at(at) + parent.at(at))
+            };
+            let row = |y| basis.places.iter().map(move |x| value(y, x));
+            let values: Vec<Vec3> = basis.places.iter().flat_map(row).collect();
+            Polynomial::through(grid, basis, &values)
+        });
+        surfaces.push(whole.unwrap_or(own));
     }
     for draw in &plan.draws {
-        let Some(surface) = draw.grid.and_then(|grid| surfaces.get(grid as usize)) else {
-            continue;
-        };
-        for &number in &draw.fragments {
-            if let (Some(at), Some(color)) = (position(number), colors.get_mut(number as usize)) {
-                *color += surface.at(at);
+        if let Some(surface) = draw.grid.and_then(|grid| surfaces.get(grid as usize)) {
+            let position = &position;
+            pulp::Arch::new().dispatch(Fragments { draw, surface, position, colors });
+        }
+    }
+}
+
+/// The fragments of a draw, to whose colours a polynomial is added.
+struct Fragments<'a, F> {
+    draw: &'a Draw,
+    surface: &'a Polynomial,
+    position: &'a F,
+    colors: &'a mut [Vec3],
+}
+
+/// The most lanes of any processor.
+const MOST: usize = 16;
+
+impl<F: Fn(u32) -> Option<Vec3>> WithSimd for Fragments<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Fragments { draw, surface, position, colors } = self;
+        let axes = surface.axes.map(|axis| axis.as_vec3());
+        for numbers in draw.fragments.chunks(S::F32_LANES.min(MOST)) {
+            let [mut x, mut y] = [[0.0; MOST]; 2];
+            for (lane, &number) in numbers.iter().enumerate() {
+                // In `f64`: the coordinates of a small patch are differences of large ones.
+                let from = position(number).map(|at| (at.as_dvec3() - surface.center).as_vec3());
+                let from = from.unwrap_or_default();
+                (x[lane], y[lane]) = (from.dot(axes[0]), from.dot(axes[1]));
+            }
+            let lanes = numbers.len();
+            let (x, y) = (Lanes::load(simd, &x[..lanes]), Lanes::load(simd, &y[..lanes]));
+            let zero = x.splat(0.0);
+            let mut sums = [zero; 3];
+            for row in surface.coefficients.chunks_exact(surface.side).rev() {
+                let mut values = [zero; 3];
+                for coefficient in row.iter().rev() {
+                    for channel in 0..3 {
+                        values[channel] = values[channel] * x + coefficient[channel];
+                    }
+                }
+                for channel in 0..3 {
+                    sums[channel] = sums[channel] * y + values[channel];
+                }
+            }
+            let mut stored = [[0.0; MOST]; 3];
+            for channel in 0..3 {
+                sums[channel].store(&mut stored[channel][..lanes]);
+            }
+            for (lane, &number) in numbers.iter().enumerate() {
+                if let (Some(color), true) =
+                    (colors.get_mut(number as usize), position(number).is_some())
+                {
+                    *color += Vec3::new(stored[0][lane], stored[1][lane], stored[2][lane]);
+                }
             }
         }
     }
@@ -41,53 +106,72 @@ pub(crate) fn places(side: u32) -> Vec<f64> {
 }
 
 /// A polynomial in two variables.
-struct Polynomial<'a> {
-    grid: &'a Grid,
+struct Polynomial {
+    center: DVec3,
+    /// The axes over half the length of their sides.
+    axes: [DVec3; 2],
+    side: usize,
     /// For each power of the second variable, the coefficients of the first.
-    coefficients: Vec<Vec3>,
+    coefficients: Vec<Vec3A>,
 }
 
-impl<'a> Polynomial<'a> {
-    fn through(grid: &'a Grid, values: &[Vec3]) -> Polynomial<'a> {
-        let side = grid.side as usize;
-        let basis = basis(&places(grid.side));
-        let mut coefficients = vec![DVec3::ZERO; side * side];
-        for (node, value) in values.iter().enumerate() {
-            let (row, column) = (node / side, node % side);
-            for (power, coefficient) in coefficients.iter_mut().enumerate() {
-                let (y, x) = (power / side, power % side);
-                *coefficient += value.as_dvec3() * (basis[row][y] * basis[column][x]);
-            }
+impl Polynomial {
+    fn through(grid: &Grid, basis: &Basis, values: &[Vec3]) -> Polynomial {
+        let side = basis.places.len();
+        // Along the first variable, then along the second.
+        let mut along = vec![DVec3::ZERO; side * side];
+        for (at, coefficient) in along.iter_mut().enumerate() {
+            let row = values.iter().skip(at / side * side).zip(&basis.coefficients);
+            *coefficient = row.map(|(value, of)| value.as_dvec3() * of[at % side]).sum();
         }
-        Polynomial { grid, coefficients: coefficients.iter().map(|c| c.as_vec3()).collect() }
+        let coefficient = |at: usize| {
+            let column = along.iter().skip(at % side).step_by(side).zip(&basis.coefficients);
+            column.map(|(value, of)| *value * of[at / side]).sum::<DVec3>().as_vec3a()
+        };
+        let coefficients = (0..side * side).map(coefficient).collect();
+        let axes = [0, 1].map(|axis| grid.axes[axis] / grid.half[axis]);
+        Polynomial { center: grid.center, axes, side, coefficients }
     }
 
-    fn at(&self, position: Vec3) -> Vec3 {
-        let Grid { center, axes, half, side, .. } = self.grid;
-        let from = position.as_dvec3() - *center;
-        let x = (from.dot(axes[0]) / half[0]) as f32;
-        let y = (from.dot(axes[1]) / half[1]) as f32;
-        let horner = |terms: &[Vec3]| terms.iter().rev().fold(Vec3::ZERO, |sum, c| sum * x + *c);
-        let rows = self.coefficients.chunks_exact(*side as usize).rev();
-        rows.fold(Vec3::ZERO, |sum, row| sum * y + horner(row))
+    fn at(&self, position: DVec3) -> Vec3A {
+        let from = position - self.center;
+        let (x, y) = (from.dot(self.axes[0]) as f32, from.dot(self.axes[1]) as f32);
+        let mut sum = Vec3A::ZERO;
+        for row in self.coefficients.chunks_exact(self.side).rev() {
+            let mut value = Vec3A::ZERO;
+            for coefficient in row.iter().rev() {
+                value = value * x + *coefficient;
+            }
+            sum = sum * y + value;
+        }
+        sum
     }
 }
 
-/// Returns the coefficients of the polynomials that are 1 at one node and 0 at the others.
-fn basis(places: &[f64]) -> Vec<Vec<f64>> {
-    let one = |i: usize| {
-        let mut polynomial = vec![1.0];
-        for (j, place) in places.iter().enumerate().filter(|&(j, _)| j != i) {
-            let scale = 1.0 / (places[i] - place);
-            let mut next = vec![0.0; polynomial.len() + 1];
-            for (power, coefficient) in polynomial.iter().enumerate() {
-                next[power + 1] += coefficient * scale;
-                next[power] -= coefficient * place * scale;
+/// The polynomials that are 1 at one node of a side and 0 at the others.
+struct Basis {
+    places: Vec<f64>,
+    /// The coefficients of each.
+    coefficients: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    fn new(side: u32) -> Basis {
+        let places = places(side);
+        let one = |i: usize| {
+            let mut polynomial = vec![1.0];
+            for (_, place) in places.iter().enumerate().filter(|&(j, _)| j != i) {
+                let scale = 1.0 / (places[i] - place);
+                let mut next = vec![0.0; polynomial.len() + 1];
+                for (power, coefficient) in polynomial.iter().enumerate() {
+                    next[power + 1] += coefficient * scale;
+                    next[power] -= coefficient * place * scale;
+                }
+                polynomial = next;
             }
-            polynomial = next;
-            debug_assert!(j < places.len());
-        }
-        polynomial
-    };
-    (0..places.len()).map(one).collect()
+            polynomial
+        };
+        let coefficients = (0..places.len()).map(one).collect();
+        Basis { places, coefficients }
+    }
 }

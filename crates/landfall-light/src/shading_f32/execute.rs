@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::wide::Batch;
-use super::{Gates, Lights, Model, Surface, Tally, robust, seed, surface};
+use super::{Emission, Gates, Lights, Model, Surface, Tally, robust, seed, surface};
 use crate::Upload;
 use crate::plan::{Grid, Plan, interpolate};
 
@@ -56,9 +56,12 @@ pub fn execute<T: Tally + Default>(
     model: &Model,
     form: Form,
 ) -> Shaded<T> {
+    let all = Lights::new(upload, model);
+    let finite = all.emissions().all(Emission::is_finite);
     let mut run = Run {
         eye: upload.camera.as_vec3(),
-        all: Lights::new(upload, model),
+        all,
+        finite,
         some: Lights::default(),
         model,
         form,
@@ -78,6 +81,8 @@ pub fn execute<T: Tally + Default>(
 struct Run<'a, T> {
     eye: Vec3,
     all: Lights,
+    /// Whether no colour is infinite or NaN.
+    finite: bool,
     some: Lights,
     model: &'a Model,
     form: Form,
@@ -88,8 +93,9 @@ impl<T: Tally> Run<'_, T> {
     fn draw(&mut self, surfaces: &[Surface], numbers: &[u32], colors: &mut [Vec3]) {
         let within = numbers.iter().all(|number| (*number as usize) < surfaces.len());
         if let (Form::Robust(gates), false, true) = (self.form, T::COUNTS, within) {
-            let Run { eye, some: lights, model, .. } = self;
-            Batch { surfaces, numbers, eye: *eye, lights, model, gates }.shade(colors);
+            let Run { eye, finite, some: lights, model, .. } = self;
+            let (eye, finite) = (*eye, *finite || lights.emissions().all(Emission::is_finite));
+            Batch { surfaces, numbers, eye, lights, finite, model, gates }.shade(colors);
             return;
         }
         for &number in numbers {

@@ -27,6 +27,8 @@ pub(super) struct Batch<'a> {
     pub eye: Vec3,
     /// The lights.
     pub lights: &'a Lights,
+    /// Whether no colour of theirs is infinite or NaN.
+    pub finite: bool,
     /// The lighting model.
     pub model: &'a Model,
     /// The gates.
@@ -68,10 +70,9 @@ impl WithSimd for Shading<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Shading { batch, colors } = self;
-        let finite = batch.lights.emissions().all(Emission::is_finite);
         let mut near = Vec::new();
         for (power, numbers) in batch.by_power() {
-            if power == Power::Chord || !finite || S::F32_LANES == 1 {
+            if power == Power::Chord || !batch.finite || S::F32_LANES == 1 {
                 for &number in numbers.iter() {
                     let Batch { eye, lights, model, gates, .. } = *batch;
                     let surface = &batch.surfaces[number as usize];

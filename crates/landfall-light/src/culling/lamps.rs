@@ -1,0 +1,99 @@
+//! Lamps by component, in coordinates of a plane.
+
+use glam::DVec3;
+use pulp::Simd;
+
+use crate::lanes::Lanes;
+
+/// A lamp without range and cone, or several as the bounds of each.
+pub(super) struct Lamp {
+    /// The index among all lights, or among groups of lamps.
+    pub place: u32,
+    pub position: DVec3,
+    /// The largest distance of one of several from `position`.
+    pub radius: f32,
+    /// The coefficients by powers of the distance.
+    pub attenuation: [f32; 3],
+    /// The largest channels of the reflected ambient, diffuse and specular light.
+    pub terms: [f32; 3],
+}
+
+/// The numbers of a lamp: position along the plane's axes and normal, attenuation, terms, radius.
+pub(super) const COMPONENTS: usize = 10;
+
+/// Lamps by component.
+#[derive(Clone, Default)]
+pub(super) struct Lamps {
+    places: Vec<u32>,
+    /// The numbers of a component follow each other, and components so many numbers apart.
+    values: Vec<f32>,
+    stride: usize,
+}
+
+impl Lamps {
+    /// Returns no lamps, with room for so many.
+    pub fn for_many(most: usize) -> Lamps {
+        let values = vec![0.0; most * COMPONENTS];
+        Lamps { places: Vec::with_capacity(most), values, stride: most }
+    }
+
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The indices among all lights, in their order.
+    pub fn places(&self) -> &[u32] {
+        &self.places
+    }
+
+    /// Adds a lamp at these coordinates, for which there is room.
+    pub fn push(&mut self, lamp: &Lamp, [x, y, height]: [f32; 3]) {
+        let ([c, l, q], [a, d, s]) = (lamp.attenuation, lamp.terms);
+        let at = self.len();
+        for (component, value) in [x, y, height, c, l, q, a, d, s, lamp.radius].iter().enumerate() {
+            self.values[component * self.stride + at] = *value;
+        }
+        self.places.push(lamp.place);
+    }
+
+    /// Returns those at these indices.
+    pub fn some(&self, indices: &[u32]) -> Lamps {
+        let mut some = Lamps::default();
+        self.copy(indices, &mut some);
+        some
+    }
+
+    /// Returns the places of those at these indices, without their numbers.
+    pub fn some_places(&self, indices: &[u32]) -> Lamps {
+        let places = indices.iter().map(|at| self.places[*at as usize]).collect();
+        Lamps { places, ..Lamps::default() }
+    }
+
+    /// Copies those at these indices.
+    pub fn copy(&self, indices: &[u32], into: &mut Lamps) {
+        into.values.clear();
+        into.values.reserve(indices.len() * COMPONENTS);
+        for component in 0..COMPONENTS {
+            let all = self.component(component);
+            into.values.extend(indices.iter().map(|at| all[*at as usize]));
+        }
+        into.places.clear();
+        into.places.extend(indices.iter().map(|at| self.places[*at as usize]));
+        into.stride = indices.len();
+    }
+
+    #[inline(always)]
+    fn component(&self, component: usize) -> &[f32] {
+        &self.values[component * self.stride..][..self.places.len()]
+    }
+
+    /// Reads a register of each component.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, first: usize, count: usize) -> [Lanes<S>; COMPONENTS] {
+        let mut light = [Lanes::load(simd, &[]); COMPONENTS];
+        for (component, lanes) in light.iter_mut().enumerate() {
+            *lanes = Lanes::load(simd, &self.component(component)[first..first + count]);
+        }
+        light
+    }
+}

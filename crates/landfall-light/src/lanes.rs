@@ -1,0 +1,155 @@
+//! Numbers in the registers of the processor at hand, with operators.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use pulp::Simd;
+
+/// Numbers, as many as a register holds.
+pub(crate) struct Lanes<S: Simd> {
+    simd: S,
+    values: S::f32s,
+}
+
+/// A condition of each number.
+pub(crate) struct Mask<S: Simd> {
+    simd: S,
+    values: S::m32s,
+}
+
+impl<S: Simd> Clone for Lanes<S> {
+    #[inline(always)]
+    fn clone(&self) -> Lanes<S> {
+        *self
+    }
+}
+
+impl<S: Simd> Copy for Lanes<S> {}
+
+impl<S: Simd> Clone for Mask<S> {
+    #[inline(always)]
+    fn clone(&self) -> Mask<S> {
+        *self
+    }
+}
+
+impl<S: Simd> Copy for Mask<S> {}
+
+macro_rules! operation {
+    ($operation:ident, $function:ident, $instruction:ident) => {
+        impl<S: Simd> $operation for Lanes<S> {
+            type Output = Lanes<S>;
+
+            #[inline(always)]
+            fn $function(self, other: Lanes<S>) -> Lanes<S> {
+                let values = self.simd.$instruction(self.values, other.values);
+                Lanes { values, ..self }
+            }
+        }
+
+        impl<S: Simd> $operation<f32> for Lanes<S> {
+            type Output = Lanes<S>;
+
+            #[inline(always)]
+            fn $function(self, other: f32) -> Lanes<S> {
+                self.$function(self.splat(other))
+            }
+        }
+
+        impl<S: Simd> $operation<Lanes<S>> for f32 {
+            type Output = Lanes<S>;
+
+            #[inline(always)]
+            fn $function(self, other: Lanes<S>) -> Lanes<S> {
+                other.splat(self).$function(other)
+            }
+        }
+    };
+}
+
+operation!(Add, add, add_f32s);
+operation!(Sub, sub, sub_f32s);
+operation!(Mul, mul, mul_f32s);
+operation!(Div, div, div_f32s);
+
+impl<S: Simd> Lanes<S> {
+    /// Reads numbers, no more than a register holds.
+    #[inline(always)]
+    pub fn load(simd: S, values: &[f32]) -> Lanes<S> {
+        Lanes { simd, values: simd.partial_load_f32s(values) }
+    }
+
+    #[inline(always)]
+    pub fn store(self, into: &mut [f32]) {
+        self.simd.partial_store_f32s(into, self.values);
+    }
+
+    /// Returns registers of one number.
+    #[inline(always)]
+    pub fn splat(self, x: f32) -> Lanes<S> {
+        Lanes { values: self.simd.splat_f32s(x), ..self }
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Lanes<S> {
+        Lanes { values: self.simd.abs_f32s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn sqrt(self) -> Lanes<S> {
+        Lanes { values: self.simd.sqrt_f32s(self.values), ..self }
+    }
+
+    /// Returns the larger; `other` where this is NaN.
+    #[inline(always)]
+    pub fn max(self, other: Lanes<S>) -> Lanes<S> {
+        other.less(self).select(self, other)
+    }
+
+    /// Returns the smaller; `other` where this is NaN.
+    #[inline(always)]
+    pub fn min(self, other: Lanes<S>) -> Lanes<S> {
+        self.less(other).select(self, other)
+    }
+
+    #[inline(always)]
+    pub fn clamp(self, low: f32, high: f32) -> Lanes<S> {
+        self.max(self.splat(low)).min(self.splat(high))
+    }
+
+    #[inline(always)]
+    pub fn powi(self, exponent: u32) -> Lanes<S> {
+        let (mut power, mut square, mut left) = (self.splat(1.0), self, exponent);
+        while left > 0 {
+            if left & 1 == 1 {
+                power = power * square;
+            }
+            square = square * square;
+            left >>= 1;
+        }
+        power
+    }
+
+    #[inline(always)]
+    pub fn less(self, other: Lanes<S>) -> Mask<S> {
+        Mask { simd: self.simd, values: self.simd.less_than_f32s(self.values, other.values) }
+    }
+}
+
+impl<S: Simd> Mask<S> {
+    #[inline(always)]
+    pub fn and(self, other: Mask<S>) -> Mask<S> {
+        Mask { values: self.simd.and_m32s(self.values, other.values), ..self }
+    }
+
+    /// Returns `then` where the condition holds.
+    #[inline(always)]
+    pub fn select(self, then: Lanes<S>, otherwise: Lanes<S>) -> Lanes<S> {
+        let values = self.simd.select_f32s(self.values, then.values, otherwise.values);
+        Lanes { values, ..then }
+    }
+
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.simd.first_true_m32s(self.values) < S::F32_LANES
+    }
+}
