@@ -54,6 +54,7 @@ fn main() {
     mirrors(&mut table);
     evaluator(&mut table);
     fragments(&mut table);
+    skipping(&mut table);
 }
 
 struct Table {
@@ -383,4 +384,22 @@ fn fragments(table: &mut Table) {
     }
     let what = "`landfall bench` of the six-light picture, a fragment: cpu";
     table.row(what, "gl", &Ratios::new(pairs));
+}
+
+/// Scenes with `--skip auto`, from start to end: it measures a sample before it renders.
+fn skipping(table: &mut Table) {
+    let scenes = [
+        ("lights_1024_windowed", "1,024 lights with windows"),
+        ("lights_1024", "1,024 lights without"),
+        ("six_lights", "six lights"),
+    ];
+    for (scene, what) in scenes {
+        let path = format!("shaders/scenes/{scene}.json");
+        let render = |arguments: &[&str]| {
+            let size = ["render", &path, "--size", "320x180"];
+            assert!(ran(Command::new(LANDFALL).args(size).args(arguments)), "{scene}");
+        };
+        let ratios = interleaved(LONG, || render(&["--skip", "auto"]), || render(&[]));
+        table.row(&format!("`landfall render` of {what}"), "`--skip auto`", &ratios);
+    }
 }

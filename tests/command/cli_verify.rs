@@ -41,6 +41,24 @@ error[output]: `gpu` is required but did not run: no Vulkan adapter; the Debian 
 }
 
 #[test]
+fn shaders_verified_in_parallel_are_reported_in_order() {
+    let folder = Place::new("verify-parallel");
+    for at in 0..7 {
+        let gains = format!("gains[{}]", 4 + at);
+        folder.write(&format!("{at}.frag"), GOOD.replace("gains[4]", &gains));
+    }
+    folder.write("bad.frag", "#version 450\nuniform B { what x; } u;\nvoid main() {}\n");
+    let run = |jobs: &str| {
+        let backends = ["verify", ".", "--backend", "cpu,gl,gpu", "--format", "json"];
+        folder.run(&[&backends[..], &["-j", jobs]].concat())
+    };
+    let (one, three) = (run("1"), run("3"));
+    let report: Value = serde_json::from_str(&three.out).expect("JSON");
+    assert_eq!(report["shaders"].as_array().map(Vec::len), Some(7));
+    assert_eq!((one.code, &one.out, &one.err), (2, &three.out, &three.err));
+}
+
+#[test]
 fn a_stale_lock_is_proven_wrong_and_the_leaf_named() {
     let folder = Place::new("verify-stale");
     folder.write("a.frag", GOOD);

@@ -1,6 +1,6 @@
 //! Opens backends: the interpreter in this process, each driver and the browser in its own.
 
-use landfall_exec::backend::{Backend, BackendKind, Failure};
+use landfall_exec::backend::{Backend, BackendKind, Device, Failure};
 use landfall_exec::harness::verify::report::BackendStatus;
 
 use crate::args::{BackendName, VerifierName};
@@ -29,7 +29,7 @@ pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&
             BackendName::Gpu => VerifierName::Gpu,
         };
         if names.is_empty() || is_named(as_verifier) {
-            backends.add(name.kind(), open_one(name, adapter));
+            backends.add(name.kind(), open_backend(name, adapter, Purpose::FewInvocations));
         }
     }
     let browser = VerifierName::Web;
@@ -42,6 +42,17 @@ pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&
 }
 
 impl Backends {
+    /// Whether these are the same devices.
+    pub fn are_on(&self, statuses: &[BackendStatus]) -> bool {
+        fn device(status: &BackendStatus) -> Option<&Device> {
+            match status {
+                BackendStatus::Here(device) => Some(device),
+                BackendStatus::Missing { .. } => None,
+            }
+        }
+        self.statuses.iter().map(device).eq(statuses.iter().map(device))
+    }
+
     fn add(&mut self, backend: BackendKind, opened: Result<Box<dyn Backend>, Failure>) {
         self.statuses.push(match opened {
             Ok(opened) => {
@@ -56,60 +67,63 @@ impl Backends {
 
 /// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    open_backend(name, adapter, Timing::Off)
+    open_backend(name, adapter, Purpose::Results)
 }
 
 /// Opens one backend with timing by the device, if it can.
 pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    open_backend(name, adapter, Timing::On)
+    open_backend(name, adapter, Purpose::Times)
 }
 
-/// Whether the device measures the time of jobs.
+/// What jobs are run for.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Timing {
-    Off,
-    On,
+enum Purpose {
+    /// Results of a few invocations: compiling takes longer than running.
+    FewInvocations,
+    Results,
+    /// Times, by the clock of the device if it has one.
+    Times,
 }
 
 fn open_backend(
     name: BackendName,
     adapter: Option<&str>,
-    timing: Timing,
+    purpose: Purpose,
 ) -> Result<Box<dyn Backend>, Failure> {
     match name {
         BackendName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
-        BackendName::Gl => gl(timing),
-        BackendName::Gpu => gpu(adapter, timing),
+        BackendName::Gl => gl(purpose),
+        BackendName::Gpu => gpu(adapter, purpose),
     }
 }
 
 #[cfg(feature = "gl")]
-fn gl(timing: Timing) -> Result<Box<dyn Backend>, Failure> {
-    remote(&landfall_exec::backend::subprocess::DriverKind::Gl, timing)
+fn gl(purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
+    remote(&landfall_exec::backend::subprocess::DriverKind::Gl, purpose)
 }
 
 #[cfg(not(feature = "gl"))]
-fn gl(_timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+fn gl(_purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gl`", ""))
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(adapter: Option<&str>, timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
     remote(
         &landfall_exec::backend::subprocess::DriverKind::Gpu(adapter.map(str::to_string)),
-        timing,
+        purpose,
     )
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_adapter: Option<&str>, _timing: Timing) -> Result<Box<dyn Backend>, Failure> {
+fn gpu(_adapter: Option<&str>, _purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
 }
 
 #[cfg(any(feature = "gl", feature = "gpu"))]
 fn remote(
     driver_kind: &landfall_exec::backend::subprocess::DriverKind,
-    timing: Timing,
+    purpose: Purpose,
 ) -> Result<Box<dyn Backend>, Failure> {
     use landfall_exec::backend::subprocess::{Launch, Subprocess};
 
@@ -117,6 +131,11 @@ fn remote(
         let message = "the path of the landfall executable is unknown; drivers run in a copy of it";
         Failure::missing(message, cause.to_string())
     })?;
-    let launch = Launch { timed: timing == Timing::On, ..Launch::new(program, driver_kind) };
+    let launch = Launch::new(program, driver_kind);
+    let launch = match purpose {
+        Purpose::FewInvocations => launch.without_optimization(),
+        Purpose::Results => launch,
+        Purpose::Times => Launch { timed: true, ..launch },
+    };
     Ok(Box::new(Subprocess::open(launch)?))
 }

@@ -1,6 +1,7 @@
 //! `landfall verify`: runs probes that report the byte each member is read from.
 
 use landfall_exec::backend::BackendKind;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use landfall::report::verify as print;
@@ -14,17 +15,18 @@ use landfall_exec::harness::verify::{
     ReadBy, Subject, VerifyOptions, compare_spirv, run_compiled, verify,
 };
 use landfall_layout::diagnostic::Code;
+use landfall_layout::format::Paint;
 use landfall_layout::lock;
 use landfall_layout::lock::Verified;
 use landfall_layout::source::{Files, Source};
-use landfall_layout::{BlockLayout, Diagnostic, Error, Severity};
+use landfall_layout::{BlockLayout, Diagnostic, Error, Options, Severity};
 
 use crate::args::{VerifierName, VerifyArgs, VerifyFormat};
 use crate::backends::{self, Backends};
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
-use crate::{data, read, watch, without_effect};
+use crate::{data, read, watch, without_effect, work};
 
 pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let Some(config) = config::load(&args.config, &args.files, streams)? else {
@@ -44,28 +46,51 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         VerifyFormat::Human => FindingForm::Human,
         VerifyFormat::Json => FindingForm::Json,
     };
-    let mut run = Run {
+    let job = Job {
         args,
-        config: &config,
         options,
         style: streams.style(form),
-        streams,
-        counts: Counts::default(),
-        idle: args.require.clone(),
-        could_not: false,
+        paint: streams.paint,
         data: data::blocks(args.data.as_deref())?,
         spirv: args.spirv.as_deref().map(compiled).transpose()?,
     };
+    let statuses = backends.statuses.clone();
+    let mut run = Run {
+        args,
+        config: &config,
+        style: job.style,
+        layout: job.options.layout.clone(),
+        streams,
+        statuses: &statuses,
+        counts: Counts::default(),
+        idle: args.require.clone(),
+        could_not: false,
+    };
     match args.format {
         VerifyFormat::Human => {
-            streams.product(&print::backends(&backends.statuses, streams.paint))?;
+            streams.product(&print::backends(&statuses, streams.paint))?;
         }
-        VerifyFormat::Json => streams.json(&print::json_opening(&backends.statuses))?,
+        VerifyFormat::Json => streams.json(&print::json_opening(&statuses))?,
     }
-    for input in Inputs::new(args.files.clone()) {
-        run.one(input, &mut backends)?;
-    }
+    // Another thread has its own processes of the same drivers; one browser serves all of a command.
+    let has_browser = backends.here.iter().any(|backend| is_browser(backend.device().backend));
+    let jobs = if has_browser { Some(NonZeroUsize::MIN) } else { args.jobs };
+    let open = || {
+        let others = backends::open(&args.backends, &args.require, args.adapter.as_deref());
+        others.are_on(&statuses).then_some(others)
+    };
+    work::ordered_with(
+        Inputs::new(args.files.clone()),
+        jobs,
+        (&mut backends, open),
+        |backends, input| job.one(input, backends),
+        |done| run.take(done?),
+    )?;
     run.finish()
+}
+
+fn is_browser(kind: BackendKind) -> bool {
+    VerifierName::Web.kinds().contains(&kind)
 }
 
 /// Reads the words of a SPIR-V file.
@@ -125,40 +150,49 @@ fn required(args: &VerifyArgs, backends: &Backends) -> Result<(), Error> {
         .with_help("`landfall devices` shows why; `--backend cpu` needs no driver"))
 }
 
-struct Run<'a> {
+struct Job<'a> {
     args: &'a VerifyArgs,
-    config: &'a Config,
     options: VerifyOptions,
     style: FindingStyle,
-    streams: &'a Streams,
-    counts: Counts,
-    /// The required backends that have read nothing so far.
-    idle: Vec<VerifierName>,
-    could_not: bool,
+    /// Colours of the report.
+    paint: Paint,
     data: Data,
     /// The words of `--spirv`.
     spirv: Option<Vec<u32>>,
 }
 
-impl Run<'_> {
-    fn one(&mut self, input: Result<Input, Error>, backends: &mut Backends) -> Result<(), Failure> {
+/// The result for one input.
+#[derive(Default)]
+struct Done {
+    /// The shader, the path it was named by, and what was read; `None` if it cannot be laid out.
+    report: Option<(Source, Input, ShaderReport)>,
+    /// The report as text.
+    text: String,
+    /// Findings that prevent it, or a part of it.
+    findings: String,
+    could_not: bool,
+}
+
+impl work::Weighed for Result<Done, Failure> {
+    fn bytes(&self) -> usize {
+        self.as_ref().map_or(0, |done| done.text.len() + done.findings.len())
+    }
+}
+
+impl Job<'_> {
+    fn one(&self, input: Result<Input, Error>, backends: &mut Backends) -> Result<Done, Failure> {
+        let refused = |found: &[Diagnostic], files: &Files| {
+            let findings = self.style.text(found, files);
+            Ok(Done { findings, could_not: true, ..Done::default() })
+        };
         let read = |input: Input| Ok((read::source(&input.path, &self.args.read)?, input));
         let (source, input) = match input.and_then(read) {
             Ok(read) => read,
-            Err(error) => {
-                self.refuse(&[error.into()], &Files::default());
-                return Ok(());
-            }
+            Err(error) => return refused(&[error.into()], &Files::default()),
         };
-        if self.streams.shows_progress() {
-            self.streams.progress(&format!("verifying {}", source.path));
-        }
         let subject = match Subject::new(&source, &self.options) {
             Ok(subject) => subject,
-            Err((shader, found)) => {
-                self.refuse(&found, &shader.files);
-                return Ok(());
-            }
+            Err((shader, found)) => return refused(&found, &shader.files),
         };
         without_effect::record_of(subject.layout());
         let mut report = verify(&subject, &self.options, &mut backends.here);
@@ -171,20 +205,41 @@ impl Run<'_> {
             report.compiled =
                 gpu.map(|gpu| run_compiled(&subject, &self.options, words, gpu.as_mut()));
         }
+        let mut done = Done::default();
         if self.args.coverage {
             let limit = self.options.limit;
             match coverage(&source, &self.options.layout, &self.data, limit) {
                 Ok(found) => report.cover(found),
-                Err(found) => self.refuse(&found, &subject.layout().files),
+                Err(found) => done = refused(&found, &subject.layout().files)?,
             }
         }
         let text = match self.args.format {
-            VerifyFormat::Human => format!("\n{}", print::shader(&report, self.streams.paint)),
-            VerifyFormat::Json => {
-                let comma = if self.counts.shaders > 0 { ",\n" } else { "" };
-                format!("{comma}{}", print::json_shader(&report))
-            }
+            VerifyFormat::Human => format!("\n{}", print::shader(&report, self.paint)),
+            VerifyFormat::Json => print::json_shader(&report),
         };
+        Ok(Done { report: Some((source, input, report)), text, ..done })
+    }
+}
+
+struct Run<'a> {
+    args: &'a VerifyArgs,
+    config: &'a Config,
+    style: FindingStyle,
+    layout: Options,
+    streams: &'a Streams,
+    statuses: &'a [BackendStatus],
+    counts: Counts,
+    /// The required backends that have read nothing so far.
+    idle: Vec<VerifierName>,
+    could_not: bool,
+}
+
+impl Run<'_> {
+    fn take(&mut self, done: Done) -> Result<(), Failure> {
+        self.could_not |= done.could_not;
+        self.streams.report(&done.findings);
+        let Some((source, input, report)) = done.report else { return Ok(()) };
+        let is_first = self.counts.shaders == 0;
         self.counts.add(&report);
         let backends_of = report.blocks.iter().flat_map(|block| &block.backends);
         for backend in backends_of.filter(|backend| !backend.reads.is_empty()) {
@@ -192,28 +247,23 @@ impl Run<'_> {
             self.idle.retain(|idle| !idle.kinds().iter().any(read_by));
         }
         match self.args.format {
-            VerifyFormat::Human => self.streams.product(&text)?,
-            VerifyFormat::Json => self.streams.json(&text)?,
+            VerifyFormat::Human => self.streams.product(&done.text)?,
+            VerifyFormat::Json => {
+                let comma = if is_first { "" } else { ",\n" };
+                self.streams.json(&format!("{comma}{}", done.text))?;
+            }
+        }
+        if self.streams.shows_progress() {
+            self.streams.progress(&format!("verified {}", source.path));
         }
         if self.args.record {
-            self.record(&source, &input, &report, &backends.statuses)?;
+            self.record(&source, &input, &report)?;
         }
         Ok(())
     }
 
-    fn refuse(&mut self, found: &[Diagnostic], files: &Files) {
-        self.could_not = true;
-        self.streams.report(&self.style.text(found, files));
-    }
-
     /// Records in the shader's lock the backends that confirmed all of its blocks.
-    fn record(
-        &self,
-        source: &Source,
-        input: &Input,
-        report: &ShaderReport,
-        statuses: &[BackendStatus],
-    ) -> Result<(), Failure> {
+    fn record(&self, source: &Source, input: &Input, report: &ShaderReport) -> Result<(), Failure> {
         let locks = self.config.locks(self.args.locks.as_deref());
         let path =
             self.config.lock_of(&locks, &read::message_path(&input.path, &self.args.read))?;
@@ -230,8 +280,8 @@ impl Run<'_> {
             });
             !report.blocks.is_empty() && confirmations.all(|confirmed| confirmed)
         };
-        for statuses in statuses {
-            let BackendStatus::Here(device) = statuses else { continue };
+        for status in self.statuses {
+            let BackendStatus::Here(device) = status else { continue };
             if device.backend == BackendKind::Cpu || !confirmed(device) {
                 continue;
             }
@@ -248,7 +298,7 @@ impl Run<'_> {
         }
         // Renewing drops the records of another layout. Locks hold the layout without what probes
         // need, such as a block of loose uniforms.
-        let shader = landfall_layout::layout(source, &self.options.layout);
+        let shader = landfall_layout::layout(source, &self.layout);
         let renewed = lock::renew(&shader, Some(&lock));
         if renewed != text {
             let named = self.args.locks.is_some();

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
 
-/// Maximum number of items a thread claims at a time.
+/// Maximum number of items a thread claims at a time, if each takes microseconds.
 const LARGEST_CLAIM: usize = 16;
 
 /// Bytes of waiting results above which no further work is started.
@@ -33,6 +33,31 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
     job: impl Fn(I) -> O + Sync,
+    take: impl FnMut(O) -> Result<(), E>,
+) -> Result<(), E> {
+    let opened = || Some(());
+    run(items, threads, LARGEST_CLAIM, (&mut (), opened), |(), item| job(item), take)
+}
+
+/// The same for items that take long, with a state for each thread: that of the calling thread, and
+/// what `open` returns on each other one. A thread that opens none does no work.
+#[cfg(feature = "exec")]
+pub fn ordered_with<S, I: Send, O: Weighed + Send, E>(
+    items: impl Iterator<Item = I> + Send,
+    threads: Option<NonZeroUsize>,
+    (own, open): (&mut S, impl Fn() -> Option<S> + Sync),
+    job: impl Fn(&mut S, I) -> O + Sync,
+    take: impl FnMut(O) -> Result<(), E>,
+) -> Result<(), E> {
+    run(items, threads, 1, (own, open), job, take)
+}
+
+fn run<S, I: Send, O: Weighed + Send, E>(
+    items: impl Iterator<Item = I> + Send,
+    threads: Option<NonZeroUsize>,
+    largest_claim: usize,
+    (own, open): (&mut S, impl Fn() -> Option<S> + Sync),
+    job: impl Fn(&mut S, I) -> O + Sync,
     mut take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut items = items;
@@ -44,7 +69,7 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
     };
     let mut items = first.into_iter().chain(second).chain(items);
     if threads == 1 {
-        return items.try_for_each(|item| take(job(item)));
+        return items.try_for_each(|item| take(job(own, item)));
     }
     let queue = Queue {
         items: Mutex::new(items),
@@ -59,13 +84,14 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
         ready: Condvar::new(),
         room: Condvar::new(),
         window: threads * WAITING,
+        largest_claim,
     };
     thread::scope(|scope| {
         for _ in 1..threads {
-            scope.spawn(|| queue.work(&job));
+            scope.spawn(|| queue.work(&open, &job));
         }
         let _stop = StopAtEnd(&queue);
-        queue.work_and_take(&job, &mut take)
+        queue.work_and_take(&mut |item| job(own, item), &mut take)
     })
 }
 
@@ -80,6 +106,7 @@ struct Queue<T, O> {
     room: Condvar,
     /// Number of items that may be claimed ahead of the taken results.
     window: usize,
+    largest_claim: usize,
 }
 
 struct State<O> {
@@ -121,17 +148,19 @@ impl<T, O> Queue<T, O> {
 
 impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     /// Works until no item is left.
-    fn work(&self, job: &(impl Fn(I) -> O + Sync)) {
+    fn work<S>(&self, open: &impl Fn() -> Option<S>, job: &impl Fn(&mut S, I) -> O) {
         let _leave = LeaveAtEnd(self);
+        let Some(mut state) = open() else { return };
+        let mut job = |item| job(&mut state, item);
         let mut kept: Vec<(usize, O)> = Vec::new();
-        while self.wait_for_room(&mut kept) && self.work_on_claim(job, &mut kept) {}
+        while self.wait_for_room(&mut kept) && self.work_on_claim(&mut job, &mut kept) {}
         self.bring(&mut self.lock(), &mut kept);
     }
 
     /// Works like the other threads, and takes the next results between claims.
     fn work_and_take<E>(
         &self,
-        job: &(impl Fn(I) -> O + Sync),
+        job: &mut impl FnMut(I) -> O,
         take: &mut impl FnMut(O) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut kept: Vec<(usize, O)> = Vec::new();
@@ -159,7 +188,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     }
 
     /// Claims some items and works on them; `false` if none are left.
-    fn work_on_claim(&self, job: &(impl Fn(I) -> O + Sync), kept: &mut Vec<(usize, O)>) -> bool {
+    fn work_on_claim(&self, job: &mut impl FnMut(I) -> O, kept: &mut Vec<(usize, O)>) -> bool {
         let claim = self.claim();
         let some = !claim.is_empty();
         let mut since = Instant::now();
@@ -197,7 +226,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
         let mut items = self.items.lock().unwrap_or_else(PoisonError::into_inner);
         let next = self.claimed.load(Ordering::Relaxed);
         let claim: Vec<(usize, I)> =
-            (next..).zip(items.by_ref().take((next / 8).clamp(1, LARGEST_CLAIM))).collect();
+            (next..).zip(items.by_ref().take((next / 8).clamp(1, self.largest_claim))).collect();
         self.claimed.store(next + claim.len(), Ordering::Relaxed);
         claim
     }
@@ -258,6 +287,27 @@ mod tests {
                 assert_eq!(seen, (0..n).collect::<Vec<_>>());
             }
         }
+    }
+
+    #[test]
+    #[cfg(feature = "exec")]
+    fn each_thread_has_a_state_of_its_own_or_does_no_work() {
+        let opened = AtomicUsize::new(0);
+        // The third thread opens none.
+        let open = || Some(opened.fetch_add(1, Ordering::SeqCst) + 1).filter(|&n| n != 2);
+        let job = |state: &mut usize, i: usize| {
+            assert_ne!(*state, 2);
+            thread::sleep(Duration::from_micros(100));
+            (*state * 1000 + i,)
+        };
+        let (mut own, mut seen) = (0, Vec::new());
+        let done: Result<(), ()> =
+            ordered_with(0..200, threads(4), (&mut own, open), job, |(n,)| {
+                seen.push(n);
+                Ok(())
+            });
+        assert!(done.is_ok());
+        assert_eq!(seen.iter().map(|n| n % 1000).collect::<Vec<_>>(), (0..200).collect::<Vec<_>>());
     }
 
     #[test]

@@ -60,6 +60,17 @@ impl Launch {
             timed: false,
         }
     }
+
+    /// Has Mesa's software drivers leave out LLVM's optimisations, which take longer than a shader
+    /// that runs for a few invocations; an environment that sets `GALLIVM_PERF` keeps its value.
+    #[must_use]
+    pub fn without_optimization(mut self) -> Launch {
+        const FLAGS: &str = "GALLIVM_PERF";
+        if std::env::var_os(FLAGS).is_none() {
+            self.environment.push((FLAGS.into(), "nopt".into()));
+        }
+        self
+    }
 }
 
 /// A backend in a separate process.

@@ -1,6 +1,7 @@
 //! Arguments of `landfall verify`.
 
 use landfall_exec::backend::BackendKind;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -73,6 +74,10 @@ pub struct VerifyArgs {
         value_parser = seconds
     )]
     pub limit: Duration,
+    /// Shaders verified in parallel, each with its own driver processes; one with a browser
+    /// [default: one per core]
+    #[arg(help_heading = "Backends", short, long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     pub config: ConfigArgs,
     #[command(flatten)]

@@ -128,7 +128,7 @@ impl<'c> BoundResources<'c> {
                 bound.writable[resource] = Some((buffer, bytes.len()));
             }
         }
-        for (unit, sampler) in (0..).zip(&program.samplers) {
+        for (unit, sampler) in (0..).zip(&program.outside.samplers) {
             let found = resources.iter().find_map(|resource| match &resource.kind {
                 ResourceKind::Texture { width, height, texels }
                     if belongs_to_sampler(&resource.name, sampler) =>

@@ -23,7 +23,7 @@ pub(super) fn set(
 ) -> Result<(), Failure> {
     let by_name: HashMap<&str, &[u32]> =
         values.iter().map(|value| (value.name.as_str(), value.words.as_slice())).collect();
-    for uniform in &program.loose {
+    for uniform in &program.outside.loose {
         let words = by_name.get(uniform.name.as_str());
         let words = words.ok_or_else(|| unbound("uniform", &uniform.name))?;
         set_uniform(context, uniform, words)?;

@@ -58,9 +58,19 @@ impl Interface {
         self.about(program, interface, glow::ACTIVE_RESOURCES)
     }
 
+    /// Returns the length of the longest name of an interface's resources, for [`Interface::name`].
+    pub(super) fn longest(&self, program: glow::Program, interface: u32) -> u32 {
+        self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20)
+    }
+
     /// Returns the name of a resource.
-    pub(super) fn name(&self, program: glow::Program, interface: u32, index: u32) -> String {
-        let longest = self.about(program, interface, glow::MAX_NAME_LENGTH).clamp(1, 1 << 20);
+    pub(super) fn name(
+        &self,
+        program: glow::Program,
+        interface: u32,
+        index: u32,
+        longest: u32,
+    ) -> String {
         let mut buffer: Vec<c_char> = vec![0; longest as usize + 1];
         let (room, mut written) = (longest.cast_signed(), 0);
         let program = program.0.get();

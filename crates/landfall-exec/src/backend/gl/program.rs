@@ -10,7 +10,7 @@ use glow::HasContext as _;
 
 use super::context::Context;
 use super::reflect;
-use super::reflect::{ActiveBlock, ActiveUniform};
+use super::reflect::{ActiveBlock, Outside};
 use super::version::{CORNER, passing_vertex, version};
 use crate::backend::Failure;
 use landfall_layout::source::Stage;
@@ -22,10 +22,8 @@ pub(super) struct Program {
     pub(super) uniform_blocks: Vec<ActiveBlock>,
     /// Active storage blocks, by OpenGL's index.
     pub(super) storage_blocks: Vec<ActiveBlock>,
-    /// Active samplers, each element of an array listed separately.
-    pub(super) samplers: Vec<String>,
-    /// Active uniforms outside blocks other than samplers, each element listed separately.
-    pub(super) loose: Vec<ActiveUniform>,
+    /// Active samplers and other uniforms outside blocks.
+    pub(super) outside: Outside,
     /// Whether the vertex shader is Landfall's and reads corners at location 0.
     pub(super) takes_corners: bool,
 }
@@ -135,8 +133,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
             id,
             uniform_blocks: reflect::uniform_blocks(context, id)?,
             storage_blocks: reflect::storage_blocks(context, id)?,
-            samplers: reflect::samplers(context, id)?,
-            loose: reflect::loose(context, id)?,
+            outside: reflect::Outside::of(context, id)?,
             takes_corners,
         };
         making.kept = true;

@@ -37,26 +37,24 @@ pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Refle
     let mut storage_blocks: Vec<ReflectedBlock> =
         storage_blocks(context, program)?.into_iter().map(empty).collect();
     let mut uniforms = Vec::new();
-    let active = Uniforms::of(context, program)?;
-    for (at, uniform) in active.all.iter().enumerate() {
-        let block = usize::try_from(active.block[at]).ok();
-        let Some(block) = block else {
+    for uniform in active_uniforms(context, program, |_| true)? {
+        let Some(block) = uniform.block else {
             uniforms.push(ReflectedUniform {
-                name: uniform.name.clone(),
-                ty: word(uniform.utype),
+                name: uniform.name,
+                ty: word(uniform.ty),
                 array_size: number(uniform.size)?,
             });
             continue;
         };
-        let block = uniform_blocks.get_mut(block).ok_or_else(|| nonsense(active.block[at]))?;
+        let block = uniform_blocks.get_mut(block).ok_or_else(|| nonsense(block as i32))?;
         block.members.push(ReflectedMember {
             name: without_block(&uniform.name, &block.name),
-            ty: word(uniform.utype),
-            offset: number(active.offset[at])?,
+            ty: word(uniform.ty),
+            offset: number(uniform.offset)?,
             array_size: Some(number(uniform.size)?),
-            array_stride: number(active.array_stride[at])?,
-            matrix_stride: number(active.matrix_stride[at])?,
-            row_major: active.row_major[at] != 0,
+            array_stride: number(uniform.array_stride)?,
+            matrix_stride: number(uniform.matrix_stride)?,
+            row_major: uniform.row_major != 0,
             top_level: None,
         });
     }
@@ -92,6 +90,7 @@ pub(super) fn storage_blocks(
     program: glow::Program,
 ) -> Result<Vec<ActiveBlock>, Failure> {
     let Some(interface) = &context.interface else { return Ok(Vec::new()) };
+    let longest = interface.longest(program, glow::SHADER_STORAGE_BLOCK);
     (0..interface.count(program, glow::SHADER_STORAGE_BLOCK))
         .map(|index| {
             let asked = [glow::BUFFER_DATA_SIZE, glow::BUFFER_BINDING];
@@ -99,7 +98,7 @@ pub(super) fn storage_blocks(
                 .values(program, glow::SHADER_STORAGE_BLOCK, index, asked)
                 .map_err(incomplete)?;
             Ok(ActiveBlock {
-                name: interface.name(program, glow::SHADER_STORAGE_BLOCK, index),
+                name: interface.name(program, glow::SHADER_STORAGE_BLOCK, index, longest),
                 size: number(size)?,
                 binding: small(binding)?,
             })
@@ -107,75 +106,124 @@ pub(super) fn storage_blocks(
         .collect()
 }
 
-/// Returns the active samplers, each element of an array listed separately.
-pub(super) fn samplers(context: &Context, program: glow::Program) -> Result<Vec<String>, Failure> {
-    let mut names = Vec::new();
-    for uniform in Uniforms::of(context, program)?.all {
-        match uniform.name.strip_suffix("[0]") {
-            _ if !is_sampler(uniform.utype) => {}
-            Some(array) => names.extend((0..uniform.size).map(|at| format!("{array}[{at}]"))),
-            None => names.push(uniform.name),
-        }
-    }
-    Ok(names)
+/// The uniforms outside blocks, each element of an array listed separately.
+#[derive(Default)]
+pub(super) struct Outside {
+    pub(super) samplers: Vec<String>,
+    pub(super) loose: Vec<ActiveUniform>,
 }
 
-/// Returns the active uniforms outside blocks other than samplers, each element listed separately.
-pub(super) fn loose(
+impl Outside {
+    pub(super) fn of(context: &Context, program: glow::Program) -> Result<Outside, Failure> {
+        let mut outside = Outside::default();
+        let is_named = |uniform: &Uniform| uniform.block.is_none() || is_sampler(uniform.ty);
+        let active = active_uniforms(context, program, is_named)?;
+        for Uniform { name, ty, size, .. } in active.into_iter().filter(is_named) {
+            let names: Vec<String> = match name.strip_suffix("[0]") {
+                Some(array) => (0..size).map(|at| format!("{array}[{at}]")).collect(),
+                None => vec![name],
+            };
+            if is_sampler(ty) {
+                outside.samplers.extend(names);
+                continue;
+            }
+            for name in names {
+                // SAFETY: the program is linked. Built-in uniforms have no location.
+                let location = unsafe { context.gl.get_uniform_location(program, &name) };
+                outside.loose.extend(location.map(|location| ActiveUniform { name, ty, location }));
+            }
+        }
+        Ok(outside)
+    }
+}
+
+/// An active uniform and its properties.
+struct Uniform {
+    /// Empty unless it was asked for.
+    name: String,
+    /// OpenGL's constant of its type.
+    ty: u32,
+    /// The length of an array, or 1.
+    size: i32,
+    block: Option<usize>,
+    offset: i32,
+    array_stride: i32,
+    matrix_stride: i32,
+    row_major: i32,
+}
+
+/// Returns the active uniforms, those in blocks too. Mesa looks for a uniform in a list of all, so that
+/// each query of a program takes time by the square of their number: they are few, names those that
+/// are needed.
+fn active_uniforms(
     context: &Context,
     program: glow::Program,
-) -> Result<Vec<ActiveUniform>, Failure> {
-    let mut found = Vec::new();
-    let active = Uniforms::of(context, program)?;
-    let outside = active.all.into_iter().zip(active.block).filter(|(_, block)| *block < 0);
-    for (uniform, _) in outside.filter(|(uniform, _)| !is_sampler(uniform.utype)) {
-        let names = match uniform.name.strip_suffix("[0]") {
-            Some(array) => (0..uniform.size).map(|at| format!("{array}[{at}]")).collect(),
-            None => vec![uniform.name],
-        };
-        for name in names {
-            // SAFETY: the program is linked. Built-in uniforms have no location.
-            let location = unsafe { context.gl.get_uniform_location(program, &name) };
-            let ty = uniform.utype;
-            found.extend(location.map(|location| ActiveUniform { name, ty, location }));
-        }
-    }
-    Ok(found)
-}
-
-/// The active uniforms, those in blocks too, and their properties.
-struct Uniforms {
-    all: Vec<glow::ActiveUniform>,
-    block: Vec<i32>,
-    offset: Vec<i32>,
-    array_stride: Vec<i32>,
-    matrix_stride: Vec<i32>,
-    row_major: Vec<i32>,
-}
-
-impl Uniforms {
-    fn of(context: &Context, program: glow::Program) -> Result<Uniforms, Failure> {
-        let gl = &context.gl;
-        // SAFETY: the program is linked and every index below its count.
-        unsafe {
-            let indices: Vec<u32> = (0..gl.get_active_uniforms(program)).collect();
-            let facts = |name| match indices.as_slice() {
-                [] => Vec::new(),
-                some => gl.get_active_uniforms_parameter(program, some, name),
+    is_named: impl Fn(&Uniform) -> bool,
+) -> Result<Vec<Uniform>, Failure> {
+    let Some(interface) = &context.interface else { return by_index(context, program) };
+    let asked = [
+        glow::TYPE,
+        glow::ARRAY_SIZE,
+        glow::BLOCK_INDEX,
+        glow::OFFSET,
+        glow::ARRAY_STRIDE,
+        glow::MATRIX_STRIDE,
+        glow::IS_ROW_MAJOR,
+    ];
+    let longest = interface.longest(program, glow::UNIFORM);
+    (0..interface.count(program, glow::UNIFORM))
+        .map(|index| {
+            let [ty, size, block, offset, array_stride, matrix_stride, row_major] =
+                interface.values(program, glow::UNIFORM, index, asked).map_err(incomplete)?;
+            let mut uniform = Uniform {
+                name: String::new(),
+                ty: ty.cast_unsigned(),
+                size,
+                block: usize::try_from(block).ok(),
+                offset,
+                array_stride,
+                matrix_stride,
+                row_major,
             };
-            let all: Option<Vec<_>> =
-                indices.iter().map(|&index| gl.get_active_uniform(program, index)).collect();
-            Ok(Uniforms {
-                all: all.ok_or_else(|| {
-                    incomplete("the driver lists a uniform without a name".to_string())
-                })?,
-                block: facts(glow::UNIFORM_BLOCK_INDEX),
-                offset: facts(glow::UNIFORM_OFFSET),
-                array_stride: facts(glow::UNIFORM_ARRAY_STRIDE),
-                matrix_stride: facts(glow::UNIFORM_MATRIX_STRIDE),
-                row_major: facts(glow::UNIFORM_IS_ROW_MAJOR),
+            if is_named(&uniform) {
+                uniform.name = interface.name(program, glow::UNIFORM, index, longest);
+            }
+            Ok(uniform)
+        })
+        .collect()
+}
+
+/// The same by the queries of contexts before OpenGL 4.3, with all names.
+fn by_index(context: &Context, program: glow::Program) -> Result<Vec<Uniform>, Failure> {
+    let gl = &context.gl;
+    // SAFETY: the program is linked and every index below its count.
+    unsafe {
+        let indices: Vec<u32> = (0..gl.get_active_uniforms(program)).collect();
+        let facts = |name| match indices.as_slice() {
+            [] => Vec::new(),
+            some => gl.get_active_uniforms_parameter(program, some, name),
+        };
+        let block = facts(glow::UNIFORM_BLOCK_INDEX);
+        let offset = facts(glow::UNIFORM_OFFSET);
+        let array_stride = facts(glow::UNIFORM_ARRAY_STRIDE);
+        let matrix_stride = facts(glow::UNIFORM_MATRIX_STRIDE);
+        let row_major = facts(glow::UNIFORM_IS_ROW_MAJOR);
+        let uniform = |at: usize| {
+            let active = gl.get_active_uniform(program, indices[at]).ok_or_else(|| {
+                incomplete("the driver lists a uniform without a name".to_string())
+            })?;
+            Ok(Uniform {
+                name: active.name,
+                ty: active.utype,
+                size: active.size,
+                block: usize::try_from(block[at]).ok(),
+                offset: offset[at],
+                array_stride: array_stride[at],
+                matrix_stride: matrix_stride[at],
+                row_major: row_major[at],
             })
-        }
+        };
+        (0..indices.len()).map(uniform).collect()
     }
 }
 
@@ -196,10 +244,11 @@ fn storage_members(
         glow::TOP_LEVEL_ARRAY_SIZE,
         glow::TOP_LEVEL_ARRAY_STRIDE,
     ];
+    let longest = interface.longest(program, glow::BUFFER_VARIABLE);
     for index in 0..interface.count(program, glow::BUFFER_VARIABLE) {
         let [block, ty, offset, size, stride, matrix, row_major, top_size, top_stride] =
             interface.values(program, glow::BUFFER_VARIABLE, index, asked).map_err(incomplete)?;
-        let name = interface.name(program, glow::BUFFER_VARIABLE, index);
+        let name = interface.name(program, glow::BUFFER_VARIABLE, index, longest);
         let at = usize::try_from(block).map_err(|_| nonsense(block))?;
         let block = blocks.get_mut(at).ok_or_else(|| nonsense(block))?;
         block.members.push(ReflectedMember {

@@ -126,8 +126,15 @@ fn append(
     results(text, source, stage, head);
     let mut body = String::new();
     reads(text, &mut body, block, element, plan);
+    if stage == ExecutableStage::Fragment {
+        let _ = writeln!(body, "    if (landfall_words[0] == {NEVER}) discard;");
+    }
     main(text, stage, &body);
 }
+
+/// The bits of no index and no value of a probe. A fragment shader that may discard is compiled once by
+/// llvmpipe; others once more for tiles that are covered as a whole, of which a probe has none.
+pub(super) const NEVER: &str = "4294967295u";
 
 /// Appends the functions of a plan's copies to `text`, and its reads to the `body` of `main`.
 pub(super) fn reads(

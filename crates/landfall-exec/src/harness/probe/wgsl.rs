@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use super::glsl::{Group, Kind, component, groups, half, is_structure, kind, path};
+use super::glsl::{Group, Kind, NEVER, component, groups, half, is_structure, kind, path};
 use super::plan::{AccessMode, Plan, Read};
 use super::sentinel::{self, Grain};
 use landfall_layout::layout::BlockLayout;
@@ -76,6 +76,9 @@ pub(crate) fn text(
                 }
             }
         }
+    }
+    if stage == ExecutableStage::Fragment {
+        let _ = writeln!(body, "    if landfall_words[0] == {NEVER} {{ discard; }}");
     }
     entry(&mut text, ENTRY, stage, &body);
     text
