@@ -175,7 +175,12 @@ struct Done {
 
 impl work::Weighed for Result<Done, Failure> {
     fn bytes(&self) -> usize {
-        self.as_ref().map_or(0, |done| done.text.len() + done.findings.len())
+        /// About a read with its names, in the report.
+        const READ: usize = 160;
+        let Ok(Done { report, text, findings, .. }) = self else { return 0 };
+        let blocks = report.iter().flat_map(|(_, _, report)| &report.blocks);
+        let reads = blocks.flat_map(|block| &block.backends).map(|backend| backend.reads.len());
+        text.len() + findings.len() + READ * reads.sum::<usize>()
     }
 }
 
