@@ -19,9 +19,7 @@ pub struct Child(std::process::Child);
 impl Child {
     pub fn start(command: &mut Command) -> io::Result<Child> {
         in_own_group(command);
-        let child = command.spawn()?;
-        watch::started(child.id());
-        Ok(Child(child))
+        Ok(Child(watch::start(command)?))
     }
 
     /// The process, to take its streams from.

@@ -134,7 +134,9 @@ fn main() -> ExitCode {
         #[cfg(any(feature = "gl", feature = "gpu"))]
         Command::Reader(args) => serve_backend::run(args),
     };
-    match done.and_then(|outcome| streams.finish().map(|()| outcome)) {
+    let done = done.and_then(|outcome| streams.finish().map(|()| outcome));
+    watch::hold_end();
+    match done {
         Ok(outcome) if watch::is_stopped() && watch::last_outcome().is_some() => {
             watch::last_outcome().unwrap_or(outcome).into()
         }

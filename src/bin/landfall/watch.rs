@@ -4,8 +4,9 @@
 //! process many files stop after the current one; others are ended where they are. Either way
 //! unfinished files are removed and finished output is printed.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
 use std::thread;
@@ -64,6 +65,14 @@ type PartialReport = Box<dyn FnOnce() + Send>;
 /// The report to print if the process is ended in the middle of its work.
 static PARTIAL: Mutex<Option<PartialReport>> = Mutex::new(None);
 
+/// Locked once and for all by the thread that ends the process.
+static END: Mutex<()> = Mutex::new(());
+
+/// Waits forever if another thread is ending the process; from then on only this one does.
+pub fn hold_end() {
+    std::mem::forget(END.lock());
+}
+
 fn partial() -> MutexGuard<'static, Option<PartialReport>> {
     PARTIAL.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -110,9 +119,14 @@ pub fn forget(directory: &Path) {
     temporary().retain(|other| other != directory);
 }
 
-/// Ends the group of a program if this process is ended before [`end_group`].
-pub fn started(process: u32) {
-    groups().push(process);
+/// Starts a program that has a process group of its own, which ends if this process is ended before
+/// [`end_group`].
+pub fn start(command: &mut process::Command) -> io::Result<process::Child> {
+    // Locked from before the start: once the groups are ended, none is added.
+    let mut groups = groups();
+    let child = command.spawn()?;
+    groups.push(child.id());
+    Ok(child)
 }
 
 /// Ends what runs of a program and what it started; the process itself is not waited for yet, so
@@ -213,9 +227,11 @@ impl Watch {
             thread::sleep(INTERVAL);
             if self.stop.load(Ordering::Relaxed) {
                 if let Some(outcome) = last_outcome() {
+                    hold_end();
                     self.end(outcome.code());
                 }
                 (self.wait)();
+                hold_end();
                 let note = match report_partially() {
                     true => "interrupted: these are the results so far, without the last file\n",
                     false => "interrupted: results that were not printed yet are lost\n",
@@ -239,11 +255,15 @@ impl Watch {
 
     /// Ends the process because it exceeds its budget.
     fn refuse(&self, message: String, help: &str) {
+        hold_end();
         let error = Error::new("landfall", message).with_help(help);
         let found = Diagnostic { code: Code::TooLarge, ..error.into() };
         report_partially();
         let text = self.style.text(&[found], &Files::default());
-        let _ = anstream::stderr().write_all(text.as_bytes());
+        let mut stderr = anstream::stderr().lock();
+        let _ = stderr.write_all(text.as_bytes());
+        // Stays locked: no other thread writes anything after the error.
+        std::mem::forget(stderr);
         self.end(Outcome::CouldNot.code());
     }
 
