@@ -1,11 +1,13 @@
 //! Edits of a text, applied at the end: everything outside the edits stays byte for byte.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Changes to one text.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edits {
-    edits: Vec<Edit>,
+    /// By their first byte.
+    edits: BTreeMap<usize, Vec<Edit>>,
 }
 
 #[derive(Clone, Debug)]
@@ -19,7 +21,7 @@ struct Edit {
 impl Edits {
     /// Replaces a range; an edit inside another edit's range is dropped.
     pub fn replace(&mut self, range: Range<usize>, text: impl Into<String>) {
-        self.edits.push(Edit { range, text: text.into(), lines: false });
+        self.push(Edit { range, text: text.into(), lines: false });
     }
 
     pub fn delete(&mut self, range: Range<usize>) {
@@ -33,7 +35,11 @@ impl Edits {
 
     /// Inserts whole lines before the line that starts at `at`.
     pub fn insert_lines(&mut self, at: usize, text: impl Into<String>) {
-        self.edits.push(Edit { range: at..at, text: text.into(), lines: true });
+        self.push(Edit { range: at..at, text: text.into(), lines: true });
+    }
+
+    fn push(&mut self, edit: Edit) {
+        self.edits.entry(edit.range.start).or_default().push(edit);
     }
 
     /// A part of the text with its edits applied.
@@ -109,8 +115,9 @@ impl Edits {
     fn applied(&self, text: &str, part: &Range<usize>) -> Vec<&Edit> {
         let mut inside: Vec<&Edit> = self
             .edits
-            .iter()
-            .filter(|edit| edit.range.start >= part.start && edit.range.end <= part.end)
+            .range(part.start..=part.end)
+            .flat_map(|(_, edits)| edits)
+            .filter(|edit| edit.range.end <= part.end)
             // An insertion at the end of the part belongs to the text after it.
             .filter(|edit| edit.range.start < part.end || part.end == text.len())
             .collect();
