@@ -209,6 +209,8 @@ pub(super) enum Op {
     ArrayLength(u32),
     /// `[r, g, b, a | image, x, y]`
     Sample,
+    /// A sample that an earlier one has taken already: it only counts.
+    Sampled,
     Texel,
     /// `[width, height | image]`
     ImageSize,
@@ -237,6 +239,8 @@ pub(super) enum Op {
     Kill,
     Barrier,
     Call(u32),
+    /// Begins the code of a callee that stands in place of its call.
+    Inlined(u32),
     End,
 }
 
@@ -285,6 +289,8 @@ impl Op {
             | Op::Kill
             | Op::Barrier
             | Op::Call(_)
+            | Op::Inlined(_)
+            | Op::Sampled
             | Op::End => (0, 0, 0),
         };
         Shape { writes, reads, plain }
@@ -328,6 +334,25 @@ impl Op {
                 | Op::DerivativeFine(_)
                 | Op::DerivativeCoarse(_)
         )
+    }
+
+    /// Returns whether all results are reals that are not copied.
+    pub fn writes_reals(self) -> bool {
+        let converts = match self {
+            Op::Cast(cast) => matches!(
+                cast,
+                Cast::SintToReal
+                    | Cast::UintToReal
+                    | Cast::BitsReal
+                    | Cast::LowHalf
+                    | Cast::HighHalf
+                    | Cast::DoubleToReal
+                    | Cast::Sint64ToReal
+                    | Cast::Uint64ToReal
+            ),
+            _ => matches!(self, Op::Sample | Op::Texel),
+        };
+        converts || self.computes_reals()
     }
 
     /// Returns whether all operands of an operation that computes reals are reals too.

@@ -128,7 +128,7 @@ pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
         Op::Load(_) => (Load, 1),
         Op::Save(_) => (Store, 1),
         Op::Atomic(_) => (Store, 2),
-        Op::Sample | Op::Texel => (Texture, 1),
+        Op::Sample | Op::Sampled | Op::Texel => (Texture, 1),
         Op::Move(_)
         | Op::Blank(_)
         | Op::Store(_)
@@ -156,6 +156,7 @@ pub(super) fn instruction_cost(inst: &Inst) -> InstructionCost {
         | Op::Kill
         | Op::Barrier
         | Op::Call(_)
+        | Op::Inlined(_)
         | Op::End => (Free, 0),
     };
     InstructionCost { kind, weight: each * inst.groups, operands: inst.operands() as u32 }

@@ -19,13 +19,25 @@ type Series = (f64, bool);
 
 /// Computes a function of one operand in all lanes; returns the lanes it leaves.
 pub(super) fn function1(arch: Arch, f: F1, to: &mut [f32; LANES], a: &[f32; LANES]) -> u64 {
+    match has_fused(arch) {
+        true => fused_or_not1::<true>(arch, f, to, a),
+        false => fused_or_not1::<false>(arch, f, to, a),
+    }
+}
+
+fn fused_or_not1<const FUSED: bool>(
+    arch: Arch,
+    f: F1,
+    to: &mut [f32; LANES],
+    a: &[f32; LANES],
+) -> u64 {
     match f {
-        F1::Exp => each(arch, to, a, a, |x, _| exponential(x * LOG2_E)),
-        F1::Exp2 => each(arch, to, a, a, |x, _| exponential(x)),
-        F1::Log => each(arch, to, a, a, |x, _| (log2(x) * LN_2, is_positive(x))),
-        F1::Log2 => each(arch, to, a, a, |x, _| (log2(x), is_positive(x))),
-        F1::Sin => each(arch, to, a, a, |x, _| sine(x, 0)),
-        F1::Cos => each(arch, to, a, a, |x, _| sine(x, 1)),
+        F1::Exp => each(arch, to, a, a, |x, _| exponential::<FUSED>(x * LOG2_E)),
+        F1::Exp2 => each(arch, to, a, a, |x, _| exponential::<FUSED>(x)),
+        F1::Log => each(arch, to, a, a, |x, _| (log2::<FUSED>(x) * LN_2, is_positive(x))),
+        F1::Log2 => each(arch, to, a, a, |x, _| (log2::<FUSED>(x), is_positive(x))),
+        F1::Sin => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 0)),
+        F1::Cos => each(arch, to, a, a, |x, _| sine::<FUSED>(x, 1)),
         _ => u64::MAX,
     }
 }
@@ -38,10 +50,21 @@ pub(super) fn function2(
     a: &[f32; LANES],
     b: &[f32; LANES],
 ) -> u64 {
-    match f {
-        F2::Pow => each(arch, to, a, b, power),
+    if let (F2::Pow, Some(exponent)) = (f, whole(b)) {
+        return each_power(arch, to, a, exponent);
+    }
+    match (f, has_fused(arch)) {
+        (F2::Pow, true) => each(arch, to, a, b, power::<true>),
+        (F2::Pow, false) => each(arch, to, a, b, power::<false>),
         _ => u64::MAX,
     }
+}
+
+/// Whether code for these registers multiplies and adds by one instruction. The results are the same,
+/// as the bound of the error holds for both.
+fn has_fused(arch: Arch) -> bool {
+    cfg!(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))
+        && !matches!(arch, Arch::Scalar)
 }
 
 struct Each<'c, F> {
@@ -76,10 +99,78 @@ fn each(
 ) -> u64 {
     let mut doubts = [0; LANES];
     arch.dispatch(Each { to, doubts: &mut doubts, a, b, f });
-    if doubts == [0; LANES] {
+    lanes_of(&doubts)
+}
+
+/// Returns the lanes of the words that are 1.
+fn lanes_of(doubts: &[u32; LANES]) -> u64 {
+    if *doubts == [0; LANES] {
         return 0;
     }
     doubts.iter().rev().fold(0, |lanes, &doubt| lanes << 1 | u64::from(doubt))
+}
+
+/// Returns the whole number from 1 to 1024 that all lanes hold: of a power by multiplications, whose
+/// 20 roundings grow by the exponent, the relative error is below 2^-42.
+fn whole(b: &[f32; LANES]) -> Option<u32> {
+    let first = b[0];
+    let is_whole = first.fract() == 0.0 && (1.0..=1024.0).contains(&first);
+    let differ = b.iter().fold(0, |bits, x| bits | (x.to_bits() ^ first.to_bits()));
+    (is_whole && differ == 0).then_some(first as u32)
+}
+
+struct EachPower<'c> {
+    to: &'c mut [f32; LANES],
+    doubts: &'c mut [u32; LANES],
+    a: &'c [f32; LANES],
+    exponent: u32,
+}
+
+impl NullaryFnOnce for EachPower<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let (mut power, mut square) = ([1.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            square[lane] = f64::from(self.a[lane]);
+        }
+        let mut left = self.exponent;
+        loop {
+            if left & 1 == 1 {
+                for lane in 0..LANES {
+                    power[lane] *= square[lane];
+                }
+            }
+            left >>= 1;
+            if left == 0 {
+                break;
+            }
+            for number in &mut square {
+                *number *= *number;
+            }
+        }
+        for lane in 0..LANES {
+            let (x, y) = (self.a[lane], power[lane]);
+            let (low, high) = ((y - y * ERROR) as f32, (y + y * ERROR) as f32);
+            // Normal, zero, or less than half of the least `f32`.
+            let fits = (y > LEAST) & (y < 1.0 / LEAST) | (y < VANISHING);
+            let positive = (x > 0.0) | (x.to_bits() == 0);
+            self.to[lane] = high;
+            self.doubts[lane] = u32::from(!(positive & fits & (low == high)));
+        }
+    }
+}
+
+/// 2^-125, and 2^-160.
+const LEAST: f64 = f64::from_bits((1023 - 125) << 52);
+const VANISHING: f64 = f64::from_bits((1023 - 160) << 52);
+
+#[inline(never)]
+fn each_power(arch: Arch, to: &mut [f32; LANES], a: &[f32; LANES], exponent: u32) -> u64 {
+    let mut doubts = [0; LANES];
+    arch.dispatch(EachPower { to, doubts: &mut doubts, a, exponent });
+    lanes_of(&doubts)
 }
 
 #[inline(always)]
@@ -93,7 +184,7 @@ const WHOLE: u64 = 0x4330_0000_0000_0000;
 /// Returns the binary logarithm of a positive number: its exponent, and twice the series of the
 /// inverse hyperbolic tangent, for a fraction from the root of 1/2 to the root of 2.
 #[inline(always)]
-fn log2(x: f64) -> f64 {
+fn log2<const FUSED: bool>(x: f64) -> f64 {
     const ROOT: u64 = 0x3fe6_a09e_0000_0000;
     const FRACTION: u64 = (1 << 52) - 1;
     let shifted = x.to_bits().wrapping_add(1f64.to_bits() - ROOT);
@@ -102,34 +193,34 @@ fn log2(x: f64) -> f64 {
     let s = (fraction - 1.0) / (fraction + 1.0);
     let z = s * s;
     // The next term, z^8 / 17, is 2^-44.
-    exponent + s * polynomial(z, LOGARITHM)
+    exponent + s * polynomial::<FUSED, _>(z, LOGARITHM)
 }
 
 /// Returns the coefficients' polynomial, the highest power first.
 #[inline(always)]
-fn polynomial<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
+fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[0];
     for coefficient in &coefficients[1..] {
-        sum = sum * x + coefficient;
+        sum = if FUSED { sum.mul_add(x, *coefficient) } else { sum * x + coefficient };
     }
     sum
 }
 
 /// Returns 2^p, where that is a normal `f32`.
 #[inline(always)]
-fn exponential(p: f64) -> Series {
-    (exp2(p), p.abs() < 125.0)
+fn exponential<const FUSED: bool>(p: f64) -> Series {
+    (exp2::<FUSED>(p), p.abs() < 125.0)
 }
 
 /// Returns 2^p for |p| < 1000: the power of the nearest whole number, and the series of the
 /// exponential function for the rest.
 #[inline(always)]
-fn exp2(p: f64) -> f64 {
+fn exp2<const FUSED: bool>(p: f64) -> f64 {
     let (shifted, whole) = nearest(p);
     let t = (p - whole) * LN_2;
     let power = f64::from_bits((shifted << 52).wrapping_add(1f64.to_bits()));
     // The next term, t^11 / 11!, is 2^-42.
-    power * polynomial(t, EXPONENTIAL)
+    power * polynomial::<FUSED, _>(t, EXPONENTIAL)
 }
 
 /// 2 / ln 2 / n for n = 15, 13, … 1.
@@ -177,19 +268,19 @@ fn nearest(x: f64) -> (u64, f64) {
 }
 
 #[inline(always)]
-fn power(x: f64, y: f64) -> Series {
-    let p = y * log2(x);
+fn power<const FUSED: bool>(x: f64, y: f64) -> Series {
+    let p = y * log2::<FUSED>(x);
     let is_zero = (x.to_bits() == 0) & (y > 0.0);
     // Less than half of the least `f32`.
     let vanishes = is_positive(x) & (p < -160.0);
-    let result = exp2(p);
+    let result = exp2::<FUSED>(p);
     let gone = is_zero | vanishes;
     (if gone { 0.0 } else { result }, gone | (is_positive(x) & (p.abs() < 125.0)))
 }
 
 /// Returns the sine of a number plus so many right angles.
 #[inline(always)]
-fn sine(x: f64, angles: u64) -> Series {
+fn sine<const FUSED: bool>(x: f64, angles: u64) -> Series {
     // A right angle in three parts, the first two of 33 bits: their products with a quadrant are
     // exact.
     const RIGHT: [f64; 3] =
@@ -198,7 +289,8 @@ fn sine(x: f64, angles: u64) -> Series {
     let rest = x - quadrant * RIGHT[0] - quadrant * RIGHT[1] - quadrant * RIGHT[2];
     let z = rest * rest;
     // The next terms, z^7 / 15! and z^7 / 14!, are at most 2^-44 and 2^-40.
-    let (sine, cosine) = (rest * polynomial(z, SINE), polynomial(z, COSINE));
+    let sine = rest * polynomial::<FUSED, _>(z, SINE);
+    let cosine = polynomial::<FUSED, _>(z, COSINE);
     let turned = word.wrapping_add(angles);
     let value = if turned & 1 == 0 { sine } else { cosine };
     let sign = (turned & 2) << 62;
@@ -282,7 +374,11 @@ mod tests {
                     _ => special[rng.usize(..special.len())],
                 })
             };
-            let (a, b) = (column(true), column(false));
+            let (a, mut b) = (column(true), column(false));
+            if round % 2 == 1 {
+                // One exponent for all lanes, mostly whole.
+                b = [[b[0], b[0].floor(), (round % 1030) as f32][round % 6 / 2]; LANES];
+            }
             for arch in [Arch::Scalar, Arch::new()] {
                 let mut to = [0.0; LANES];
                 let rest = function2(arch, F2::Pow, &mut to, &a, &b);

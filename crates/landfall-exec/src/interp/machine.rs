@@ -16,6 +16,7 @@ mod unset;
 mod wide;
 
 use std::borrow::Cow;
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -33,7 +34,26 @@ pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 
 /// A scalar of all lanes.
-pub(super) type Column<T> = Box<[T; LANES]>;
+pub(super) type Column<T> = Box<Aligned<T>>;
+
+/// Lanes that begin where a line of the processor's cache does: no load crosses two lines.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Aligned<T>([T; LANES]);
+
+impl<T> Deref for Aligned<T> {
+    type Target = [T; LANES];
+
+    fn deref(&self) -> &[T; LANES] {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Aligned<T> {
+    fn deref_mut(&mut self) -> &mut [T; LANES] {
+        &mut self.0
+    }
+}
 
 /// A buffer during a run.
 pub(super) struct Memory<'j> {
@@ -223,6 +243,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                 Op::Atomic(access) => self.atomic::<WATCH>(access, head, operands),
                 Op::ArrayLength(access) => self.array_length(access, operands),
                 Op::Sample => self.sample(operands),
+                Op::Sampled => {}
                 Op::Texel => self.texel(operands),
                 Op::ImageSize => self.image_size(operands),
                 Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
@@ -236,6 +257,10 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
                     self.call_tick(this)?;
                     self.frames.push(Frame::call(self.active, pc));
                     pc = program.starts[function as usize] as usize;
+                }
+                Op::Inlined(function) => {
+                    self.tally.calls[function as usize] += self.count;
+                    self.call_tick(this)?;
                 }
                 Op::Again(target) => {
                     if self.active != 0 {
@@ -300,6 +325,12 @@ fn column<T>(file: &[Option<Column<T>>], reg: u32) -> &[T; LANES] {
     file[reg as usize].as_ref().expect(HELD)
 }
 
+/// Returns the column of a register that is not read meanwhile.
+#[inline(always)]
+fn column_mut<T>(file: &mut [Option<Column<T>>], reg: u32) -> &mut [T; LANES] {
+    file[reg as usize].as_mut().expect(HELD)
+}
+
 /// Takes a column out, to be written while others are read.
 #[inline(always)]
 fn take<T>(file: &mut [Option<Column<T>>], reg: u32) -> Column<T> {
@@ -314,7 +345,7 @@ fn columns<T: Copy + Default>(
     (0..count as usize)
         .map(|i| {
             let value = constants.get(i).map_or(T::default(), |&bits| value(bits));
-            Some(Box::new([value; LANES]))
+            Some(Box::new(Aligned([value; LANES])))
         })
         .collect()
 }

@@ -1,10 +1,12 @@
-//! Optimises a function's instructions: propagates copies and removes dead code.
+//! Optimises a function's instructions: propagates copies, removes dead code, and reuses
+//! registers.
 //!
 //! Called by [`compile`](super::compile) for one function at a time.
 
 mod copies;
+mod reuse;
 
-use super::body::Body;
+use super::body::{Body, Compiled};
 use super::code::{Access, Inst, Op, Reg, Region};
 
 /// The use that an instruction makes of a register.
@@ -26,9 +28,10 @@ pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, Role)) {
     }
 }
 
-pub(super) fn optimize(body: &mut Body, accesses: &[Access], results: &[Reg]) {
+pub(super) fn optimize(body: &mut Body, accesses: &[Access], interface: &Compiled) {
     drop_unread(body);
-    copies::remove_copies(body, accesses, results);
+    copies::remove_copies(body, accesses, interface);
+    reuse::reuse(body);
 }
 
 /// Removes the groups of pure instructions whose results are never read.

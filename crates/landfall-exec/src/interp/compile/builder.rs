@@ -40,6 +40,10 @@ pub(super) struct Builder<'a> {
     variables: [u32; 3],
     /// Temporaries of all functions so far.
     temporaries: [u32; 3],
+    /// The operands of each function so far.
+    lengths: Vec<usize>,
+    /// The operands that may still be inlined.
+    room: usize,
     /// The current function.
     pub body: Body,
     /// The functions before it.
@@ -52,6 +56,9 @@ pub(super) struct Builder<'a> {
 const MOST_REGISTERS: u32 = 1 << 19;
 /// Maximum number of operands of a program.
 const MOST_OPERANDS: usize = 1 << 24;
+/// Maximum number of operands of a function that is inlined, and of all that are in a program.
+const LONGEST_INLINED: usize = 2_000;
+const MOST_INLINED: usize = 1 << 17;
 
 impl<'a> Builder<'a> {
     pub fn new(
@@ -85,6 +92,8 @@ impl<'a> Builder<'a> {
             constants: Default::default(),
             variables: [0; 3],
             temporaries: [0; 3],
+            lengths: Vec::new(),
+            room: MOST_INLINED,
             body: Body::default(),
             code: Vec::new(),
             origins: Vec::new(),
@@ -205,6 +214,14 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Whether a function is short enough to be inlined once more.
+    pub fn takes_room_for(&mut self, function: usize) -> bool {
+        let length = self.lengths[function];
+        let fits = length <= LONGEST_INLINED.min(self.room);
+        self.room -= if fits { length } else { 0 };
+        fits
+    }
+
     pub fn begin(&mut self, function: u32) {
         self.body = Body { origin: Some(nowhere(function)), ..Body::default() };
     }
@@ -217,8 +234,9 @@ impl<'a> Builder<'a> {
         compiled: Result<Compiled, String>,
     ) -> FunctionCode {
         let mut body = std::mem::take(&mut self.body);
+        self.lengths.push(body.pool.len());
         let compiled = compiled.and_then(|compiled| {
-            optimize::optimize(&mut body, &self.accesses, &compiled.result);
+            optimize::optimize(&mut body, &self.accesses, &compiled);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
             if body.overflow || sum > MOST_REGISTERS {
                 return Err(format!("values of more than {MOST_REGISTERS} scalars"));

@@ -9,7 +9,7 @@ use super::super::code::{Access, Axis, Class, Dynamic, ElementCount, Op, Reg};
 use super::super::flatten::class;
 use super::super::program::Floats;
 use super::Global;
-use super::function::{Function, Resolved};
+use super::function::{Function, Resolved, Returned};
 use super::value::{Root, Value};
 
 impl Function<'_, '_> {
@@ -220,7 +220,7 @@ impl Function<'_, '_> {
             functions: &[],
             arguments: Vec::new(),
             locals: Vec::new(),
-            result: Rc::from([]),
+            returned: Returned::In(Rc::from([])),
             values: vec![None; ir.global_expressions.len()],
         };
         module.regs(handle)

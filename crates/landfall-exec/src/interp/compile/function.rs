@@ -23,6 +23,14 @@ pub(super) enum Resolved<'a> {
     Module(&'a ModuleInfo),
 }
 
+/// The place of a function's result.
+pub(super) enum Returned {
+    /// Registers that callers read.
+    In(Rc<[Reg]>),
+    /// The registers of the value itself, in code that stands in place of a call.
+    Inline(Rc<[Reg]>),
+}
+
 pub(super) struct Function<'f, 'a> {
     pub b: &'f mut Builder<'a>,
     pub function: &'f naga::Function,
@@ -32,11 +40,12 @@ pub(super) struct Function<'f, 'a> {
     pub functions: &'f [FunctionCode],
     pub arguments: Vec<CompiledArgument>,
     pub locals: Vec<Rc<[Reg]>>,
-    pub result: Rc<[Reg]>,
+    pub returned: Returned,
     pub values: Vec<Option<Value>>,
 }
 
 impl<'f, 'a> Function<'f, 'a> {
+    /// Returns a function whose arguments callers copy.
     pub fn new(
         b: &'f mut Builder<'a>,
         function: &'f naga::Function,
@@ -47,29 +56,24 @@ impl<'f, 'a> Function<'f, 'a> {
         let types = &b.ir.types;
         let mut arguments = Vec::new();
         for argument in &function.arguments {
-            let inner = &types[argument.ty].inner;
-            let (pointer, regs, ty) = match inner {
-                TypeInner::Pointer { base, .. } => {
-                    let regs = b.variable(&types[*base].inner)?;
-                    (true, regs, value_type(&b.types, &types[*base]))
-                }
-                TypeInner::ValuePointer { size, scalar, .. } => {
-                    let inner = match size {
-                        Some(size) => TypeInner::Vector { size: *size, scalar: *scalar },
-                        None => TypeInner::Scalar(*scalar),
-                    };
-                    let ty = naga::Type { name: None, inner };
-                    (true, b.variable(&ty.inner)?, value_type(&b.types, &ty))
-                }
-                _ => (false, b.variable(inner)?, value_type(&b.types, &types[argument.ty])),
-            };
-            let name = argument.name.clone().unwrap_or_default();
-            arguments.push(CompiledArgument { name, regs, pointer, ty });
+            arguments.push(compiled_argument(b, argument, None)?);
         }
         let result = match &function.result {
             Some(result) => b.variable(&types[result.ty].inner)?,
             None => Rc::from([]),
         };
+        Function::with(b, function, info, (globals, functions), (arguments, Returned::In(result)))
+    }
+
+    /// Returns a function with these arguments.
+    pub fn with(
+        b: &'f mut Builder<'a>,
+        function: &'f naga::Function,
+        info: &'f FunctionInfo,
+        (globals, functions): (&'f [Global], &'f [FunctionCode]),
+        (arguments, returned): (Vec<CompiledArgument>, Returned),
+    ) -> Result<Function<'f, 'a>, String> {
+        let types = &b.ir.types;
         let mut locals = Vec::new();
         for (_, local) in function.local_variables.iter() {
             locals.push(b.variable(&types[local.ty].inner)?);
@@ -83,7 +87,7 @@ impl<'f, 'a> Function<'f, 'a> {
             functions,
             arguments,
             locals,
-            result,
+            returned,
             values: vec![None; function.expressions.len()],
         })
     }
@@ -105,7 +109,7 @@ impl<'f, 'a> Function<'f, 'a> {
             functions: &[],
             arguments: Vec::new(),
             locals: Vec::new(),
-            result: Rc::from([]),
+            returned: Returned::In(Rc::from([])),
             values: vec![None; ir.global_expressions.len()],
         };
         for ((_, variable), global) in ir.global_variables.iter().zip(globals) {
@@ -122,6 +126,17 @@ impl<'f, 'a> Function<'f, 'a> {
     }
 
     pub fn compile(mut self) -> Result<Compiled, String> {
+        self.body()?;
+        self.b.push(Op::End, &[], &[]);
+        let ir = self.b.ir;
+        let result_type = self.function.result.as_ref();
+        let result_type = result_type.and_then(|r| value_type(&self.b.types, &ir.types[r.ty]));
+        let (Returned::In(result) | Returned::Inline(result)) = self.returned;
+        Ok(Compiled { arguments: self.arguments, result, result_type })
+    }
+
+    /// Compiles the variables and statements.
+    pub fn body(&mut self) -> Result<(), String> {
         let function = self.function;
         let locals: Vec<(Handle<LocalVariable>, &LocalVariable)> =
             function.local_variables.iter().collect();
@@ -143,12 +158,8 @@ impl<'f, 'a> Function<'f, 'a> {
             }
         }
         self.block(&function.body)?;
-        self.b.push(Op::End, &[], &[]);
-        self.b.body.locals = self.locals.iter().flat_map(|regs| regs.iter().copied()).collect();
-        let ir = self.b.ir;
-        let result_type =
-            function.result.as_ref().and_then(|r| value_type(&self.b.types, &ir.types[r.ty]));
-        Ok(Compiled { arguments: self.arguments, result: self.result, result_type })
+        self.b.body.locals.extend(self.locals.iter().flat_map(|regs| regs.iter().copied()));
+        Ok(())
     }
 
     /// Returns the type of an expression.
@@ -234,4 +245,32 @@ impl<'f, 'a> Function<'f, 'a> {
             }
         }
     }
+}
+
+/// Returns an argument in the given registers, or in new ones: a pointer's contents are always
+/// copied.
+pub(super) fn compiled_argument(
+    b: &mut Builder<'_>,
+    argument: &naga::FunctionArgument,
+    given: Option<Rc<[Reg]>>,
+) -> Result<CompiledArgument, String> {
+    let types = &b.ir.types;
+    let (pointer, ty) = match &types[argument.ty].inner {
+        TypeInner::Pointer { base, .. } => (true, types[*base].clone()),
+        TypeInner::ValuePointer { size, scalar, .. } => {
+            let inner = match size {
+                Some(size) => TypeInner::Vector { size: *size, scalar: *scalar },
+                None => TypeInner::Scalar(*scalar),
+            };
+            (true, naga::Type { name: None, inner })
+        }
+        _ => (false, types[argument.ty].clone()),
+    };
+    let regs = match given.filter(|_| !pointer) {
+        Some(given) => given,
+        None => b.variable(&ty.inner)?,
+    };
+    let name = argument.name.clone().unwrap_or_default();
+    let ty = value_type(&b.types, &ty);
+    Ok(CompiledArgument { name, regs, pointer, ty })
 }

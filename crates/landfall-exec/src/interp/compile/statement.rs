@@ -6,7 +6,8 @@ use naga::{AtomicFunction, Block, Expression, Handle, Statement, SwitchCase, Swi
 
 use super::super::code::{Access, Change, Class, I2, Op, Reg, Values};
 use super::super::flatten::stored;
-use super::function::Function;
+use super::function::{Function, Returned, compiled_argument};
+use super::nowhere;
 use super::operators::scalar_of;
 use super::value::{Root, Value};
 
@@ -54,12 +55,15 @@ impl Function<'_, '_> {
                 Ok(None)
             }
             Statement::Return { value } => {
-                if let Some(value) = value {
-                    let from = self.regs(*value)?;
-                    let to = self.result.clone();
-                    self.copy(Op::Store, &to, &from);
+                let from = value.map_or(Ok(Rc::from([])), |value| self.regs(value))?;
+                match &mut self.returned {
+                    Returned::Inline(result) => *result = from,
+                    Returned::In(to) => {
+                        let to = to.clone();
+                        self.copy(Op::Store, &to, &from);
+                        self.b.push(Op::Return, &[], &[]);
+                    }
                 }
-                self.b.push(Op::Return, &[], &[]);
                 Ok(None)
             }
             Statement::Kill => {
@@ -195,32 +199,87 @@ impl Function<'_, '_> {
         if let Err(why) = &callee.state {
             return Err(why.clone());
         }
+        let inlined = self.is_inlined(function);
         let mut back = Vec::new();
+        let mut given = Vec::new();
         for (argument, handle) in callee.arguments.iter().zip(arguments) {
             let from = if argument.pointer {
                 let pointer = self.pointer(*handle)?;
                 let from = self.load_all(&pointer)?;
-                back.push((pointer, &argument.regs));
+                back.push((pointer, given.len()));
                 from
             } else {
                 self.regs(*handle)?
             };
-            self.copy(Op::Move, &argument.regs, &from);
+            given.push(from);
         }
-        self.b.push(Op::Call(function.index() as u32), &[], &[]);
-        for (pointer, regs) in back {
-            self.store(&pointer, regs)?;
+        let (registers, returned) = match inlined {
+            true => self.inline(function, given)?,
+            false => {
+                let registers = callee.arguments.iter().map(|a| Rc::from(&a.regs[..]));
+                let registers: Vec<Rc<[Reg]>> = registers.collect();
+                for (to, from) in registers.iter().zip(&given) {
+                    self.copy(Op::Move, to, from);
+                }
+                self.b.push(Op::Call(function.index() as u32), &[], &[]);
+                (registers, Rc::from([]))
+            }
+        };
+        for (pointer, number) in back {
+            self.store(&pointer, &registers[number])?;
         }
         if let Some(result) = result {
-            let mut to = Vec::with_capacity(callee.result.len());
-            for reg in &callee.result {
-                to.push(self.b.temporary(reg.class()));
-            }
-            self.copy(Op::Move, &to, &callee.result);
-            let rounded = self.is_rounded(result).then(|| self.round_to_half(&to));
-            self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(to.into())));
+            let value = match inlined {
+                true => returned,
+                false => {
+                    let to = callee.result.iter().map(|reg| self.b.temporary(reg.class()));
+                    let to: Rc<[Reg]> = to.collect();
+                    self.copy(Op::Move, &to, &callee.result);
+                    to
+                }
+            };
+            let rounded = self.is_rounded(result).then(|| self.round_to_half(&value));
+            self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(value)));
         }
         Ok(())
+    }
+
+    /// Whether the code of a callee stands in place of its call: if it ends where its text does, and
+    /// if it is short.
+    fn is_inlined(&mut self, function: Handle<naga::Function>) -> bool {
+        let body = &self.b.ir.functions[function].body;
+        let last = matches!(body.last(), Some(Statement::Return { .. }));
+        returns(body) == usize::from(last) && self.b.takes_room_for(function.index())
+    }
+
+    /// Compiles a callee in place of a call; returns the registers of its arguments and its result.
+    fn inline(
+        &mut self,
+        function: Handle<naga::Function>,
+        given: Vec<Rc<[Reg]>>,
+    ) -> Result<(Vec<Rc<[Reg]>>, Rc<[Reg]>), String> {
+        let (ir, info) = (self.b.ir, self.b.info);
+        let callee = &ir.functions[function];
+        let mut arguments = Vec::new();
+        for (argument, from) in callee.arguments.iter().zip(given) {
+            let argument = compiled_argument(self.b, argument, Some(from.clone()))?;
+            if argument.pointer {
+                self.copy(Op::Move, &argument.regs, &from);
+            }
+            arguments.push(argument);
+        }
+        let registers = arguments.iter().map(|argument| argument.regs.clone()).collect();
+        let origin = self.b.body.origin;
+        let number = function.index() as u32;
+        self.b.push(Op::Inlined(number), &[], &[]);
+        self.b.body.origin = Some(nowhere(number));
+        let parts = (arguments, Returned::Inline(Rc::from([])));
+        let within = (self.globals, self.functions);
+        let mut inner = Function::with(self.b, callee, &info[function], within, parts)?;
+        inner.body()?;
+        let (Returned::In(result) | Returned::Inline(result)) = inner.returned;
+        self.b.body.origin = origin;
+        Ok((registers, result))
     }
 
     fn atomic(
@@ -275,4 +334,17 @@ impl Function<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// Returns the number of returns in a block.
+fn returns(block: &Block) -> usize {
+    let of = |statement: &Statement| match statement {
+        Statement::Return { .. } => 1,
+        Statement::Block(block) => returns(block),
+        Statement::If { accept, reject, .. } => returns(accept) + returns(reject),
+        Statement::Switch { cases, .. } => cases.iter().map(|case| returns(&case.body)).sum(),
+        Statement::Loop { body, continuing, .. } => returns(body) + returns(continuing),
+        _ => 0,
+    };
+    block.iter().map(of).sum()
 }

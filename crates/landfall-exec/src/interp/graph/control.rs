@@ -58,7 +58,7 @@ impl GraphBuilder<'_> {
                 Op::Return => exits.returns.extend(self.path.take()),
                 Op::Kill => self.path = None,
                 Op::Call(function) => self.body(program.starts[function as usize] as usize)?,
-                Op::Nop | Op::Barrier | Op::CaseSkip(_) => {}
+                Op::Nop | Op::Barrier | Op::CaseSkip(_) | Op::Inlined(_) | Op::Sampled => {}
                 _ => self.instruction(inst)?,
             }
             pc += 1;

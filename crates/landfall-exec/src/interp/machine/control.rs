@@ -38,14 +38,14 @@ const CALL: u32 = 16;
 const INSIDE: &str = "constructs are closed in the order they were opened";
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// Returns the lanes in which a bool is true.
+    /// Returns the lanes in which a bool is true; lanes that are not active may hold any word.
     fn lanes_of(&self, reg: u32) -> u64 {
         let column = self.words[reg as usize].as_ref().expect(HELD);
         let mut lanes = 0;
         for (i, chunk) in column.chunks_exact(8).enumerate() {
             let mut byte = 0;
             for (bit, &word) in chunk.iter().enumerate() {
-                byte |= u64::from(word) << bit;
+                byte |= u64::from(word & 1) << bit;
             }
             lanes |= byte << (8 * i);
         }

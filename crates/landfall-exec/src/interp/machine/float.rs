@@ -2,7 +2,7 @@
 
 use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
 use super::super::real::Real;
-use super::kernel::{dear, map1, map2, map3, map4, map6};
+use super::kernel::{dear, groups1, groups2, groups3, map1, map2, map3, map4, map6};
 use super::{Column, Machine, column, take};
 use landfall_layout::buffer::float::round_to_odd;
 
@@ -129,37 +129,18 @@ pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
 
 impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
-    fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R + Copy) {
-        for group in operands.chunks_exact(2) {
-            let mut to = take(&mut self.reals, group[0]);
-            map1(self.arch, &mut to, column(&self.reals, group[1]), f);
-            self.reals[group[0] as usize] = Some(to);
-        }
+    fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R) {
+        groups1(self.arch, &mut self.reals, operands, f);
     }
 
     #[inline(always)]
-    fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R + Copy) {
-        for group in operands.chunks_exact(3) {
-            let mut to = take(&mut self.reals, group[0]);
-            map2(
-                self.arch,
-                &mut to,
-                column(&self.reals, group[1]),
-                column(&self.reals, group[2]),
-                f,
-            );
-            self.reals[group[0] as usize] = Some(to);
-        }
+    fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
+        groups2(self.arch, &mut self.reals, operands, f);
     }
 
     #[inline(always)]
-    fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R + Copy) {
-        for group in operands.chunks_exact(4) {
-            let mut to = take(&mut self.reals, group[0]);
-            let [a, b, c] = [1, 2, 3].map(|i| column(&self.reals, group[i]));
-            map3(self.arch, &mut to, a, b, c, f);
-            self.reals[group[0] as usize] = Some(to);
-        }
+    fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R) {
+        groups3(self.arch, &mut self.reals, operands, f);
     }
 
     fn agree(&self, reg: u32) -> bool {
@@ -326,7 +307,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let [x, y, z] = [0, 1, 2].map(|i| (of(a[i]), of(b[i])));
                     map6(self.arch, &mut to, x.0, x.1, y.0, y.1, z.0, z.1, dot3);
                     if let [_, _, _, a] = a {
-                        let three = *to;
+                        let three = **to;
                         let sum = |three: R, a: R, b: R| three.add(a.mul(b));
                         map3(self.arch, &mut to, &three, of(*a), of(b[3]), sum);
                     }
@@ -388,13 +369,13 @@ impl<R: Real> Machine<'_, '_, R> {
                 to.iter_mut().for_each(|x| *x = x.sqrt());
             } else {
                 for (i, (a, b)) in a.iter().zip(b).enumerate() {
-                    let before = *to;
+                    let before = **to;
                     map3(self.arch, &mut to, &before, of(*a), of(*b), |sum, a, b| {
                         let square = a.sub(b).mul(a.sub(b));
                         if i == 0 { square } else { sum.add(square) }
                     });
                 }
-                let squares = *to;
+                let squares = **to;
                 map1(self.arch, &mut to, &squares, R::sqrt);
             }
             self.reals[group[0] as usize] = Some(to);

@@ -166,7 +166,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let mut to = take(&mut self.$file, group[0]);
                     let condition = column(&self.words, group[1]);
                     let (yes, no) = (column(&self.$file, group[2]), column(&self.$file, group[3]));
-                    *to = *no;
+                    **to = *no;
                     blend(self.arch, &mut to, yes, condition);
                     self.$file[group[0] as usize] = Some(to);
                 }

@@ -4,6 +4,8 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::super::code::LANES;
+use super::super::real::Real;
+use super::{Column, column, take};
 
 macro_rules! kernels {
     ($($name:ident $work:ident, $($a:ident: $t:ident),+;)*) => {$(
@@ -46,6 +48,50 @@ kernels! {
     map6 Map6, a: A, b: B, c: C, d: D, e: E, g: G;
 }
 
+macro_rules! group_kernels {
+    ($($name:ident $work:ident $size:literal, $($a:ident $at:literal),+;)*) => {$(
+        struct $work<'c, R, F> {
+            file: &'c mut [Option<Column<R>>],
+            operands: &'c [u32],
+            f: F,
+        }
+
+        impl<R: Real, F: Fn($(group_kernels!(@real $a)),+) -> R> NullaryFnOnce for $work<'_, R, F> {
+            type Output = ();
+
+            #[inline(always)]
+            fn call(self) {
+                for group in self.operands.chunks_exact($size) {
+                    let mut to = take(self.file, group[0]);
+                    $(let $a = column(self.file, group[$at]);)+
+                    for lane in 0..LANES {
+                        to[lane] = (self.f)($($a[lane]),+);
+                    }
+                    self.file[group[0] as usize] = Some(to);
+                }
+            }
+        }
+
+        /// Computes every group of operands, a result and its arguments.
+        #[inline(never)]
+        pub(super) fn $name<R: Real>(
+            arch: Arch,
+            file: &mut [Option<Column<R>>],
+            operands: &[u32],
+            f: impl Fn($(group_kernels!(@real $a)),+) -> R,
+        ) {
+            arch.dispatch($work { file, operands, f });
+        }
+    )*};
+    (@real $a:ident) => { R };
+}
+
+group_kernels! {
+    groups1 Groups1 2, a 1;
+    groups2 Groups2 3, a 1, b 2;
+    groups3 Groups3 4, a 1, b 2, c 3;
+}
+
 /// Runs an expensive operation once if all lanes agree, else for the active lanes.
 pub(super) fn dear<T: Copy, U: Copy>(
     to: &mut [U; LANES],
@@ -69,6 +115,28 @@ pub(super) fn dear<T: Copy, U: Copy>(
             let lane = rest.trailing_zeros() as usize;
             to[lane] = f(arguments(lane));
             rest &= rest - 1;
+        }
+    }
+}
+
+/// Fills all lanes.
+#[inline(never)]
+pub(super) fn fill<T: Copy>(arch: Arch, to: &mut [T; LANES], value: T) {
+    arch.dispatch(Fill { to, value });
+}
+
+struct Fill<'c, T> {
+    to: &'c mut [T; LANES],
+    value: T,
+}
+
+impl<T: Copy> NullaryFnOnce for Fill<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for to in self.to.iter_mut() {
+            *to = self.value;
         }
     }
 }

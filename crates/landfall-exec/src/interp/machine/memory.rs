@@ -6,8 +6,8 @@
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
 use super::super::real::Real;
 use super::integer::binary;
-use super::kernel::map1;
-use super::{HELD, Image, Machine, column, take};
+use super::kernel::{fill, map1};
+use super::{Image, Machine, column, column_mut, take};
 
 /// Returns the number of elements that an index is limited to.
 pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
@@ -75,14 +75,13 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                 match stored {
                     Stored::F32 | Stored::F16 => {
                         let value = R::narrow(f32::from_bits(bits as u32));
-                        **self.reals[group[0] as usize].as_mut().expect(HELD) = [value; LANES];
+                        fill(self.arch, column_mut(&mut self.reals, group[0]), value);
                     }
                     Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
-                        let to = self.words[group[0] as usize].as_mut().expect(HELD);
-                        **to = [bits as u32; LANES];
+                        fill(self.arch, column_mut(&mut self.words, group[0]), bits as u32);
                     }
                     Stored::B64 => {
-                        **self.wides[group[0] as usize].as_mut().expect(HELD) = [bits; LANES];
+                        fill(self.arch, column_mut(&mut self.wides, group[0]), bits);
                     }
                 }
                 if WATCH && self.active != 0 {
@@ -136,12 +135,12 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         match stored {
             Stored::F32 | Stored::F16 => {
                 let value = R::narrow(f32::from_bits(bits as u32));
-                self.reals[reg as usize].as_mut().expect(HELD)[lane] = value;
+                column_mut(&mut self.reals, reg)[lane] = value;
             }
             Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
-                self.words[reg as usize].as_mut().expect(HELD)[lane] = bits as u32;
+                column_mut(&mut self.words, reg)[lane] = bits as u32;
             }
-            Stored::B64 => self.wides[reg as usize].as_mut().expect(HELD)[lane] = bits,
+            Stored::B64 => column_mut(&mut self.wides, reg)[lane] = bits,
         }
     }
 
@@ -200,7 +199,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                     if let Some(first) = agreed {
                         let reg = group[1]
                             + self.computed_offset(access, head, first, class as usize) as u32;
-                        *to = *column(&self.$file, reg);
+                        **to = *column(&self.$file, reg);
                     } else {
                         let mut rest = self.active;
                         while rest != 0 {
@@ -234,7 +233,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                     for group in operands.chunks_exact(2) {
                         let value = column(&self.$file, group[0])[lane];
                         let reg = group[1] as usize + way;
-                        self.$file[reg].as_mut().expect(HELD)[lane] = value;
+                        column_mut(&mut self.$file, reg as u32)[lane] = value;
                     }
                 };
             }
@@ -284,13 +283,13 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let access = &self.program.accesses[access as usize];
         let bytes = self.buffers[access.buffer as usize].bytes.len();
         let len = elements(access.dynamics[0].bound, bytes);
-        **self.words[operands[0] as usize].as_mut().expect(HELD) = [len; LANES];
+        *column_mut(&mut self.words, operands[0]) = [len; LANES];
     }
 
     /// Returns the image that an operand chooses in all lanes; `None` if they differ.
     fn image(&self, reg: u32) -> Option<Image<'j>> {
         let numbers = column(&self.words, reg);
-        let one = numbers.iter().all(|number| *number == numbers[0]);
+        let one = numbers.iter().fold(0, |bits, number| bits | (number ^ numbers[0])) == 0;
         self.images.get(numbers[0] as usize).copied().filter(|_| one)
     }
 
@@ -305,7 +304,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             }
         }
         for (i, reg) in to.iter().enumerate() {
-            let column = self.reals[*reg as usize].as_mut().expect(HELD);
+            let column = column_mut(&mut self.reals, *reg);
             for (lane, (to, texel)) in column.iter_mut().zip(&texels).enumerate() {
                 if found >> lane & 1 == 1 {
                     *to = R::narrow(texel[i]);
@@ -330,13 +329,13 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                 Some(of(image, at(image, wrap(u, image.width), wrap(v, image.height))))
             });
         };
-        // A shader may sample one texture at one place for each light.
+        // A function may sample one texture at one place whenever it is called.
         let number = column(&self.words, from[0])[0] as usize;
         let known = &self.samples[number];
-        let [u, v] = [1, 2].map(|i| column(&self.reals, from[i]));
+        let [u, v] = [column(&self.reals, from[1]), column(&self.reals, from[2])];
         if let Some(known) = known.as_ref().filter(|known| same(&known.u, u) & same(&known.v, v)) {
             for (reg, color) in to.iter().zip(&known.colors) {
-                **self.reals[*reg as usize].as_mut().expect(HELD) = *color;
+                *column_mut(&mut self.reals, *reg) = *color;
             }
             return;
         }
@@ -344,9 +343,18 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let (mut x, mut y) = ([0; LANES], [0; LANES]);
         map1(self.arch, &mut x, &u, |u| wrap(u, image.width));
         map1(self.arch, &mut y, &v, |v| wrap(v, image.height));
-        self.colors(to, |_, lane| Some(of(image, at(image, x[lane], y[lane]))));
-        let colors = std::array::from_fn(|i| *column(&self.reals, to[i]));
-        self.samples[number] = Some(Box::new(Samples { u, v, colors }));
+        let mut texels = [[0.0; 4]; LANES];
+        for (texel, (x, y)) in texels.iter_mut().zip(x.into_iter().zip(y)) {
+            *texel = of(image, at(image, x, y));
+        }
+        let empty = || Box::new(Samples { u, v, colors: [u; 4] });
+        let known = self.samples[number].get_or_insert_with(empty);
+        (known.u, known.v) = (u, v);
+        for (channel, reg) in to.iter().enumerate() {
+            let color = column_mut(&mut self.reals, *reg);
+            map1(self.arch, color, &texels, |texel| R::narrow(texel[channel]));
+            known.colors[channel] = *color;
+        }
     }
 
     pub(super) fn texel(&mut self, operands: &[u32]) {

@@ -108,7 +108,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     }
                 }
             }
-            _ if op.computes_reals() && !unset.lanes.is_empty() => {
+            _ if op.writes_reals() && !unset.lanes.is_empty() => {
                 let shape = op.shape();
                 for group in operands.chunks_exact(shape.len()) {
                     group[..shape.writes].iter().for_each(|reg| unset.put(*reg, 0));

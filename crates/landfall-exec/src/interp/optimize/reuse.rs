@@ -1,0 +1,111 @@
+//! Gives temporaries that are never needed at the same time one register, so that the columns of a
+//! loop fit the processor's first cache.
+
+use rustc_hash::FxHashMap;
+
+use super::super::body::Body;
+use super::super::code::{Op, Reg, Region};
+use super::registers;
+
+/// The instructions from the first to the last at which a temporary is needed.
+#[derive(Clone, Copy)]
+struct Span {
+    from: usize,
+    to: usize,
+    /// The innermost loop around its first instruction.
+    within: Option<usize>,
+}
+
+/// The instructions of a loop.
+struct Loop {
+    from: usize,
+    to: usize,
+    around: Option<usize>,
+}
+
+/// Numbers the temporaries of a function anew.
+pub(super) fn reuse(body: &mut Body) {
+    let spans = spans(body);
+    let mut starts: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.from, *reg)).collect();
+    let mut ends: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.to, *reg)).collect();
+    starts.sort_unstable();
+    ends.sort_unstable();
+    let mut ends = ends.into_iter().peekable();
+    let mut numbers: FxHashMap<Reg, Reg> = FxHashMap::default();
+    let mut free: [Vec<Reg>; 3] = Default::default();
+    let mut counts = [0; 3];
+    for (from, reg) in starts {
+        // An instruction does not write what it reads.
+        while let Some((_, ended)) = ends.next_if(|(to, _)| *to < from) {
+            free[ended.class() as usize].push(numbers[&ended]);
+        }
+        let class = reg.class();
+        let number = free[class as usize].pop().unwrap_or_else(|| {
+            counts[class as usize] += 1;
+            Reg::new(class, Region::Temporary, counts[class as usize] - 1)
+        });
+        numbers.insert(reg, number);
+    }
+    for inst in &body.code {
+        registers(inst, |place, _| {
+            let word = &mut body.pool[inst.at as usize + place];
+            *word = numbers.get(&Reg(*word)).map_or(*word, |reg| reg.0);
+        });
+    }
+    body.temporaries = counts;
+}
+
+/// Returns the span of each temporary. One from before a loop that reads it is needed up to the loop's
+/// end; one that is read after a loop that writes it, from the loop's start.
+fn spans(body: &Body) -> FxHashMap<Reg, Span> {
+    let loops = loops(body);
+    let mut spans: FxHashMap<Reg, Span> = FxHashMap::default();
+    let mut next = 0;
+    // From the outermost.
+    let mut open: Vec<usize> = Vec::new();
+    for (index, inst) in body.code.iter().enumerate() {
+        match inst.op {
+            Op::Loop => {
+                open.push(next);
+                next += 1;
+            }
+            Op::LoopEnd(_) => drop(open.pop()),
+            _ => {}
+        }
+        registers(inst, |place, _| {
+            let reg = Reg(body.pool[inst.at as usize + place]);
+            if reg.region() != Region::Temporary {
+                return;
+            }
+            let within = open.last().copied();
+            let span = spans.entry(reg).or_insert(Span { from: index, to: index, within });
+            let reading = open.iter().map(|number| &loops[*number]).find(|l| l.from > span.from);
+            span.to = span.to.max(reading.map_or(index, |reading| reading.to));
+            while let Some(left) = span.within.map(|l| &loops[l]).filter(|l| l.to < index) {
+                span.from = span.from.min(left.from);
+                span.within = left.around;
+            }
+        });
+    }
+    spans
+}
+
+/// Returns the loops in the order of their starts.
+fn loops(body: &Body) -> Vec<Loop> {
+    let mut loops: Vec<Loop> = Vec::new();
+    let mut open: Vec<usize> = Vec::new();
+    for (index, inst) in body.code.iter().enumerate() {
+        match inst.op {
+            Op::Loop => {
+                loops.push(Loop { from: index, to: index, around: open.last().copied() });
+                open.push(loops.len() - 1);
+            }
+            Op::LoopEnd(_) => {
+                let closed = open.pop().expect("a loop that ends began");
+                loops[closed].to = index;
+            }
+            _ => {}
+        }
+    }
+    loops
+}
