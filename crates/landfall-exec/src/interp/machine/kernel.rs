@@ -141,6 +141,32 @@ impl<T: Copy> NullaryFnOnce for Fill<'_, T> {
     }
 }
 
+/// Writes the channels of texels each to its own lanes.
+#[inline(never)]
+pub(super) fn split<R: Real>(arch: Arch, to: [&mut [R; LANES]; 4], texels: &[[f32; 4]; LANES]) {
+    arch.dispatch(Split { to, texels });
+}
+
+struct Split<'c, R> {
+    to: [&'c mut [R; LANES]; 4],
+    texels: &'c [[f32; 4]; LANES],
+}
+
+impl<R: Real> NullaryFnOnce for Split<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Split { to: [r, g, b, a], texels } = self;
+        for lane in 0..LANES {
+            r[lane] = R::narrow(texels[lane][0]);
+            g[lane] = R::narrow(texels[lane][1]);
+            b[lane] = R::narrow(texels[lane][2]);
+            a[lane] = R::narrow(texels[lane][3]);
+        }
+    }
+}
+
 /// Copies the lanes of a mask of all-ones words.
 #[inline(never)]
 pub(super) fn blend<T: Copy>(

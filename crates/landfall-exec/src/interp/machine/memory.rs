@@ -6,7 +6,7 @@
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
 use super::super::real::Real;
 use super::integer::binary;
-use super::kernel::{fill, map1};
+use super::kernel::{fill, map1, split};
 use super::{Image, Machine, column, column_mut, take};
 
 /// Returns the number of elements that an index is limited to.
@@ -350,10 +350,9 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let empty = || Box::new(Samples { u, v, colors: [u; 4] });
         let known = self.samples[number].get_or_insert_with(empty);
         (known.u, known.v) = (u, v);
-        for (channel, reg) in to.iter().enumerate() {
-            let color = column_mut(&mut self.reals, *reg);
-            map1(self.arch, color, &texels, |texel| R::narrow(texel[channel]));
-            known.colors[channel] = *color;
+        split(self.arch, known.colors.each_mut(), &texels);
+        for (reg, color) in to.iter().zip(&known.colors) {
+            *column_mut(&mut self.reals, *reg) = *color;
         }
     }
 
