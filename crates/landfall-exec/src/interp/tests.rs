@@ -14,3 +14,4 @@ mod notes;
 mod outward;
 mod permitted;
 mod random;
+mod statements;
