@@ -132,14 +132,14 @@ impl NullaryFnOnce for EachPower<'_> {
     #[inline(always)]
     fn call(self) {
         let (mut power, mut square) = ([1.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            square[lane] = f64::from(self.a[lane]);
+        for (square, x) in square.iter_mut().zip(self.a) {
+            *square = f64::from(*x);
         }
         let mut left = self.exponent;
         loop {
             if left & 1 == 1 {
-                for lane in 0..LANES {
-                    power[lane] *= square[lane];
+                for (power, square) in power.iter_mut().zip(&square) {
+                    *power *= square;
                 }
             }
             left >>= 1;
@@ -150,8 +150,8 @@ impl NullaryFnOnce for EachPower<'_> {
                 *number *= *number;
             }
         }
-        for lane in 0..LANES {
-            let (x, y) = (self.a[lane], power[lane]);
+        for (lane, y) in power.into_iter().enumerate() {
+            let x = self.a[lane];
             let (low, high) = ((y - y * ERROR) as f32, (y + y * ERROR) as f32);
             // Normal, zero, or less than half of the least `f32`.
             let fits = (y > LEAST) & (y < 1.0 / LEAST) | (y < VANISHING);

@@ -11,6 +11,12 @@ use super::nowhere;
 use super::operators::scalar_of;
 use super::value::{Root, Value};
 
+/// The registers of a function that was called.
+struct CalleeRegs {
+    arguments: Vec<Rc<[Reg]>>,
+    result: Rc<[Reg]>,
+}
+
 impl Function<'_, '_> {
     /// Compiles a block. When no lane is left in it, the machine continues at its end.
     pub fn block(&mut self, block: &Block) -> Result<(), String> {
@@ -199,7 +205,6 @@ impl Function<'_, '_> {
         if let Err(why) = &callee.state {
             return Err(why.clone());
         }
-        let inlined = self.is_inlined(function);
         let mut back = Vec::new();
         let mut given = Vec::new();
         for (argument, handle) in callee.arguments.iter().zip(arguments) {
@@ -213,35 +218,35 @@ impl Function<'_, '_> {
             };
             given.push(from);
         }
-        let (registers, returned) = match inlined {
+        let called = match self.is_inlined(function) {
             true => self.inline(function, given)?,
-            false => {
-                let registers = callee.arguments.iter().map(|a| Rc::from(&a.regs[..]));
-                let registers: Vec<Rc<[Reg]>> = registers.collect();
-                for (to, from) in registers.iter().zip(&given) {
-                    self.copy(Op::Move, to, from);
-                }
-                self.b.push(Op::Call(function.index() as u32), &[], &[]);
-                (registers, Rc::from([]))
-            }
+            false => self.jump(function, &given),
         };
         for (pointer, number) in back {
-            self.store(&pointer, &registers[number])?;
+            self.store(&pointer, &called.arguments[number])?;
         }
         if let Some(result) = result {
-            let value = match inlined {
-                true => returned,
-                false => {
-                    let to = callee.result.iter().map(|reg| self.b.temporary(reg.class()));
-                    let to: Rc<[Reg]> = to.collect();
-                    self.copy(Op::Move, &to, &callee.result);
-                    to
-                }
-            };
-            let rounded = self.is_rounded(result).then(|| self.round_to_half(&value));
-            self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(value)));
+            let rounded = self.is_rounded(result).then(|| self.round_to_half(&called.result));
+            self.values[result.index()] = Some(Value::Regs(rounded.unwrap_or(called.result)));
         }
         Ok(())
+    }
+
+    /// Calls a function with copies of its arguments; returns its registers, those of the result
+    /// copied.
+    fn jump(&mut self, function: Handle<naga::Function>, given: &[Rc<[Reg]>]) -> CalleeRegs {
+        let functions = self.functions;
+        let callee = &functions[function.index()];
+        let arguments = callee.arguments.iter().map(|argument| Rc::from(&argument.regs[..]));
+        let arguments: Vec<Rc<[Reg]>> = arguments.collect();
+        for (to, from) in arguments.iter().zip(given) {
+            self.copy(Op::Move, to, from);
+        }
+        self.b.push(Op::Call(function.index() as u32), &[], &[]);
+        let result = callee.result.iter().map(|reg| self.b.temporary(reg.class()));
+        let result: Rc<[Reg]> = result.collect();
+        self.copy(Op::Move, &result, &callee.result);
+        CalleeRegs { arguments, result }
     }
 
     /// Whether the code of a callee stands in place of its call: if it ends where its text does, and
@@ -252,12 +257,12 @@ impl Function<'_, '_> {
         returns(body) == usize::from(last) && self.b.takes_room_for(function.index())
     }
 
-    /// Compiles a callee in place of a call; returns the registers of its arguments and its result.
+    /// Compiles a callee in place of a call.
     fn inline(
         &mut self,
         function: Handle<naga::Function>,
         given: Vec<Rc<[Reg]>>,
-    ) -> Result<(Vec<Rc<[Reg]>>, Rc<[Reg]>), String> {
+    ) -> Result<CalleeRegs, String> {
         let (ir, info) = (self.b.ir, self.b.info);
         let callee = &ir.functions[function];
         let mut arguments = Vec::new();
@@ -279,7 +284,7 @@ impl Function<'_, '_> {
         inner.body()?;
         let (Returned::In(result) | Returned::Inline(result)) = inner.returned;
         self.b.body.origin = origin;
-        Ok((registers, result))
+        Ok(CalleeRegs { arguments: registers, result })
     }
 
     fn atomic(

@@ -300,10 +300,12 @@ fn drop_first_values(body: &mut Body, locals: &FxHashSet<Reg>) {
             registers(inst, |place, of| {
                 let reg = Reg(body.pool[inst.at as usize + place]);
                 match first.get(&reg) {
-                    None if is_first && of == role && role == Role::Write => {
-                        if locals.contains(&reg) {
-                            first.insert(reg, First::None { block });
-                        }
+                    None if is_first
+                        && of == role
+                        && role == Role::Write
+                        && locals.contains(&reg) =>
+                    {
+                        first.insert(reg, First::None { block });
                     }
                     Some(&First::None { block: before }) if of == role => {
                         let whole = role == Role::Write && block == before && !is_first;

@@ -164,3 +164,60 @@ fn constants_overrides_and_private_variables_start_as_written() {
     let given = Program::new(&module(text), &[("scale".into(), 5.0)]);
     assert_eq!(words(&given, "f", &[&lanes]), expected(5));
 }
+
+/// A place that was sampled before is not sampled again, unless that was in a branch or elsewhere; it
+/// counts whenever the text samples it.
+#[test]
+fn samples_of_one_place_are_equal_wherever_they_are_taken() {
+    let p = program(
+        "@group(0) @binding(0) var t: texture_2d<f32>;
+        @group(0) @binding(1) var s: sampler;
+        fn at(u: f32) -> f32 { return textureSampleLevel(t, s, vec2<f32>(u, 0.5), 0.0).x; }
+        fn f(a: f32, u: f32) -> f32 {
+            var sum = 0.0;
+            if a > 0.5 { sum = 100.0 * at(u); }
+            sum += at(u);
+            for (var i = 0; i < 3; i++) {
+                sum += 10.0 * at(u);
+                if a > 1.5 { break; }
+                sum += at(u + f32(i) / 4.0);
+            }
+            return sum + 1000.0 * at(u);
+        }",
+    );
+    let texels: Vec<[f32; 4]> = (1..5u8).map(|i| [f32::from(i), 0.0, 0.0, 1.0]).collect();
+    let resources = [
+        resource(0, ResourceKind::Texture { width: 4, height: 1, texels }),
+        resource(1, ResourceKind::Sampler),
+    ];
+    // No lane enters the branch, some do, all do.
+    for [first, second] in [[0u8, 0], [0, 1], [1, 2]] {
+        let inputs: Vec<[u8; 2]> =
+            (0..70).map(|i| [if i % 3 == 0 { first } else { second }, i % 4]).collect();
+        let column = |k: usize, scale: f32, add: f32| -> Vec<Vec<u64>> {
+            let bits = |input: &[u8; 2]| (f32::from(input[k]) * scale + add).to_bits();
+            vec![inputs.iter().map(|input| u64::from(bits(input))).collect()]
+        };
+        let arguments = vec![column(0, 1.0, 0.0), column(1, 0.25, 0.125)];
+        let call = Call { function: "f", lanes: 70, arguments, resources: &resources };
+        let called = p.call(&call, &single()).expect("it runs");
+        let mut samples = 0;
+        for (lane, [a, at]) in inputs.iter().enumerate() {
+            let texel = f32::from(at + 1);
+            let mut expected = 1001.0 * texel + if *a > 0 { 100.0 * texel } else { 0.0 };
+            samples += 2 + u64::from(*a > 0);
+            for i in 0..3 {
+                expected += 10.0 * texel;
+                samples += 1;
+                if *a > 1 {
+                    break;
+                }
+                expected += f32::from((at + i) % 4 + 1);
+                samples += 1;
+            }
+            let found = f32::from_bits(called.result.words[0][lane] as u32);
+            assert_eq!(found, expected, "{a}, {at}");
+        }
+        assert_eq!(called.notes.counts.textures, samples);
+    }
+}
