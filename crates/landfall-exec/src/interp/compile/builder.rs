@@ -215,11 +215,13 @@ impl<'a> Builder<'a> {
     }
 
     /// Whether a function is short enough to be inlined once more.
-    pub fn takes_room_for(&mut self, function: usize) -> bool {
-        let length = self.lengths[function];
-        let fits = length <= LONGEST_INLINED.min(self.room);
-        self.room -= if fits { length } else { 0 };
-        fits
+    pub fn has_room_for(&self, function: usize) -> bool {
+        self.lengths[function] <= LONGEST_INLINED.min(self.room)
+    }
+
+    /// Takes the room of a function that has it.
+    pub fn take_room_for(&mut self, function: usize) {
+        self.room -= self.lengths[function];
     }
 
     pub fn begin(&mut self, function: u32) {

@@ -251,10 +251,10 @@ impl Function<'_, '_> {
 
     /// Whether the code of a callee stands in place of its call: if it ends where its text does, and
     /// if it is short.
-    fn is_inlined(&mut self, function: Handle<naga::Function>) -> bool {
+    fn is_inlined(&self, function: Handle<naga::Function>) -> bool {
         let body = &self.b.ir.functions[function].body;
         let last = matches!(body.last(), Some(Statement::Return { .. }));
-        returns(body) == usize::from(last) && self.b.takes_room_for(function.index())
+        returns(body) == usize::from(last) && self.b.has_room_for(function.index())
     }
 
     /// Compiles a callee in place of a call.
@@ -263,6 +263,7 @@ impl Function<'_, '_> {
         function: Handle<naga::Function>,
         given: Vec<Rc<[Reg]>>,
     ) -> Result<CalleeRegs, String> {
+        self.b.take_room_for(function.index());
         let (ir, info) = (self.b.ir, self.b.info);
         let callee = &ir.functions[function];
         let mut arguments = Vec::new();

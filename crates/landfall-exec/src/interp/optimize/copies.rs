@@ -281,8 +281,8 @@ fn drop_first_values(body: &mut Body, locals: &FxHashSet<Reg>) {
         Read,
     }
     let mut first: FxHashMap<Reg, First> = FxHashMap::default();
-    // Blocks by the instruction before them.
-    let mut open = vec![0];
+    // Blocks by the instruction before them; before the function's own there is none.
+    let mut open = vec![usize::MAX];
     for (index, inst) in body.code.iter().enumerate() {
         match inst.op {
             Op::If(_) | Op::Loop | Op::Switch => open.push(index),
