@@ -31,6 +31,7 @@ use crate::args::{BackendName, RenderArgs, RenderFormat};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
 use crate::{backends, shader, without_effect, write};
 use applied::Planned;
+use auto::Opened;
 use request::{RenderArguments, RenderRequest};
 
 pub fn run(args: &RenderArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -181,9 +182,9 @@ fn picture(
         report.model = made.model;
         truth.picture
     } else {
-        let planned = plan::plan(args, request, &made)?;
+        let (planned, opened) = plan::plan(args, request, &made)?;
         let lighting = planned.as_ref().filter(|planned| !planned.idle);
-        let mut lighted = made.light(args.backend, lighting, args, streams)?;
+        let mut lighted = made.light(args.backend, opened, lighting, args, streams)?;
         emitted = planned.as_ref().and_then(|planned| planned.emitted.clone());
         let demanded = planned.as_ref().is_some_and(|planned| planned.demanded);
         report.plan = planned.map(|planned| planned.plan);
@@ -199,7 +200,7 @@ fn picture(
             }
             if !applied {
                 report.unmet = demanded || emitted.take().is_some();
-                lighted = made.light(args.backend, None, args, streams)?;
+                lighted = made.light(args.backend, None, None, args, streams)?;
             }
         }
         report.device = Some(lighted.device);
@@ -352,10 +353,11 @@ impl PreparedScene<'_> {
             .map(|count| (0..count as u32).collect())
     }
 
-    /// Renders the whole picture on a backend.
+    /// Renders the whole picture on a backend; a driver that is open already is not opened again.
     fn light(
         &self,
         name: BackendName,
+        opened: Opened,
         planned: Option<&Planned>,
         args: &RenderArgs,
         streams: &Streams,
@@ -402,7 +404,10 @@ impl PreparedScene<'_> {
                 (rendered, cpu.device().clone(), Some(tally), time, checked)
             }
             BackendName::Gl | BackendName::Gpu => {
-                let opened = backends::open_one(name, args.adapter.as_deref());
+                let opened = match opened {
+                    Some(backend) => Ok(backend),
+                    None => backends::open_one(name, args.adapter.as_deref()),
+                };
                 let mut backend = opened.map_err(|failure| {
                     Error::new(name.name(), format!("cannot render: {}", failure.message))
                         .with_help("`landfall devices` lists the backends; cpu needs no driver")

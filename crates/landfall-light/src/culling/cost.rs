@@ -23,6 +23,8 @@ pub struct Costs {
     pub call: usize,
     /// The part of the cost without a plan that its estimate must stay below to be applied.
     pub worth: f64,
+    /// Preparing a trial: writing and compiling another shader.
+    pub trial: f64,
 }
 
 impl Costs {
@@ -36,17 +38,24 @@ impl Costs {
         interpolation: 25.0,
         call: 1024,
         worth: 1.0,
+        trial: 0.0,
     };
 
     /// This crate's interpreter, which interprets the shader on all cores.
     pub const INTERPRETER: Costs =
-        Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, ..Costs::CPU };
+        Costs { evaluation: 50.0, draw: 100_000.0, light: 1_000.0, trial: 5e6, ..Costs::CPU };
 
     /// A driver, where every draw is a job of its own. A light that is read by an index from a list
     /// costs 1.9 to 2.2 times one of a plain loop (llvmpipe, both APIs, 1,024 lights), so that a plan
     /// must save more.
-    pub const DRIVER: Costs =
-        Costs { evaluation: 8.0, draw: 1_000_000.0, light: 1_000.0, worth: 0.45, ..Costs::CPU };
+    pub const DRIVER: Costs = Costs {
+        evaluation: 8.0,
+        draw: 1_000_000.0,
+        light: 1_000.0,
+        worth: 0.45,
+        trial: 4e7,
+        ..Costs::CPU
+    };
 
     /// Returns the costs of a shader on a backend. With light lists a region is an entry of a
     /// buffer, and all regions share one draw.

@@ -58,7 +58,7 @@ impl Timed {
 }
 
 impl Choice {
-    /// Picks the fastest way within the permitted error that is faster than skipping nothing by
+    /// Picks the fastest way without a note within the permitted error that is faster than skipping nothing by
     /// more than the spread of both; skipping nothing if there is none.
     pub fn pick(&mut self) {
         let Some((none, others)) = self.timed.split_first() else { return };
@@ -66,6 +66,7 @@ impl Choice {
         let faster = others.iter().enumerate().filter(|(_, timed)| {
             let [_, slowest] = timed.range();
             !timed.seconds.is_empty()
+                && timed.note.is_empty()
                 && timed.is_within(self.permitted)
                 && slowest * MARGIN < fastest
         });

@@ -12,7 +12,7 @@ use crate::bind::{Kind, LightPart, Quantity, Slot, Source as Bound};
 use crate::culling::Plan;
 use crate::scene::{Emission, PointLight};
 use landfall_exec::harness::fragments::FragmentShader;
-use landfall_ir::analysis::hazards::falloff::{Numbers, Terms, terms};
+use landfall_ir::analysis::hazards::falloff::{LightArray, Numbers, Terms, terms};
 use landfall_ir::analysis::roles;
 use landfall_ir::analysis::roles::{LightBinding, Role};
 use landfall_layout::source::Source;
@@ -78,7 +78,10 @@ impl Renderer {
         let blocks = blocks(&self.shader);
         let lights = roles::lights_in_blocks(&blocks);
         let Ok(terms) = terms(&source, options, &lights, position) else { return false };
-        left_out.iter().all(|light| self.vanishes(&terms, &lights, light))
+        Kind::ALL.into_iter().all(|kind| {
+            let mut of_kind = left_out.iter().filter(|light| light.kind == kind).peekable();
+            of_kind.peek().is_none() || self.vanish(&terms, &lights, kind, of_kind)
+        })
     }
 
     /// Returns the last name of the input that holds the fragment's position.
@@ -89,39 +92,41 @@ impl Renderer {
         Some(name.rsplit('.').next().unwrap_or(name))
     }
 
-    fn vanishes(
+    /// Whether lights of a kind add exactly zero, by every array that holds such lights.
+    fn vanish<'l>(
         &self,
         terms: &Terms,
         lights: &[LightBinding<'_>],
-        light: &SkippedLight<'_>,
+        kind: Kind,
+        left_out: impl Iterator<Item = &'l SkippedLight<'l>> + Clone,
     ) -> bool {
         // The arrays whose members hold such a light.
         let holds = |held: &LightBinding<'_>| {
             held.roles.parts.iter().any(|part| {
                 let path = held.full_path(part);
-                matches!(self.part_at(&held.block.name, &path), Some((kind, _)) if kind == light.kind)
+                matches!(self.part_at(&held.block.name, &path), Some((of, _)) if of == kind)
             })
         };
-        let numbers = |held: &LightBinding<'_>, role: Role| {
-            let part = held.roles.part(role)?;
-            let (kind, part) = self.part_at(&held.block.name, &held.full_path(part))?;
-            (kind == light.kind).then(|| light.number(part)).flatten()
-        };
-        let [counts, lists] = self.counted_by(lights, light.kind, &holds);
+        let [counts, lists] = self.counted_by(lights, kind, &holds);
         let mut arrays = lights.iter().enumerate().filter(|(_, held)| holds(held)).peekable();
-        let (any, distance) = (arrays.peek().is_some(), [light.near, FAR]);
-        let placed = |held: &LightBinding<'_>| {
-            held.roles.part(Role::Position).is_none_or(|part| {
+        let any = arrays.peek().is_some();
+        any && arrays.all(|(index, held)| {
+            // What the members of the array hold of a light, by role.
+            let parts = held.roles.parts.iter().map(|part| {
                 let own = self.part_at(&held.block.name, &held.full_path(part));
-                own == Some((light.kind, LightPart::Position))
-            })
-        };
-        any && arrays.all(|(at, held)| {
-            if !placed(held) {
-                return false;
-            }
-            let of = |role| numbers(held, role);
-            terms.adds_zero(at, &Numbers { counts: &counts, lists: &lists, of: &of, distance })
+                (part.role, own.filter(|(of, _)| *of == kind).map(|(_, own)| own))
+            });
+            let parts: Vec<(Role, Option<LightPart>)> = parts.collect();
+            let part = |role| parts.iter().find(|(of, _)| *of == role).and_then(|(_, part)| *part);
+            let placed = held.roles.part(Role::Position).is_none()
+                || part(Role::Position) == Some(LightPart::Position);
+            let array = LightArray { index, counts: &counts, lists: &lists };
+            let mut terms = terms.of_array(array);
+            placed
+                && left_out.clone().all(|light| {
+                    let of = |role| light.number(part(role)?);
+                    terms.adds_zero(&Numbers { of: &of, distance: [light.near, FAR] })
+                })
         })
     }
 

@@ -44,8 +44,7 @@ pub fn listed(request: &RenderRequest, whole: &Renderer) -> Result<Listed, Stop>
     Ok(Listed { text, renderer })
 }
 
-/// Makes a plan, and the shader that executes it: the one that reads lists if given, otherwise the
-/// scene's, compiled for the lights that are left.
+/// Makes a plan, and the shader that executes it.
 pub fn applied(
     request: &RenderRequest,
     whole: &Renderer,
@@ -54,14 +53,25 @@ pub fn applied(
     options: &culling::Options,
     listed: Option<&Listed>,
 ) -> Result<(Plan, Renderer), Stop> {
-    let mut plan = whole.plan(work, model, options);
+    executed(request, whole, whole.plan(work, model, options), options.used, listed)
+}
+
+/// Returns a plan with the shader that executes it: the one that reads lists if given, otherwise the
+/// scene's, compiled for the lights that are left if only the used ones are lit.
+pub fn executed(
+    request: &RenderRequest,
+    whole: &Renderer,
+    mut plan: Plan,
+    used: bool,
+    listed: Option<&Listed>,
+) -> Result<(Plan, Renderer), Stop> {
     if let Some(listed) = listed {
         let lists = plan.tile_lists();
         plan.tiles = Some(lists.map_err(|why| Error::new("--emit-shader", why))?);
         return Ok((plan, listed.renderer.clone()));
     }
     let mut renderer = whole.clone();
-    if options.used {
+    if used {
         let settings = request.settings(&plan.compiled);
         if !settings.is_empty() {
             let constants: Vec<String> =

@@ -66,7 +66,7 @@ pub fn compare(
             leave_out = Some(truth.leave_out);
             truth.picture
         }
-        (_, Some(name)) => made.light(name, None, args, streams)?.rendered.picture,
+        (_, Some(name)) => made.light(name, None, None, args, streams)?.rendered.picture,
         (path, None) => {
             let bytes = read::bytes(Path::new(path))?;
             let format = file::Format::of(path);

@@ -12,6 +12,7 @@ use landfall_light::reference;
 use landfall_light::shading_f32::Model;
 
 use super::applied::{Planned, applied, listed};
+use super::auto::Opened;
 use super::request::RenderRequest;
 use super::{PreparedScene, Stop, auto};
 use crate::args::RenderArgs;
@@ -68,12 +69,15 @@ pub fn allows_shader(
     }
 }
 
+/// Makes the plan asked for, and returns the backend that chose it.
 pub fn plan(
     args: &RenderArgs,
     request: &RenderRequest,
     made: &PreparedScene<'_>,
-) -> Result<Option<Planned>, Stop> {
-    let (Some(parts), Some(whole)) = (&args.skip, &made.renderer) else { return Ok(None) };
+) -> Result<(Option<Planned>, Opened), Stop> {
+    let (Some(parts), Some(whole)) = (&args.skip, &made.renderer) else {
+        return Ok((None, None));
+    };
     let mut options = culling::parse(parts).map_err(|why| {
         Error::new("--skip", why).with_help("`landfall render SCENE.json --skip help` lists them")
     })?;
@@ -83,14 +87,11 @@ pub fn plan(
     })?;
     let model = Model::of(model)
         .map_err(|why| Error::new("--skip", format!("cannot plan for this model: {why}")))?;
-    let listed = match (args.emit_shader.is_some(), options.auto) {
-        (false, None) => None,
-        (true, _) => Some(listed(request, whole)?),
-        (false, Some(_)) => listed(request, whole).ok(),
-    };
+    let listed = args.emit_shader.as_ref().map(|_| listed(request, whole)).transpose()?;
     if let Some(permitted) = options.auto {
-        let planned = auto::picked(args, request, made, &model, &options, permitted, listed)?;
-        return Ok(Some(planned));
+        let (planned, backend) =
+            auto::picked(args, request, made, &model, &options, permitted, listed)?;
+        return Ok((Some(planned), backend));
     }
     let drawn = listed.as_ref().map_or(whole, |listed| &listed.renderer);
     options.costs = drawn.costs(args.backend.kind());
@@ -98,5 +99,5 @@ pub fn plan(
         applied(request, whole, &made.work(), &model, &options, listed.as_ref())?;
     let demanded = options.choose == culling::Choose::Always;
     let emitted = listed.map(|listed| listed.text);
-    Ok(Some(Planned { plan, renderer, demanded, idle: false, emitted }))
+    Ok((Some(Planned { plan, renderer, demanded, idle: false, emitted }), None))
 }

@@ -5,17 +5,21 @@
 //! must be exactly zero, in every `f32` evaluation, for a light of given numbers at given
 //! distances. Code that is not understood makes the result unknown, and nothing is proved.
 
+mod dependence;
 #[cfg(test)]
 mod tests;
 
 use naga::{BinaryOperator as B, MathFunction as M};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::graph::{Graph, Id, Leaf, Op};
+pub use dependence::LightArray;
+
+use super::graph::{Graph, Id, Op};
 use super::walk::{ControlRecord, Walk};
 use super::{Setting, Source};
 use crate::Module;
 use crate::analysis::roles::{LightBinding, Role};
+use dependence::Dependence;
 use landfall_layout::{Diagnostic, Options};
 
 /// An interval of the values of all components.
@@ -27,14 +31,9 @@ const ZERO: Span = [0.0, 0.0];
 /// The relative error of any operation here in `f32`: division has 2.5 ULP.
 const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
-/// A light that is left out: its numbers, its distance, and what else changes without it.
+/// A light that is left out: its numbers and its distance.
 #[derive(Clone, Copy)]
 pub struct Numbers<'a> {
-    /// The paths of the members that count such lights, and of the lengths of their arrays, that
-    /// change: `pointCount`, `tiles[].count`, `lights.length()`.
-    pub counts: &'a [String],
-    /// The paths of the members that list the indices of such lights: `indices[]`.
-    pub lists: &'a [String],
     /// The least and greatest component of a member by its role; `None` if it is unknown.
     pub of: &'a dyn Fn(Role) -> Option<[f64; 2]>,
     /// The least and greatest distance from the fragment.
@@ -81,43 +80,57 @@ pub fn terms(
 }
 
 impl Terms {
-    /// Whether an element of an array of lights, by its index among those followed, adds exactly
-    /// zero to every output if it has those numbers.
-    pub fn adds_zero(&self, light: usize, numbers: &Numbers<'_>) -> bool {
-        if self.cut_short || self.outputs.is_empty() {
+    /// Returns the terms of an array of lights.
+    pub fn of_array<'t>(&'t self, array: LightArray<'t>) -> ArrayTerms<'t> {
+        ArrayTerms { terms: self, dependence: Dependence::new(self, array) }
+    }
+}
+
+/// The terms of the lights of one array.
+#[derive(Debug)]
+pub struct ArrayTerms<'t> {
+    terms: &'t Terms,
+    dependence: Dependence<'t>,
+}
+
+impl ArrayTerms<'_> {
+    /// Whether a light of the array adds exactly zero to every output if it has those numbers.
+    pub fn adds_zero(&mut self, numbers: &Numbers<'_>) -> bool {
+        let ArrayTerms { terms, dependence } = self;
+        if terms.cut_short || terms.outputs.is_empty() {
             return false;
         }
+        let control = &terms.control;
         let mut proof = Proof {
-            terms: self,
-            light,
+            terms,
+            on: dependence,
             numbers,
             spans: FxHashMap::default(),
             seen: FxHashSet::default(),
         };
-        let outputs = self.outputs.clone();
-        outputs.into_iter().all(|output| proof.unaffected(output))
-            && !self.control.exits.iter().any(|exit| proof.touches(*exit))
-            && self.control.breaks.iter().all(|condition| proof.ends_a_loop(*condition))
+        terms.outputs.iter().all(|output| proof.unaffected(*output))
+            && !control.exits.iter().any(|exit| proof.on.touches(*exit))
+            && control.breaks.iter().all(|condition| proof.on.ends_a_loop(*condition))
     }
 }
 
 /// A proof about one light.
-struct Proof<'t> {
+struct Proof<'p, 't> {
     terms: &'t Terms,
-    light: usize,
-    numbers: &'t Numbers<'t>,
+    on: &'p mut Dependence<'t>,
+    numbers: &'p Numbers<'p>,
     spans: FxHashMap<Id, Span>,
     /// The values known to be unaffected.
     seen: FxHashSet<Id>,
 }
 
-impl Proof<'_> {
+impl<'t> Proof<'_, 't> {
     fn op(&self, id: Id) -> Op {
         self.terms.graph.op(id)
     }
 
-    fn args(&self, id: Id) -> Vec<Id> {
-        self.terms.graph.args(id).to_vec()
+    fn args(&self, id: Id) -> &'t [Id] {
+        self.terms.graph.args(id)
     }
 
     /// Whether a value is the same without the light.
@@ -129,17 +142,18 @@ impl Proof<'_> {
         // A variable of a loop is unaffected by induction over its iterations.
         self.seen.insert(id);
         let args = self.args(id);
-        let same = match (self.op(id), &args[..]) {
-            (Op::Leaf(_), _) => !self.is_of_light(id) && !self.is_count(id),
+        let same = match (self.op(id), args) {
+            (Op::Leaf(_), _) => !self.on.is_of_light(id) && !self.on.is_count(id),
             // Without the light, the loop has one iteration less, which must have changed nothing.
-            (Op::Looping(_), &[first]) if self.is_counted(id) => {
+            (Op::Looping(_), &[first]) if self.on.is_counted(id) => {
                 let next_values =
                     self.terms.control.next_values.get(&id).cloned().unwrap_or_default();
                 self.unaffected(first) && next_values.iter().all(|turn| self.base(*turn) == id)
             }
             (Op::Joined(_), args) => {
                 let guards = self.terms.control.guards.get(&id);
-                let chosen = guards.is_some_and(|all| all.iter().any(|guard| self.touches(*guard)));
+                let chosen =
+                    guards.is_some_and(|all| all.iter().any(|guard| self.on.touches(*guard)));
                 // Which of them it is may depend on the light only if they differ by terms alone.
                 let base = args.first().map(|arg| self.base(*arg));
                 (!chosen || args.iter().all(|arg| Some(self.base(*arg)) == base))
@@ -170,9 +184,9 @@ impl Proof<'_> {
                     (false, true) => b,
                     (false, false) => return id,
                 }
-            } else if let (Op::Chosen, &[condition, yes, no]) = (self.op(id), &self.args(id)[..]) {
+            } else if let (Op::Chosen, &[condition, yes, no]) = (self.op(id), self.args(id)) {
                 let yes = self.base(yes);
-                let own = !self.loops(condition) && !self.below(condition, &|id| self.is_count(id));
+                let own = !self.on.loops(condition) && !self.on.is_below_count(condition);
                 if yes != self.base(no) || !own {
                     return id;
                 }
@@ -187,121 +201,7 @@ impl Proof<'_> {
     /// Whether a value depends on the light, is zero for it, and depends on no other iteration of a
     /// loop, so that the terms of the other lights are the same without it.
     fn is_term(&mut self, id: Id) -> bool {
-        self.reaches(id) && !self.loops(id) && self.span(id) == ZERO
-    }
-
-    fn below(&self, id: Id, is: &dyn Fn(Id) -> bool) -> bool {
-        let mut seen = FxHashSet::default();
-        let mut todo = vec![id];
-        while let Some(id) = todo.pop() {
-            if !seen.insert(id) {
-                continue;
-            }
-            if is(id) {
-                return true;
-            }
-            todo.extend(self.terms.graph.args(id));
-            todo.extend(self.terms.control.hidden.get(&id).into_iter().flatten());
-            todo.extend(self.terms.control.guards.get(&id).into_iter().flatten());
-        }
-        false
-    }
-
-    fn reaches(&self, id: Id) -> bool {
-        self.below(id, &|id| self.is_of_light(id))
-    }
-
-    /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
-    fn loops(&self, id: Id) -> bool {
-        let control = &self.terms.control;
-        let mut seen = FxHashSet::default();
-        let mut todo = vec![id];
-        while let Some(id) = todo.pop() {
-            if !seen.insert(id) {
-                continue;
-            }
-            if matches!(self.op(id), Op::Looping(_)) && self.is_counted(id) {
-                return true;
-            }
-            todo.extend(self.terms.graph.args(id));
-            for also in [&control.hidden, &control.guards, &control.next_values, &control.loops] {
-                todo.extend(also.get(&id).into_iter().flatten());
-            }
-        }
-        false
-    }
-
-    fn leaf(&self, id: Id) -> Option<&Leaf> {
-        self.terms.graph.as_leaf(id)
-    }
-
-    fn is_of_light(&self, id: Id) -> bool {
-        self.leaf(id).is_some_and(|leaf| {
-            let own = leaf.light.as_ref().is_some_and(|(light, _)| *light == self.light);
-            own || self.numbers.lists.contains(&leaf.path)
-        })
-    }
-
-    /// Whether a leaf counts or lists such lights.
-    fn is_count(&self, id: Id) -> bool {
-        self.leaf(id).is_some_and(|leaf| self.numbers.counts.contains(&leaf.path))
-    }
-
-    /// Whether a value depends on the light or on how many there are.
-    fn touches(&self, id: Id) -> bool {
-        self.below(id, &|id| self.is_of_light(id) || self.is_count(id))
-    }
-
-    /// Whether the loop of a variable runs as often as there are such lights.
-    fn is_counted(&self, id: Id) -> bool {
-        let breaks = self.terms.control.loops.get(&id);
-        breaks.is_some_and(|all| all.iter().any(|condition| self.touches(*condition)))
-    }
-
-    /// Whether a condition that ends a loop does not depend on the light: it compares the loop's
-    /// counter with the number of lights, or something unrelated.
-    fn ends_a_loop(&self, id: Id) -> bool {
-        if self.reaches(id) {
-            return false;
-        }
-        if !self.touches(id) {
-            return true;
-        }
-        let graph = &self.terms.graph;
-        let mut id = id;
-        while let (Op::Not | Op::Convert, &[of]) = (graph.op(id), graph.args(id)) {
-            id = of;
-        }
-        let orders = [B::Less, B::LessEqual, B::Greater, B::GreaterEqual];
-        orders.into_iter().filter_map(|order| graph.binary(id, order)).any(|(a, b)| {
-            let counter = |id: Id| match (graph.op(id), graph.args(id)) {
-                (Op::Convert, &[of]) => matches!(graph.op(of), Op::Looping(_)),
-                (op, _) => matches!(op, Op::Looping(_)),
-            };
-            (counter(a) && !self.loops(b)) || (counter(b) && !self.loops(a))
-        })
-    }
-
-    /// Whether a value is the path between the light and the fragment.
-    fn is_path(&self, id: Id) -> bool {
-        let Some((a, b)) = self.terms.graph.binary(id, B::Subtract) else { return false };
-        let graph = &self.terms.graph;
-        let place = |id: Id| {
-            let id = graph.underlying_value(id);
-            self.is_of_light(id) && self.leaf(id).is_some_and(|l| l.role == Some(Role::Position))
-        };
-        let here = |id: Id| {
-            let leaf = self.leaf(graph.underlying_value(id));
-            leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
-        };
-        // `bare` ignores signs, parts and other orders of the components.
-        let turned = |id: Id| match self.op(id) {
-            Op::Negate | Op::Part(_) | Op::Convert => true,
-            Op::Swizzle(way) => way[..3] != [0, 1, 2],
-            _ => false,
-        };
-        let plain = |id: Id| !self.below(id, &turned);
-        plain(a) && plain(b) && ((place(a) && here(b)) || (place(b) && here(a)))
+        self.on.reaches(id) && !self.on.loops(id) && self.span(id) == ZERO
     }
 
     fn span(&mut self, id: Id) -> Span {
@@ -316,7 +216,7 @@ impl Proof<'_> {
 
     fn compute(&mut self, id: Id) -> Span {
         let args = self.args(id);
-        match (self.op(id), &args[..]) {
+        match (self.op(id), args) {
             (Op::Number(bits), _) => [f64::from_bits(bits); 2],
             (Op::Leaf(_), _) => self.of_leaf(id),
             (Op::Joined(_) | Op::Compose, args) if !args.is_empty() => {
@@ -351,7 +251,8 @@ impl Proof<'_> {
     }
 
     fn of_leaf(&self, id: Id) -> Span {
-        match self.leaf(id).and_then(|leaf| leaf.role).filter(|_| self.is_of_light(id)) {
+        let role = self.terms.graph.as_leaf(id).and_then(|leaf| leaf.role);
+        match role.filter(|_| self.on.is_of_light(id)) {
             Some(role) => (self.numbers.of)(role).unwrap_or(ANY),
             None => ANY,
         }
@@ -360,9 +261,9 @@ impl Proof<'_> {
     fn math(&mut self, fun: M, args: &[Id]) -> Span {
         let [near, far] = self.numbers.distance;
         match (fun, args) {
-            (M::Dot, &[a, b]) if a == b && self.is_path(a) => squared([near, far]),
+            (M::Dot, &[a, b]) if a == b && self.on.is_path(a) => squared([near, far]),
             // A square root of a sum of squares: twice the error of one operation.
-            (M::Length, &[a]) if self.is_path(a) => rounded(rounded([near, far])),
+            (M::Length, &[a]) if self.on.is_path(a) => rounded(rounded([near, far])),
             (M::Dot, &[a, b]) => {
                 let zero = self.span(a) == ZERO || self.span(b) == ZERO;
                 let low = if a == b { 0.0 } else { f64::NEG_INFINITY };
@@ -392,7 +293,7 @@ impl Proof<'_> {
 
     fn truth(&mut self, id: Id) -> Option<bool> {
         let args = self.args(id);
-        match (self.op(id), &args[..]) {
+        match (self.op(id), args) {
             (Op::Not, &[of]) => self.truth(of).map(|yes| !yes),
             (Op::Binary(op), &[a, b]) => {
                 let ([a, b], [c, d]) = (self.span(a), self.span(b));

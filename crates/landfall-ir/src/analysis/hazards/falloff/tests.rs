@@ -51,8 +51,14 @@ FragColor = vec4(sum * other, 1.0);
         _ => None,
     };
     let counts = ["pointCount".to_string(), "lights.length()".to_string()];
-    terms
-        .adds_zero(0, &Numbers { counts: &counts, lists: &[], of: &of, distance: [distance, 1e19] })
+    let array = LightArray { index: 0, counts: &counts, lists: &[] };
+    let mut terms = terms.of_array(array);
+    let vanishes = terms.adds_zero(&Numbers { of: &of, distance: [distance, 1e19] });
+    // A light is as it is whatever was asked before.
+    let near = terms.adds_zero(&Numbers { of: &of, distance: [0.0, 1e19] });
+    assert!(vanishes || !near);
+    assert_eq!(terms.adds_zero(&Numbers { of: &of, distance: [distance, 1e19] }), vanishes);
+    vanishes
 }
 
 #[test]

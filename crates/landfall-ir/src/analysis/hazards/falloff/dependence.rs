@@ -1,0 +1,188 @@
+//! What values depend on: the light that is left out, the number of such lights, their loops. It is
+//! the same for all lights of an array, so it is found once.
+
+use naga::BinaryOperator as B;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Terms;
+use crate::analysis::hazards::graph::{Id, Leaf, Op};
+use crate::analysis::roles::Role;
+
+/// An array of lights of which some are left out, and what else changes without them.
+#[derive(Clone, Copy, Debug)]
+pub struct LightArray<'a> {
+    /// Its index among the lights followed.
+    pub index: usize,
+    /// The paths of the members that count such lights, and of the lengths of their arrays, that
+    /// change: `pointCount`, `tiles[].count`, `lights.length()`.
+    pub counts: &'a [String],
+    /// The paths of the members that list the indices of such lights: `indices[]`.
+    pub lists: &'a [String],
+}
+
+/// The dependence of values on the lights of an array.
+#[derive(Debug)]
+pub(super) struct Dependence<'t> {
+    terms: &'t Terms,
+    array: LightArray<'t>,
+    on_light: FxHashMap<Id, bool>,
+    on_count: FxHashMap<Id, bool>,
+    on_loop: FxHashMap<Id, bool>,
+    paths: FxHashMap<Id, bool>,
+}
+
+impl<'t> Dependence<'t> {
+    pub fn new(terms: &'t Terms, array: LightArray<'t>) -> Dependence<'t> {
+        let [on_light, on_count, on_loop, paths] = Default::default();
+        Dependence { terms, array, on_light, on_count, on_loop, paths }
+    }
+
+    /// Whether a value depends on the light.
+    pub fn reaches(&mut self, id: Id) -> bool {
+        if let Some(known) = self.on_light.get(&id) {
+            return *known;
+        }
+        let found = self.below(id, &|id| self.is_of_light(id));
+        self.on_light.insert(id, found);
+        found
+    }
+
+    /// Whether a value depends on how many such lights there are.
+    pub fn is_below_count(&mut self, id: Id) -> bool {
+        if let Some(known) = self.on_count.get(&id) {
+            return *known;
+        }
+        let found = self.below(id, &|id| self.is_count(id));
+        self.on_count.insert(id, found);
+        found
+    }
+
+    /// Whether a value depends on the light or on how many there are.
+    pub fn touches(&mut self, id: Id) -> bool {
+        self.reaches(id) || self.is_below_count(id)
+    }
+
+    /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
+    pub fn loops(&mut self, id: Id) -> bool {
+        if let Some(known) = self.on_loop.get(&id) {
+            return *known;
+        }
+        let found = self.find_loop(id);
+        self.on_loop.insert(id, found);
+        found
+    }
+
+    fn find_loop(&mut self, id: Id) -> bool {
+        let (graph, control) = (&self.terms.graph, &self.terms.control);
+        let mut seen = FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if matches!(graph.op(id), Op::Looping(_)) && self.is_counted(id) {
+                return true;
+            }
+            todo.extend(graph.args(id));
+            for also in [&control.hidden, &control.guards, &control.next_values, &control.loops] {
+                todo.extend(also.get(&id).into_iter().flatten());
+            }
+        }
+        false
+    }
+
+    fn below(&self, id: Id, is: &dyn Fn(Id) -> bool) -> bool {
+        let control = &self.terms.control;
+        let mut seen = FxHashSet::default();
+        let mut todo = vec![id];
+        while let Some(id) = todo.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            if is(id) {
+                return true;
+            }
+            todo.extend(self.terms.graph.args(id));
+            todo.extend(control.hidden.get(&id).into_iter().flatten());
+            todo.extend(control.guards.get(&id).into_iter().flatten());
+        }
+        false
+    }
+
+    fn leaf(&self, id: Id) -> Option<&Leaf> {
+        self.terms.graph.as_leaf(id)
+    }
+
+    pub fn is_of_light(&self, id: Id) -> bool {
+        self.leaf(id).is_some_and(|leaf| {
+            let own = leaf.light.as_ref().is_some_and(|(light, _)| *light == self.array.index);
+            own || self.array.lists.contains(&leaf.path)
+        })
+    }
+
+    /// Whether a leaf counts or lists such lights.
+    pub fn is_count(&self, id: Id) -> bool {
+        self.leaf(id).is_some_and(|leaf| self.array.counts.contains(&leaf.path))
+    }
+
+    /// Whether the loop of a variable runs as often as there are such lights.
+    pub fn is_counted(&mut self, id: Id) -> bool {
+        let breaks = self.terms.control.loops.get(&id);
+        breaks.is_some_and(|all| all.iter().any(|condition| self.touches(*condition)))
+    }
+
+    /// Whether a condition that ends a loop does not depend on the light: it compares the loop's
+    /// counter with the number of lights, or something unrelated.
+    pub fn ends_a_loop(&mut self, id: Id) -> bool {
+        if self.reaches(id) {
+            return false;
+        }
+        if !self.touches(id) {
+            return true;
+        }
+        let graph = &self.terms.graph;
+        let mut id = id;
+        while let (Op::Not | Op::Convert, &[of]) = (graph.op(id), graph.args(id)) {
+            id = of;
+        }
+        let orders = [B::Less, B::LessEqual, B::Greater, B::GreaterEqual];
+        orders.into_iter().filter_map(|order| graph.binary(id, order)).any(|(a, b)| {
+            let counter = |id: Id| match (graph.op(id), graph.args(id)) {
+                (Op::Convert, &[of]) => matches!(graph.op(of), Op::Looping(_)),
+                (op, _) => matches!(op, Op::Looping(_)),
+            };
+            (counter(a) && !self.loops(b)) || (counter(b) && !self.loops(a))
+        })
+    }
+
+    /// Whether a value is the path between the light and the fragment.
+    pub fn is_path(&mut self, id: Id) -> bool {
+        if let Some(known) = self.paths.get(&id) {
+            return *known;
+        }
+        let found = self.find_path(id);
+        self.paths.insert(id, found);
+        found
+    }
+
+    fn find_path(&self, id: Id) -> bool {
+        let graph = &self.terms.graph;
+        let Some((a, b)) = graph.binary(id, B::Subtract) else { return false };
+        let place = |id: Id| {
+            let id = graph.underlying_value(id);
+            self.is_of_light(id) && self.leaf(id).is_some_and(|l| l.role == Some(Role::Position))
+        };
+        let here = |id: Id| {
+            let leaf = self.leaf(graph.underlying_value(id));
+            leaf.is_some_and(|leaf| leaf.block.is_none() && leaf.name == self.terms.position)
+        };
+        // `bare` ignores signs, parts and other orders of the components.
+        let turned = |id: Id| match graph.op(id) {
+            Op::Negate | Op::Part(_) | Op::Convert => true,
+            Op::Swizzle(way) => way[..3] != [0, 1, 2],
+            _ => false,
+        };
+        let plain = |id: Id| !self.below(id, &turned);
+        plain(a) && plain(b) && ((place(a) && here(b)) || (place(b) && here(a)))
+    }
+}
