@@ -81,12 +81,18 @@ pub fn text(plan: &Plan, paint: Paint) -> String {
 
 /// Appends the ways that were measured, the one picked marked.
 fn measured_ways(text: &mut String, choice: &Choice, paint: Paint) {
+    let measured = match choice.timed.iter().all(|timed| timed.seconds.is_empty()) {
+        true => "nothing measured".to_string(),
+        false => format!(
+            "measured on {} of {} fragments, seconds for all of them",
+            number(choice.fragments),
+            number(choice.of)
+        ),
+    };
     let _ = writeln!(
         text,
-        "  {}  measured on {} of {} fragments, seconds for all of them; an error of {} of 1/255 is permitted",
+        "  {}  {measured}; an error of {} of 1/255 is permitted",
         paint.text(HEADING, "auto"),
-        number(choice.fragments),
-        number(choice.of),
         steps_of(choice.permitted),
     );
     let name = |timed: &Timed| match timed.parts.is_empty() {

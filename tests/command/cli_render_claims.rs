@@ -215,6 +215,16 @@ fn what_auto_measures_is_reported_by_the_schema_and_costs_no_bit() {
 }
 
 #[test]
+fn where_no_way_leaves_out_a_light_nothing_is_measured() {
+    let scene = "shaders/scenes/lights_1024.json";
+    let ran = command::run(&["render", scene, "--size", "48x27", "--skip", "auto", "--plan"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let auto = ran.out.lines().find(|line| line.trim_start().starts_with("auto "));
+    assert!(auto.is_some_and(|line| line.contains("nothing measured;")), "{}", ran.out);
+    assert_eq!(ran.out.matches("leaves out nothing").count(), 5, "{}", ran.out);
+}
+
+#[test]
 fn a_shader_that_reads_lists_is_written_and_nothing_else_is_overwritten() {
     let folder = Place::new("render-emit-shader");
     let scene = "shaders/scenes/lights_1024_windowed.json";
