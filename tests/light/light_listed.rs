@@ -443,7 +443,7 @@ fn whatever_auto_may_pick_has_the_bits_or_the_error_permitted_on_generated_scene
     assert!(exact > 20 && within > 5 && measured > 20, "{exact} {within} {measured}");
 }
 
-/// Trials take no more than their part of the time without skipping, beside one round of that.
+/// No trial is begun that is not expected to fit into the part of the time without skipping.
 #[test]
 fn trials_end_when_their_time_is_spent() {
     let made = Made::named("lights_1024_windowed.json", [640, 360]);

@@ -25,36 +25,46 @@ pub struct LightArray<'a> {
 pub(super) struct Dependence<'t> {
     terms: &'t Terms,
     array: LightArray<'t>,
-    on_light: FxHashMap<Id, bool>,
-    on_count: FxHashMap<Id, bool>,
-    on_loop: FxHashMap<Id, bool>,
-    paths: FxHashMap<Id, bool>,
+    known: FxHashMap<(Question, Id), bool>,
+}
+
+/// What is asked of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Question {
+    Reaches,
+    BelowCount,
+    Loops,
+    IsPath,
 }
 
 impl<'t> Dependence<'t> {
     pub fn new(terms: &'t Terms, array: LightArray<'t>) -> Dependence<'t> {
-        let [on_light, on_count, on_loop, paths] = Default::default();
-        Dependence { terms, array, on_light, on_count, on_loop, paths }
+        Dependence { terms, array, known: FxHashMap::default() }
+    }
+
+    /// Answers a question once.
+    fn is(&mut self, question: Question, id: Id) -> bool {
+        if let Some(known) = self.known.get(&(question, id)) {
+            return *known;
+        }
+        let found = match question {
+            Question::Reaches => self.below(id, &|id| self.is_of_light(id)),
+            Question::BelowCount => self.below(id, &|id| self.is_count(id)),
+            Question::Loops => self.find_loop(id),
+            Question::IsPath => self.find_path(id),
+        };
+        self.known.insert((question, id), found);
+        found
     }
 
     /// Whether a value depends on the light.
     pub fn reaches(&mut self, id: Id) -> bool {
-        if let Some(known) = self.on_light.get(&id) {
-            return *known;
-        }
-        let found = self.below(id, &|id| self.is_of_light(id));
-        self.on_light.insert(id, found);
-        found
+        self.is(Question::Reaches, id)
     }
 
     /// Whether a value depends on how many such lights there are.
     pub fn is_below_count(&mut self, id: Id) -> bool {
-        if let Some(known) = self.on_count.get(&id) {
-            return *known;
-        }
-        let found = self.below(id, &|id| self.is_count(id));
-        self.on_count.insert(id, found);
-        found
+        self.is(Question::BelowCount, id)
     }
 
     /// Whether a value depends on the light or on how many there are.
@@ -64,12 +74,7 @@ impl<'t> Dependence<'t> {
 
     /// Whether a value depends on what a loop over such lights carries from one iteration to the next.
     pub fn loops(&mut self, id: Id) -> bool {
-        if let Some(known) = self.on_loop.get(&id) {
-            return *known;
-        }
-        let found = self.find_loop(id);
-        self.on_loop.insert(id, found);
-        found
+        self.is(Question::Loops, id)
     }
 
     fn find_loop(&mut self, id: Id) -> bool {
@@ -157,12 +162,7 @@ impl<'t> Dependence<'t> {
 
     /// Whether a value is the path between the light and the fragment.
     pub fn is_path(&mut self, id: Id) -> bool {
-        if let Some(known) = self.paths.get(&id) {
-            return *known;
-        }
-        let found = self.find_path(id);
-        self.paths.insert(id, found);
-        found
+        self.is(Question::IsPath, id)
     }
 
     fn find_path(&self, id: Id) -> bool {
