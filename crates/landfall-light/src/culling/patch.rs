@@ -88,7 +88,7 @@ struct Taken {
 const FEW: usize = 60;
 
 /// The fragments up to which a patch is not divided for a proven error.
-const LEAF: usize = 180;
+const LEAF: usize = 240;
 
 struct Patches<'a> {
     job: &'a Job<'a>,
@@ -170,8 +170,9 @@ impl Patches<'_> {
                 // Into quarters: one test for two halvings.
                 let (lower, upper) = items.split_at_mut(middle);
                 for half in [lower, upper] {
-                    let rectangle = rectangle_of(half, plane, self.job.upload.camera);
-                    let middle = (half.len() > self.fewest()).then(|| self.halve(half, &rectangle));
+                    let middle = (half.len() > self.fewest()).then(|| {
+                        self.halve(half, &rectangle_of(half, plane, self.job.upload.camera))
+                    });
                     let (lower, upper) = half.split_at_mut(middle.flatten().unwrap_or_default());
                     for quarter in [lower, upper].into_iter().filter(|items| !items.is_empty()) {
                         self.split(quarter, plane, (near, None), here);
@@ -462,8 +463,9 @@ fn rectangle_of(items: &[Item], plane: &Plane, eye: DVec3) -> Rectangle {
         // Not so narrow that rounding of node positions matters.
         half: half.map(|half| half.max(longest * 1e-3) + plane.rounding),
         eye: plane.coordinates(eye),
-        off: plane.off + plane.rounding,
-        tilt: plane.tilt + 2f64.powi(-22),
+        off: plane.off + plane.moved,
+        rounding: plane.rounding,
+        tilt: plane.tilt + 2f64.powi(-30),
     }
 }
 

@@ -22,8 +22,10 @@ pub(super) struct Plane {
     pub tilt: f64,
     /// The longest distance between two fragments, or more.
     pub diameter: f64,
-    /// The largest error of a position or coordinate in `f32`.
+    /// The largest error of a coordinate along the axes in `f32`.
     pub rounding: f64,
+    /// The largest error of a position in `f32`.
+    pub moved: f64,
 }
 
 impl Plane {
@@ -117,6 +119,7 @@ fn plane(points: &Points<'_>, group: &[u32]) -> Option<Plane> {
     let origin = at + first * middle.dot(first) + second * middle.dot(second);
     let largest = region.low.abs().max(region.high.abs()).max_element().max(1.0);
     let rounding = (largest + diameter) * 2f64.powi(-21);
+    let moved = largest * 2f64.powi(-23);
     let (axes, material) = ([first, second], points.material(group[0]));
-    Some(Plane { material, region, origin, axes, normal, off, tilt, diameter, rounding })
+    Some(Plane { material, region, origin, axes, normal, off, tilt, diameter, rounding, moved })
 }

@@ -4,16 +4,18 @@
 //! `2 (H / 2)^m |f_m|`, `f_m` being the `m`th coefficient of its Taylor series along that side at
 //! any point; over both sides by `E_x + L E_y`, `L` being Lebesgue's constant.
 //!
-//! Body: with `r = |D - x|`, `d = |D|` and `y = |x| / d`, the terms of `r / d` of order `n` are
-//! `(1 - t^2) P'_{n-1}(t) / (n (n - 1)) y^n`, at most [`ROOT`]. Each factor `1 / (r - z)` of the
-//! attenuation, whose roots have `Re z <= 0` so that `|d - z| >= d`, has terms of at most those of
-//! `1 / (|d - z| (1 - u))` with `u` the series of `ROOT`; `1 / r` has Legendre polynomials, at most
-//! `1 / (1 - y)`. On a plane `n . (D - x)` is constant.
+//! Body: of `s = r^2`, `1 / (c + l r + q r^2)` is the inverse of a complete Bernstein function, so a sum
+//! of `1 / (s + z)` with positive weights and `z >= 0`, and that over `r` one of `(s + z)^(-3/2)`
+//! (Schilling, Song, Vondracek, *Bernstein Functions*, theorem 7.3). The Taylor coefficients of those
+//! along a line are Gegenbauer polynomials of the cosine `t` between the line and the direction to the
+//! light, which `z` makes smaller, over powers of `r`, which it makes larger: of order `m` at most
+//! `|C_m(t')| / r^m` of the function, with the worst `|t'| <= |t|`. On a plane `n . (D - x)` is constant.
 //!
-//! Highlight: by Cauchy's estimate on discs of radius `R` around real points. There the angles of
-//! `D - x` and of the mirrored view turn by complex numbers of absolute values that sum to at most
-//! `q = a / (1 - a) + b / (1 - b)`, `a = R / d`, `b = R / e`; for turns of `X + i Y` the cosine of
-//! the angle between them has the bound of [`cosine`].
+//! Highlight: a function from 0 to `M` errs by at most half of `M (1 + L^2)`. Or by Cauchy's estimate on
+//! discs of radius `R` around real points. There the angles of `D - x` and of the mirrored view turn by
+//! complex numbers of absolute values that sum to at most `q = sin a / (1 - a) + sin' b / (1 - b)`,
+//! `a = R / d`, `b = R / e`, with the sines of their angles to the side; for turns of `X + i Y` the
+//! cosine of the angle between them has the bound of [`cosine`].
 //!
 //! Bounds are computed in `f32`, of several lights at once. Coordinates are those of the plane, whose
 //! rounding counts as distance from it; angles are made smaller by the error of their approximation;
@@ -25,8 +27,9 @@ use pulp::{Simd, WithSimd};
 use super::lamps::{COMPONENTS, Lamps};
 use crate::lanes::Lanes;
 
-/// The largest coefficients of the series of a distance, from order 1.
-const ROOT: [f64; 6] = [1.0, 0.5, 0.19246, 0.125, 0.083, 0.0625];
+mod gegenbauer;
+
+use gegenbauer::Gegenbauer;
 
 /// Larger than the error of [`angle`] and of its subtractions.
 const ANGLE: f32 = 1e-4;
@@ -47,8 +50,10 @@ pub(super) struct Rectangle {
     pub half: [f64; 2],
     /// The camera.
     pub eye: DVec3,
-    /// The largest distance of a fragment or node from the plane, with the rounding of coordinates.
+    /// The largest distance of a fragment or node from its place on the plane.
     pub off: f64,
+    /// The largest error of a coordinate.
+    pub rounding: f64,
     /// The largest difference of a unit normal from that of the plane.
     pub tilt: f64,
 }
@@ -70,24 +75,14 @@ pub(super) struct Shading {
 pub(super) struct Order {
     m: u32,
     /// The bounds of the `m`th terms of the attenuation, and of that over the distance.
-    terms: [f64; 2],
+    terms: [Gegenbauer; 2],
     lebesgue: f64,
 }
 
 impl Order {
     pub fn new(nodes: u32) -> Order {
-        let m = nodes as usize;
-        // 1 / (1 - u), its square, and that over 1 - y.
-        let mut one = vec![1.0];
-        for n in 1..=m {
-            let next: f64 = (1..=n).map(|k| ROOT[k - 1] * one[n - k]).sum();
-            one.push(next);
-        }
-        let square: Vec<f64> =
-            (0..=m).map(|n| (0..=n).map(|k| one[k] * one[n - k]).sum()).collect();
-        let terms = [square[m], square.iter().sum()];
-        let lebesgue = 1.0 + 2.0 / std::f64::consts::PI * (m as f64).ln();
-        Order { m: nodes, terms, lebesgue }
+        let lebesgue = 1.0 + 2.0 / std::f64::consts::PI * f64::from(nodes).ln();
+        Order { m: nodes, terms: [1.0, 1.5].map(|of| Gegenbauer::new(nodes, of)), lebesgue }
     }
 
     /// Writes the largest error of any channel for each lamp: infinite or NaN if unknown, and infinite
@@ -196,14 +191,18 @@ struct Bound {
     center: [f32; 2],
     half: [f32; 2],
     off: f32,
+    /// The largest error of a distance.
+    margin: f32,
     tilt: f32,
     /// The distance of the camera, inverted.
     eye: f32,
+    /// The largest sines of the angles of the view to the sides.
+    eye_sines: [f32; 2],
     /// The direction of the mirrored view at the centre.
     mirrored: [f32; 3],
     radius: f32,
     m: u32,
-    terms: [f32; 2],
+    terms: [Gegenbauer; 2],
     lebesgue: f32,
     /// The factor of an error at points and nodes.
     twice: f32,
@@ -221,17 +220,23 @@ struct Bound {
 impl Bound {
     /// Returns `None` if no error is known.
     fn new(order: &Order, at: &Rectangle, shading: &Shading, most: f32) -> Option<Bound> {
+        let margin = at.off + at.rounding;
         let beyond = |axis: usize| {
             ((at.eye.to_array()[axis] - at.center[axis]).abs() - at.half[axis]).max(0.0)
         };
         let over = at.eye.z;
-        let eye = beyond(0).hypot(beyond(1)).hypot(over) * (1.0 - 1e-9) - at.off;
-        let known = eye > 0.0 && over.abs() > at.off && shading.shininess >= 0.0;
+        let eye = beyond(0).hypot(beyond(1)).hypot(over) * (1.0 - 1e-9) - margin;
+        let known = eye > 0.0 && over.abs() > margin && shading.shininess >= 0.0;
         if !known || !(eye + at.half[0] + at.half[1]).is_finite() {
             return None;
         }
         let view = at.eye - DVec3::new(at.center[0], at.center[1], 0.0);
         let mirrored = DVec3::new(-view.x, -view.y, view.z).normalize();
+        let sine = |axis: usize| {
+            let across = view.to_array()[1 - axis].abs() + at.half[1 - axis];
+            let across = across.hypot(over) + margin;
+            across / across.hypot((beyond(axis) - margin).max(0.0))
+        };
         let exponent = shading.shininess.floor().min(1024.0);
         let whole = exponent >= 1.0 && exponent == shading.shininess;
         let best = (f64::from(order.m) / shading.shininess).sqrt();
@@ -239,12 +244,14 @@ impl Bound {
             center: at.center.map(|x| x as f32),
             half: at.half.map(|x| x as f32),
             off: at.off as f32,
+            margin: margin as f32,
             tilt: at.tilt as f32,
             eye: (1.0 / eye) as f32,
+            eye_sines: [sine(0) as f32, sine(1) as f32],
             mirrored: mirrored.to_array().map(|x| x as f32),
-            radius: (at.half[0].hypot(at.half[1]) + at.off) as f32,
+            radius: (at.half[0].hypot(at.half[1]) + margin) as f32,
             m: order.m,
-            terms: order.terms.map(|x| x as f32),
+            terms: order.terms,
             lebesgue: order.lebesgue as f32,
             twice: (1.0 + order.lebesgue * order.lebesgue) as f32,
             shininess: shading.shininess as f32,
@@ -256,11 +263,23 @@ impl Bound {
         })
     }
 
-    /// Returns the error over both sides for terms of at most 1 by powers of `1 / scale`.
+    /// Returns the error of the body over both sides.
     #[inline(always)]
-    fn both<S: Simd>(&self, inverse: Lanes<S>) -> Lanes<S> {
-        let x = (inverse * (0.5 * self.half[0])).powi(self.m) * 2.0;
-        let y = (inverse * (0.5 * self.half[1])).powi(self.m) * 2.0;
+    fn body<S: Simd>(
+        &self,
+        terms: &Gegenbauer,
+        inverse: Lanes<S>,
+        [x, y]: [Lanes<S>; 2],
+    ) -> Lanes<S> {
+        let [width, height] = self.half;
+        let x = (inverse * (0.5 * width)).powi(self.m) * terms.most(x);
+        let y = (inverse * (0.5 * height)).powi(self.m) * terms.most(y);
+        self.both([x, y]) * 2.0
+    }
+
+    /// Returns the error over both sides.
+    #[inline(always)]
+    fn both<S: Simd>(&self, [x, y]: [Lanes<S>; 2]) -> Lanes<S> {
         x.max(y) + x.min(y) * self.lebesgue
     }
 
@@ -273,8 +292,8 @@ impl Bound {
         let beyond_x = (x.abs() - self.half[0]).max(zero);
         let beyond_y = (y.abs() - self.half[1]).max(zero);
         let square = beyond_x * beyond_x + beyond_y * beyond_y + height * height;
-        let d = square.sqrt() * (1.0 - FARTHER) - radius - self.off;
-        let slack = (d + radius * 2.0) * self.tilt + self.off;
+        let d = square.sqrt() * (1.0 - FARTHER) - radius - self.margin;
+        let slack = (d + radius * 2.0) * self.tilt + self.margin;
         // The side of the plane is the same everywhere, in `f32` too.
         let known = zero
             .less(d)
@@ -282,83 +301,132 @@ impl Bound {
             .and((slack + radius + (d + radius * 2.0) * 1e-5).less(height.abs() * (1.0 - FARTHER)));
         let inverse = 1.0 / d;
         let weight = weight(lamp, d);
-        let both = self.both(inverse);
+        let ends = [x.abs() + self.half[0], y.abs() + self.half[1]];
+        let within = radius + self.margin;
+        let above = height * height;
+        let across = [beyond_y * beyond_y + above, beyond_x * beyond_x + above];
+        let cosines = [
+            squared_cosine(ends[0], across[0], within, [d, inverse]),
+            squared_cosine(ends[1], across[1], within, [d, inverse]),
+        ];
         // Points off the plane and normals off its own, nodes among them: twice for the polynomial.
         let moved = inverse * self.off;
         let faces = zero.less(height);
         let facing = (height + radius + slack) * inverse;
-        let body = both * facing * self.terms[1] + (moved * 4.0 + self.tilt) * self.twice;
-        let body = faces.select(diffuse * body, zero)
-            + ambient * (both * self.terms[0] + moved * (2.0 * self.twice));
+        let body = self.body(&self.terms[1], inverse, cosines) * facing;
+        let body = faces.select(diffuse * (body + (moved * 4.0 + self.tilt) * self.twice), zero)
+            + ambient * (self.body(&self.terms[0], inverse, cosines) + moved * (2.0 * self.twice));
         let body = known.select(body * weight, unknown);
         if !body.less(body.splat(self.most)).any() {
             return [unknown, zero];
         }
-        let turned = moved + (4.0 * self.tilt + self.off * self.eye);
-        let flat = (turned * self.shininess + moved * 2.0) * weight * self.twice;
         let [mx, my, mz] = self.mirrored;
         let along = x * mx + y * my + height * mz;
         let length = (x * x + y * y + height * height).sqrt();
-        // The angle under which several lamps are seen: the arc sine is below its secant.
-        let spread = radius / length * std::f32::consts::FRAC_PI_2 + ANGLE;
-        let angle = [angle(along / length), spread];
-        let shine = self.highlight(angle, lamp, [d, inverse, weight], discs);
-        let [flat, shine] = match self.everywhere {
-            true => [specular * flat, specular * shine],
-            false => [faces.select(specular * flat, zero), faces.select(specular * shine, zero)],
+        let angle = angle(along / length);
+        // What fragments and nodes off their places turn both by, what the rectangle does, and the
+        // angle under which several lamps are seen: the arc sine is below its secant.
+        let turned = moved + (4.0 * self.tilt + self.off * self.eye);
+        let turn = (inverse + self.eye) * self.radius + turned;
+        let turn = turn + (radius / length * std::f32::consts::FRAC_PI_2 + ANGLE);
+        let least = (angle - turn).max(zero);
+        let square = least * least;
+        // Above the cosine, up to a right angle.
+        let most = (1.0 - square * (0.5 - square * (1.0 / 24.0))).max(zero);
+        let most = least.less(zero + std::f32::consts::FRAC_PI_2).select(most, zero);
+        let mut shine = most.powi(self.exponent) * weight * (0.5 * self.twice);
+        if discs {
+            let sines = [
+                sine(beyond_x, (ends[1], height), within),
+                sine(beyond_y, (ends[0], height), within),
+            ];
+            let slope = most.powi(self.exponent.saturating_sub(1));
+            let flat = slope * (turned * self.shininess + moved * 2.0) * weight * self.twice;
+            let by_discs = self.highlight(least, sines, lamp, [d, inverse]) + flat;
+            // Where it is not clamped, a whole power is a polynomial of the cosine.
+            let smooth = (angle + turn).less(zero + 1.57);
+            shine = smooth.select(by_discs, shine).min(shine);
+        }
+        let shine = match self.everywhere {
+            true => specular * shine,
+            false => faces.select(specular * shine, zero),
         };
-        [(body + flat + shine) * MORE + f32::MIN_POSITIVE, shine * MORE]
+        [(body + shine) * MORE + f32::MIN_POSITIVE, shine * MORE]
     }
 
-    /// Returns the error of a highlight of strength 1: of the smaller of the bound by its size and of
-    /// those by discs.
+    /// Returns the error of a highlight of strength 1 by discs, of points of the plane; infinite or NaN
+    /// if that is none.
     #[inline(always)]
     fn highlight<S: Simd>(
         &self,
-        [angle, spread]: [Lanes<S>; 2],
+        least: Lanes<S>,
+        sines: [Lanes<S>; 2],
         lamp: [Lanes<S>; 3],
-        [d, inverse, weight]: [Lanes<S>; 3],
-        discs: bool,
+        distance: [Lanes<S>; 2],
     ) -> Lanes<S> {
-        let zero = d.splat(0.0);
-        let turn = (inverse + self.eye) * self.radius;
-        let least = (angle - turn - spread).max(zero);
-        let square = least * least;
-        // Above the cosine, up to a right angle.
-        let most = 1.0 - square * (0.5 - square * (1.0 / 24.0));
-        let most = least.less(d.splat(std::f32::consts::FRAC_PI_2)).select(most, zero);
-        let rough = most.max(zero).powi(self.exponent) * weight * self.twice;
-        // Where it is not clamped, a whole power is a polynomial of the cosine.
-        if !discs {
-            return rough;
+        let mut sides = sines;
+        for (axis, side) in sides.iter_mut().enumerate() {
+            let angles = (least, sines[axis]);
+            let [first, second] = self.turns;
+            let first = self.by_discs(first, axis, angles, lamp, distance);
+            *side = first.min(self.by_discs(second, axis, angles, lamp, distance));
         }
-        let smooth = (angle + turn + spread).less(d.splat(1.57));
-        let [first, second] = self.turns;
-        let first = self.by_discs(first, least, lamp, [d, inverse]);
-        let second = self.by_discs(second, least, lamp, [d, inverse]);
-        rough.min(smooth.select(first.min(second), rough))
+        self.both(sides)
     }
 
-    /// Returns the bound by discs that turn the angle by `q` at most; NaN or infinite if that is none.
+    /// Returns the error along a side by discs that turn the angle by `q` at most; infinite or NaN if
+    /// that is none.
     #[inline(always)]
     fn by_discs<S: Simd>(
         &self,
         q: f32,
-        least: Lanes<S>,
+        axis: usize,
+        (least, sine): (Lanes<S>, Lanes<S>),
         lamp: [Lanes<S>; 3],
         [d, inverse]: [Lanes<S>; 2],
     ) -> Lanes<S> {
         let one = d.splat(1.0);
+        let eye = self.eye_sines[axis];
         let nearer = inverse.max(d.splat(self.eye));
-        let radius = (q / (inverse + self.eye + nearer * q)).min(d * 0.8);
+        let radius = (q / (sine * inverse + eye * self.eye + nearer * q)).min(d * 0.8);
         let (a, b) = (radius * inverse, radius * self.eye);
-        let q = a / (1.0 - a) + b / (1.0 - b);
+        let q = sine * a / (1.0 - a) + b * eye / (1.0 - b);
         let known = b.less(one).and(q.less(one));
         let weight = weight(lamp, d * (1.0 - a)) / (1.0 - a * a).sqrt();
         let power = cosine(least, q).sqrt().powi(self.exponent);
-        let bound = self.both(1.0 / radius) * power * weight;
+        let bound = (0.5 * self.half[axis] / radius).powi(self.m) * 2.0 * power * weight;
         known.select(bound, d.splat(f32::INFINITY))
     }
+}
+
+/// Returns the squared cosine of the smallest angle to a side of a rectangle, in which lamps `within`
+/// that distance are seen at most so far along it and at least the root of `across` to its side, and
+/// at least at a distance `d`.
+#[inline(always)]
+fn squared_cosine<S: Simd>(
+    along: Lanes<S>,
+    across: Lanes<S>,
+    within: Lanes<S>,
+    [d, inverse]: [Lanes<S>; 2],
+) -> Lanes<S> {
+    let along = along + within;
+    // (x - w)^2 >= x^2 - 2 x w >= x^2 - w (x^2 / d + d), without a root.
+    let across = (across - within * (across * inverse + d)).max(across.splat(0.0));
+    let square = along * along;
+    (square / (square + across)).min(square.splat(1.0))
+}
+
+/// Returns the sine of the largest angle to a side of lamps seen at least so far along it and at most
+/// so far across and above.
+#[inline(always)]
+fn sine<S: Simd>(
+    along: Lanes<S>,
+    (across, height): (Lanes<S>, Lanes<S>),
+    within: Lanes<S>,
+) -> Lanes<S> {
+    let along = (along - within).max(along.splat(0.0));
+    let across = (across * across + height * height).sqrt() + within;
+    across / (across * across + along * along).sqrt()
 }
 
 /// Returns the attenuation at a distance.
@@ -406,84 +474,4 @@ fn cosine_part<S: Simd>(least: Lanes<S>, q: Lanes<S>, part: f32) -> Lanes<S> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::lamps::Lamp;
-    use super::*;
-
-    struct Angles<'a>(&'a [f32], &'a mut [f32]);
-
-    impl WithSimd for Angles<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            let chunks = self.0.chunks(S::F32_LANES).zip(self.1.chunks_mut(S::F32_LANES));
-            for (cosines, angles) in chunks {
-                angle(Lanes::load(simd, cosines)).store(angles);
-            }
-        }
-    }
-
-    #[test]
-    fn angles_are_as_near_as_bounds_expect() {
-        let cosines: Vec<f32> = (-100_000..=100_000).map(|i| i as f32 / 100_000.0).collect();
-        let mut angles = vec![0.0; cosines.len()];
-        pulp::Arch::new().dispatch(Angles(&cosines, &mut angles));
-        for (cosine, angle) in cosines.iter().zip(angles) {
-            let exact = f64::from(*cosine).acos();
-            let off = (f64::from(angle) - exact).abs();
-            assert!(off < f64::from(ANGLE) * 0.75, "{cosine}: {angle}, {exact}");
-        }
-    }
-
-    /// What is taken as a group has no more error than its bound says.
-    #[test]
-    fn several_lamps_err_by_no_more_than_the_bounds_of_all() {
-        let mut random = fastrand::Rng::with_seed(3);
-        let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
-        let (order, mut bounded) = (Order::new(4), 0);
-        for round in 0..4000 {
-            let center = DVec3::new(between(-9.0, 9.0), between(-9.0, 9.0), between(-1.0, 9.0));
-            let size = between(0.01, 3.0);
-            let mut lamps: Vec<Lamp> = Vec::new();
-            for place in 0..5 {
-                let beside = DVec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
-                let terms = [between(0.0, 0.1), between(0.0, 1.0), between(0.0, 1.0)];
-                lamps.push(Lamp {
-                    place,
-                    position: center + beside * size,
-                    radius: 0.0,
-                    attenuation: [1.0, between(0.0, 0.5) as f32, between(0.0, 0.5) as f32],
-                    terms: terms.map(|term| term as f32),
-                });
-            }
-            let at = Rectangle {
-                center: [between(-1.0, 1.0), 0.5],
-                half: [between(0.1, 1.0), between(0.1, 1.0)],
-                eye: DVec3::new(between(-9.0, 9.0), 4.0, between(1.0, 9.0)),
-                off: 1e-5,
-                tilt: 1e-6,
-            };
-            let shading =
-                Shading { shininess: [32.0, 8.0, 10.5][round % 3], everywhere: round % 2 == 0 };
-            // By discs, where they are known, as the bounds by size are not always the nearer ones.
-            let sum_of = |lamps: &[Lamp]| {
-                let mut near = Lamps::for_many(lamps.len());
-                lamps.iter().for_each(|l| near.push(l, l.position.as_vec3().to_array()));
-                let bound = &Bound::new(&order, &at, &shading, 1e3).expect("the camera is above");
-                let (lamps, errors, highlights) = (&near, &mut Vec::new(), &mut Vec::new());
-                let arch = pulp::Arch::new();
-                match bound.whole {
-                    true => arch.dispatch(ByDiscs { bound, lamps, errors }),
-                    false => arch.dispatch(BySize { bound, lamps, errors, highlights }),
-                };
-                errors.iter().sum::<f32>()
-            };
-            let group = sum_of(&[super::super::near::group(0, &lamps)]);
-            let each = sum_of(&lamps);
-            assert!(!group.is_finite() || each <= group * 1.000_1, "{each} {group}");
-            bounded += usize::from(group.is_finite());
-        }
-        assert!(bounded > 1000, "{bounded}");
-    }
-}
+mod tests;

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use super::wide::Batch;
-use super::{Emission, Gates, Lights, Model, Surface, Tally, robust, seed, surface};
-use crate::Upload;
-use crate::plan::{Grid, Plan, interpolate};
+use super::wide::{Batch, common_power};
+use super::{Emission, Gates, Lights, Model, Power, Surface, Tally, robust, seed, surface};
+use crate::plan::{Grid, LightSet, Plan, interpolate};
+use crate::{Fragment, Upload};
 
 /// The arithmetic of light evaluations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,9 +68,9 @@ pub fn execute<T: Tally + Default>(
         tally: T::default(),
     };
     let mut colors = vec![Vec3::ZERO; surfaces.len()];
+    let power = common_power(surfaces);
     for draw in &plan.draws {
-        run.all.select(&draw.lights, &mut run.some);
-        run.draw(surfaces, &draw.fragments, &mut colors);
+        run.draw((surfaces, power), &draw.fragments, &draw.lights, &mut colors);
     }
     let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
     let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
@@ -90,14 +90,22 @@ struct Run<'a, T> {
 }
 
 impl<T: Tally> Run<'_, T> {
-    fn draw(&mut self, surfaces: &[Surface], numbers: &[u32], colors: &mut [Vec3]) {
+    fn draw(
+        &mut self,
+        (surfaces, power): (&[Surface], Option<Power>),
+        numbers: &[u32],
+        set: &LightSet,
+        colors: &mut [Vec3],
+    ) {
         let within = numbers.iter().all(|number| (*number as usize) < surfaces.len());
         if let (Form::Robust(gates), false, true) = (self.form, T::COUNTS, within) {
-            let Run { eye, finite, some: lights, model, .. } = self;
-            let (eye, finite) = (*eye, *finite || lights.emissions().all(Emission::is_finite));
-            Batch { surfaces, numbers, eye, lights, finite, model, gates }.shade(colors);
+            let Run { eye, finite, all: lights, model, .. } = self;
+            let (eye, finite) = (*eye, *finite || lights.are_finite(set));
+            Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates }
+                .shade(colors);
             return;
         }
+        self.all.select(set, &mut self.some);
         for &number in numbers {
             if let Some(surface) = surfaces.get(number as usize) {
                 colors[number as usize] = self.shade(surface);
@@ -106,12 +114,14 @@ impl<T: Tally> Run<'_, T> {
     }
 
     fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
-        self.all.select(&grid.lights, &mut self.some);
-        let nodes = grid.nodes.iter().map(|node| surface(node, upload, self.model));
-        let nodes: Vec<Surface> = nodes.collect();
+        let Some(first) = grid.nodes.first() else { return Vec::new() };
+        // Nodes differ in their places alone.
+        let first = surface(first, upload, self.model);
+        let node = |node: &Fragment| Surface { position: Vec3::from(node.position), ..first };
+        let nodes: Vec<Surface> = grid.nodes.iter().map(node).collect();
         let numbers: Vec<u32> = (0..nodes.len() as u32).collect();
         let mut colors = vec![Vec3::ZERO; nodes.len()];
-        self.draw(&nodes, &numbers, &mut colors);
+        self.draw((&nodes, Some(first.power)), &numbers, &grid.lights, &mut colors);
         colors
     }
 

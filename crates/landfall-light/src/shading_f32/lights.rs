@@ -122,6 +122,17 @@ impl Lights {
         pick(&self.spot, &set.spot, &mut into.spot);
     }
 
+    /// Whether no colour of these lights is infinite or NaN.
+    pub fn are_finite(&self, set: &LightSet) -> bool {
+        fn all<T>(of: &[T], numbers: &[u32], emission: impl Fn(&T) -> &Emission) -> bool {
+            let mut lights = numbers.iter().filter_map(|&n| of.get(n as usize));
+            lights.all(|light| emission(light).is_finite())
+        }
+        all(&self.directional, &set.directional, |light| &light.emission)
+            && all(&self.point, &set.point, |light| &light.emission)
+            && all(&self.spot, &set.spot, |light| &light.lamp.emission)
+    }
+
     /// Returns the emissions of all lights.
     pub fn emissions(&self) -> impl Iterator<Item = &Emission> {
         let directional = self.directional.iter().map(|light| &light.emission);

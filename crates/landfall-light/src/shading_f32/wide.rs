@@ -13,6 +13,7 @@ use super::robust::NEAREST;
 use super::{
     Directional, Emission, Gates, Lights, Model, Point, Power, SpecularTerm, Spot, Surface, robust,
 };
+use crate::plan::LightSet;
 
 /// The most lanes of any processor.
 const MOST: usize = 16;
@@ -21,12 +22,16 @@ const MOST: usize = 16;
 pub(super) struct Batch<'a> {
     /// All surfaces of the frame.
     pub surfaces: &'a [Surface],
+    /// The evaluation of their power, if it is that of all.
+    pub power: Option<Power>,
     /// The indices of those to be lit.
     pub numbers: &'a [u32],
     /// The position of the eye.
     pub eye: Vec3,
-    /// The lights.
+    /// All lights.
     pub lights: &'a Lights,
+    /// Those of them that light the fragments.
+    pub set: &'a LightSet,
     /// Whether no colour of theirs is infinite or NaN.
     pub finite: bool,
     /// The lighting model.
@@ -43,20 +48,25 @@ impl Batch<'_> {
 
     /// Returns the fragments by the evaluation of their power, in order.
     fn by_power(&self) -> Vec<(Power, Cow<'_, [u32]>)> {
-        let of = |number: &u32| self.surfaces[*number as usize].power;
-        let Some(first) = self.numbers.first().map(of) else { return Vec::new() };
-        if self.numbers.iter().all(|number| of(number) == first) {
-            return vec![(first, Cow::Borrowed(self.numbers))];
+        if let Some(power) = self.power {
+            return vec![(power, Cow::Borrowed(self.numbers))];
         }
         let mut groups: Vec<(Power, Cow<'_, [u32]>)> = Vec::new();
         for &number in self.numbers {
-            match groups.iter_mut().find(|(power, _)| *power == of(&number)) {
+            let of = self.surfaces[number as usize].power;
+            match groups.iter_mut().find(|(power, _)| *power == of) {
                 Some((_, group)) => group.to_mut().push(number),
-                None => groups.push((of(&number), Cow::Owned(vec![number]))),
+                None => groups.push((of, Cow::Owned(vec![number]))),
             }
         }
         groups
     }
+}
+
+/// Returns the evaluation of the power of all surfaces, if it is the same.
+pub(super) fn common_power(surfaces: &[Surface]) -> Option<Power> {
+    let first = surfaces.first()?.power;
+    surfaces.iter().all(|surface| surface.power == first).then_some(first)
 }
 
 struct Shading<'a> {
@@ -71,12 +81,15 @@ impl WithSimd for Shading<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Shading { batch, colors } = self;
         let mut near = Vec::new();
+        let ambient = if batch.set.ambient { batch.lights.ambient } else { Vec3::ZERO };
         for (power, numbers) in batch.by_power() {
             if power == Power::Chord || !batch.finite || S::F32_LANES == 1 {
+                let Batch { eye, model, gates, .. } = *batch;
+                let mut lights = Lights::default();
+                batch.lights.select(batch.set, &mut lights);
                 for &number in numbers.iter() {
-                    let Batch { eye, lights, model, gates, .. } = *batch;
                     let surface = &batch.surfaces[number as usize];
-                    let color = robust::shade(surface, eye, lights, model, gates, &mut ());
+                    let color = robust::shade(surface, eye, &lights, model, gates, &mut ());
                     colors[number as usize] = color;
                 }
                 continue;
@@ -87,7 +100,7 @@ impl WithSimd for Shading<'_> {
                     let surface = &batch.surfaces[number as usize];
                     let body = Vec3::new(r[lane], g[lane], b[lane]);
                     let shine = Vec3::new(sr[lane], sg[lane], sb[lane]);
-                    colors[number as usize] = batch.lights.ambient * surface.ambient
+                    colors[number as usize] = ambient * surface.ambient
                         + body * surface.diffuse
                         + shine * surface.specular;
                 }
@@ -109,19 +122,21 @@ fn shade<S: Simd>(
     let zero = simd.splat_f32s(0.0);
     let mut sums = Sums::<S> { body: [zero; 3], shine: [zero; 3] };
     let all = simd.less_than_or_equal_f32s(zero, zero);
-    for light in &batch.lights.directional {
+    let Lights { directional, point: points, spot: spots, .. } = batch.lights;
+    for light in chosen(directional, &batch.set.directional) {
         let towards = splat(simd, light.towards);
         let one = simd.splat_f32s(1.0);
         let Directional { emission, .. } = light;
         add(simd, &at, towards, one, all, emission, &mut sums);
     }
-    let Lights { point: points, spot: spots, .. } = batch.lights;
-    let lit = reached(simd, points, near, |light| point_reaches(simd, &at, light, all));
-    for light in lit.iter().map(|&number| &points[number as usize]) {
+    let numbers = &batch.set.point;
+    let lit = reached(simd, points, numbers, near, |light| point_reaches(simd, &at, light, all));
+    for light in chosen(points, lit) {
         point(simd, &at, light, all, &mut sums);
     }
-    let lit = reached(simd, spots, near, |light| spot_reaches(simd, &at, light, all));
-    for light in lit.iter().map(|&number| &spots[number as usize]) {
+    let lit =
+        reached(simd, spots, &batch.set.spot, near, |light| spot_reaches(simd, &at, light, all));
+    for light in chosen(spots, lit) {
         spot(simd, &at, light, all, &mut sums);
     }
     let mut stored = [[0.0; MOST]; 6];
@@ -183,16 +198,24 @@ impl<S: Simd> Fragments<S> {
 fn reached<'a, S: Simd, L>(
     simd: S,
     lights: &[L],
+    numbers: &[u32],
     into: &'a mut Vec<u32>,
     reaches: impl Fn(&L) -> S::m32s,
 ) -> &'a [u32] {
-    into.resize(lights.len(), 0);
+    into.resize(numbers.len(), 0);
     let mut len = 0;
-    for (number, light) in lights.iter().enumerate() {
-        into[len] = number as u32;
+    for &number in numbers {
+        let Some(light) = lights.get(number as usize) else { continue };
+        into[len] = number;
         len += usize::from(simd.first_true_m32s(reaches(light)) < S::F32_LANES);
     }
     &into[..len]
+}
+
+/// Returns the lights of these numbers.
+#[inline(always)]
+fn chosen<'a, L>(lights: &'a [L], numbers: &'a [u32]) -> impl Iterator<Item = &'a L> {
+    numbers.iter().filter_map(|&number| lights.get(number as usize))
 }
 
 /// Returns the lanes inside the window of a light.
