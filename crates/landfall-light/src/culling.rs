@@ -242,6 +242,8 @@ impl Job<'_> {
 /// Returns the set of the lights at those indices of `lights`.
 fn set(lights: &[Bounded], places: &[u32], ambient: bool) -> LightSet {
     let mut set = LightSet { ambient, ..LightSet::default() };
+    let is_point = |place: &&u32| lights[**place as usize].kind == bound::Kind::Point;
+    set.point.reserve(places.iter().filter(is_point).count());
     for &place in places {
         let light = &lights[place as usize];
         match light.kind {

@@ -46,6 +46,7 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
         error: 0.0,
         orders: (2..=6).map(Order::new).collect(),
         errors: Errors::default(),
+        kept: Vec::new(),
         later: Vec::new(),
         prepared: FxHashMap::default(),
     };
@@ -102,6 +103,8 @@ struct Patches<'a> {
     orders: Vec<Order>,
     /// The errors of the lamps of a patch.
     errors: Errors,
+    /// The lamps that a patch keeps, by their indices in its list.
+    kept: Vec<u32>,
     /// The fragments of the upper half while the lower ones are moved.
     later: Vec<Item>,
     /// The lights of each material.
@@ -378,14 +381,19 @@ impl Patches<'_> {
         if !self.is_worth(each * count, items.len(), above) {
             return None;
         }
-        let all = 0..lamps.len() as u32;
-        let errors = &self.errors.errors;
-        let (taken, kept): (Vec<u32>, Vec<u32>) = all.partition(|at| errors[*at as usize] < 0.0);
-        let places = taken.iter().map(|at| lamps.places()[*at as usize]).collect();
+        let mut places = Vec::with_capacity(count);
+        self.kept.clear();
+        self.kept.reserve(lamps.len());
+        for (at, (place, error)) in lamps.places().iter().zip(&self.errors.errors).enumerate() {
+            match *error < 0.0 {
+                true => places.push(*place),
+                false => self.kept.push(at as u32),
+            }
+        }
         // A patch that is not divided tests no lamps again.
         let kept = match each == 1 && items.len() <= self.fewest() {
-            true => lamps.some_places(&kept),
-            false => lamps.some(&kept),
+            true => lamps.some_places(&self.kept),
+            false => lamps.some(&self.kept),
         };
         Some((Taken { places, spent }, kept))
     }

@@ -61,16 +61,23 @@ impl<F: Fn(u32) -> Option<Vec3>> WithSimd for Fragments<'_, F> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Fragments { draw, surface, position, colors } = self;
         let axes = surface.axes.map(|axis| axis.as_vec3());
+        let center = surface.center.as_vec3();
+        let rest = (surface.center - center.as_dvec3()).as_vec3();
         for numbers in draw.fragments.chunks(S::F32_LANES.min(MOST)) {
-            let [mut x, mut y] = [[0.0; MOST]; 2];
+            let mut at = [[0.0; MOST]; 3];
             for (lane, &number) in numbers.iter().enumerate() {
-                // In `f64`: the coordinates of a small patch are differences of large ones.
-                let from = position(number).map(|at| (at.as_dvec3() - surface.center).as_vec3());
-                let from = from.unwrap_or_default();
-                (x[lane], y[lane]) = (from.dot(axes[0]), from.dot(axes[1]));
+                let position = position(number).unwrap_or_default();
+                (at[0][lane], at[1][lane], at[2][lane]) = position.into();
             }
             let lanes = numbers.len();
-            let (x, y) = (Lanes::load(simd, &x[..lanes]), Lanes::load(simd, &y[..lanes]));
+            // The coordinates of a small patch are differences of large ones, which are exact.
+            let [dx, dy, dz] = [
+                Lanes::load(simd, &at[0][..lanes]) - center.x - rest.x,
+                Lanes::load(simd, &at[1][..lanes]) - center.y - rest.y,
+                Lanes::load(simd, &at[2][..lanes]) - center.z - rest.z,
+            ];
+            let x = dx * axes[0].x + dy * axes[0].y + dz * axes[0].z;
+            let y = dx * axes[1].x + dy * axes[1].y + dz * axes[1].z;
             let zero = x.splat(0.0);
             let mut sums = [zero; 3];
             for row in surface.coefficients.chunks_exact(surface.side).rev() {
