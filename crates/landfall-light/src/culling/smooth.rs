@@ -211,8 +211,8 @@ struct Bound {
     exponent: u32,
     /// Whether `shininess` is `exponent`.
     whole: bool,
-    /// The turns of the highlight's discs to try.
-    turns: [f32; 2],
+    /// The turn of the highlight by its discs.
+    turn: f32,
     everywhere: bool,
     most: f32,
 }
@@ -257,7 +257,7 @@ impl Bound {
             shininess: shading.shininess as f32,
             exponent: exponent as u32,
             whole,
-            turns: [0.7, 1.2].map(|part| (best * part) as f32),
+            turn: (best * 0.8) as f32,
             everywhere: shading.everywhere,
             most,
         })
@@ -367,9 +367,7 @@ impl Bound {
         let mut sides = sines;
         for (axis, side) in sides.iter_mut().enumerate() {
             let angles = (least, sines[axis]);
-            let [first, second] = self.turns;
-            let first = self.by_discs(first, axis, angles, lamp, distance);
-            *side = first.min(self.by_discs(second, axis, angles, lamp, distance));
+            *side = self.by_discs(self.turn, axis, angles, lamp, distance);
         }
         self.both(sides)
     }
