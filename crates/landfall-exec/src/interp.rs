@@ -30,6 +30,7 @@ mod optimize;
 mod outward;
 mod permitted;
 mod pixels;
+mod power;
 mod program;
 mod real;
 mod shadow;

@@ -62,7 +62,7 @@ pub(super) fn function2(
 
 /// Whether code for these registers multiplies and adds by one instruction. The results are the same,
 /// as the bound of the error holds for both.
-fn has_fused(arch: Arch) -> bool {
+pub(super) fn has_fused(arch: Arch) -> bool {
     cfg!(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))
         && !matches!(arch, Arch::Scalar)
 }

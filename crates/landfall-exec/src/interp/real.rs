@@ -9,6 +9,7 @@ use pulp::Arch;
 use super::code::{Cmp, F1, F2, LANES};
 use super::elementary::{function1, function2};
 use super::lanes::Lanes;
+use super::power::powers;
 use landfall_layout::source::Language;
 
 /// Work on columns in any precision: a result and so many operands.
@@ -286,6 +287,15 @@ impl Real for f64 {
     }
     fn half(self) -> f64 {
         self
+    }
+    fn column2(
+        arch: Arch,
+        f: F2,
+        to: &mut [f64; LANES],
+        a: &[f64; LANES],
+        b: &[f64; LANES],
+    ) -> u64 {
+        if f == F2::Pow { powers(arch, to, a, b) } else { u64::MAX }
     }
     plain!(f64);
 }
