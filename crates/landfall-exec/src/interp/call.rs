@@ -6,7 +6,8 @@ use super::code::LANES;
 use super::numbers::{Numbers, Words};
 use super::permitted::Permitted;
 use super::program::{FunctionCode, Program};
-use super::real::{Real, Shadow};
+use super::real::Real;
+use super::shadow::Shadow;
 use super::stage::{Notes, Precision, Settings, bits, failure, mask, refused_for, set_register};
 use crate::backend::{Failure, FailureKind, Resource};
 

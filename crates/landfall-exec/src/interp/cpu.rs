@@ -9,11 +9,13 @@ use std::sync::Arc;
 use super::code::{Class, LANES, Reg};
 use super::drive::Outcome;
 use super::interface::{InterfaceVariable, Port};
+use super::lanes::Lanes;
 use super::machine::Machine;
 use super::numbers::Numbers;
 use super::pixels::{Triangle, row, tile};
 use super::program::{BufferSpace, Floats, Program};
-use super::real::{Real, Shadow};
+use super::real::Real;
+use super::shadow::Shadow;
 use super::stage::{
     Invocations, Notes, Precision, Settings, failure, mask, refused_for, set_register,
 };
@@ -206,7 +208,7 @@ fn words_of_pixels<R: Real>(m: &mut Machine<R>, regs: &[Reg]) -> Box<[[u32; 4]; 
         let to = pixels.iter_mut().map(|pixel| &mut pixel[i]);
         match reg.class() {
             Class::Real => {
-                to.zip(&*m.reals_of(reg)).for_each(|(to, x)| *to = x.single().to_bits());
+                to.zip(m.reals_of(reg).each()).for_each(|(to, x)| *to = x.single().to_bits());
             }
             Class::Word => to.zip(&*m.words_of(reg)).for_each(|(to, x)| *to = *x),
             Class::Wide => to.zip(&*m.wides_of(reg)).for_each(|(to, x)| *to = *x as u32),
@@ -354,13 +356,11 @@ fn set_positions<R: Real>(
             match plug.port {
                 Port::Position => {
                     let to = m.reals_of(reg);
-                    for (to, place) in to.iter_mut().zip(places) {
-                        *to = match axis {
-                            0 | 1 => R::narrow(place[axis] as f32 + 0.5),
-                            2 => R::narrow(0.0),
-                            _ => R::narrow(1.0),
-                        };
-                    }
+                    to.set(|lane| match axis {
+                        0 | 1 => R::narrow(places[lane][axis] as f32 + 0.5),
+                        2 => R::narrow(0.0),
+                        _ => R::narrow(1.0),
+                    });
                 }
                 Port::FrontFacing => *m.words_of(reg) = [1; LANES],
                 _ => set_register(m, reg, &[]),

@@ -62,7 +62,7 @@ pub(super) fn function2(
 
 /// Whether code for these registers multiplies and adds by one instruction. The results are the same,
 /// as the bound of the error holds for both.
-fn has_fused(arch: Arch) -> bool {
+pub(super) fn has_fused(arch: Arch) -> bool {
     cfg!(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))
         && !matches!(arch, Arch::Scalar)
 }
@@ -103,11 +103,16 @@ fn each(
 }
 
 /// Returns the lanes of the words that are 1.
-fn lanes_of(doubts: &[u32; LANES]) -> u64 {
-    if *doubts == [0; LANES] {
+pub(super) fn lanes_of(doubts: &[u32; LANES]) -> u64 {
+    if doubts.iter().fold(0, |all, doubt| all | doubt) == 0 {
         return 0;
     }
-    doubts.iter().rev().fold(0, |lanes, &doubt| lanes << 1 | u64::from(doubt))
+    let mut lanes = 0;
+    for (i, chunk) in doubts.chunks_exact(8).enumerate() {
+        let byte = chunk.iter().rev().fold(0, |byte, doubt| byte << 1 | doubt);
+        lanes |= u64::from(byte) << (8 * i);
+    }
+    lanes
 }
 
 /// Returns the whole number from 1 to 1024 that all lanes hold: of a power by multiplications, whose

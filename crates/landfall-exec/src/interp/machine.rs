@@ -6,6 +6,7 @@
 
 mod cast;
 mod control;
+mod expensive;
 mod float;
 mod integer;
 mod kernel;
@@ -25,6 +26,7 @@ use pulp::Arch;
 
 use super::code::{Class, LANES, Op, Origin, Reg};
 use super::counts::Tally;
+use super::lanes::Lanes;
 use super::program::Program;
 use super::real::Real;
 use control::Frame;
@@ -34,23 +36,23 @@ pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 
 /// A scalar of all lanes.
-pub(super) type Column<T> = Box<Aligned<T>>;
+pub(super) type Column<L> = Box<Aligned<L>>;
 
 /// Lanes that begin where a line of the processor's cache does: no load crosses two lines.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Aligned<T>([T; LANES]);
+pub(super) struct Aligned<L>(L);
 
-impl<T> Deref for Aligned<T> {
-    type Target = [T; LANES];
+impl<L> Deref for Aligned<L> {
+    type Target = L;
 
-    fn deref(&self) -> &[T; LANES] {
+    fn deref(&self) -> &L {
         &self.0
     }
 }
 
-impl<T> DerefMut for Aligned<T> {
-    fn deref_mut(&mut self) -> &mut [T; LANES] {
+impl<L> DerefMut for Aligned<L> {
+    fn deref_mut(&mut self) -> &mut L {
         &mut self.0
     }
 }
@@ -85,17 +87,17 @@ pub(super) enum Stopped {
     Barrier(Origin),
 }
 
-pub(super) struct Machine<'p, 'j, R> {
+pub(super) struct Machine<'p, 'j, R: Real> {
     pub program: &'p Program,
     /// The registers of the processor.
     arch: Arch,
-    reals: Vec<Option<Column<R>>>,
-    words: Vec<Option<Column<u32>>>,
-    wides: Vec<Option<Column<u64>>>,
+    reals: Vec<Option<Column<R::Lanes>>>,
+    words: Vec<Option<Column<[u32; LANES]>>>,
+    wides: Vec<Option<Column<[u64; LANES]>>>,
     pub buffers: Vec<Memory<'j>>,
     pub images: Vec<Image<'j>>,
     /// By image: its last samples.
-    samples: Vec<Option<Box<memory::Samples<R>>>>,
+    samples: Vec<Option<Box<memory::Samples<R::Lanes>>>>,
     /// The lanes that were started.
     started: u64,
     /// The active lanes.
@@ -295,7 +297,7 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
     }
 
     /// Returns the column of a packed register of a class.
-    pub fn reals_of(&mut self, reg: Reg) -> &mut [R; LANES] {
+    pub fn reals_of(&mut self, reg: Reg) -> &mut R::Lanes {
         debug_assert_eq!(reg.class(), Class::Real);
         self.reals[reg.number() as usize].as_mut().expect(HELD)
     }
@@ -321,31 +323,31 @@ const HELD: &str = "no instruction reads what it writes";
 
 /// Returns the column of a register.
 #[inline(always)]
-fn column<T>(file: &[Option<Column<T>>], reg: u32) -> &[T; LANES] {
+fn column<L>(file: &[Option<Column<L>>], reg: u32) -> &L {
     file[reg as usize].as_ref().expect(HELD)
 }
 
 /// Returns the column of a register that is not read meanwhile.
 #[inline(always)]
-fn column_mut<T>(file: &mut [Option<Column<T>>], reg: u32) -> &mut [T; LANES] {
+fn column_mut<L>(file: &mut [Option<Column<L>>], reg: u32) -> &mut L {
     file[reg as usize].as_mut().expect(HELD)
 }
 
 /// Takes a column out, to be written while others are read.
 #[inline(always)]
-fn take<T>(file: &mut [Option<Column<T>>], reg: u32) -> Column<T> {
+fn take<L>(file: &mut [Option<Column<L>>], reg: u32) -> Column<L> {
     file[reg as usize].take().expect(HELD)
 }
 
-fn columns<T: Copy + Default>(
+fn columns<L: Lanes<Item: Default>>(
     count: u32,
     constants: &[u64],
-    value: impl Fn(u64) -> T,
-) -> Vec<Option<Column<T>>> {
+    value: impl Fn(u64) -> L::Item,
+) -> Vec<Option<Column<L>>> {
     (0..count as usize)
         .map(|i| {
-            let value = constants.get(i).map_or(T::default(), |&bits| value(bits));
-            Some(Box::new(Aligned([value; LANES])))
+            let value = constants.get(i).map_or(L::Item::default(), |&bits| value(bits));
+            Some(Box::new(Aligned(L::filled(value))))
         })
         .collect()
 }

@@ -3,6 +3,7 @@
 //! Used by [`call`](super::call) and [`stage`](super::stage) for arguments and results.
 
 use super::code::{Class, Reg};
+use super::lanes::Lanes;
 use super::machine::Machine;
 use super::real::Real;
 use super::value::{Value, ValueType};
@@ -33,8 +34,10 @@ impl Numbers {
         }
         for &reg in regs {
             let (words, doubles): (Vec<u64>, Vec<f64>) = match reg.class() {
-                Class::Real => m.reals_of(reg)[..lanes]
-                    .iter()
+                Class::Real => m
+                    .reals_of(reg)
+                    .each()
+                    .take(lanes)
                     .map(|x| (u64::from(x.single().to_bits()), x.double()))
                     .unzip(),
                 Class::Word => {
@@ -48,8 +51,8 @@ impl Numbers {
             if let Some(permitted) = &mut numbers.permitted {
                 let spans = match reg.class() {
                     Class::Real => {
-                        let reals = &m.reals_of(reg)[..lanes];
-                        reals.iter().map(|x| x.span().expect("it has one")).collect()
+                        let reals = m.reals_of(reg).each().take(lanes);
+                        reals.map(|x| x.span().expect("it has one")).collect()
                     }
                     Class::Word | Class::Wide => doubles.iter().map(|x| [*x; 2]).collect(),
                 };

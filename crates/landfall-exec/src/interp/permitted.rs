@@ -4,7 +4,7 @@
 //! [`Single`](super::Precision::Single) computes, and branches follow it; around it lies the
 //! [`Interval`] of the expression as written. A device that reorders the expression may leave it.
 
-use super::code::{Cmp, F1, F2};
+use super::code::{Cmp, F1, F2, LANES};
 use super::interval::{Interval, sum_in_any_order};
 use super::machine::frexp;
 use super::real::Real;
@@ -48,6 +48,7 @@ impl Permitted {
 
 impl Real for Permitted {
     const PERMITTED: bool = true;
+    type Lanes = [Permitted; LANES];
 
     fn narrow(x: f32) -> Permitted {
         Permitted::of(x)

@@ -2,6 +2,7 @@
 
 use super::code::{Class, LANES};
 use super::interface::{InterfaceVariable, Port};
+use super::lanes::Lanes;
 use super::machine::Machine;
 use super::numbers::Numbers;
 use super::real::Real;
@@ -96,8 +97,10 @@ impl Triangle {
             for (i, &reg) in plug.regs.iter().enumerate() {
                 let values = self.values[number].get(i).copied().unwrap_or_default();
                 let words = self.words[number].get(i).copied().unwrap_or_default();
-                let each = |f: &dyn Fn(usize) -> f64| -> [R; LANES] {
-                    std::array::from_fn(|lane| R::wide(f(lane)))
+                let each = |f: &dyn Fn(usize) -> f64| -> R::Lanes {
+                    let mut all = R::Lanes::filled(R::default());
+                    (0..LANES).for_each(|lane| all.put(lane, R::wide(f(lane))));
+                    all
                 };
                 match (plug.port, reg.class()) {
                     (Port::Position, _) => {
@@ -117,7 +120,7 @@ impl Triangle {
                     }
                     (Port::FrontFacing, _) => *m.words_of(reg) = [1; LANES],
                     (_, Class::Real) if plug.flat => {
-                        *m.reals_of(reg) = [R::wide(values[0]); LANES];
+                        *m.reals_of(reg) = R::Lanes::filled(R::wide(values[0]));
                     }
                     (_, Class::Real) if plug.linear => {
                         *m.reals_of(reg) = each(&|lane| sum(self.linear(weights[lane]), values));

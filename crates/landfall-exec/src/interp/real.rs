@@ -1,14 +1,21 @@
 //! The precisions in which a shader's floats can be computed.
 //!
 //! The [`machine`](super::machine) is generic over them: `f32` as on a device, rounded at each
-//! operation; `f64` as the reference; [`Shadow`] as both;
+//! operation; `f64` as the reference; [`Shadow`](super::shadow::Shadow) as both;
 //! [`Permitted`](super::permitted::Permitted) with the results of all conformant devices.
 
 use pulp::Arch;
 
 use super::code::{Cmp, F1, F2, LANES};
 use super::elementary::{function1, function2};
+use super::lanes::Lanes;
+use super::power::powers;
 use landfall_layout::source::Language;
+
+/// Work on columns in any precision: a result and so many operands.
+pub(super) trait ColumnWork<const N: usize> {
+    fn run<R: Real>(&self, to: &mut R::Lanes, from: [&R::Lanes; N]);
+}
 
 /// A number that represents a shader's `f32`.
 pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
@@ -16,6 +23,8 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     const PERMITTED: bool = false;
     /// Whether it holds more than one value, so that comparisons of them may differ.
     const MANY: bool = Self::PERMITTED;
+    /// The numbers of all lanes.
+    type Lanes: Lanes<Item = Self>;
     /// Converts a shader's value exactly.
     fn narrow(x: f32) -> Self;
     /// Converts a number with more digits than an `f32`.
@@ -75,19 +84,21 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
     /// Computes a named function in many lanes at once; returns the lanes it leaves to
     /// [`function1`](Real::function1).
     #[inline(always)]
-    fn column1(_: Arch, _: F1, _to: &mut [Self; LANES], _: &[Self; LANES]) -> u64 {
+    fn column1(_: Arch, _: F1, _to: &mut Self::Lanes, _: &Self::Lanes) -> u64 {
         u64::MAX
     }
     /// The same for two operands.
     #[inline(always)]
-    fn column2(
-        _: Arch,
-        _: F2,
-        _to: &mut [Self; LANES],
-        _: &[Self; LANES],
-        _: &[Self; LANES],
-    ) -> u64 {
+    fn column2(_: Arch, _: F2, _to: &mut Self::Lanes, _: &Self::Lanes, _: &Self::Lanes) -> u64 {
         u64::MAX
+    }
+    /// Does work on columns of these numbers, on each of their parts if they are of several.
+    fn on_parts<const N: usize>(
+        to: &mut Self::Lanes,
+        from: [&Self::Lanes; N],
+        work: &impl ColumnWork<N>,
+    ) {
+        work.run::<Self>(to, from);
     }
     /// Returns the square.
     #[inline(always)]
@@ -120,6 +131,7 @@ pub(super) trait Real: Copy + Default + Send + Sync + std::fmt::Debug + 'static 
 
 macro_rules! plain {
     ($t:ty) => {
+        type Lanes = [$t; LANES];
         type By = $t;
         #[inline(always)]
         fn whole(self) -> f64 {
@@ -276,78 +288,14 @@ impl Real for f64 {
     fn half(self) -> f64 {
         self
     }
+    fn column2(
+        arch: Arch,
+        f: F2,
+        to: &mut [f64; LANES],
+        a: &[f64; LANES],
+        b: &[f64; LANES],
+    ) -> u64 {
+        if f == F2::Pow { powers(arch, to, a, b) } else { u64::MAX }
+    }
     plain!(f64);
-}
-
-/// Both precisions: the result on a device, and the reference. Branches, comparisons and integers
-/// follow the `f32`.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shadow {
-    pub single: f32,
-    pub double: f64,
-}
-
-macro_rules! both {
-    ($($name:ident($($b:ident),*);)*) => {$(
-        #[inline(always)]
-        fn $name(self $(, $b: Shadow)*) -> Shadow {
-            Shadow {
-                single: Real::$name(self.single $(, $b.single)*),
-                double: Real::$name(self.double $(, $b.double)*),
-            }
-        }
-    )*};
-}
-
-impl Real for Shadow {
-    const MANY: bool = true;
-    fn narrow(x: f32) -> Shadow {
-        Shadow { single: x, double: f64::from(x) }
-    }
-    fn wide(x: f64) -> Shadow {
-        Shadow { single: x as f32, double: x }
-    }
-    fn single(self) -> f32 {
-        self.single
-    }
-    fn double(self) -> f64 {
-        self.double
-    }
-    fn followed(self) -> f64 {
-        f64::from(self.single)
-    }
-    fn lift1(self, f: impl Fn(f64) -> f64) -> Shadow {
-        Shadow { single: self.single.lift1(&f), double: f(self.double) }
-    }
-    fn lift2(self, b: Shadow, f: impl Fn(f64, f64) -> f64) -> Shadow {
-        Shadow { single: self.single.lift2(b.single, &f), double: f(self.double, b.double) }
-    }
-    both! {
-        add(b); sub(b); mul(b); div(b); rem(b); neg(); abs(); sqrt(); fma(b, c);
-        floor(); ceil(); trunc(); round(); min(b); max(b); half();
-    }
-    fn whole(self) -> f64 {
-        f64::from(self.single)
-    }
-    fn sint(x: i64) -> Shadow {
-        Shadow { single: x as f32, double: x as f64 }
-    }
-    fn uint(x: u64) -> Shadow {
-        Shadow { single: x as f32, double: x as f64 }
-    }
-    type By = f32;
-    fn by(self) -> f32 {
-        self.single
-    }
-    fn is_infinite(self) -> bool {
-        self.single.is_infinite()
-    }
-    fn unsure(self, cmp: Cmp, b: Shadow) -> bool {
-        let [x, y] = [self.single, b.single].map(f64::from);
-        let finite = x.is_finite() && y.is_finite();
-        finite && cmp.holds(x, y) != cmp.holds(self.double, b.double)
-    }
-    fn same(self, b: Shadow) -> bool {
-        self.single.same(b.single) && self.double.same(b.double)
-    }
 }

@@ -10,11 +10,13 @@ use std::time::Instant;
 use super::code::{Cast, Class, Inst, LANES, Op, Reg};
 use super::counts::Counts;
 use super::interface::Port;
+use super::lanes::Lanes;
 use super::machine::Machine;
 use super::numbers::{Numbers, Words};
 use super::permitted::Permitted;
 use super::program::Program;
-use super::real::{Real, Shadow};
+use super::real::Real;
+use super::shadow::Shadow;
 use super::trace::Trace;
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource};
@@ -229,7 +231,7 @@ pub(super) fn set_register<R: Real>(m: &mut Machine<R>, reg: Reg, words: &[u64])
     match reg.class() {
         Class::Real => {
             let to = m.reals_of(reg);
-            (0..LANES).for_each(|i| to[i] = R::narrow(f32::from_bits(word(i) as u32)));
+            to.set(|lane| R::narrow(f32::from_bits(word(lane) as u32)));
         }
         Class::Word => {
             let to = m.words_of(reg);

@@ -2,10 +2,11 @@
 //! (WGSL §15.7.6); a 64-bit integer loses its high bits.
 
 use super::super::code::{Cast, LANES};
+use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::float::frexp;
 use super::kernel::map1;
-use super::{HELD, Machine, column, take};
+use super::{Machine, column, column_mut, take};
 
 fn half(bits: u32) -> f32 {
     half::f16::from_bits(bits as u16).to_f32()
@@ -16,7 +17,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(2) {
             let [to, from] = [group[0], group[1]];
             if R::PERMITTED && matches!(cast, Cast::RealToSint | Cast::RealToUint) {
-                for (lane, x) in column(&self.reals, from).iter().enumerate() {
+                for (lane, x) in column(&self.reals, from).each().enumerate() {
                     self.unsure |= u64::from(x.unsure_whole()) << lane & self.active;
                 }
             }
@@ -37,12 +38,14 @@ impl<R: Real> Machine<'_, '_, R> {
                 Cast::HighHalf => self.word_real(to, from, |x| R::narrow(half(x >> 16))),
                 Cast::WordToBool => {
                     let mut column_ = take(&mut self.words, to);
-                    map1(self.arch, &mut column_, column(&self.words, from), |x| u32::from(x != 0));
+                    map1(self.arch, &mut **column_, column(&self.words, from), |x| {
+                        u32::from(x != 0)
+                    });
                     self.words[to as usize] = Some(column_);
                 }
                 Cast::RoundHalf => {
                     let mut column_ = take(&mut self.reals, to);
-                    map1(self.arch, &mut column_, column(&self.reals, from), R::half);
+                    map1(self.arch, &mut **column_, column(&self.reals, from), R::half);
                     self.reals[to as usize] = Some(column_);
                 }
                 Cast::RealToDouble => self.real_wide(to, from, |x| x.double().to_bits()),
@@ -75,39 +78,39 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     fn real_word(&mut self, to: u32, from: u32, f: impl Fn(R) -> u32) {
-        let to = self.words[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.words, to);
         map1(self.arch, to, column(&self.reals, from), f);
     }
 
     fn word_real(&mut self, to: u32, from: u32, f: impl Fn(u32) -> R) {
-        let to = self.reals[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.reals, to);
         map1(self.arch, to, column(&self.words, from), f);
     }
 
     fn real_wide(&mut self, to: u32, from: u32, f: impl Fn(R) -> u64) {
-        let to = self.wides[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.wides, to);
         map1(self.arch, to, column(&self.reals, from), f);
     }
 
     fn wide_real(&mut self, to: u32, from: u32, f: impl Fn(u64) -> R) {
-        let to = self.reals[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.reals, to);
         map1(self.arch, to, column(&self.wides, from), f);
     }
 
     fn wide_word(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u32) {
-        let to = self.words[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.words, to);
         map1(self.arch, to, column(&self.wides, from), f);
     }
 
     fn word_wide(&mut self, to: u32, from: u32, f: impl Fn(u32) -> u64) {
-        let to = self.wides[to as usize].as_mut().expect(HELD);
+        let to = column_mut(&mut self.wides, to);
         map1(self.arch, to, column(&self.words, from), f);
     }
 
     fn wide_wide(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u64) {
         let mut results = take(&mut self.wides, to);
         let a: &[u64; LANES] = column(&self.wides, from);
-        map1(self.arch, &mut results, a, f);
+        map1(self.arch, &mut **results, a, f);
         self.wides[to as usize] = Some(results);
     }
 }

@@ -1,9 +1,11 @@
 //! Float operations on each lane, in the precision of the run.
 
 use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
+use super::super::elementary::lanes_of;
+use super::super::lanes::Lanes;
 use super::super::real::Real;
-use super::kernel::{dear, groups1, groups2, groups3, map1, map2, map3, map4, map6};
-use super::{Column, Machine, column, take};
+use super::kernel::{groups1, groups2, groups3, map1, map2, map3, map4, map6};
+use super::{Machine, column, column_mut, take};
 use landfall_layout::buffer::float::round_to_odd;
 
 /// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
@@ -130,22 +132,17 @@ pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
 impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R) {
-        groups1(self.arch, &mut self.reals, operands, f);
+        groups1::<R>(self.arch, &mut self.reals, operands, f);
     }
 
     #[inline(always)]
     fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
-        groups2(self.arch, &mut self.reals, operands, f);
+        groups2::<R>(self.arch, &mut self.reals, operands, f);
     }
 
     #[inline(always)]
     fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R) {
-        groups3(self.arch, &mut self.reals, operands, f);
-    }
-
-    fn agree(&self, reg: u32) -> bool {
-        let column = column(&self.reals, reg);
-        column.iter().all(|x| x.same(column[0]))
+        groups3::<R>(self.arch, &mut self.reals, operands, f);
     }
 
     pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
@@ -175,23 +172,6 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    fn transcendental1(&mut self, f: F1, operands: &[u32]) {
-        for group in operands.chunks_exact(2) {
-            let agree = self.agree(group[1]);
-            let mut to = take(&mut self.reals, group[0]);
-            let a = column(&self.reals, group[1]);
-            let left = if agree { u64::MAX } else { R::column1(self.arch, f, &mut to, a) };
-            dear(
-                &mut to,
-                self.active & left,
-                agree,
-                |i| a[i],
-                |x| x.function1(f, |x| transcendental(f, x)),
-            );
-            self.reals[group[0] as usize] = Some(to);
-        }
-    }
-
     pub(super) fn f2(&mut self, f: F2, operands: &[u32]) {
         match f {
             F2::Add => self.each2(operands, |a, b| a.add(b)),
@@ -209,20 +189,7 @@ impl<R: Real> Machine<'_, '_, R> {
             F2::Min => self.each2(operands, |a, b| a.min(b)),
             F2::Max => self.each2(operands, |a, b| a.max(b)),
             F2::Step => self.each2(operands, step),
-            F2::Rem => self.transcendental2(f, operands, |a, b| a.rem(b)),
-            F2::Pow => self.transcendental2(f, operands, |a, b| a.function2(f, b, pow)),
-            F2::Atan2 => self.transcendental2(f, operands, |a, b| a.function2(f, b, f64::atan2)),
-        }
-    }
-
-    fn transcendental2(&mut self, name: F2, operands: &[u32], f: impl Fn(R, R) -> R) {
-        for group in operands.chunks_exact(3) {
-            let agree = self.agree(group[1]) && self.agree(group[2]);
-            let mut to = take(&mut self.reals, group[0]);
-            let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
-            let left = if agree { u64::MAX } else { R::column2(self.arch, name, &mut to, a, b) };
-            dear(&mut to, self.active & left, agree, |i| (a[i], b[i]), |(a, b)| f(a, b));
-            self.reals[group[0] as usize] = Some(to);
+            F2::Rem | F2::Pow | F2::Atan2 => self.transcendental2(f, operands),
         }
     }
 
@@ -237,37 +204,33 @@ impl<R: Real> Machine<'_, '_, R> {
 
     pub(super) fn compare_reals(&mut self, cmp: Cmp, operands: &[u32]) {
         macro_rules! each {
-            ($op:tt) => {
+            ($cmp:expr, $op:tt) => {
                 for group in operands.chunks_exact(3) {
                     let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
-                    let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
+                    let to = column_mut(&mut self.words, group[0]);
                     map2(self.arch, to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    if R::MANY {
+                        let mut unsure = [0; LANES];
+                        map2(self.arch, &mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
+                        self.unsure |= lanes_of(&unsure) & self.active;
+                    }
                 }
             };
         }
         match cmp {
-            Cmp::Eq => each!(==),
-            Cmp::Ne => each!(!=),
-            Cmp::Lt => each!(<),
-            Cmp::Le => each!(<=),
-            Cmp::Gt => each!(>),
-            Cmp::Ge => each!(>=),
-        }
-        if R::MANY {
-            for group in operands.chunks_exact(3) {
-                let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
-                for lane in 0..LANES {
-                    let unsure = u64::from(a[lane].unsure(cmp, b[lane])) << lane;
-                    self.unsure |= unsure & self.active;
-                }
-            }
+            Cmp::Eq => each!(Cmp::Eq, ==),
+            Cmp::Ne => each!(Cmp::Ne, !=),
+            Cmp::Lt => each!(Cmp::Lt, <),
+            Cmp::Le => each!(Cmp::Le, <=),
+            Cmp::Gt => each!(Cmp::Gt, >),
+            Cmp::Ge => each!(Cmp::Ge, >=),
         }
     }
 
     pub(super) fn test_reals(&mut self, test: Test, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let a = column(&self.reals, group[1]);
-            let to = self.words[group[0] as usize].as_mut().expect(super::HELD);
+            let to = column_mut(&mut self.words, group[0]);
             match test {
                 Test::IsNan => map1(self.arch, to, a, |x| u32::from(R::by(x) != R::by(x))),
                 Test::IsInf => map1(self.arch, to, a, |x| u32::from(x.is_infinite())),
@@ -279,7 +242,7 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(3) {
             let mut to = take(&mut self.reals, group[0]);
             let (a, e) = (column(&self.reals, group[1]), column(&self.words, group[2]));
-            map2(self.arch, &mut to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
+            map2(self.arch, &mut **to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
             self.reals[group[0] as usize] = Some(to);
         }
     }
@@ -292,24 +255,24 @@ impl<R: Real> Machine<'_, '_, R> {
             match n {
                 _ if R::PERMITTED => {
                     products_in_any_order(
-                        &mut to,
-                        |i, lane| (of(a[i])[lane], of(b[i])[lane]),
+                        &mut **to,
+                        |i, lane| (of(a[i]).lane(lane), of(b[i]).lane(lane)),
                         n,
                         a == b,
                     );
                 }
-                1 => map2(self.arch, &mut to, of(a[0]), of(b[0]), R::mul),
+                1 => map2(self.arch, &mut **to, of(a[0]), of(b[0]), R::mul),
                 2 => {
                     let [x, y] = [0, 1].map(|i| (of(a[i]), of(b[i])));
-                    map4(self.arch, &mut to, x.0, x.1, y.0, y.1, dot2);
+                    map4(self.arch, &mut **to, x.0, x.1, y.0, y.1, dot2);
                 }
                 _ => {
                     let [x, y, z] = [0, 1, 2].map(|i| (of(a[i]), of(b[i])));
-                    map6(self.arch, &mut to, x.0, x.1, y.0, y.1, z.0, z.1, dot3);
+                    map6(self.arch, &mut **to, x.0, x.1, y.0, y.1, z.0, z.1, dot3);
                     if let [_, _, _, a] = a {
                         let three = **to;
                         let sum = |three: R, a: R, b: R| three.add(a.mul(b));
-                        map3(self.arch, &mut to, &three, of(*a), of(b[3]), sum);
+                        map3(self.arch, &mut **to, &three, of(*a), of(b[3]), sum);
                     }
                 }
             }
@@ -325,25 +288,25 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
-    fn length_of(&self, v: &[u32], to: &mut [R; LANES]) {
+    fn length_of(&self, v: &[u32], to: &mut R::Lanes) {
         let of = |reg: u32| column(&self.reals, reg);
         match *v {
             [x, y, z] if !R::PERMITTED => {
                 map3(self.arch, to, of(x), of(y), of(z), |x, y, z| squares3(x, y, z).sqrt());
             }
             _ => {
-                let mut squares = [R::default(); LANES];
+                let mut squares = R::Lanes::filled(R::default());
                 self.squares_of(v, &mut squares);
                 map1(self.arch, to, &squares, R::sqrt);
             }
         }
     }
 
-    fn squares_of(&self, v: &[u32], to: &mut [R; LANES]) {
+    fn squares_of(&self, v: &[u32], to: &mut R::Lanes) {
         let of = |reg: u32| column(&self.reals, reg);
         match *v {
             _ if R::PERMITTED => {
-                products_in_any_order(to, |i, lane| [of(v[i])[lane]; 2].into(), v.len(), true);
+                products_in_any_order(to, |i, lane| [of(v[i]).lane(lane); 2].into(), v.len(), true);
             }
             [x] => map1(self.arch, to, of(x), |x| x.mul(x)),
             [x, y] => map2(self.arch, to, of(x), of(y), |x, y| dot2(x, x, y, y)),
@@ -362,21 +325,22 @@ impl<R: Real> Machine<'_, '_, R> {
             let (a, b) = group[1..].split_at(n);
             let of = |reg: u32| column(&self.reals, reg);
             if n == 1 {
-                map2(self.arch, &mut to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+                map2(self.arch, &mut **to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
             } else if R::PERMITTED {
-                let between = |i: usize, lane: usize| of(a[i])[lane].sub(of(b[i])[lane]);
-                products_in_any_order(&mut to, |i, lane| [between(i, lane); 2].into(), n, true);
-                to.iter_mut().for_each(|x| *x = x.sqrt());
+                let between = |i: usize, lane: usize| of(a[i]).lane(lane).sub(of(b[i]).lane(lane));
+                products_in_any_order(&mut **to, |i, lane| [between(i, lane); 2].into(), n, true);
+                let squares = **to;
+                to.set(|lane| squares.lane(lane).sqrt());
             } else {
                 for (i, (a, b)) in a.iter().zip(b).enumerate() {
                     let before = **to;
-                    map3(self.arch, &mut to, &before, of(*a), of(*b), |sum, a, b| {
+                    map3(self.arch, &mut **to, &before, of(*a), of(*b), |sum, a, b| {
                         let square = a.sub(b).mul(a.sub(b));
                         if i == 0 { square } else { sum.add(square) }
                     });
                 }
                 let squares = **to;
-                map1(self.arch, &mut to, &squares, R::sqrt);
+                map1(self.arch, &mut **to, &squares, R::sqrt);
             }
             self.reals[group[0] as usize] = Some(to);
         }
@@ -387,14 +351,14 @@ impl<R: Real> Machine<'_, '_, R> {
         for group in operands.chunks_exact(2 * n) {
             let (to, from) = group.split_at(n);
             let language = self.program.language;
-            let mut squares = [R::default(); LANES];
+            let mut squares = R::Lanes::filled(R::default());
             self.squares_of(from, &mut squares);
-            let mut length = [R::default(); LANES];
+            let mut length = R::Lanes::filled(R::default());
             map1(self.arch, &mut length, &squares, R::sqrt);
             for (to, from) in to.iter().zip(from) {
                 let mut quotient = take(&mut self.reals, *to);
                 let from = column(&self.reals, *from);
-                map3(self.arch, &mut quotient, from, &length, &squares, |a, b, c| {
+                map3(self.arch, &mut **quotient, from, &length, &squares, |a, b, c| {
                     a.over_length(b, c, language)
                 });
                 self.reals[*to as usize] = Some(quotient);
@@ -408,10 +372,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let (a, b) = from.split_at(3);
             for (i, &to) in to.iter().enumerate() {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                let mut product: Column<R> = take(&mut self.reals, to);
+                let mut product = take(&mut self.reals, to);
                 let of = |reg: u32| column(&self.reals, reg);
                 let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
-                map4(self.arch, &mut product, aj, bk, ak, bj, |aj, bk, ak, bj| {
+                map4(self.arch, &mut **product, aj, bk, ak, bj, |aj, bk, ak, bj| {
                     aj.mul(bk).sub(ak.mul(bj))
                 });
                 self.reals[to as usize] = Some(product);
@@ -429,14 +393,16 @@ impl<R: Real> Machine<'_, '_, R> {
             let started = self.started;
             for lane in 0..LANES {
                 let from = if fine { lane } else { lane & !3 };
-                let at = |other: usize| a[if started >> other & 1 == 1 { other } else { lane }];
+                let at =
+                    |other: usize| a.lane(if started >> other & 1 == 1 { other } else { lane });
                 let x = || at(from | 1).sub(at(from & !1));
                 let y = || at(from | 2).sub(at(from & !2));
-                to[lane] = match axis {
+                let difference = match axis {
                     Axis::X => x(),
                     Axis::Y => y(),
                     Axis::Width => x().abs().add(y().abs()),
                 };
+                to.put(lane, difference);
             }
             self.reals[group[0] as usize] = Some(to);
         }
@@ -445,18 +411,18 @@ impl<R: Real> Machine<'_, '_, R> {
 
 /// Computes sums of products in any order of summation.
 fn products_in_any_order<R: Real>(
-    to: &mut [R; LANES],
+    to: &mut R::Lanes,
     factors: impl Fn(usize, usize) -> (R, R),
     n: usize,
     squares: bool,
 ) {
-    for (lane, to) in to.iter_mut().enumerate() {
+    for lane in 0..LANES {
         let mut products = [R::default(); 4];
         for (i, product) in products[..n].iter_mut().enumerate() {
             let (a, b) = factors(i, lane);
             *product = if squares { a.squared() } else { a.mul(b) };
         }
-        *to = R::total(&products[..n]);
+        to.put(lane, R::total(&products[..n]));
     }
 }
 

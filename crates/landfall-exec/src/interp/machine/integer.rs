@@ -93,10 +93,10 @@ impl<R: Real> Machine<'_, '_, R> {
             let mut to = take(&mut self.words, group[0]);
             let a = column(&self.words, group[1]);
             match f {
-                I1::LogicalNot => map1(self.arch, &mut to, a, |x| x ^ 1),
-                I1::Neg => map1(self.arch, &mut to, a, u32::wrapping_neg),
-                I1::Not => map1(self.arch, &mut to, a, |x: u32| !x),
-                _ => map1(self.arch, &mut to, a, |x| unary(f, x)),
+                I1::LogicalNot => map1(self.arch, &mut **to, a, |x| x ^ 1),
+                I1::Neg => map1(self.arch, &mut **to, a, u32::wrapping_neg),
+                I1::Not => map1(self.arch, &mut **to, a, |x: u32| !x),
+                _ => map1(self.arch, &mut **to, a, |x| unary(f, x)),
             }
             self.words[group[0] as usize] = Some(to);
         }
@@ -107,13 +107,13 @@ impl<R: Real> Machine<'_, '_, R> {
             let mut to = take(&mut self.words, group[0]);
             let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
             match f {
-                I2::Add => map2(self.arch, &mut to, a, b, u32::wrapping_add),
-                I2::Sub => map2(self.arch, &mut to, a, b, u32::wrapping_sub),
-                I2::Mul => map2(self.arch, &mut to, a, b, u32::wrapping_mul),
-                I2::And => map2(self.arch, &mut to, a, b, |a: u32, b: u32| a & b),
-                I2::Or => map2(self.arch, &mut to, a, b, |a: u32, b: u32| a | b),
-                I2::Xor => map2(self.arch, &mut to, a, b, |a: u32, b: u32| a ^ b),
-                _ => map2(self.arch, &mut to, a, b, |a, b| binary(f, a, b)),
+                I2::Add => map2(self.arch, &mut **to, a, b, u32::wrapping_add),
+                I2::Sub => map2(self.arch, &mut **to, a, b, u32::wrapping_sub),
+                I2::Mul => map2(self.arch, &mut **to, a, b, u32::wrapping_mul),
+                I2::And => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a & b),
+                I2::Or => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a | b),
+                I2::Xor => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a ^ b),
+                _ => map2(self.arch, &mut **to, a, b, |a, b| binary(f, a, b)),
             }
             self.words[group[0] as usize] = Some(to);
         }
@@ -126,12 +126,12 @@ impl<R: Real> Machine<'_, '_, R> {
             // Adding 2^31 maps the order of signed numbers to that of unsigned ones.
             let flip = if signed { 1 << 31 } else { 0 };
             match cmp {
-                Cmp::Eq => map2(self.arch, &mut to, a, b, |a, b| u32::from(a == b)),
-                Cmp::Ne => map2(self.arch, &mut to, a, b, |a, b| u32::from(a != b)),
-                Cmp::Lt => map2(self.arch, &mut to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
-                Cmp::Le => map2(self.arch, &mut to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
-                Cmp::Gt => map2(self.arch, &mut to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
-                Cmp::Ge => map2(self.arch, &mut to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
+                Cmp::Eq => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a == b)),
+                Cmp::Ne => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a != b)),
+                Cmp::Lt => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
+                Cmp::Le => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
+                Cmp::Gt => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
+                Cmp::Ge => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
             }
             self.words[group[0] as usize] = Some(to);
         }
@@ -167,7 +167,7 @@ impl<R: Real> Machine<'_, '_, R> {
                     let condition = column(&self.words, group[1]);
                     let (yes, no) = (column(&self.$file, group[2]), column(&self.$file, group[3]));
                     **to = *no;
-                    blend(self.arch, &mut to, yes, condition);
+                    blend(self.arch, &mut **to, yes, condition);
                     self.$file[group[0] as usize] = Some(to);
                 }
             };
@@ -195,7 +195,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 for group in operands.chunks_exact(2) {
                     if group[0] != group[1] {
                         let mut to = take(&mut self.$file, group[0]);
-                        map1(self.arch, &mut to, column(&self.$file, group[1]), |x| x);
+                        map1(self.arch, &mut **to, column(&self.$file, group[1]), |x| x);
                         self.$file[group[0] as usize] = Some(to);
                     }
                 }
@@ -222,7 +222,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 for group in operands.chunks_exact(2) {
                     if group[0] != group[1] {
                         let mut to = take(&mut self.$file, group[0]);
-                        blend(self.arch, &mut to, column(&self.$file, group[1]), &self.mask);
+                        blend(self.arch, &mut **to, column(&self.$file, group[1]), &self.mask);
                         self.$file[group[0] as usize] = Some(to);
                     }
                 }

@@ -4,36 +4,37 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::super::code::LANES;
+use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::{Column, column, take};
 
 macro_rules! kernels {
     ($($name:ident $work:ident, $($a:ident: $t:ident),+;)*) => {$(
         struct $work<'c, $($t,)+ U, F> {
-            to: &'c mut [U; LANES],
-            from: ($(&'c [$t; LANES],)+),
+            to: &'c mut U,
+            from: ($(&'c $t,)+),
             f: F,
         }
 
-        impl<$($t: Copy,)+ U, F: Fn($($t),+) -> U> NullaryFnOnce for $work<'_, $($t,)+ U, F> {
+        impl<$($t: Lanes,)+ U: Lanes, F: Fn($($t::Item),+) -> U::Item> NullaryFnOnce
+            for $work<'_, $($t,)+ U, F>
+        {
             type Output = ();
 
             #[inline(always)]
             fn call(self) {
                 let ($($a,)+) = self.from;
-                for lane in 0..LANES {
-                    self.to[lane] = (self.f)($($a[lane]),+);
-                }
+                self.to.set(|lane| (self.f)($($a.lane(lane)),+));
             }
         }
 
         #[inline(never)]
         #[allow(clippy::too_many_arguments, reason = "six columns are the factors of three products")]
-        pub(super) fn $name<$($t: Copy,)+ U>(
+        pub(super) fn $name<$($t: Lanes,)+ U: Lanes>(
             arch: Arch,
-            to: &mut [U; LANES],
-            $($a: &[$t; LANES],)+
-            f: impl Fn($($t),+) -> U,
+            to: &mut U,
+            $($a: &$t,)+
+            f: impl Fn($($t::Item),+) -> U::Item,
         ) {
             arch.dispatch($work { to, from: ($($a,)+), f });
         }
@@ -50,8 +51,8 @@ kernels! {
 
 macro_rules! group_kernels {
     ($($name:ident $work:ident $size:literal, $($a:ident $at:literal),+;)*) => {$(
-        struct $work<'c, R, F> {
-            file: &'c mut [Option<Column<R>>],
+        struct $work<'c, R: Real, F> {
+            file: &'c mut [Option<Column<R::Lanes>>],
             operands: &'c [u32],
             f: F,
         }
@@ -64,9 +65,7 @@ macro_rules! group_kernels {
                 for group in self.operands.chunks_exact($size) {
                     let mut to = take(self.file, group[0]);
                     $(let $a = column(self.file, group[$at]);)+
-                    for lane in 0..LANES {
-                        to[lane] = (self.f)($($a[lane]),+);
-                    }
+                    to.set(|lane| (self.f)($($a.lane(lane)),+));
                     self.file[group[0] as usize] = Some(to);
                 }
             }
@@ -76,11 +75,11 @@ macro_rules! group_kernels {
         #[inline(never)]
         pub(super) fn $name<R: Real>(
             arch: Arch,
-            file: &mut [Option<Column<R>>],
+            file: &mut [Option<Column<R::Lanes>>],
             operands: &[u32],
             f: impl Fn($(group_kernels!(@real $a)),+) -> R,
         ) {
-            arch.dispatch($work { file, operands, f });
+            arch.dispatch($work::<R, _> { file, operands, f });
         }
     )*};
     (@real $a:ident) => { R };
@@ -93,27 +92,27 @@ group_kernels! {
 }
 
 /// Runs an expensive operation once if all lanes agree, else for the active lanes.
-pub(super) fn dear<T: Copy, U: Copy>(
-    to: &mut [U; LANES],
+pub(super) fn dear<T: Copy, U: Lanes>(
+    to: &mut U,
     active: u64,
     agree: bool,
     arguments: impl Fn(usize) -> T,
-    f: impl Fn(T) -> U,
+    f: impl Fn(T) -> U::Item,
 ) {
     if active == 0 {
         return;
     }
     if agree {
-        *to = [f(arguments(active.trailing_zeros() as usize)); LANES];
+        *to = U::filled(f(arguments(active.trailing_zeros() as usize)));
     } else if active == u64::MAX {
-        for (lane, to) in to.iter_mut().enumerate() {
-            *to = f(arguments(lane));
+        for lane in 0..LANES {
+            to.put(lane, f(arguments(lane)));
         }
     } else {
         let mut rest = active;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize;
-            to[lane] = f(arguments(lane));
+            to.put(lane, f(arguments(lane)));
             rest &= rest - 1;
         }
     }
@@ -121,34 +120,32 @@ pub(super) fn dear<T: Copy, U: Copy>(
 
 /// Fills all lanes.
 #[inline(never)]
-pub(super) fn fill<T: Copy>(arch: Arch, to: &mut [T; LANES], value: T) {
+pub(super) fn fill<L: Lanes>(arch: Arch, to: &mut L, value: L::Item) {
     arch.dispatch(Fill { to, value });
 }
 
-struct Fill<'c, T> {
-    to: &'c mut [T; LANES],
-    value: T,
+struct Fill<'c, L: Lanes> {
+    to: &'c mut L,
+    value: L::Item,
 }
 
-impl<T: Copy> NullaryFnOnce for Fill<'_, T> {
+impl<L: Lanes> NullaryFnOnce for Fill<'_, L> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        for to in self.to.iter_mut() {
-            *to = self.value;
-        }
+        self.to.set(|_| self.value);
     }
 }
 
 /// Writes the channels of texels each to its own lanes.
 #[inline(never)]
-pub(super) fn split<R: Real>(arch: Arch, to: [&mut [R; LANES]; 4], texels: &[[f32; 4]; LANES]) {
-    arch.dispatch(Split { to, texels });
+pub(super) fn split<R: Real>(arch: Arch, to: [&mut R::Lanes; 4], texels: &[[f32; 4]; LANES]) {
+    arch.dispatch(Split::<R> { to, texels });
 }
 
-struct Split<'c, R> {
-    to: [&'c mut [R; LANES]; 4],
+struct Split<'c, R: Real> {
+    to: [&'c mut R::Lanes; 4],
     texels: &'c [[f32; 4]; LANES],
 }
 
@@ -158,39 +155,32 @@ impl<R: Real> NullaryFnOnce for Split<'_, R> {
     #[inline(always)]
     fn call(self) {
         let Split { to: [r, g, b, a], texels } = self;
-        for lane in 0..LANES {
-            r[lane] = R::narrow(texels[lane][0]);
-            g[lane] = R::narrow(texels[lane][1]);
-            b[lane] = R::narrow(texels[lane][2]);
-            a[lane] = R::narrow(texels[lane][3]);
+        for (lane, texel) in texels.iter().enumerate() {
+            r.put(lane, R::narrow(texel[0]));
+            g.put(lane, R::narrow(texel[1]));
+            b.put(lane, R::narrow(texel[2]));
+            a.put(lane, R::narrow(texel[3]));
         }
     }
 }
 
 /// Copies the lanes of a mask of all-ones words.
 #[inline(never)]
-pub(super) fn blend<T: Copy>(
-    arch: Arch,
-    to: &mut [T; LANES],
-    from: &[T; LANES],
-    mask: &[u32; LANES],
-) {
+pub(super) fn blend<L: Lanes>(arch: Arch, to: &mut L, from: &L, mask: &[u32; LANES]) {
     arch.dispatch(Blend { to, from, mask });
 }
 
-struct Blend<'c, T> {
-    to: &'c mut [T; LANES],
-    from: &'c [T; LANES],
+struct Blend<'c, L> {
+    to: &'c mut L,
+    from: &'c L,
     mask: &'c [u32; LANES],
 }
 
-impl<T: Copy> NullaryFnOnce for Blend<'_, T> {
+impl<L: Lanes> NullaryFnOnce for Blend<'_, L> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        for lane in 0..LANES {
-            self.to[lane] = if self.mask[lane] != 0 { self.from[lane] } else { self.to[lane] };
-        }
+        self.to.blend(self.from, self.mask);
     }
 }

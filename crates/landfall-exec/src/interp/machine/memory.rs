@@ -4,6 +4,7 @@
 //! are not written (WGSL §2.2 leaves the choice).
 
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
+use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::integer::binary;
 use super::kernel::{fill, map1, split};
@@ -22,15 +23,15 @@ pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
 }
 
 /// The colours of an image in all lanes where it was sampled last.
-pub(super) struct Samples<R> {
-    u: [R; LANES],
-    v: [R; LANES],
-    colors: [[R; LANES]; 4],
+pub(super) struct Samples<L> {
+    u: L,
+    v: L,
+    colors: [L; 4],
 }
 
 /// Returns whether all bits of two columns are equal.
-fn same<R: Real>(a: &[R; LANES], b: &[R; LANES]) -> bool {
-    a.iter().zip(b).fold(true, |same, (a, b)| same & a.same(*b))
+fn same<L: Lanes<Item: Real>>(a: &L, b: &L) -> bool {
+    a.each().zip(b.each()).fold(true, |same, (a, b)| same & a.same(b))
 }
 
 impl<'j, R: Real> Machine<'_, 'j, R> {
@@ -135,7 +136,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         match stored {
             Stored::F32 | Stored::F16 => {
                 let value = R::narrow(f32::from_bits(bits as u32));
-                column_mut(&mut self.reals, reg)[lane] = value;
+                column_mut(&mut self.reals, reg).put(lane, value);
             }
             Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
                 column_mut(&mut self.words, reg)[lane] = bits as u32;
@@ -165,10 +166,10 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                 let stored = Stored::ALL[group[2] as usize];
                 let bits = match stored {
                     Stored::F32 => {
-                        u64::from(column(&self.reals, group[0])[lane].single().to_bits())
+                        u64::from(column(&self.reals, group[0]).lane(lane).single().to_bits())
                     }
                     Stored::F16 => {
-                        let single = column(&self.reals, group[0])[lane].single();
+                        let single = column(&self.reals, group[0]).lane(lane).single();
                         u64::from(half::f16::from_f32(single).to_bits())
                     }
                     Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
@@ -207,7 +208,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                             rest &= rest - 1;
                             let way =
                                 self.computed_offset(access, head, lane, class as usize) as u32;
-                            to[lane] = column(&self.$file, group[1] + way)[lane];
+                            to.put(lane, column(&self.$file, group[1] + way).lane(lane));
                         }
                     }
                     self.$file[group[0] as usize] = Some(to);
@@ -231,9 +232,9 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             macro_rules! into {
                 ($file:ident) => {
                     for group in operands.chunks_exact(2) {
-                        let value = column(&self.$file, group[0])[lane];
+                        let value = column(&self.$file, group[0]).lane(lane);
                         let reg = group[1] as usize + way;
-                        column_mut(&mut self.$file, reg as u32)[lane] = value;
+                        column_mut(&mut self.$file, reg as u32).put(lane, value);
                     }
                 };
             }
@@ -305,9 +306,9 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         }
         for (i, reg) in to.iter().enumerate() {
             let column = column_mut(&mut self.reals, *reg);
-            for (lane, (to, texel)) in column.iter_mut().zip(&texels).enumerate() {
+            for (lane, texel) in texels.iter().enumerate() {
                 if found >> lane & 1 == 1 {
-                    *to = R::narrow(texel[i]);
+                    column.put(lane, R::narrow(texel[i]));
                 }
             }
         }
@@ -325,7 +326,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let Some(image) = self.image(from[0]) else {
             return self.colors(to, |m, lane| {
                 let image = *m.images.get(column(&m.words, from[0])[lane] as usize)?;
-                let [u, v] = [1, 2].map(|i| column(&m.reals, from[i])[lane]);
+                let [u, v] = [1, 2].map(|i| column(&m.reals, from[i]).lane(lane));
                 Some(of(image, at(image, wrap(u, image.width), wrap(v, image.height))))
             });
         };
@@ -350,7 +351,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let empty = || Box::new(Samples { u, v, colors: [u; 4] });
         let known = self.samples[number].get_or_insert_with(empty);
         (known.u, known.v) = (u, v);
-        split(self.arch, known.colors.each_mut(), &texels);
+        split::<R>(self.arch, known.colors.each_mut(), &texels);
         for (reg, color) in to.iter().zip(&known.colors) {
             *column_mut(&mut self.reals, *reg) = *color;
         }

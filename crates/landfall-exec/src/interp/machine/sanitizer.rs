@@ -8,6 +8,7 @@ use landfall_layout::source::Language;
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Access, Cast, Class, D2, F1, F2, F3, I2, Op, Stored};
+use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::super::undefined::UndefinedKind;
 use super::memory::elements;
@@ -150,8 +151,8 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::F2(F2::Add | F2::Sub) | Op::F3(F3::Fma | F3::Mix) => false,
             Op::F2(F2::Mul) => operands.chunks_exact(3).any(|group| {
                 group[1..].iter().any(|reg| {
-                    let any = |any: bool, x: &R| any | x.followed().is_infinite();
-                    column(&self.reals, *reg).iter().fold(false, any)
+                    let any = |any: bool, x: R| any | x.followed().is_infinite();
+                    column(&self.reals, *reg).each().fold(false, any)
                 })
             }),
             Op::Dot(_) | Op::Cross | Op::Distance(_) | Op::FCmp(_) | Op::Select(_) => false,
@@ -181,7 +182,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     fn inspect_group(&self, watch: &mut Sanitizer, pc: usize, op: Op, reads: &[u32], lane: usize) {
         use UndefinedKind as U;
-        let real = |i: usize| column(&self.reals, reads[i])[lane].followed();
+        let real = |i: usize| column(&self.reals, reads[i]).lane(lane).followed();
         let word = |i: usize| column(&self.words, reads[i])[lane];
         let wide = |i: usize| column(&self.wides, reads[i])[lane];
         match op {
@@ -283,7 +284,7 @@ impl<R: Real> Machine<'_, '_, R> {
     /// compute, is above the largest number of the run's precision, or below the smallest normal
     /// one, where it loses digits or is flushed to zero.
     fn length_out_of_range(&self, reads: &[u32], lane: usize) -> Option<UndefinedKind> {
-        let each = || reads.iter().map(|reg| column(&self.reals, *reg)[lane]);
+        let each = || reads.iter().map(|reg| column(&self.reals, *reg).lane(lane));
         let any = each().any(|x| x.double() != 0.0);
         let finite = each().all(|x| x.double().is_finite() && !x.is_infinite());
         if !any || !finite {
@@ -312,7 +313,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool | Stored::B64 => continue,
             }
             let loaded = column(&self.reals, group[0]);
-            for (lane, x) in loaded.iter().enumerate() {
+            for (lane, x) in loaded.each().enumerate() {
                 if self.active >> lane & 1 == 1 && x.single().is_nan() {
                     watch.see((pc, lane), UndefinedKind::NanFromBuffer, Vec::new);
                 }
@@ -338,14 +339,14 @@ impl<R: Real> Machine<'_, '_, R> {
             let reads = if takes { reads } else { &[] };
             for &to in &group[..shape.writes] {
                 let results = column(&self.reals, to);
-                if results.iter().fold(true, |all, x| all & !is_noted(*x, watch.tolerance)) {
+                if results.each().fold(true, |all, x| all & !is_noted(x, watch.tolerance)) {
                     continue;
                 }
-                for (lane, &result) in results.iter().enumerate() {
+                for (lane, result) in results.each().enumerate() {
                     if self.active >> lane & 1 == 0 {
                         continue;
                     }
-                    let operand = |reg: &u32| column(&self.reals, *reg)[lane];
+                    let operand = |reg: &u32| column(&self.reals, *reg).lane(lane);
                     let finite = |x: R| x.single().is_finite();
                     if !finite(result) && reads.iter().all(|reg| finite(operand(reg))) {
                         let kind = if result.single().is_nan() {

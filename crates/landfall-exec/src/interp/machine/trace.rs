@@ -7,6 +7,7 @@
 use rustc_hash::FxHashMap;
 
 use super::super::code::{Cast, Class, Cmp, F1, F2, F3, Op, Reg, Stored, Test};
+use super::super::lanes::Lanes;
 use super::super::program::FunctionCode;
 use super::super::real::Real;
 use super::super::trace::{Comparison, Number, Operand, Operation, Source, Trace, TracedOperation};
@@ -74,7 +75,7 @@ impl<R: Real> Machine<'_, '_, R> {
     fn number(&self, class: Class, reg: u32) -> Number {
         match class {
             Class::Real => {
-                let x = column(&self.reals, reg)[0];
+                let x = column(&self.reals, reg).lane(0);
                 Number { single: x.single(), double: x.double() }
             }
             Class::Word => {

@@ -3,7 +3,7 @@
 use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
 use super::super::real::Real;
 use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
-use super::{HELD, Machine, column, take};
+use super::{Machine, column, column_mut, take};
 
 pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
     let (x, y) = (a as i64, b as i64);
@@ -75,7 +75,7 @@ impl<R: Real> Machine<'_, '_, R> {
         let real = f64::from_bits;
         for group in operands.chunks_exact(shape.len()) {
             if matches!(op, Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_)) {
-                let to = self.words[group[0] as usize].as_mut().expect(HELD);
+                let to = column_mut(&mut self.words, group[0]);
                 let a = column(&self.wides, group[1]);
                 let b = column(&self.wides, *group.last().expect("a group has operands"));
                 for lane in 0..LANES {

@@ -1,0 +1,80 @@
+//! Functions without a processor instruction: in wide registers where a series has the same bits, else
+//! lane by lane, and once where all lanes agree.
+
+use pulp::Arch;
+
+use super::super::code::{F1, F2};
+use super::super::lanes::Lanes;
+use super::super::real::{ColumnWork, Real};
+use super::float::{pow, transcendental};
+use super::kernel::dear;
+use super::{Machine, column, take};
+
+impl<R: Real> Machine<'_, '_, R> {
+    pub(super) fn transcendental1(&mut self, f: F1, operands: &[u32]) {
+        for group in operands.chunks_exact(2) {
+            let mut to = take(&mut self.reals, group[0]);
+            let work = Expensive1 { arch: self.arch, f, active: self.active };
+            R::on_parts(&mut to, [column(&self.reals, group[1])], &work);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+
+    pub(super) fn transcendental2(&mut self, f: F2, operands: &[u32]) {
+        for group in operands.chunks_exact(3) {
+            let mut to = take(&mut self.reals, group[0]);
+            let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+            let work = Expensive2 { arch: self.arch, f, active: self.active };
+            R::on_parts(&mut to, [a, b], &work);
+            self.reals[group[0] as usize] = Some(to);
+        }
+    }
+}
+
+/// A function of one operand in the active lanes; what the others hold is left open.
+struct Expensive1 {
+    arch: Arch,
+    f: F1,
+    active: u64,
+}
+
+impl ColumnWork<1> for Expensive1 {
+    fn run<R: Real>(&self, to: &mut R::Lanes, [a]: [&R::Lanes; 1]) {
+        let &Expensive1 { arch, f, active } = self;
+        let agree = agree(a);
+        let left = if agree { u64::MAX } else { R::column1(arch, f, to, a) };
+        let each = |x: R| x.function1(f, |x| transcendental(f, x));
+        dear(to, active & left, agree, |lane| a.lane(lane), each);
+    }
+}
+
+/// The same for two operands.
+struct Expensive2 {
+    arch: Arch,
+    f: F2,
+    active: u64,
+}
+
+impl ColumnWork<2> for Expensive2 {
+    fn run<R: Real>(&self, to: &mut R::Lanes, [a, b]: [&R::Lanes; 2]) {
+        let &Expensive2 { arch, f, active } = self;
+        let agree = agree(a) && agree(b);
+        let left = if agree { u64::MAX } else { R::column2(arch, f, to, a, b) };
+        let (active, pair) = (active & left, |lane| (a.lane(lane), b.lane(lane)));
+        match f {
+            F2::Rem => dear(to, active, agree, pair, |(a, b): (R, R)| a.rem(b)),
+            F2::Pow => dear(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, pow)),
+            F2::Atan2 => {
+                dear(to, active, agree, pair, |(a, b): (R, R)| a.function2(f, b, f64::atan2));
+            }
+            F2::Add | F2::Sub | F2::Mul | F2::Div | F2::Min | F2::Max | F2::Step => {
+                unreachable!("{f:?} has an instruction")
+            }
+        }
+    }
+}
+
+fn agree<L: Lanes<Item: Real>>(a: &L) -> bool {
+    let first = a.lane(0);
+    a.each().all(|x| x.same(first))
+}
