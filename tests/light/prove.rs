@@ -23,17 +23,35 @@ fn fragment(code: &str) -> Source {
     Source::new("f.frag", format!("#version 450\n{code}\nvoid main() {{}}\n"))
 }
 
-/// Proves the function `f`, by a number of parts that is the same on every machine.
-fn run(code: &str, domain: &str) -> ProveReport {
-    let request = ProveRequest {
+/// Asks about the function `f`.
+fn request(domain: &str) -> ProveRequest {
+    ProveRequest {
         pure: PureRequest { function: "f".to_string(), ..PureRequest::default() },
         domain: Some(serde_json::from_str(domain).expect("the test's domain is JSON")),
         time: Duration::from_secs(600),
         parts: 1 << 15,
         ..ProveRequest::default()
-    };
-    prove(&fragment(code), &Options::default(), &request)
+    }
+}
+
+/// Proves the function `f`, by a number of parts that is the same on every machine.
+fn run(code: &str, domain: &str) -> ProveReport {
+    prove(&fragment(code), &Options::default(), &request(domain))
         .unwrap_or_else(|refusal| panic!("{code}: {:?}", refusal.found))
+}
+
+#[test]
+fn threads_change_nothing() {
+    for known in functions::all() {
+        let [one, three] = [1, 3].map(|threads| {
+            let request = ProveRequest { threads, parts: 1 << 10, ..request(known.domain) };
+            let report = prove(&fragment(known.code), &Options::default(), &request);
+            report.unwrap_or_else(|refusal| panic!("{}: {:?}", known.name, refusal.found))
+        });
+        assert_eq!(one.parts, three.parts, "{}", known.name);
+        let [one, three] = [one, three].map(|report| format!("{:?}", report.operations));
+        assert_eq!(one, three, "{}", known.name);
+    }
 }
 
 /// The lines and faults found, without numbers out of range.

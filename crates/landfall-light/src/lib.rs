@@ -23,6 +23,7 @@ pub mod sample;
 pub mod scene;
 pub mod shading_f32;
 mod splitmix64;
+mod threads;
 pub mod upload;
 
 pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};

@@ -256,10 +256,10 @@ fn findings(
 fn proofs(args: &CheckArgs, run: &Run<'_>, pass: &Pass, streams: &Streams) -> Vec<Finding> {
     // After `--fix`, the findings of the first pass are not those of the files.
     if args.fix || run.basis.settings.proofs.is_empty() {
-        return proved::findings(pass, run.basis);
+        return proved::findings(pass, run.basis, args.jobs);
     }
     report_on_end(args, run, streams);
-    let found = proved::findings(pass, run.basis);
+    let found = proved::findings(pass, run.basis, args.jobs);
     watch::end_of_work();
     found
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use landfall_layout::format as emit;
-use landfall_light::accuracy::stress::Outcome;
+use landfall_light::accuracy::stress::{Outcome, Report};
 use snapbox::str;
 
 use super::{request, run, shader};
@@ -29,19 +29,35 @@ fn one_seed_gives_one_report() {
     assert_ne!(reports[0].2, reports[2].2);
 }
 
+/// The report in JSON, without what it took.
+fn without_time(report: &Report) -> serde_json::Value {
+    let json = landfall::report::stress::json(report);
+    let mut json: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
+    let all = json.as_object_mut().expect("it is an object");
+    for key in ["seconds", "threads", "samples_per_second"] {
+        assert!(all.remove(key).is_some(), "{key}");
+    }
+    json
+}
+
 #[test]
 fn threads_change_nothing() {
-    let path = "shaders/seed/caster_spot_soft_330.frag";
-    let mut request = request("attenuation");
-    request.samples = 6_000;
-    request.time = None;
-    let found = [1, 2].map(|threads| {
-        request.threads = threads;
-        let report = run(&shader(path), &request);
-        let codes: Vec<_> = report.findings.iter().map(|found| found.hazard.code()).collect();
-        codes
-    });
-    assert_eq!(found[0], found[1]);
+    for (path, function) in [
+        ("shaders/seed/caster_spot_soft_330.frag", "attenuation"),
+        ("shaders/seed/caster_spot_soft_330.frag", "cone"),
+        ("shaders/six_lights/phong_450.frag", "CalcPointLight"),
+    ] {
+        let mut request = request(function);
+        request.samples = 6_000;
+        request.time = None;
+        let [one, two, five] = [1, 2, 5].map(|threads| {
+            request.threads = threads;
+            run(&shader(path), &request)
+        });
+        assert!(!one.operations.is_empty(), "{function}");
+        assert_eq!(without_time(&one), without_time(&two), "{function}");
+        assert_eq!(without_time(&one), without_time(&five), "{function}");
+    }
 }
 
 #[test]

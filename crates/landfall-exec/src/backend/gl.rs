@@ -94,7 +94,7 @@ impl Gl {
     pub fn reflect(&mut self, sources: &[(Stage, &str)]) -> Result<Reflection, Failure> {
         let slot = self.slot(sources)?;
         let program = slot.programs.get(&slot.context, sources, Partner::None)?;
-        reflect::reflect(&slot.context, program.id)
+        program.reflection(&slot.context).cloned()
     }
 
     /// Returns the context for the given texts, made current.

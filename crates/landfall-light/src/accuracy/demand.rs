@@ -15,6 +15,7 @@ use super::prove::{
     self, Class, ErrorBound, Goal, Limits, Measure, Proof, Verdict, bound, class, goals,
 };
 use super::stress::{Case, Operation, Writer, operations, simplest};
+use crate::threads;
 use landfall_exec::harness::call::Refusal;
 use landfall_exec::harness::call::pure::{PureFunction, PureRequest};
 use landfall_exec::interp::graph::{Fault, Rounding};
@@ -41,6 +42,8 @@ pub struct ProveRequest {
     pub seed: u64,
     /// Set to stop early with what is shown so far.
     pub stop: Arc<AtomicBool>,
+    /// The number of threads; 0 for all of the machine.
+    pub threads: usize,
 }
 
 impl Default for ProveRequest {
@@ -54,6 +57,7 @@ impl Default for ProveRequest {
             parts: u64::MAX,
             seed: 1,
             stop: Arc::default(),
+            threads: 0,
         }
     }
 }
@@ -171,6 +175,7 @@ pub fn prove(
         parts: request.parts,
         stop: Arc::clone(&request.stop),
         seed: request.seed,
+        threads: threads::number(request.threads),
     };
     let found = goals(&pure, &inputs, &domain, &limits);
     let writer = Writer::new(source, options, &request.pure, &pure, &inputs);

@@ -7,6 +7,7 @@
 
 mod errors;
 mod points;
+mod search;
 mod space;
 mod split;
 
@@ -102,6 +103,8 @@ pub(super) struct Limits {
     /// Set by the caller to give up.
     pub stop: Arc<AtomicBool>,
     pub seed: u64,
+    /// The threads of the search; what it finds does not depend on them.
+    pub threads: usize,
 }
 
 impl Limits {
@@ -122,7 +125,7 @@ const LOST: f64 = 4096.0;
 const BEYOND: f64 = 64.0;
 
 /// The parts examined between two checks of the time limit.
-const EACH: u32 = 64;
+const EACH: usize = 64;
 
 /// The result of a search over a function.
 #[derive(Clone, Debug, Default)]
@@ -154,77 +157,31 @@ pub(super) fn goals(
     let confirm = Confirm { pure, inputs, space, graph, limits, began: &began };
     let mut proof = Proof { goals: grouped(graph, pure, space), ..Proof::default() };
     let mut split = Split::new(space, graph, &proof.goals);
+    let mut scratch: Vec<Scratch> =
+        (0..limits.threads.max(1)).map(|_| Scratch::new(&limits.stop)).collect();
     // A fault that is impossible over the whole box needs no search.
-    if !split.step(&proof.goals) {
+    if split.step(&proof.goals, 1, &mut scratch) == 0 {
         return Some(with_verdicts(proof, &split));
     }
     let mut random = Random::new(limits.seed, 17);
-    let mut scratch =
-        Scratch { bounds: Bounds::default(), point: Vec::new(), left: 0, stop: &limits.stop };
     let first = points::first(space, &mut random, &limits.stop);
-    confirm.points(&first, &mut proof, &mut scratch);
-    for nth in 0..proof.goals.len() {
-        if proof.goals[nth].is_found() || !split.is_open(nth as u32) || over() {
-            continue;
-        }
-        let mut near = Vec::new();
-        for &site in proof.goals[nth].sites.iter().take(4) {
-            let site = &graph.sites()[site];
-            let with = (&mut random, &mut scratch);
-            near.extend(points::descend(space, graph, site, &first, with));
-        }
-        confirm.points(&near, &mut proof, &mut scratch);
-    }
+    confirm.points(&first, &mut proof, &mut scratch[0]);
+    confirm.near_all(&first, &split, &random, &mut proof, &mut scratch);
     let mut again = 512;
-    'dividing: loop {
-        for _ in 0..EACH {
-            proof.parts += 1;
-            if limits.is_stopped() || !split.step(&proof.goals) {
-                break 'dividing;
-            }
-        }
-        if proof.parts >= limits.parts || over() {
+    loop {
+        let examined = split.step(&proof.goals, EACH, &mut scratch);
+        // The last attempt to take one counts as well.
+        proof.parts += examined as u64 + u64::from(examined < EACH);
+        if limits.is_stopped() || examined < EACH || proof.parts >= limits.parts || over() {
             break;
         }
         // The parts that are left tell where to search once more.
         if proof.parts >= again {
             again *= 4;
-            for nth in 0..proof.goals.len() {
-                let goal = &proof.goals[nth];
-                if !goal.is_found() && !over() {
-                    let with = (&mut random, &mut scratch);
-                    let near = around(space, graph, goal, &split, nth, with);
-                    confirm.points(&near, &mut proof, &mut scratch);
-                }
-            }
+            confirm.near_parts(&split, &random, &mut proof, &mut scratch);
         }
     }
     Some(with_verdicts(proof, &split))
-}
-
-/// Returns points in the parts in which a goal may break.
-fn around(
-    space: &Space<'_>,
-    graph: &Graph,
-    goal: &Goal,
-    split: &Split<'_>,
-    nth: usize,
-    (random, scratch): (&mut Random, &mut Scratch<'_>),
-) -> Vec<Sample> {
-    let mut starts: Vec<Sample> = Vec::new();
-    for middle in split.largest_midpoints(nth as u32, 24) {
-        let words = middle.iter().enumerate().map(|(at, x)| space.word(at, *x));
-        let mut sample: Sample = words.collect();
-        if points::fits(space, &mut sample, random) {
-            starts.push(sample);
-        }
-    }
-    let mut near = starts.clone();
-    for &site in goal.sites.iter().take(4) {
-        let with = (&mut *random, &mut *scratch);
-        near.extend(points::descend(space, graph, &graph.sites()[site], &starts, with));
-    }
-    near
 }
 
 /// Groups the sites of a graph by their place in the text; those of constants only where they break.
@@ -283,7 +240,7 @@ struct Confirm<'c> {
 
 impl Confirm<'_> {
     /// Runs points and notes the goals that they meet.
-    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch<'_>) {
+    fn points(&self, points: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
         for some in points.chunks(LANES) {
             if self.limits.is_over(self.began) {
                 return;
@@ -334,7 +291,7 @@ impl Confirm<'_> {
 
     /// Notes the largest errors, and cancellations with a large error in the result that the
     /// inputs' own rounding does not explain.
-    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch<'_>) {
+    fn lost(&self, some: &[Sample], proof: &mut Proof, scratch: &mut Scratch) {
         let settings = Settings { precision: Precision::Both, ..self.settings() };
         let Ok(called) = self.pure.call(&columns(some), some.len(), &settings) else { return };
         let floats = floats(self.pure);

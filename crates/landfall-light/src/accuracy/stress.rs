@@ -45,6 +45,7 @@ pub use super::inputs::{Input, Sample, domain, role};
 use super::inputs::{input, matched, random, scene};
 use super::measure;
 pub use super::measure::{Outcome, SampleError, Spread};
+use crate::threads;
 
 pub use advice::Advice;
 pub use backends::{BackendReport, Disagreement, DriverCase};
@@ -159,10 +160,7 @@ pub fn stress(
     let domain =
         super::inputs::domain(source, &pure, &inputs, request.domain.as_ref()).map_err(&refused)?;
     let generator = Generator::new(&inputs, &domain, request.seed).or_every(request.samples);
-    let threads = match request.threads {
-        0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
-        given => given.min(MOST_THREADS),
-    };
+    let threads = threads::number(request.threads).min(MOST_THREADS);
     let plan = Plan {
         samples: generator.all().unwrap_or(request.samples),
         until: Deadline::after(request.time, &request.stop),

@@ -9,7 +9,6 @@
 //! them.
 
 use std::ops::Range;
-use std::thread;
 
 use glam::DVec3;
 
@@ -17,9 +16,10 @@ use super::Fragment;
 use super::vertices::{Corners, VertexAttributes};
 use crate::Scene;
 use crate::scene::Camera;
+use crate::threads;
 
-/// The fewest rows for a thread.
-const ROWS_A_THREAD: usize = 64;
+/// The rows that a thread draws at a time.
+const BAND: usize = 64;
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
@@ -35,23 +35,17 @@ pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
     }
     let screen = Screen::new(&scene.camera, width, height);
     let triangles = triangles(scene, corners, &screen);
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let bands = threads.min(height.div_ceil(ROWS_A_THREAD));
-    let rows = height.div_ceil(bands);
-    let band = |band: usize| {
-        let rows = band * rows..((band + 1) * rows).min(height);
+    let band = |rows: Range<usize>| {
         Band::new(&screen, rows).draw(&triangles).fragments(scene, corners, &triangles)
     };
-    if bands == 1 {
-        return band(0);
+    let mut threads = vec![(); threads::number(0)];
+    if threads.len() == 1 {
+        return band(0..height);
     }
-    let parts: Vec<Vec<Fragment>> = thread::scope(|scope| {
-        let band = &band;
-        let running: Vec<_> = (0..bands).map(|number| scope.spawn(move || band(number))).collect();
-        let finished = running.into_iter().map(thread::ScopedJoinHandle::join);
-        finished.map(|part| part.expect("a band does not panic")).collect()
+    let bands = threads::run(&mut threads, height.div_ceil(BAND), |(), number| {
+        band(number * BAND..((number + 1) * BAND).min(height))
     });
-    parts.concat()
+    bands.concat()
 }
 
 /// The directions of the pixel centres' rays: `(x[column], y[row], -1)`.

@@ -5,6 +5,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::Picture;
+use crate::threads;
+
+/// The pixels that a thread encodes at a time.
+const PIXELS: usize = 1 << 14;
 
 /// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -85,19 +89,14 @@ impl Codes {
 /// upwards: Direct3D's rule; Vulkan and OpenGL do not specify halves. NaN and −∞ become 0 and +∞
 /// 255, and are counted. Alpha is always linear.
 pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
-    let mut non_finite = 0;
-    let mut code = |value: f32, transfer| {
-        non_finite += u64::from(!value.is_finite());
-        code(value, transfer)
-    };
-    let pixels = picture
-        .pixels
-        .iter()
-        .map(|&[r, g, b, a]| {
-            let [r, g, b] = [r, g, b].map(|value| code(value, transfer));
-            [r, g, b, code(a, Transfer::Linear)]
-        })
-        .collect();
+    let encoded = threads::map(&picture.pixels, PIXELS, |pixel| {
+        let [r, g, b, a] = *pixel;
+        let [r, g, b] = [r, g, b].map(|value| code(value, transfer));
+        [r, g, b, code(a, Transfer::Linear)]
+    });
+    let pixels = encoded.collect();
+    let channels = picture.pixels.iter().flatten();
+    let non_finite = channels.filter(|value| !value.is_finite()).count() as u64;
     let Picture { width, height, .. } = *picture;
     Codes { width, height, pixels, transfer: Some(transfer), non_finite }
 }

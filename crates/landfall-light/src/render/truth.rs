@@ -1,7 +1,6 @@
 //! The picture by the reference, and its pixels that are undefined or depend on rounding.
 
 use std::collections::BTreeMap;
-use std::thread;
 
 use glam::DVec3;
 
@@ -12,7 +11,7 @@ use crate::reference::{
     AmbientTerm, ArraySpecular, CasterAttenuation, ConeEdge, Family, Model, Normal, Reflectance,
     SpecularGate, UndefinedReason, Window, shade,
 };
-use crate::{Fragment, Frame, Upload, sample};
+use crate::{Fragment, Frame, Upload, sample, threads};
 use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A picture by the reference.
@@ -31,25 +30,12 @@ pub struct Truth {
 /// Lights every fragment with the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let share = fragments.len().div_ceil(threads).max(1);
     let one = |fragment: &Fragment| pixel(model, upload, fragment);
-    let lit: Vec<Vec<Pixel>> = thread::scope(|scope| {
-        if threads == 1 {
-            return vec![fragments.iter().map(one).collect()];
-        }
-        let one = &one;
-        let parts = fragments.chunks(share);
-        let running: Vec<_> = parts
-            .map(|part| scope.spawn(move || part.iter().map(one).collect::<Vec<_>>()))
-            .collect();
-        let done = running.into_iter().map(thread::ScopedJoinHandle::join);
-        done.map(|part| part.expect("the reference does not panic")).collect()
-    });
+    let lit = threads::map(fragments, threads::FRAGMENTS, one);
     let picture = Picture::filled(*width, *height, background(behind));
     let leave_out = vec![false; picture.pixels.len()];
     let mut truth = Truth { picture, leave_out, ..Truth::default() };
-    for (fragment, (color, at_edge)) in fragments.iter().zip(lit.into_iter().flatten()) {
+    for (fragment, (color, at_edge)) in fragments.iter().zip(lit) {
         let pixel = fragment.pixel as usize;
         let color = color.unwrap_or_else(|undef| {
             *truth.undefined.entry(undef).or_default() += 1;

@@ -1,5 +1,6 @@
 //! Proves what `[[prove]]` demands of functions; what is not proved is a finding.
 
+use std::num::NonZeroUsize;
 use std::time::Duration;
 
 use landfall::report::prove::summary;
@@ -16,7 +17,7 @@ use super::pass::{Pass, source};
 use crate::watch;
 
 /// The findings for the shaders of this check; none if it is interrupted.
-pub fn findings(pass: &Pass, basis: &Basis) -> Vec<Finding> {
+pub fn findings(pass: &Pass, basis: &Basis, threads: Option<NonZeroUsize>) -> Vec<Finding> {
     let mut found = Vec::new();
     if levels::level(not_proved::LINT.code, &basis.settings) == Level::Allow {
         return found;
@@ -25,7 +26,7 @@ pub fn findings(pass: &Pass, basis: &Basis) -> Vec<Finding> {
         let read =
             pass.checked.iter().filter(|checked| !checked.failed && proof.takes(&checked.path));
         for checked in read {
-            found.extend(of_shader(proof, &checked.path, basis));
+            found.extend(of_shader(proof, &checked.path, basis, threads));
             // What an interrupted proof left open is not known.
             if watch::is_stopped() {
                 return Vec::new();
@@ -35,10 +36,17 @@ pub fn findings(pass: &Pass, basis: &Basis) -> Vec<Finding> {
     found
 }
 
-fn of_shader(proof: &Proof, path: &str, basis: &Basis) -> Vec<Finding> {
+fn of_shader(
+    proof: &Proof,
+    path: &str,
+    basis: &Basis,
+    threads: Option<NonZeroUsize>,
+) -> Vec<Finding> {
     let function = &proof.function;
     let Some(source) = source(basis, path) else { return Vec::new() };
-    match prove(&source, &basis.options(), &request(proof)) {
+    let threads = threads.map_or(0, usize::from);
+    let request = ProveRequest { threads, ..request(proof) };
+    match prove(&source, &basis.options(), &request) {
         Ok(report) => of_report(proof, &report),
         Err(refusal) => {
             let causes: Vec<&str> = refusal.found.iter().map(|found| &*found.message).collect();

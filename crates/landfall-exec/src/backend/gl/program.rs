@@ -4,6 +4,7 @@
 
 #![allow(unsafe_code, reason = "every call into OpenGL is unsafe")]
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use glow::HasContext as _;
@@ -13,6 +14,7 @@ use super::reflect;
 use super::reflect::{ActiveBlock, Outside};
 use super::version::{CORNER, passing_vertex, version};
 use crate::backend::Failure;
+use crate::backend::reflection::Reflection;
 use landfall_layout::source::Stage;
 
 /// A linked program and its active resources.
@@ -26,6 +28,22 @@ pub(super) struct Program {
     pub(super) outside: Outside,
     /// Whether the vertex shader is Landfall's and reads corners at location 0.
     pub(super) takes_corners: bool,
+    /// Its reflection, once it was asked for.
+    reflection: OnceCell<Reflection>,
+}
+
+impl Program {
+    /// Returns its reflection. The driver is asked once: of a thousand members that takes as long as
+    /// to compile.
+    pub(super) fn reflection(&self, context: &Context) -> Result<&Reflection, Failure> {
+        match self.reflection.get() {
+            Some(known) => Ok(known),
+            None => {
+                let found = reflect::reflect(context, self.id)?;
+                Ok(self.reflection.get_or_init(|| found))
+            }
+        }
+    }
 }
 
 /// The replacement for missing stages.
@@ -135,6 +153,7 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
             storage_blocks: reflect::storage_blocks(context, id)?,
             outside: reflect::Outside::of(context, id)?,
             takes_corners,
+            reflection: OnceCell::new(),
         };
         making.kept = true;
         Ok(program)

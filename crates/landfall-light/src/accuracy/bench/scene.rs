@@ -2,11 +2,9 @@
 //!
 //! Feeds the workloads of [`native`](super::native) and [`shader`](super::shader).
 
-use std::thread;
-
 use super::errors::Errors;
 use crate::reference::{Model, shade};
-use crate::{Fragment, Frame, Upload, sample};
+use crate::{Fragment, Frame, Upload, sample, threads};
 use landfall_ir::analysis::hazard::threshold::EDGE;
 
 /// A scene with its fragments and reference.
@@ -62,15 +60,5 @@ fn truth(model: &Model, upload: &Upload, frame: &Frame) -> Vec<Option<[f64; 3]>>
         let at_edge = shaded.edge.is_some_and(|edge| edge.abs() < EDGE.value);
         (!at_edge).then(|| shaded.total.to_array())
     };
-    let threads = thread::available_parallelism().map_or(1, usize::from);
-    let share = frame.fragments.len().div_ceil(threads).max(1);
-    thread::scope(|scope| {
-        let one = &one;
-        let parts = frame.fragments.chunks(share);
-        let running: Vec<_> = parts
-            .map(|part| scope.spawn(move || part.iter().map(one).collect::<Vec<_>>()))
-            .collect();
-        let done = running.into_iter().map(thread::ScopedJoinHandle::join);
-        done.flat_map(|part| part.expect("the reference does not panic")).collect()
-    })
+    threads::map(&frame.fragments, threads::FRAGMENTS, one).collect()
 }

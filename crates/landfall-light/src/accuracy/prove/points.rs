@@ -1,12 +1,14 @@
 //! Points at which operations are likely to break: corners, faces, axes, equal inputs, zeros, and
 //! what a descent on the operands finds.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::super::inputs::domain::ValueRange;
 use super::super::inputs::input::Sample;
 use super::super::inputs::random::Random;
 use super::space::{Space, is_finite};
+use crate::threads;
 use landfall_exec::interp::graph::{Arithmetic, Bounds, Distance, Graph, Range, Site};
 
 /// The most corners of a box that are all tried.
@@ -157,60 +159,101 @@ fn vary(space: &Space<'_>, base: &Sample, random: &mut Random, all: &mut Vec<Sam
 }
 
 /// The room for one search.
-pub(super) struct Scratch<'s> {
+pub(super) struct Scratch {
     pub bounds: Bounds,
     pub point: Vec<Range>,
     /// The points that the current descent may still evaluate.
-    pub left: usize,
-    /// Set to end the descent.
-    pub stop: &'s AtomicBool,
+    left: usize,
+    /// Set to end the search.
+    stop: Arc<AtomicBool>,
 }
 
-/// The values that one descent computes at most.
+impl Scratch {
+    pub fn new(stop: &Arc<AtomicBool>) -> Scratch {
+        Scratch { bounds: Bounds::default(), point: Vec::new(), left: 0, stop: Arc::clone(stop) }
+    }
+
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// The values that the search for one operation computes at most.
 const VALUES: usize = 1 << 21;
 
-/// Returns how far an operation is from breaking at a sample.
-fn distance(
+/// The points from which a search descends.
+const NEAREST: usize = 3;
+
+/// The points that a thread ranks at a time.
+const RANKED: usize = 64;
+
+/// Returns the points that the search for one operation may evaluate.
+fn points_each(graph: &Graph) -> usize {
+    VALUES / graph.len().max(1)
+}
+
+/// Returns how many points are ranked: the rest of the evaluations is for the descents.
+fn ranked(graph: &Graph, starts: &[Sample]) -> usize {
+    starts.len().min(points_each(graph) / 2)
+}
+
+/// Returns for each operation the numbers of the points at which it is nearest to breaking, the
+/// nearest first.
+pub(super) fn nearest(
     space: &Space<'_>,
     graph: &Graph,
-    site: &Site,
-    sample: &Sample,
-    scratch: &mut Scratch<'_>,
-) -> Option<Distance> {
-    scratch.left = scratch.left.checked_sub(1)?;
-    if scratch.stop.load(Ordering::Relaxed) {
-        return None;
-    }
-    space.point(sample, &mut scratch.point);
-    graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
-    scratch.bounds.distance(graph, site)
+    sites: &[&Site],
+    starts: &[Sample],
+    scratch: &mut [Scratch],
+) -> Vec<Vec<usize>> {
+    let count = ranked(graph, starts);
+    let packs = threads::run(scratch, count.div_ceil(RANKED), |scratch, pack| {
+        let mut nearest: Vec<Vec<(f64, usize)>> = vec![Vec::new(); sites.len()];
+        let numbered = starts[..count].iter().enumerate();
+        for (nth, start) in numbered.skip(pack * RANKED).take(RANKED) {
+            if scratch.is_stopped() {
+                break;
+            }
+            space.point(start, &mut scratch.point);
+            graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
+            for (site, nearest) in sites.iter().zip(&mut nearest) {
+                let found = scratch.bounds.distance(graph, site).map(Distance::size);
+                nearest.extend(found.filter(|size| size.is_finite()).map(|size| (size, nth)));
+            }
+        }
+        nearest.iter_mut().for_each(keep_nearest);
+        nearest
+    });
+    let each = (0..sites.len()).map(|site| {
+        let mut all: Vec<(f64, usize)> =
+            packs.iter().flat_map(|nearest| nearest[site].iter().copied()).collect();
+        keep_nearest(&mut all);
+        all.into_iter().map(|(_, nth)| nth).collect()
+    });
+    each.collect()
+}
+
+/// Sorts points by distance and keeps the nearest.
+fn keep_nearest(points: &mut Vec<(f64, usize)>) {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    points.truncate(NEAREST);
 }
 
 /// The rounds of a descent.
 const ROUNDS: usize = 40;
 
-/// Searches from a few points for one at which an operation breaks, and returns those nearest to
-/// it.
+/// Searches from the nearest of some points for one at which an operation breaks, and returns the
+/// best found from each.
 pub(super) fn descend(
     space: &Space<'_>,
     graph: &Graph,
     site: &Site,
-    starts: &[Sample],
-    (random, scratch): (&mut Random, &mut Scratch<'_>),
+    (starts, nearest): (&[Sample], &[usize]),
+    (random, scratch): (&mut Random, &mut Scratch),
 ) -> Vec<Sample> {
-    let mut ranked: Vec<(f64, usize)> = Vec::new();
-    let points = VALUES / graph.len().max(1);
-    scratch.left = points;
-    for (nth, start) in starts.iter().take(points / 2).enumerate() {
-        if let Some(found) = distance(space, graph, site, start, scratch) {
-            if found.size().is_finite() {
-                ranked.push((found.size(), nth));
-            }
-        }
-    }
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    scratch.left = points_each(graph) - ranked(graph, starts);
     let mut all = Vec::new();
-    for &(_, nth) in ranked.iter().take(3) {
+    for &nth in nearest {
         let mut descent =
             Descent { space, graph, site, random, scratch, best: starts[nth].clone() };
         descent.run();
@@ -220,18 +263,26 @@ pub(super) fn descend(
 }
 
 /// A descent from one point.
-struct Descent<'d, 'a, 's> {
+struct Descent<'d, 'a> {
     space: &'d Space<'a>,
     graph: &'d Graph,
     site: &'d Site,
     random: &'d mut Random,
-    scratch: &'d mut Scratch<'s>,
+    scratch: &'d mut Scratch,
     best: Sample,
 }
 
-impl Descent<'_, '_, '_> {
+impl Descent<'_, '_> {
+    /// Returns how far the operation is from breaking at a sample.
     fn at(&mut self, sample: &Sample) -> Option<Distance> {
-        distance(self.space, self.graph, self.site, sample, self.scratch)
+        let scratch = &mut *self.scratch;
+        scratch.left = scratch.left.checked_sub(1)?;
+        if scratch.is_stopped() {
+            return None;
+        }
+        self.space.point(sample, &mut scratch.point);
+        self.graph.bounds(&scratch.point, Arithmetic::Nearest, &mut scratch.bounds);
+        scratch.bounds.distance(self.graph, self.site)
     }
 
     /// Returns the best point with one scalar changed, if it is in the domain.

@@ -4,8 +4,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Goal;
+use super::points::Scratch;
 use super::space::Space;
-use landfall_exec::interp::graph::{Arithmetic, Bounds, Graph, Range};
+use crate::threads;
+use landfall_exec::interp::graph::{Arithmetic, Graph, Range};
 
 /// A part of the box in which some goals are not shown.
 #[derive(Debug)]
@@ -43,6 +45,13 @@ impl Ord for Part {
 /// The most parts kept by size; further ones are examined one after the other.
 const MOST_PARTS: usize = 1 << 14;
 
+/// The values that a thread computes at least: starting one takes as long as some thousand.
+const VALUES_A_THREAD: usize = 1 << 13;
+
+/// A scalar at which to divide a part, where its lower half ends, and where its upper one begins;
+/// `None` where it cannot be divided.
+type Cut = Option<(usize, [f64; 2])>;
+
 /// The division of the box.
 pub(super) struct Split<'a> {
     space: &'a Space<'a>,
@@ -52,7 +61,6 @@ pub(super) struct Split<'a> {
     deep: Vec<Part>,
     /// The parts that cannot be divided, or for which there was no room.
     left: Vec<(Vec<Range>, Vec<u32>)>,
-    bounds: Bounds,
     made: u64,
 }
 
@@ -65,7 +73,6 @@ impl<'a> Split<'a> {
             parts: BinaryHeap::new(),
             deep: Vec::new(),
             left: Vec::new(),
-            bounds: Bounds::default(),
             made: 0,
         };
         split.push(goals, 0, space.root.clone(), all);
@@ -84,26 +91,66 @@ impl<'a> Split<'a> {
         }
     }
 
-    /// Examines the largest part; returns false when none is left. The goals that may break in it
-    /// stay with its halves.
-    pub fn step(&mut self, goals: &[Goal]) -> bool {
-        let Some(part) = self.deep.pop().or_else(|| self.parts.pop()) else { return false };
-        let open = |nth: &u32| !goals[*nth as usize].is_found();
-        let mut still: Vec<u32> = part.goals.into_iter().filter(open).collect();
-        if still.is_empty() {
-            return true;
+    /// Examines the largest parts, at most so many, and returns how many; none is left if they are
+    /// fewer. The goals that may break in a part stay with its halves.
+    pub fn step(&mut self, goals: &[Goal], most: usize, scratch: &mut [Scratch]) -> usize {
+        let mut examined = 0;
+        while examined < most {
+            let parts = self.next(most - examined);
+            if parts.is_empty() {
+                break;
+            }
+            examined += parts.len();
+            let values = parts.len() * self.graph.len();
+            let threads = (values / VALUES_A_THREAD).clamp(1, scratch.len());
+            let found = threads::run(&mut scratch[..threads], parts.len(), |scratch, nth| {
+                self.examine(&parts[nth], goals, scratch)
+            });
+            for (part, (still, chosen)) in parts.into_iter().zip(found) {
+                if !still.is_empty() {
+                    self.divide(part, still, chosen, goals);
+                }
+            }
         }
-        self.graph.bounds(&part.ranges, Arithmetic::Permitted, &mut self.bounds);
+        examined
+    }
+
+    /// Takes the next parts to examine: those of which none is a part of another one, in the order
+    /// in which they come one by one.
+    fn next(&mut self, most: usize) -> Vec<Part> {
+        // Near the limit it depends on the parts before which ones there is room for.
+        let is_free = self.deep.is_empty() && self.parts.len() + most <= MOST_PARTS;
+        let Some(first) = self.deep.pop().or_else(|| self.parts.pop()) else { return Vec::new() };
+        let key = (first.minor, first.depth);
+        let mut next = vec![first];
+        let is_alike = |part: &Part| (part.minor, part.depth) == key;
+        while is_free && next.len() < most && self.parts.peek().is_some_and(is_alike) {
+            next.extend(self.parts.pop());
+        }
+        next
+    }
+
+    /// Returns the goals that may break in a part, and where to divide it.
+    fn examine(&self, part: &Part, goals: &[Goal], scratch: &mut Scratch) -> (Vec<u32>, Cut) {
+        let open = |nth: &u32| !goals[*nth as usize].is_found();
+        let mut still: Vec<u32> = part.goals.iter().copied().filter(open).collect();
+        if still.is_empty() || scratch.is_stopped() {
+            return (still, None);
+        }
+        let bounds = &mut scratch.bounds;
+        self.graph.bounds(&part.ranges, Arithmetic::Permitted, bounds);
         let sites = self.graph.sites();
         still.retain(|&nth| {
             let goal = &goals[nth as usize];
-            goal.sites.iter().any(|&site| self.bounds.is_possible(&sites[site]))
+            goal.sites.iter().any(|&site| bounds.is_possible(&sites[site]))
         });
-        if still.is_empty() {
-            return true;
-        }
-        let chosen = self.dimension(&part.ranges, part.depth, &still, goals);
-        match chosen {
+        let cut = self.dimension(&part.ranges, part.depth, &still, goals);
+        (still, cut)
+    }
+
+    /// Divides a part, if it can be divided and there is room.
+    fn divide(&mut self, part: Part, still: Vec<u32>, cut: Cut, goals: &[Goal]) {
+        match cut {
             Some((at, [end, begin])) if self.deep.len() < MOST_PARTS => {
                 let mut upper = part.ranges.clone();
                 let mut lower = part.ranges;
@@ -113,17 +160,10 @@ impl<'a> Split<'a> {
             }
             _ => self.left.push((part.ranges, still)),
         }
-        true
     }
 
     /// Returns the scalar to divide and where: of those that an operation depends on, the widest.
-    fn dimension(
-        &self,
-        ranges: &[Range],
-        depth: u32,
-        still: &[u32],
-        goals: &[Goal],
-    ) -> Option<(usize, [f64; 2])> {
+    fn dimension(&self, ranges: &[Range], depth: u32, still: &[u32], goals: &[Goal]) -> Cut {
         // The goals take turns, first those of undefined results.
         let of = |minor: bool| -> Vec<&Goal> {
             let goals = still.iter().map(|&nth| &goals[nth as usize]);

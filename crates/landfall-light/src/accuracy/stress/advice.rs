@@ -193,7 +193,7 @@ impl Advised<'_> {
     /// Returns a bound of the error over the whole domain, where the engine finds one.
     fn proved(&self, pure: &PureFunction) -> Option<f64> {
         let stop = self.plan.until.flag().unwrap_or_default();
-        let limits = Limits { time: TIME, parts: PARTS, stop, seed: 1 };
+        let limits = Limits { time: TIME, parts: PARTS, stop, seed: 1, threads: 1 };
         let enough = (Rounding::Permitted, Measure::Ulp, 1.0);
         let bound = bound(pure, self.inputs, self.domain, &limits, enough)?;
         Some(bound.ulp).filter(|ulp| ulp.is_finite())

@@ -16,6 +16,7 @@ use super::measure::Outcome;
 use super::plan::Plan;
 use super::random::Random;
 use super::shrink::{plausible, shrink};
+use crate::threads;
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_ir::analysis::hazard::Hazard;
 use landfall_layout::finding::Level;
@@ -111,20 +112,33 @@ pub(super) fn findings(
         .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
         .collect();
     all.sort_by(|a, b| order_of(&a.1).cmp(&order_of(&b.1)).then(a.0.cmp(&b.0)));
+    simplified(pure, generator, plan, &all)
+}
+
+/// Returns findings with the simplest samples found, in the same order.
+fn simplified(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    all: &[(Key, UnreportedFinding)],
+) -> Vec<UnreportedFinding> {
+    let inputs = generator.inputs;
     let left = plan.until.left().unwrap_or(UNHURRIED);
     let last = Instant::now().checked_add(left.max(Duration::from_millis(300)));
-    let count = all.len();
-    for (nth, (key, raw)) in all.iter_mut().enumerate() {
+    let mut threads = vec![(); plan.threads];
+    let at_once = u32::try_from(plan.threads).unwrap_or(u32::MAX);
+    threads::run(&mut threads, all.len(), |(), nth| {
+        let (key, mut raw) = all[nth].clone();
         // Each finding gets its share of the remaining time.
         let left = last.map_or(left, |last| last.saturating_duration_since(Instant::now()));
-        let each = left / u32::try_from(count - nth).unwrap_or(u32::MAX).max(1);
-        let share = plan.until.shortened_to(each.saturating_mul(2));
+        let more = u32::try_from(all.len() - nth).unwrap_or(u32::MAX);
+        let share = plan.until.shortened_to(left.saturating_mul(2) / more.div_ceil(at_once));
         let loss = raw.candidate.kind.is_none();
         let apart = raw.candidate.hazard == Hazard::BranchDivergence;
         let was = raw.plausible;
         let breaks = |sample: &Sample| -> bool {
             let Ok(examined) = examine(pure, inputs, sample, plan) else { return false };
-            let still = |c: &&Candidate| c.key(pure) == *key;
+            let still = |c: &&Candidate| c.key(pure) == key;
             let stays = plausible(inputs, sample) || !was;
             stays
                 && examined.candidates.iter().any(|c| still(&c))
@@ -136,12 +150,12 @@ pub(super) fn findings(
             if let (true, Some(off)) = (apart, examined.diverged) {
                 raw.severity = off.steps;
             }
-            if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == *key) {
+            if let Some(found) = examined.candidates.into_iter().find(|c| c.key(pure) == key) {
                 raw.candidate = found;
             }
         }
-    }
-    all.into_iter().map(|(_, raw)| raw).collect()
+        raw
+    })
 }
 
 /// Returns the findings whose hazard and line are not among others.

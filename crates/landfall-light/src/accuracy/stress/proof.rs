@@ -7,13 +7,10 @@ use std::time::Duration;
 
 use super::Request;
 use super::climb::Climbs;
-use super::deadline::Deadline;
 use super::find::{self, UnreportedFinding};
 use super::generate::Generator;
 use super::kept::{Exemplars, KeepReason, Kept};
 use super::plan::Plan;
-use crate::accuracy::inputs::Inputs;
-use crate::accuracy::inputs::domain::Domain;
 use crate::accuracy::prove::{Goal, Limits, Proof, Verdict, goals};
 use landfall_exec::harness::call::pure::PureFunction;
 use landfall_exec::interp::graph::Fault;
@@ -40,7 +37,7 @@ pub(super) fn findings(
     climbs: &mut Climbs<'_, '_>,
     request: &Request,
 ) -> (Vec<UnreportedFinding>, Proof) {
-    let proof = proof(pure, generator.inputs, generator.domain, request, &plan.until);
+    let proof = proof(pure, generator, plan, request);
     let lost = witnesses(&proof.goals, &mut exemplars);
     let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
     let plan = Plan { ulp: plan.ulp.min(LOST), ..plan.clone() };
@@ -50,13 +47,8 @@ pub(super) fn findings(
 }
 
 /// Returns what is known of each operation; nothing of code that is too large to follow.
-fn proof(
-    pure: &PureFunction,
-    inputs: &Inputs,
-    domain: &Domain,
-    request: &Request,
-    until: &Deadline,
-) -> Proof {
+fn proof(pure: &PureFunction, generator: &Generator<'_>, plan: &Plan, request: &Request) -> Proof {
+    let Plan { until, threads, .. } = plan;
     if until.is_stopped() {
         return Proof::default();
     }
@@ -64,8 +56,8 @@ fn proof(
     let left = until.left().unwrap_or(UNHURRIED) / 4;
     let time = request.time.map_or(UNHURRIED, |time| time / 4).min(left);
     let stop = Arc::clone(&request.stop);
-    let limits = Limits { time, parts: PARTS, stop, seed: request.seed };
-    goals(pure, inputs, domain, &limits).unwrap_or_default()
+    let limits = Limits { time, parts: PARTS, stop, seed: request.seed, threads: *threads };
+    goals(pure, generator.inputs, generator.domain, &limits).unwrap_or_default()
 }
 
 /// Adds the inputs at which operations break to the samples to examine, and returns those at which

@@ -3,13 +3,13 @@
 //! Takes chunks of [`generate`](super::generate); used by [`find`](super::find). Feeds the
 //! [`drivers`](super::drivers), which the calling thread owns.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Condvar, Mutex};
 
 use super::batch::Batch;
 use super::drivers::Drivers;
-use super::generate::Generator;
+use super::generate::{Chunk, Generator};
 use super::kept::{Sampled, keep_most_severe, top};
 use super::plan::Plan;
 use super::worker::Worker;
@@ -19,6 +19,50 @@ use landfall_exec::harness::call::pure::PureFunction;
 /// Receives the number of samples run.
 pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
 
+/// The chunks that threads have claimed.
+#[derive(Default)]
+struct Claims {
+    counts: Mutex<Counts>,
+    /// Signals that a chunk is counted.
+    counted: Condvar,
+}
+
+#[derive(Default)]
+struct Counts {
+    /// The chunks claimed, and those of them whose samples are counted.
+    claimed: usize,
+    counted: usize,
+    samples: u64,
+}
+
+impl Claims {
+    /// Makes the next chunk; `None` if there are enough samples before it.
+    ///
+    /// Threads make chunks at once, but count them in order, so that the same are run for any number
+    /// of threads.
+    fn next(&self, generator: &Generator<'_>, enough: u64) -> Option<(usize, Chunk)> {
+        let lock = || self.counts.lock().expect("making a chunk does not panic");
+        let number = {
+            let mut counts = lock();
+            if counts.samples >= enough {
+                return None;
+            }
+            counts.claimed += 1;
+            counts.claimed - 1
+        };
+        let chunk = generator.chunk(number);
+        let is_later = |counts: &mut Counts| counts.counted < number;
+        let mut counts =
+            self.counted.wait_while(lock(), is_later).expect("counting does not panic");
+        let is_enough = counts.samples >= enough;
+        // The domain may exclude a whole family.
+        counts.samples += (chunk.samples.len() as u64).max(1);
+        counts.counted += 1;
+        self.counted.notify_all();
+        (!is_enough).then_some((number, chunk))
+    }
+}
+
 /// Runs samples until there are enough, time runs out or a stop is requested.
 pub(super) fn run(
     pure: &PureFunction,
@@ -27,8 +71,7 @@ pub(super) fn run(
     drivers: &mut Drivers<'_>,
     progress: Progress<'_>,
 ) -> Result<Sampled, Failure> {
-    // The next chunk, and the samples before it: the same for any number of threads.
-    let claimed = Mutex::new((0usize, 0u64));
+    let claims = Claims::default();
     let done = AtomicU64::new(0);
     let work = |to: Option<SyncSender<Batch>>| -> Result<Sampled, Failure> {
         let mut mine = Worker::new(pure, plan, to);
@@ -37,17 +80,7 @@ pub(super) fn run(
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
-            let (number, chunk) = {
-                let mut claimed = claimed.lock().expect("making a chunk does not panic");
-                if claimed.1 >= plan.samples {
-                    break;
-                }
-                let chunk = generator.chunk(claimed.0);
-                let number = claimed.0;
-                // The domain may exclude a whole family.
-                *claimed = (number + 1, claimed.1 + (chunk.samples.len() as u64).max(1));
-                (number, chunk)
-            };
+            let Some((number, chunk)) = claims.next(generator, plan.samples) else { break };
             let lanes = chunk.samples.len() as u64;
             mine.run(number, &chunk)?;
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;

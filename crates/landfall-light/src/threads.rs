@@ -1,0 +1,95 @@
+//! Runs independent jobs on several threads and returns their results in order.
+//!
+//! The results do not depend on the number of threads. Used where pictures are lit and functions
+//! are proved.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::{self, Builder, ScopedJoinHandle};
+
+/// The stack of a thread: as much as that of a process.
+const STACK: usize = 8 << 20;
+
+/// The fragments that a thread lights at a time.
+pub(crate) const FRAGMENTS: usize = 2048;
+
+/// Returns the number of threads for a number that was asked for; 0 is all of the machine.
+pub(crate) fn number(wanted: usize) -> usize {
+    match wanted {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        wanted => wanted,
+    }
+}
+
+/// Runs the jobs numbered from 0, on a thread for each state: the calling thread has the first.
+pub(crate) fn run<S: Send, R: Send>(
+    states: &mut [S],
+    jobs: usize,
+    job: impl Fn(&mut S, usize) -> R + Sync,
+) -> Vec<R> {
+    let used = states.len().min(jobs);
+    let Some((own, others)) = states[..used].split_first_mut() else { return Vec::new() };
+    if others.is_empty() {
+        return (0..jobs).map(|nth| job(own, nth)).collect();
+    }
+    // A thread takes the next job when it has done one: jobs may differ in length.
+    let next = AtomicUsize::new(0);
+    let work = |state: &mut S| {
+        let claims = std::iter::from_fn(|| {
+            let nth = next.fetch_add(1, Ordering::Relaxed);
+            (nth < jobs).then_some(nth)
+        });
+        claims.map(|nth| (nth, job(state, nth))).collect::<Vec<_>>()
+    };
+    let mut done = thread::scope(|scope| {
+        let work = &work;
+        let spawn = |state| Builder::new().stack_size(STACK).spawn_scoped(scope, || work(state));
+        // Where no thread can be started, the others do its work.
+        let running: Vec<_> = others.iter_mut().flat_map(spawn).collect();
+        let mut done = work(own);
+        let joined = running.into_iter().map(ScopedJoinHandle::join);
+        done.extend(joined.flat_map(|part| part.expect("a job does not panic")));
+        done
+    });
+    done.sort_unstable_by_key(|(nth, _)| *nth);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Returns what `of` returns for each item, on all threads of the machine; a thread takes so many
+/// items at a time.
+pub(crate) fn map<T: Sync, R: Send>(
+    items: &[T],
+    pack: usize,
+    of: impl Fn(&T) -> R + Sync,
+) -> impl Iterator<Item = R> {
+    let packs: Vec<&[T]> = items.chunks(pack).collect();
+    let mut states = vec![(); number(0)];
+    let done =
+        run(&mut states, packs.len(), |(), nth| packs[nth].iter().map(&of).collect::<Vec<R>>());
+    done.into_iter().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_in_the_order_of_the_jobs() {
+        for threads in 0..5 {
+            for jobs in [0, 1, 2, 1000] {
+                let mut counts = vec![0; threads];
+                let results = run(&mut counts, jobs, |count, nth| {
+                    *count += 1;
+                    nth * 3
+                });
+                let ran = if threads == 0 { 0 } else { jobs };
+                assert_eq!(results, (0..ran).map(|nth| nth * 3).collect::<Vec<_>>());
+                assert_eq!(counts.iter().sum::<usize>(), ran);
+            }
+        }
+        let items: Vec<usize> = (0..1000).collect();
+        assert_eq!(
+            map(&items, 7, |item| item + 1).collect::<Vec<_>>(),
+            (1..1001).collect::<Vec<_>>()
+        );
+    }
+}
