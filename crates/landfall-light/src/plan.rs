@@ -14,6 +14,7 @@ mod lists;
 mod settings;
 
 pub use choice::{Choice, Timed};
+pub(crate) use interpolation::Interpolation;
 pub use interpolation::interpolate;
 pub(crate) use interpolation::places;
 pub use settings::{Compiled, ConstantKind, Setting, Value};

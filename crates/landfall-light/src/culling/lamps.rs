@@ -46,14 +46,24 @@ impl Lamps {
         &self.places
     }
 
-    /// Adds a lamp at these coordinates, for which there is room.
-    pub fn push(&mut self, lamp: &Lamp, [x, y, height]: [f32; 3]) {
-        let ([c, l, q], [a, d, s]) = (lamp.attenuation, lamp.terms);
-        let at = self.len();
-        for (component, value) in [x, y, height, c, l, q, a, d, s, lamp.radius].iter().enumerate() {
-            self.values[component * self.stride + at] = *value;
+    /// Adds lamps at these coordinates, for which there is room.
+    pub fn extend(&mut self, lamps: &[(&Lamp, [f32; 3])]) {
+        for axis in 0..3 {
+            self.fill(axis, lamps, |(_, at)| at[axis]);
+            self.fill(3 + axis, lamps, |(lamp, _)| lamp.attenuation[axis]);
+            self.fill(6 + axis, lamps, |(lamp, _)| lamp.terms[axis]);
         }
-        self.places.push(lamp.place);
+        self.fill(9, lamps, |(lamp, _)| lamp.radius);
+        self.places.extend(lamps.iter().map(|(lamp, _)| lamp.place));
+    }
+
+    /// Writes a component of lamps behind those that there are.
+    #[inline(always)]
+    fn fill<T>(&mut self, component: usize, lamps: &[T], value: impl Fn(&T) -> f32) {
+        let first = component * self.stride + self.places.len();
+        for (to, lamp) in self.values[first..].iter_mut().zip(lamps) {
+            *to = value(lamp);
+        }
     }
 
     /// Returns those at these indices.

@@ -84,17 +84,23 @@ impl Prepared {
 
 /// Adds the lamps that may contribute to a plane.
 fn push(lamps: &[Lamp], plane: &Plane, back: bool, near: &mut Lamps) {
-    for lamp in lamps {
-        let at = plane.coordinates(lamp.position);
-        let [ambient, _, specular] = lamp.terms;
-        let behind = at.z < 0.0 && ambient == 0.0 && !(back && specular != 0.0) && {
-            let radius = f64::from(lamp.radius);
-            let far = at.length() + radius + plane.diameter;
-            at.z + radius + plane.off + plane.rounding + plane.tilt * far < -AWAY * far
-        };
-        if !behind {
-            near.push(lamp, at.as_vec3().to_array());
+    for lamps in lamps.chunks(GROUP) {
+        let mut kept = [(&lamps[0], [0.0; 3]); GROUP];
+        let mut len = 0;
+        for lamp in lamps {
+            let at = plane.coordinates(lamp.position);
+            let [ambient, _, specular] = lamp.terms;
+            let behind = at.z < 0.0 && ambient == 0.0 && !(back && specular != 0.0) && {
+                let radius = f64::from(lamp.radius);
+                let far = at.length() + radius + plane.diameter;
+                at.z + radius + plane.off + plane.rounding + plane.tilt * far < -AWAY * far
+            };
+            if !behind {
+                kept[len] = (lamp, at.as_vec3().to_array());
+                len += 1;
+            }
         }
+        near.extend(&kept[..len]);
     }
 }
 

@@ -7,7 +7,7 @@
 
 use std::rc::Rc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec4, Vec4Swizzles};
 use rustc_hash::FxHashMap;
 
 use super::bound::{Bounded, Shape};
@@ -455,14 +455,16 @@ fn affordable(errors: &mut [f32], share: f64) -> (usize, f64) {
 
 /// Returns the rectangle around the items.
 fn rectangle_of(items: &[Item], plane: &Plane, eye: DVec3) -> Rectangle {
-    let [mut low, mut high] = [[f32::INFINITY; 2], [f32::NEG_INFINITY; 2]];
-    for Item { at, .. } in items {
-        for axis in 0..2 {
-            low[axis] = if at[axis] < low[axis] { at[axis] } else { low[axis] };
-            high[axis] = if at[axis] > high[axis] { at[axis] } else { high[axis] };
-        }
+    let [mut low, mut high] = [Vec4::INFINITY, Vec4::NEG_INFINITY];
+    // Two at once; comparisons ignore NaN.
+    for pair in items.chunks(2) {
+        let ([ax, ay], [bx, by]) = (pair[0].at, pair[pair.len() - 1].at);
+        let at = Vec4::new(ax, ay, bx, by);
+        low = Vec4::select(at.cmplt(low), at, low);
+        high = Vec4::select(at.cmpgt(high), at, high);
     }
-    let [low, high] = [low, high].map(|ends| ends.map(f64::from));
+    let low = low.xy().min(low.zw()).to_array().map(f64::from);
+    let high = high.xy().max(high.zw()).to_array().map(f64::from);
     let half = [0, 1].map(|axis| (high[axis] - low[axis]) / 2.0);
     let longest = 2.0 * half[0].hypot(half[1]);
     let center = [0, 1].map(|axis| (low[axis] + high[axis]) / 2.0);

@@ -14,30 +14,46 @@ pub fn interpolate(
     position: impl Fn(u32) -> Option<Vec3>,
     colors: &mut [Vec3],
 ) {
-    let most = plan.grids.iter().map(|grid| grid.side).max().unwrap_or_default();
-    let bases: Vec<Basis> = (0..=most).map(Basis::new).collect();
-    let mut surfaces: Vec<Polynomial> = Vec::with_capacity(plan.grids.len());
-    for (grid, own) in plan.grids.iter().zip(nodes) {
-        let own = Polynomial::through(grid, &bases[grid.side as usize], own);
-        let parent = grid.parent.and_then(|parent| surfaces.get(parent as usize));
-        let whole = parent.map(|parent| {
-            // A polynomial of the higher degree has the values of both.
-            let basis = &bases[own.side.max(parent.side)];
-            let value = |y: &f64, x: &f64| {
-                let at = grid.center
-                    + grid.axes[0] * (x * grid.half[0])
-                    + grid.axes[1] * (y * grid.half[1]);
-                Vec3::from(own.at(at) + parent.at(at))
-            };
-            let row = |y| basis.places.iter().map(move |x| value(y, x));
-            let values: Vec<Vec3> = basis.places.iter().flat_map(row).collect();
-            Polynomial::through(grid, basis, &values)
-        });
-        surfaces.push(whole.unwrap_or(own));
+    let grids = Interpolation::new(plan, nodes);
+    plan.draws.iter().for_each(|draw| grids.add(draw, &position, colors));
+}
+
+/// The light of a plan's grids between their nodes.
+pub(crate) struct Interpolation {
+    /// Of each grid, that of its parents included.
+    surfaces: Vec<Polynomial>,
+}
+
+impl Interpolation {
+    /// Returns the light for that at the nodes of each grid.
+    pub fn new(plan: &Plan, nodes: &[Vec<Vec3>]) -> Interpolation {
+        let most = plan.grids.iter().map(|grid| grid.side).max().unwrap_or_default();
+        let bases: Vec<Basis> = (0..=most).map(Basis::new).collect();
+        let mut surfaces: Vec<Polynomial> = Vec::with_capacity(plan.grids.len());
+        for (grid, own) in plan.grids.iter().zip(nodes) {
+            let own = Polynomial::through(grid, &bases[grid.side as usize], own);
+            let parent = grid.parent.and_then(|parent| surfaces.get(parent as usize));
+            let whole = parent.map(|parent| {
+                // A polynomial of the higher degree has the values of both.
+                let basis = &bases[own.side.max(parent.side)];
+                let value = |y: &f64, x: &f64| {
+                    let at = grid.center
+                        + grid.axes[0] * (x * grid.half[0])
+                        + grid.axes[1] * (y * grid.half[1]);
+                    Vec3::from(own.at(at) + parent.at(at))
+                };
+                let row = |y| basis.places.iter().map(move |x| value(y, x));
+                let values: Vec<Vec3> = basis.places.iter().flat_map(row).collect();
+                Polynomial::through(grid, basis, &values)
+            });
+            surfaces.push(whole.unwrap_or(own));
+        }
+        Interpolation { surfaces }
     }
-    for draw in &plan.draws {
-        if let Some(surface) = draw.grid.and_then(|grid| surfaces.get(grid as usize)) {
-            let position = &position;
+
+    /// Adds the light of a draw's grid to the colours of its fragments.
+    pub fn add(&self, draw: &Draw, position: &impl Fn(u32) -> Option<Vec3>, colors: &mut [Vec3]) {
+        if let Some(surface) = draw.grid.and_then(|grid| self.surfaces.get(grid as usize)) {
             pulp::Arch::new().dispatch(Fragments { draw, surface, position, colors });
         }
     }

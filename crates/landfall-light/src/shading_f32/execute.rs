@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::wide::{Batch, common_power};
 use super::{Emission, Gates, Lights, Model, Power, Surface, Tally, robust, seed, surface};
-use crate::plan::{Grid, LightSet, Plan, interpolate};
+use crate::plan::{Grid, Interpolation, LightSet, Plan};
 use crate::{Fragment, Upload};
 
 /// The arithmetic of light evaluations.
@@ -67,14 +67,15 @@ pub fn execute<T: Tally + Default>(
         form,
         tally: T::default(),
     };
+    let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
+    let far = Interpolation::new(plan, &nodes);
+    let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
     let mut colors = vec![Vec3::ZERO; surfaces.len()];
     let power = common_power(surfaces);
     for draw in &plan.draws {
         run.draw((surfaces, power), &draw.fragments, &draw.lights, &mut colors);
+        far.add(draw, &position, &mut colors);
     }
-    let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
-    let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
-    interpolate(plan, &nodes, position, &mut colors);
     Shaded { colors, tally: run.tally }
 }
 

@@ -63,7 +63,7 @@ fn several_lamps_err_by_no_more_than_the_bounds_of_all() {
         // By discs, where they are known, as the bounds by size are not always the nearer ones.
         let sum_of = |lamps: &[Lamp]| {
             let mut near = Lamps::for_many(lamps.len());
-            lamps.iter().for_each(|l| near.push(l, l.position.as_vec3().to_array()));
+            lamps.iter().for_each(|l| near.extend(&[(l, l.position.as_vec3().to_array())]));
             let bound = &Bound::new(&order, &at, &shading, 1e3).expect("the camera is above");
             let (lamps, errors, highlights) = (&near, &mut Vec::new(), &mut Vec::new());
             let arch = pulp::Arch::new();
@@ -156,7 +156,7 @@ fn no_lamp_errs_by_more_than_its_bound() {
             everywhere: round % 7 == 0,
         };
         let mut lamps = Lamps::for_many(1);
-        lamps.push(&lamp, lamp.position.as_vec3().to_array());
+        lamps.extend(&[(&lamp, lamp.position.as_vec3().to_array())]);
         let mut errors = Errors::default();
         if !order.errors(&lamps, &at, &shading, 0.05, &mut errors) {
             continue;
