@@ -283,8 +283,12 @@ error[unknown-block]: no block named `DefaultBlok`
 
 #[test]
 fn a_loop_without_an_end_is_stopped() {
-    let text = "#version 450\nfloat spin(float x) { for (;;) { x += 1.0; if (x < 0.0) break; } \
-                return x; }\nvoid main() { spin(1.0); }\n";
+    // Iterations take so long that their limit is not reached before that of time.
+    let slow = "x += sin(x);".repeat(100);
+    let text = &format!(
+        "#version 450\nfloat spin(float x) {{ for (;;) {{ {slow} x += 2.0; if (x < 0.0) break; }} \
+         return x; }}\nvoid main() {{ spin(1.0); }}\n"
+    );
     let place = shader("spin.frag", text);
     refused(&place, &["--fn", "spin", "--args", "[1]", "--limit", "2"]).stderr_eq(str![[r#"
 error[cannot-run]: cpu: the code was still running at the time limit: in `spin`, spin.frag:2:23
