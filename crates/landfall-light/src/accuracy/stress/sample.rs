@@ -40,8 +40,8 @@ impl Claims {
     ///
     /// Threads make chunks at once, but count them in order, so that the same are run for any number
     /// of threads.
-    fn next(&self, generator: &Generator<'_>, enough: u64) -> Option<(usize, Chunk)> {
-        let lock = || self.counts.lock().expect("making a chunk does not panic");
+    fn next(&self, make: impl Fn(usize) -> Chunk, enough: u64) -> Option<(usize, Chunk)> {
+        let lock = || self.counts.lock().expect("counting does not panic");
         let number = {
             let mut counts = lock();
             if counts.samples >= enough {
@@ -50,7 +50,9 @@ impl Claims {
             counts.claimed += 1;
             counts.claimed - 1
         };
-        let chunk = generator.chunk(number);
+        let making = Making(self);
+        let chunk = make(number);
+        std::mem::forget(making);
         let is_later = |counts: &mut Counts| counts.counted < number;
         let mut counts =
             self.counted.wait_while(lock(), is_later).expect("counting does not panic");
@@ -60,6 +62,20 @@ impl Claims {
         counts.counted += 1;
         self.counted.notify_all();
         (!is_enough).then_some((number, chunk))
+    }
+}
+
+/// A chunk in the making.
+struct Making<'c>(&'c Claims);
+
+impl Drop for Making<'_> {
+    /// Where making one panics, no thread waits until it is counted, and no other is made.
+    fn drop(&mut self) {
+        if let Ok(mut counts) = self.0.counts.lock() {
+            counts.samples = u64::MAX / 2;
+            counts.counted = usize::MAX / 2;
+        }
+        self.0.counted.notify_all();
     }
 }
 
@@ -80,7 +96,10 @@ pub(super) fn run(
                 mine.sampled.stopped |= done.load(Ordering::Relaxed) < plan.samples;
                 break;
             }
-            let Some((number, chunk)) = claims.next(generator, plan.samples) else { break };
+            let Some((number, chunk)) = claims.next(|nth| generator.chunk(nth), plan.samples)
+            else {
+                break;
+            };
             let lanes = chunk.samples.len() as u64;
             mine.run(number, &chunk)?;
             let all = done.fetch_add(lanes.max(1), Ordering::Relaxed) + lanes;
@@ -125,4 +144,33 @@ pub(super) fn run(
         }
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::generate::Family;
+    use super::*;
+
+    #[test]
+    fn a_chunk_that_panics_keeps_no_thread_waiting() {
+        let claims = Claims::default();
+        let make = |nth: usize| {
+            // The other threads wait for this one.
+            std::thread::sleep(std::time::Duration::from_millis(if nth == 1 { 50 } else { 0 }));
+            assert!(nth != 1, "as meant");
+            Chunk { family: Family::Coincidences, samples: Vec::new(), tags: Vec::new() }
+        };
+        let work = || {
+            let mut made = 0;
+            while claims.next(make, u64::MAX / 4).is_some() {
+                made += 1;
+            }
+            made
+        };
+        let ended = std::thread::scope(|scope| {
+            let running: Vec<_> = (0..3).map(|_| scope.spawn(work)).collect();
+            running.into_iter().map(|thread| thread.join().is_ok()).collect::<Vec<bool>>()
+        });
+        assert_eq!(ended.iter().filter(|is_ok| **is_ok).count(), 2);
+    }
 }
