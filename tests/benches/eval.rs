@@ -16,14 +16,17 @@ fn main() {
     let one = Settings { threads: 1, ..Settings::default() };
     report("f32, one thread", &job, one.clone());
     report("f32, all threads", &job, Settings::default());
-    report("f64, one thread", &job, Settings { precision: Precision::Double, ..one.clone() });
-    report("both, one thread", &job, Settings { precision: Precision::Both, ..one.clone() });
+    let double = Settings { precision: Precision::Double, ..one.clone() };
+    let both = Settings { precision: Precision::Both, ..one.clone() };
+    report("f64, one thread", &job, double.clone());
+    report("both, one thread", &job, both.clone());
     report("f32 watched, one thread", &job, Settings { watch: true, ..one.clone() });
-    report(
-        "both watched, one thread",
-        &job,
-        Settings { watch: true, precision: Precision::Both, ..one },
-    );
+    report("both watched, one thread", &job, Settings { watch: true, ..both.clone() });
+    for (name, settings) in [("f64 : f32", double), ("both : f32", both)] {
+        let [mut fast, mut slow] = [one.clone(), settings].map(Cpu::new);
+        let run = |cpu: &mut Cpu| drop(cpu.run(&job).expect("the job runs"));
+        println!("{name:26} {}", measure::interleaved(21, || run(&mut fast), || run(&mut slow)));
+    }
 }
 
 fn report(name: &str, job: &Job, settings: Settings) {

@@ -13,6 +13,7 @@
 pub mod accuracy;
 mod body;
 mod call;
+mod circular;
 mod code;
 mod compile;
 mod counts;

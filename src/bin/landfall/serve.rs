@@ -11,6 +11,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use data_encoding::HEXLOWER;
 use landfall::playground::page::{Engine, Opened, page};
 use landfall::playground::{self, MOST_BYTES};
 use landfall_layout::Error;
@@ -81,7 +82,7 @@ fn token() -> Result<String, Error> {
     let mut bytes = [0u8; 16];
     getrandom::fill(&mut bytes)
         .map_err(|cause| Error::new("the token", format!("cannot be drawn: {cause}")))?;
-    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(HEXLOWER.encode(&bytes))
 }
 
 /// Where the page is.

@@ -203,7 +203,7 @@ fn log2<const FUSED: bool>(x: f64) -> f64 {
 
 /// Returns the coefficients' polynomial, the highest power first.
 #[inline(always)]
-fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
+pub(super) fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[0];
     for coefficient in &coefficients[1..] {
         sum = if FUSED { sum.mul_add(x, *coefficient) } else { sum * x + coefficient };
@@ -247,7 +247,11 @@ const COSINE: [f64; 7] = inverse_factorials(12, 2, -1.0);
 
 /// Returns the inverse factorials of `most` and every `step`-th number below it, each of another
 /// sign than the next if `sign` is negative; the last one is positive.
-const fn inverse_factorials<const N: usize>(most: usize, step: usize, sign: f64) -> [f64; N] {
+pub(super) const fn inverse_factorials<const N: usize>(
+    most: usize,
+    step: usize,
+    sign: f64,
+) -> [f64; N] {
     let mut all = [1.0; N];
     let (mut i, mut factorial, mut n) = (N, 1.0, 0);
     while i > 0 {
@@ -265,7 +269,7 @@ const fn inverse_factorials<const N: usize>(most: usize, step: usize, sign: f64)
 
 /// Returns the nearest whole number, and a word whose last bits are its.
 #[inline(always)]
-fn nearest(x: f64) -> (u64, f64) {
+pub(super) fn nearest(x: f64) -> (u64, f64) {
     // Numbers from 2^52 to 2^53 are whole.
     let shift = 1.5 * f64::from_bits(WHOLE);
     let shifted = x + shift;
@@ -283,25 +287,31 @@ fn power<const FUSED: bool>(x: f64, y: f64) -> Series {
     (if gone { 0.0 } else { result }, gone | (is_positive(x) & (p.abs() < 125.0)))
 }
 
+/// A right angle in three parts, the first two of 33 bits: their products with a quadrant below 2^20
+/// are exact.
+pub(super) const RIGHT: [f64; 3] =
+    [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
+
+/// Returns a sine or cosine with the sign that it has in a quadrant.
+#[inline(always)]
+pub(super) fn turned(value: f64, quadrant: u64) -> f64 {
+    f64::from_bits(value.to_bits() ^ (quadrant & 2) << 62)
+}
+
 /// Returns the sine of a number plus so many right angles.
 #[inline(always)]
 fn sine<const FUSED: bool>(x: f64, angles: u64) -> Series {
-    // A right angle in three parts, the first two of 33 bits: their products with a quadrant are
-    // exact.
-    const RIGHT: [f64; 3] =
-        [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
     let (word, quadrant) = nearest(x * FRAC_2_PI);
     let rest = x - quadrant * RIGHT[0] - quadrant * RIGHT[1] - quadrant * RIGHT[2];
     let z = rest * rest;
     // The next terms, z^7 / 15! and z^7 / 14!, are at most 2^-44 and 2^-40.
     let sine = rest * polynomial::<FUSED, _>(z, SINE);
     let cosine = polynomial::<FUSED, _>(z, COSINE);
-    let turned = word.wrapping_add(angles);
-    let value = if turned & 1 == 0 { sine } else { cosine };
-    let sign = (turned & 2) << 62;
+    let word = word.wrapping_add(angles);
+    let value = if word & 1 == 0 { sine } else { cosine };
     // Close to a multiple of a right angle, few digits of the rest are left.
     let digits = (rest.abs() > 1.0 / 65536.0) | (quadrant == 0.0);
-    (f64::from_bits(value.to_bits() ^ sign), digits & (x.abs() < 1_000_000.0))
+    (turned(value, word), digits & (x.abs() < 1_000_000.0))
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub(super) fn powers(arch: Arch, to: &mut [f64; LANES], a: &[f64; LANES], b: &[f
 /// Whether the error of the C library is known, and the processor multiplies and adds by one
 /// instruction.
 fn is_quick(arch: Arch) -> bool {
-    cfg!(any(target_env = "gnu", target_env = "musl")) && has_fused(arch)
+    cfg!(all(target_os = "linux", any(target_env = "gnu", target_env = "musl"))) && has_fused(arch)
 }
 
 /// Returns the whole number from 1 to [`MOST`] that all lanes hold.
@@ -86,8 +86,9 @@ impl Sums {
     }
 }
 
+/// Returns the product of two sums of two numbers, as one.
 #[inline(always)]
-fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+pub(super) fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     let high = a.0 * b.0;
     let low = a.0.mul_add(b.0, -high) + a.0.mul_add(b.1, a.1 * b.0);
     let sum = high + low;

@@ -6,6 +6,7 @@
 
 use pulp::Arch;
 
+use super::circular::circular;
 use super::code::{Cmp, F1, F2, LANES};
 use super::elementary::{function1, function2};
 use super::lanes::Lanes;
@@ -287,6 +288,9 @@ impl Real for f64 {
     }
     fn half(self) -> f64 {
         self
+    }
+    fn column1(arch: Arch, f: F1, to: &mut [f64; LANES], a: &[f64; LANES]) -> u64 {
+        circular(arch, f, to, a)
     }
     fn column2(
         arch: Arch,

@@ -5,7 +5,9 @@
 
 use std::io::Cursor;
 
-use ::png::{BitDepth, ColorType, Decoder, Encoder, Limits, ScaledFloat, SrgbRenderingIntent};
+use ::png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, Limits, ScaledFloat, SrgbRenderingIntent,
+};
 use ::png::{Info, Transformations};
 
 use super::code::{Codes, Transfer};
@@ -32,6 +34,7 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, codes.width, codes.height);
     encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
     match codes.transfer {
         Some(Transfer::Srgb) => encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric),
         Some(Transfer::Linear) => encoder.set_source_gamma(ScaledFloat::from_scaled(LINEAR)),

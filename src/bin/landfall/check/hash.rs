@@ -2,6 +2,7 @@
 
 use std::hash::Hasher;
 
+use data_encoding::HEXLOWER;
 use serde::{Deserialize, Serialize};
 use siphasher::sip128::{Hasher128, SipHasher24};
 
@@ -13,7 +14,7 @@ pub struct Hash(String);
 impl Hash {
     /// Returns the hash of bytes.
     pub fn of(bytes: &[u8]) -> Hash {
-        Hash(hex(&hmac_sha256::Hash::hash(bytes)))
+        Hash(HEXLOWER.encode(&hmac_sha256::Hash::hash(bytes)))
     }
 
     /// Whether it is the hash of a file that could be read.
@@ -41,11 +42,7 @@ pub fn seal<'a>(key: &[u8], parts: impl IntoIterator<Item = &'a str>) -> String 
         hasher.write_usize(part.len());
         hasher.write(part.as_bytes());
     }
-    hex(&hasher.finish128().as_bytes())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    HEXLOWER.encode(&hasher.finish128().as_bytes())
 }
 
 #[cfg(test)]
@@ -68,7 +65,7 @@ mod tests {
         let hash = |bytes: &[u8]| {
             let mut hasher = SipHasher24::new_with_key(&key);
             hasher.write(bytes);
-            hex(&hasher.finish128().as_bytes())
+            HEXLOWER.encode(&hasher.finish128().as_bytes())
         };
         assert_eq!(hash(b""), "a3817f04ba25a8e66df67214c7550293");
         assert_eq!(hash(b"\0"), "da87c1d86b99af44347659119b22fc45");
