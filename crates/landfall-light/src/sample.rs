@@ -3,8 +3,11 @@
 //! Samples a [`Material`] at texture coordinates; the reference computes with the texels and a
 //! renderer uploads [`color`]s, so that both use the same ones.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 
+use super::picture::Transfer;
 use super::scene::{Material, Surface, Texture};
 
 /// The colours of a material at a point, with full scale 1.
@@ -52,18 +55,17 @@ pub fn index(texture: &Texture, uv: [f32; 2]) -> Option<usize> {
 }
 
 /// Returns a texel's linear colour.
-pub fn color(texel: [u8; 3], srgb: bool) -> DVec3 {
-    let channel = |code: u8| {
-        let x = f64::from(code) / 255.0;
-        match srgb {
-            false => x,
-            // IEC 61966-2-1.
-            true if x <= 0.04045 => x / 12.92,
-            true => ((x + 0.055) / 1.055).powf(2.4),
-        }
+pub fn color([r, g, b]: [u8; 3], srgb: bool) -> DVec3 {
+    let channel = |code: u8| match srgb {
+        false => f64::from(code) / 255.0,
+        true => LINEAR[usize::from(code)],
     };
-    DVec3::from_array(texel.map(channel))
+    DVec3::new(channel(r), channel(g), channel(b))
 }
+
+/// The linear values of sRGB codes.
+static LINEAR: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)));
 
 #[cfg(test)]
 mod tests {

@@ -161,8 +161,11 @@ impl Triangle {
     }
 
     /// Returns the signed distance of a ray from each plane.
+    #[inline(always)]
     fn inside(&self, x: f64, y: f64) -> [f64; 3] {
-        self.planes.map(|plane| plane.x * x + (plane.y * y - plane.z))
+        let distance = |plane: &DVec3| plane.x * x + (plane.y * y - plane.z);
+        let [a, b, c] = &self.planes;
+        [distance(a), distance(b), distance(c)]
     }
 
     fn covers(&self, inside: [f64; 3]) -> bool {
@@ -215,7 +218,8 @@ impl Band<'_> {
             let triangle = &all[*which as usize];
             let (row, column) = (self.rows.start + pixel / width, pixel % width);
             let inside = triangle.inside(self.screen.x[column], self.screen.y[row]);
-            let lit = between(triangle.corners.map(|corner| corners.lit[corner]), inside);
+            let [a, b, c] = triangle.corners;
+            let lit = between([&corners.lit[a], &corners.lit[b], &corners.lit[c]], inside);
             Fragment {
                 pixel: (row * width + column) as u32,
                 material: scene.objects[triangle.object as usize].material as u32,
@@ -230,10 +234,9 @@ impl Band<'_> {
 }
 
 /// Interpolates three corners by their weights.
-fn between(corners: [VertexAttributes; 3], weights: [f64; 3]) -> VertexAttributes {
+fn between([a, b, c]: [&VertexAttributes; 3], weights: [f64; 3]) -> VertexAttributes {
     let sum = weights[0] + weights[1] + weights[2];
-    let [a, b, c] = corners;
-    let [wa, wb, wc] = weights.map(|weight| weight / sum);
+    let [wa, wb, wc] = [weights[0] / sum, weights[1] / sum, weights[2] / sum];
     VertexAttributes {
         position: a.position * wa + b.position * wb + c.position * wc,
         normal: a.normal * wa + b.normal * wb + c.normal * wc,

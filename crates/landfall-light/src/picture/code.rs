@@ -91,8 +91,8 @@ impl Codes {
 pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
     let encoded = threads::map(&picture.pixels, PIXELS, |pixel| {
         let [r, g, b, a] = *pixel;
-        let [r, g, b] = [r, g, b].map(|value| code(value, transfer));
-        [r, g, b, code(a, Transfer::Linear)]
+        let code_of = |value| code(value, transfer);
+        [code_of(r), code_of(g), code_of(b), code(a, Transfer::Linear)]
     });
     let pixels = encoded.collect();
     let channels = picture.pixels.iter().flatten();

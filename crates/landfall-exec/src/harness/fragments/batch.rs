@@ -91,7 +91,7 @@ impl FragmentShader {
             let packed = self.pack(batch, from, count, width);
             jobs.put(self, packed);
             let answer = backend.run(&jobs.shading)?;
-            shaded.colors.extend(answer.pixels[..count].iter().map(|p| p.map(f32::from_bits)));
+            shaded.colors.extend_from_slice(bytemuck::cast_slice(&answer.pixels[..count]));
             if let Some(covering) = &mut jobs.covering {
                 covering.resources = std::mem::take(&mut jobs.shading.resources);
                 covering.grid = jobs.shading.grid;

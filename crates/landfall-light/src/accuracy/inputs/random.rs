@@ -54,10 +54,12 @@ impl Random {
     /// Returns a direction, uniform over the sphere.
     pub fn direction(&mut self) -> [f64; 3] {
         loop {
-            let v = [0; 3].map(|_| self.between(-1.0, 1.0));
-            let d2: f64 = v.iter().map(|x| x * x).sum();
+            let mut part = || self.between(-1.0, 1.0);
+            let [x, y, z] = [part(), part(), part()];
+            let d2 = x * x + y * y + z * z;
             if d2 > 1e-3 && d2 <= 1.0 {
-                return v.map(|x| x / d2.sqrt());
+                let length = d2.sqrt();
+                return [x / length, y / length, z / length];
             }
         }
     }

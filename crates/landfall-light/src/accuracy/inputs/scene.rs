@@ -63,7 +63,11 @@ const ATTENUATIONS: [[f32; 3]; 8] = [
 type V = [f64; 3];
 
 fn add(a: V, b: V, scale: f64) -> V {
-    [0, 1, 2].map(|i| a[i] + b[i] * scale)
+    [a[0] + b[0] * scale, a[1] + b[1] * scale, a[2] + b[2] * scale]
+}
+
+fn scaled(a: V, by: f64) -> V {
+    [a[0] * by, a[1] * by, a[2] * by]
 }
 
 fn dot(a: V, b: V) -> f64 {
@@ -72,12 +76,12 @@ fn dot(a: V, b: V) -> f64 {
 
 fn unit(a: V) -> V {
     let length = dot(a, a).sqrt();
-    a.map(|x| x / length)
+    [a[0] / length, a[1] / length, a[2] / length]
 }
 
 /// Rounds a vector to `f32`.
 fn single(a: V) -> V {
-    a.map(|x| f64::from(x as f32))
+    [f64::from(a[0] as f32), f64::from(a[1] as f32), f64::from(a[2] as f32)]
 }
 
 /// Returns a direction at an angle from another.
@@ -89,7 +93,7 @@ fn turned(a: V, angle: f64, random: &mut Random) -> V {
             break unit(side);
         }
     };
-    add(a.map(|x| x * angle.cos()), side, angle.sin())
+    add(scaled(a, angle.cos()), side, angle.sin())
 }
 
 /// The choices made for a scene before its values.
@@ -134,7 +138,7 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
         _ => random.between(0.05, 1.0),
     };
     let flat = turned(normal, std::f64::consts::FRAC_PI_2, random);
-    let to_light = add(flat.map(|x| x * (1.0 - height * height).sqrt()), normal, height);
+    let to_light = add(scaled(flat, (1.0 - height * height).sqrt()), normal, height);
     let distance = match setting.geometry {
         Geometry::Near => random.scale(1e-6, 1e-2),
         Geometry::Far => random.scale(1e2, 1e5),
@@ -156,7 +160,7 @@ fn light(setting: &Setting, fragment: V, normal: V, random: &mut Random) -> Ligh
         _ if behind => 0.0,
         _ => random.between(0.0, 2.0 * outer),
     };
-    let axis = turned(to_light.map(|x| -x), angle, random);
+    let axis = turned(scaled(to_light, -1.0), angle, random);
     let attenuation = *random.pick(&ATTENUATIONS);
     Light { position, to_light, distance, axis, cone: (inner.cos(), outer.cos()), attenuation }
 }
@@ -179,7 +183,7 @@ pub(in crate::accuracy) fn sample(
     };
     let focus = if owners.is_empty() { "" } else { *random.pick(&owners) };
     let main = light(&setting, fragment, normal, random);
-    let mirror = add(normal.map(|x| 2.0 * dot(normal, main.to_light) * x), main.to_light, -1.0);
+    let mirror = add(scaled(normal, 2.0 * dot(normal, main.to_light)), main.to_light, -1.0);
     let to_view = to_view(setting.geometry, mirror, normal, random);
     let view = add(fragment, to_view, random.scale(0.5, 20.0));
     let mut others: Vec<(String, Light)> = Vec::new();
@@ -222,7 +226,7 @@ pub(in crate::accuracy) fn sample(
             Role::ViewPosition => put(&view, 1.0),
             Role::Axis => {
                 let length = if random.chance(0.5) { 1.0 } else { random.scale(0.5, 2.0) };
-                put(&lamp.axis.map(|x| x * length), 0.0);
+                put(&scaled(lamp.axis, length), 0.0);
             }
             Role::ToLight => put(&lamp.to_light, 0.0),
             Role::ToView => put(&to_view, 0.0),
@@ -274,7 +278,7 @@ fn to_view(
         _ if random.chance(0.5) => turned(mirror, random.scale(1e-4, 0.5), random),
         _ => {
             let v = random.direction();
-            if dot(v, normal) < 0.0 { v.map(|x| -x) } else { v }
+            if dot(v, normal) < 0.0 { scaled(v, -1.0) } else { v }
         }
     }
 }
