@@ -289,20 +289,20 @@ impl Session {
         let id = self.next;
         self.next += 1;
         let mut frame = Frame::default();
-        let json = frame.put(json(module)?);
-        self.process.send(frame.with(&Request::Module { id, json })?);
+        let ir = frame.put(serialised(module)?);
+        self.process.send(frame.with(&Request::Module { id, ir })?);
         self.modules.push((Arc::clone(module), id));
         Ok(id)
     }
 }
 
 #[cfg(feature = "gpu")]
-fn json(module: &Module) -> io::Result<Vec<u8>> {
+fn serialised(module: &Module) -> io::Result<Vec<u8>> {
     ir::write(module)
 }
 
 #[cfg(not(feature = "gpu"))]
-fn json(_: &Module) -> io::Result<Vec<u8>> {
+fn serialised(_: &Module) -> io::Result<Vec<u8>> {
     Err(frame::invalid("this build lacks the feature `gpu`"))
 }
 

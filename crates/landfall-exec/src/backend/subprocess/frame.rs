@@ -1,5 +1,5 @@
-//! The message format between the processes: JSON beside binary blobs, since bytes in JSON are long
-//! and slow.
+//! The message format between the processes: a header in postcard's encoding, which one program both
+//! writes and reads, beside binary blobs.
 
 use std::io::{self, Read, Write};
 
@@ -12,7 +12,7 @@ const MAGIC: [u8; 8] = *b"\x01lndfall";
 /// A message, to be sent or received.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Frame {
-    /// The header as JSON.
+    /// The header in postcard's encoding.
     header: Vec<u8>,
     blobs: Vec<Vec<u8>>,
 }
@@ -37,13 +37,13 @@ impl Frame {
 
     /// Returns the message with a header.
     pub(super) fn with(mut self, header: &impl Serialize) -> io::Result<Frame> {
-        self.header = serde_json::to_vec(header)?;
+        self.header = encode(header)?;
         Ok(self)
     }
 
     /// Parses the header.
     pub(super) fn header<T: DeserializeOwned>(&self) -> io::Result<T> {
-        Ok(serde_json::from_slice(&self.header)?)
+        postcard::from_bytes(&self.header).map_err(io::Error::other)
     }
 
     pub(super) fn write(&self, to: &mut impl Write) -> io::Result<()> {
@@ -83,6 +83,10 @@ impl Frame {
             lengths?.into_iter().map(|length| bytes(from, length)).collect();
         Ok(Some(Frame { header, blobs: blobs? }))
     }
+}
+
+pub(super) fn encode(value: &impl Serialize) -> io::Result<Vec<u8>> {
+    postcard::to_stdvec(value).map_err(io::Error::other)
 }
 
 fn length(from: &mut impl Read) -> io::Result<u64> {

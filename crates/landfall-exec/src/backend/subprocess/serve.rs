@@ -109,8 +109,8 @@ impl Server<'_> {
             }
             Request::List => list(self.driver_kind)
                 .map(|found| Reply::Listed(found.into_iter().map(WireFound::from).collect())),
-            Request::Module { id, json } => {
-                self.modules.insert(id, Arc::new(module(&frame.take(json)?)?));
+            Request::Module { id, ir } => {
+                self.modules.insert(id, Arc::new(module(&frame.take(ir)?)?));
                 return Ok(None);
             }
             Request::Forget => {
@@ -205,8 +205,8 @@ fn list(driver_kind: &DriverKind) -> Result<Vec<BackendEntry>, Failure> {
 }
 
 #[cfg(feature = "gpu")]
-fn module(json: &[u8]) -> io::Result<Module> {
-    super::ir::read(json)
+fn module(ir: &[u8]) -> io::Result<Module> {
+    super::ir::read(ir)
         .map_err(|e| invalid(&format!("the shader module in the message cannot be decoded: {e}")))
 }
 

@@ -24,10 +24,10 @@ pub(super) enum Request {
     },
     /// List the devices.
     List,
-    /// Remember a module by a number; its JSON is the blob.
+    /// Remember a module by a number; its IR is the blob.
     Module {
         id: u64,
-        json: Blob,
+        ir: Blob,
     },
     /// Forget all modules.
     Forget,
