@@ -8,7 +8,7 @@ use std::time::Duration;
 use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
-use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Shaded};
+use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Inputs, Shaded};
 use landfall_exec::interp::Cpu;
 use landfall_layout::buffer::{Buffer, decode};
 use landfall_layout::{Options, Source};
@@ -38,9 +38,9 @@ fn run(
     backend: &mut dyn Backend,
     shader: &FragmentShader,
     blocks: &[Vec<u8>],
-    inputs: &[Vec<[f32; 4]>],
+    inputs: &dyn Inputs,
 ) -> Shaded {
-    let count = inputs.first().map_or(0, Vec::len);
+    let count = inputs.counts().first().copied().unwrap_or(0);
     let texel = Image { width: 1, height: 1, texels: vec![[0.5, 0.25, 0.75, 1.0]] };
     let textures = vec![texel; shader.textures().count()];
     let batch = Batch { blocks, textures: &textures, inputs, count, limit: LIMIT };

@@ -444,9 +444,9 @@ fn the_pixel_is_counted_as_the_language_does() {
         let source = Source::new(name, text);
         let shader = shader(&source);
         let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
-        let inputs = filler.inputs([&fragment].into_iter(), [4, 5]);
+        let inputs = filler.inputs(&[&fragment], [4, 5]);
         assert_eq!(inputs, [vec![[3.5, row, 0.0, 1.0]]], "{name}");
-        let inputs = filler.inputs([&fragment].into_iter(), [4, 8]);
+        let inputs = filler.inputs(&[&fragment], [4, 8]);
         let row = if name == "p.frag" { 5.5 } else { 2.5 };
         assert_eq!(inputs, [vec![[3.5, row, 0.0, 1.0]]], "{name}");
     }

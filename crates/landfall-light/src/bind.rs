@@ -15,6 +15,7 @@ use landfall_layout::diagnostic::Code;
 use std::fmt;
 
 pub use decide::{Decision, Outcome, Topic, decide};
+pub(crate) use fill::FragmentInputs;
 pub use fill::{BlockWriter, FragmentLights, OverflowPolicy, Tiles};
 pub use infer::{infer, members};
 pub use quantity::{Kind, LightPart, MaterialPart, Quantity, Slot};

@@ -22,7 +22,7 @@ pub struct Frame {
 }
 
 /// The surface point at one pixel, in lighting space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Zeroable)]
 pub struct Fragment {
     /// The pixel: `row * width + column`.
     pub pixel: u32,

@@ -19,6 +19,11 @@ pub use code::{Codes, Transfer};
 pub use compare::{Comparison, compare};
 pub use error::PictureError;
 
+use crate::threads;
+
+/// The pixels that a thread works on at a time.
+const PIXELS: usize = 1 << 14;
+
 /// The most pixels of a file: 1 GiB of floats.
 pub const MOST_PIXELS: u64 = 1 << 26;
 
@@ -36,12 +41,18 @@ pub struct Picture {
 impl Picture {
     /// A picture of one colour.
     pub fn filled(width: u32, height: u32, pixel: [f32; 4]) -> Picture {
-        Picture { width, height, pixels: vec![pixel; width as usize * height as usize] }
+        let mut pixels = bytemuck::zeroed_vec(width as usize * height as usize);
+        threads::each(pixels.chunks_mut(PIXELS), |part| part.fill(pixel));
+        Picture { width, height, pixels }
     }
 
     /// Returns the number of pixels with a NaN or infinite channel.
     pub fn non_finite(&self) -> u64 {
-        self.pixels.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() as u64
+        let parts: Vec<&[[f32; 4]]> = self.pixels.chunks(PIXELS).collect();
+        let count = |part: &&[[f32; 4]]| {
+            part.iter().filter(|pixel| pixel.iter().any(|c| !c.is_finite())).count() as u64
+        };
+        threads::map(&parts, 1, count).sum()
     }
 
     /// Checks that the picture has pixels, as many as its size.

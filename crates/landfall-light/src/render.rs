@@ -23,13 +23,13 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use super::bind::{
-    BindError, BindingMap, BlockWriter, FragmentLights, Kind, OverflowPolicy, Quantity, Tiles,
-    decide, infer, overridden,
+    BindError, BindingMap, BlockWriter, FragmentInputs, FragmentLights, Kind, OverflowPolicy,
+    Quantity, Tiles, decide, infer, overridden,
 };
 use super::{Fragment, Frame, Upload};
 use crate::picture::Picture;
 use landfall_exec::backend::{Backend, Failure};
-use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Shaded};
+use landfall_exec::harness::fragments::{Batch, FragmentShader, Image};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
@@ -240,7 +240,8 @@ impl Renderer {
         notes
     }
 
-    /// Lights fragments of one material. `after` receives the fragments done after each job.
+    /// Lights fragments of one material. `take` receives the backend, the colours of each job's
+    /// fragments and which of them were discarded. Returns the bytes of blocks uploaded.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
@@ -250,25 +251,24 @@ impl Renderer {
         work: &Work<'_>,
         fragments: &[&Fragment],
         draw: &Draw<'_>,
-        after: &mut dyn FnMut(&mut R, usize),
-    ) -> Result<(Shaded, u64), RenderError> {
-        let Some(first) = fragments.first() else { return Ok(Default::default()) };
+        take: impl FnMut(&mut R, &[[f32; 4]], &[bool]),
+    ) -> Result<u64, RenderError> {
+        let Some(first) = fragments.first() else { return Ok(0) };
         let material = work.upload.materials.get(first.material as usize);
         let material = material.expect("a fragment's material is one of the upload's");
         self.within_limits(backend.device(), draw)?;
-        let filler = &self.filler;
-        let blocks = filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?;
+        let writer = &self.filler;
+        let blocks = writer.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?;
         let size = [work.frame.width, work.frame.height];
-        let inputs = filler.inputs(fragments.iter().copied(), size);
         let batch = Batch {
             blocks: &blocks,
-            textures: &filler.textures(material),
-            inputs: &inputs,
+            textures: &writer.textures(material),
+            inputs: &FragmentInputs { writer, fragments, size },
             count: fragments.len(),
             limit: work.limit,
         };
-        let shaded = self.shader.run(backend, &batch, |backend, done| after(backend, done))?;
-        Ok((shaded, blocks.iter().map(|bytes| bytes.len() as u64).sum()))
+        self.shader.run_into(backend, &batch, take)?;
+        Ok(blocks.iter().map(|bytes| bytes.len() as u64).sum())
     }
 
     /// Returns the bindings for lighting fragments of one material, to be run repeatedly.
@@ -288,7 +288,7 @@ impl Renderer {
         Ok(Prepared {
             blocks: filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?,
             textures: filler.textures(material),
-            inputs: filler.inputs(fragments.iter().copied(), [work.frame.width, work.frame.height]),
+            inputs: filler.inputs(fragments, [work.frame.width, work.frame.height]),
             count: fragments.len(),
         })
     }
@@ -310,24 +310,30 @@ impl Renderer {
             ..Rendered::default()
         };
         for draw in draws {
-            let found = draw.fragments.iter().filter_map(|n| fragments.get(*n as usize));
-            let mut found: Vec<&Fragment> = found.collect();
-            // A stable sort keeps the caller's order within a material.
-            found.sort_by_key(|fragment| fragment.material);
-            for same in found.chunk_by(|a, b| a.material == b.material) {
-                let (shaded, bytes) = self.light(backend, work, same, draw, after)?;
+            let mut by_material: Vec<Vec<&Fragment>> =
+                vec![Vec::new(); work.upload.materials.len()];
+            for fragment in draw.fragments.iter().filter_map(|n| fragments.get(*n as usize)) {
+                by_material[fragment.material as usize].push(fragment);
+            }
+            for same in by_material.into_iter().filter(|same| !same.is_empty()) {
+                let Rendered { picture, discarded: left_out, .. } = &mut rendered;
+                let mut lit = same.iter();
+                let bytes =
+                    self.light(backend, work, &same, draw, |backend, colors, discarded| {
+                        for (at, (color, fragment)) in colors.iter().zip(lit.by_ref()).enumerate() {
+                            if discarded.get(at) == Some(&true) {
+                                *left_out += 1;
+                            } else if let Some(pixel) =
+                                picture.pixels.get_mut(fragment.pixel as usize)
+                            {
+                                *pixel = *color;
+                            }
+                        }
+                        after(backend, colors.len());
+                    })?;
                 rendered.fragments += same.len() as u64;
                 rendered.evaluations += same.len() as u64 * self.evaluated(&draw.lights);
                 rendered.uploaded += bytes;
-                for (at, (fragment, color)) in same.iter().zip(&shaded.colors).enumerate() {
-                    if shaded.discarded.get(at) == Some(&true) {
-                        rendered.discarded += 1;
-                        continue;
-                    }
-                    if let Some(pixel) = rendered.picture.pixels.get_mut(fragment.pixel as usize) {
-                        *pixel = *color;
-                    }
-                }
             }
         }
         Ok(rendered)

@@ -3,6 +3,7 @@
 //! The results do not depend on the number of threads. Used where pictures are lit and functions
 //! are proved.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, Builder, ScopedJoinHandle};
 
@@ -68,6 +69,16 @@ pub(crate) fn map<T: Sync, R: Send>(
     done.into_iter().flatten()
 }
 
+/// Calls `of` for each part, on all threads of the machine.
+pub(crate) fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Sync) {
+    let parts: Vec<Mutex<Option<P>>> = parts.map(|part| Mutex::new(Some(part))).collect();
+    let mut states = vec![(); number(0)];
+    run(&mut states, parts.len(), |(), nth| {
+        let part = parts[nth].lock().ok().and_then(|mut part| part.take());
+        of(part.expect("a part is taken once"));
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,5 +102,10 @@ mod tests {
             map(&items, 7, |item| item + 1).collect::<Vec<_>>(),
             (1..1001).collect::<Vec<_>>()
         );
+        let mut squares = vec![0; 1000];
+        each(squares.chunks_mut(7).enumerate(), |(nth, part)| {
+            part.iter_mut().zip(nth * 7..).for_each(|(square, at)| *square = at * at);
+        });
+        assert_eq!(squares, (0..1000).map(|at| at * at).collect::<Vec<_>>());
     }
 }

@@ -20,7 +20,7 @@ use landfall_ir::module::{HandleKind, ModuleBlock, ModuleHandle};
 use landfall_layout::source::{Language, Source};
 use landfall_layout::{BlockLayout, Diagnostic, Options};
 
-pub use batch::{Batch, Image, Shaded};
+pub use batch::{Batch, Image, Inputs, Shaded};
 pub use permitted::Permitted;
 pub use wgsl::{BufferKind, WgslTexts};
 

@@ -4,6 +4,8 @@
 //! and [`cpu`](super::cpu).
 
 use std::borrow::Cow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::ScopedJoinHandle;
 use std::time::Instant;
 
 use super::code::LANES;
@@ -14,6 +16,9 @@ use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
+
+/// The batches that a thread takes at a time.
+const CLAIM: usize = 4;
 
 /// Resources as the program's buffers and images.
 pub(super) struct BoundResources<'j> {
@@ -119,44 +124,60 @@ impl Program {
         };
         let threads = if bound.writes { 1 } else { wanted.min(batches.div_ceil(4)).max(1) };
         let share = batches.div_ceil(threads);
+        let next = AtomicUsize::new(0);
         let work = |thread: usize| {
             let mut machine = self.machine::<R>(bound, settings);
-            let range = (thread * share).min(batches)..((thread + 1) * share).min(batches);
-            let mut results = Vec::with_capacity(range.len());
-            for batch in range {
+            // What a watch sees is in order: it gets a share at once. Else a thread that is done takes
+            // more, as the machine may have other work.
+            let mut whole = settings.watch.then_some(thread * share..(thread + 1) * share);
+            let claim = || match settings.watch {
+                true => whole.take(),
+                false => {
+                    let first = next.fetch_add(CLAIM, Ordering::Relaxed);
+                    (first < batches).then_some(first..first + CLAIM)
+                }
+            };
+            let mut results = Vec::with_capacity(share);
+            for batch in std::iter::from_fn(claim).flatten().take_while(|batch| *batch < batches) {
                 if let Some(watch) = &mut machine.watch {
                     watch.next_batch(batch * LANES);
                 }
                 if settings.deadline.is_some_and(|deadline| Instant::now() > deadline) {
-                    return Err(Stopped::Late);
+                    return Err((batch, Stopped::Late));
                 }
                 let diverged = machine.watch.as_ref().map_or(0, |w| w.diverged.len());
-                results.push(each(&mut machine, batch)?);
+                let result = each(&mut machine, batch).map_err(|stopped| (batch, stopped))?;
+                results.push((batch, result));
                 if let Some(watch) = &mut machine.watch {
                     watch.diverged[diverged..].iter_mut().for_each(|p| p.lane += batch * LANES);
                 }
             }
             Ok((results, machine))
         };
-        let done: Vec<Result<_, Stopped>> = if threads == 1 {
-            vec![work(0)]
-        } else {
-            std::thread::scope(|scope| {
-                let handles: Vec<_> = (0..threads).map(|t| scope.spawn(move || work(t))).collect();
-                handles.into_iter().map(|h| h.join().expect("the machine does not panic")).collect()
-            })
-        };
+        let done: Vec<Result<_, _>> = std::thread::scope(|scope| {
+            let work = &work;
+            let handles: Vec<_> = (1..threads).map(|t| scope.spawn(move || work(t))).collect();
+            let others = handles.into_iter().map(ScopedJoinHandle::join);
+            let own = work(0);
+            let others = others.map(|other| other.expect("the machine does not panic"));
+            std::iter::once(own).chain(others).collect()
+        });
+        // Of several failures, that of the first batch.
+        let failures = done.iter().filter_map(|done| done.as_ref().err());
+        if let Some((_, stopped)) = failures.min_by_key(|(batch, _)| *batch) {
+            return Err(self.stopped(stopped.clone()));
+        }
+        let mut numbered = Vec::with_capacity(batches);
         let mut outcome = Outcome {
-            results: Vec::with_capacity(batches),
+            results: Vec::new(),
             left: vec![None; bound.resources],
             notes: Notes::default(),
         };
         let mut tally = Tally::new(self.functions.len());
         let mut watch = Sanitizer::default();
         let mut read = vec![Vec::new(); bound.resources];
-        for done in done {
-            let (results, machine) = done.map_err(|stopped| self.stopped(stopped))?;
-            outcome.results.extend(results);
+        for (results, machine) in done.into_iter().flatten() {
+            numbered.extend(results);
             tally.add(&machine.tally);
             for (i, memory) in machine.buffers.into_iter().enumerate() {
                 let Some(resource) = bound.buffers[i].1 else { continue };
@@ -175,6 +196,8 @@ impl Program {
                 watch.merge(*more);
             }
         }
+        numbered.sort_unstable_by_key(|(batch, _)| *batch);
+        outcome.results = numbered.into_iter().map(|(_, result)| result).collect();
         let names = self.functions.iter().map(|f| f.name.clone());
         outcome.notes.counts = tally.counts(names);
         outcome.notes.read = read;

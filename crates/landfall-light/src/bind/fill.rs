@@ -16,6 +16,7 @@ use crate::scene::{Lights, Material, Surface};
 use landfall_exec::harness::fragments::FragmentShader;
 use landfall_layout::buffer::Buffer;
 use values::{Number, ValueSources, surface};
+pub(crate) use varying::FragmentInputs;
 use write::{Write, slots, write};
 
 /// The lights of a list of fragments: indices into the upload, in the order of the sum.

@@ -35,17 +35,23 @@ pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
     }
     let screen = Screen::new(&scene.camera, width, height);
     let triangles = triangles(scene, corners, &screen);
-    let band = |rows: Range<usize>| {
-        Band::new(&screen, rows).draw(&triangles).fragments(scene, corners, &triangles)
-    };
+    let bands: Vec<Range<usize>> =
+        (0..height).step_by(BAND).map(|first| first..(first + BAND).min(height)).collect();
     let mut threads = vec![(); threads::number(0)];
-    if threads.len() == 1 {
-        return band(0..height);
-    }
-    let bands = threads::run(&mut threads, height.div_ceil(BAND), |(), number| {
-        band(number * BAND..((number + 1) * BAND).min(height))
+    let drawn = threads::run(&mut threads, bands.len(), |(), number| {
+        Band::new(&screen, bands[number].clone()).draw(&triangles)
     });
-    bands.concat()
+    // Each thread fills its bands' part of the list, which has no pages before.
+    let mut fragments: Vec<Fragment> =
+        bytemuck::zeroed_vec(drawn.iter().map(|band| band.covered).sum());
+    let mut rest = &mut fragments[..];
+    let parts = drawn.into_iter().map(|band| {
+        let (part, after) = std::mem::take(&mut rest).split_at_mut(band.covered);
+        rest = after;
+        (band, part)
+    });
+    threads::each(parts, |(band, part)| band.fill(part, scene, corners, &triangles));
+    fragments
 }
 
 /// The directions of the pixel centres' rays: `(x[column], y[row], -1)`.
@@ -173,22 +179,25 @@ impl Triangle {
     }
 }
 
-/// A band of rows: the nearest depth at each pixel, and its triangle.
+/// A drawn band of rows.
 struct Band<'s> {
     screen: &'s Screen,
     rows: Range<usize>,
-    nearest: Vec<f64>,
+    /// The triangle at each pixel.
     which: Vec<u32>,
+    /// The pixels with a triangle.
+    covered: usize,
 }
 
 impl Band<'_> {
     fn new(screen: &Screen, rows: Range<usize>) -> Band<'_> {
         let pixels = rows.len() * screen.x.len();
-        Band { screen, rows, nearest: vec![f64::INFINITY; pixels], which: vec![NONE; pixels] }
+        Band { screen, rows, which: vec![NONE; pixels], covered: 0 }
     }
 
     fn draw(mut self, triangles: &[Triangle]) -> Self {
         let (screen, width) = (self.screen, self.screen.x.len());
+        let mut nearest = vec![f64::INFINITY; self.which.len()];
         for (number, triangle) in triangles.iter().enumerate() {
             let first = triangle.rows.start.max(self.rows.start);
             for row in first..triangle.rows.end.min(self.rows.end) {
@@ -201,35 +210,36 @@ impl Band<'_> {
                     let depth = triangle.volume / (inside[0] + inside[1] + inside[2]);
                     let pixel = start + column;
                     let between = depth >= screen.depths.start && depth <= screen.depths.end;
-                    if between && depth < self.nearest[pixel] {
-                        self.nearest[pixel] = depth;
+                    if between && depth < nearest[pixel] {
+                        nearest[pixel] = depth;
                         self.which[pixel] = number as u32;
                     }
                 }
             }
         }
+        self.covered = self.which.iter().filter(|which| **which != NONE).count();
         self
     }
 
-    fn fragments(&self, scene: &Scene, corners: &Corners, all: &[Triangle]) -> Vec<Fragment> {
+    /// Writes the fragments of the covered pixels.
+    fn fill(&self, to: &mut [Fragment], scene: &Scene, corners: &Corners, all: &[Triangle]) {
         let width = self.screen.x.len();
         let covered = self.which.iter().enumerate().filter(|(_, which)| **which != NONE);
-        let fragment = |(pixel, which): (usize, &u32)| {
+        for ((pixel, which), fragment) in covered.zip(to) {
             let triangle = &all[*which as usize];
             let (row, column) = (self.rows.start + pixel / width, pixel % width);
             let inside = triangle.inside(self.screen.x[column], self.screen.y[row]);
             let [a, b, c] = triangle.corners;
             let lit = between([&corners.lit[a], &corners.lit[b], &corners.lit[c]], inside);
-            Fragment {
+            *fragment = Fragment {
                 pixel: (row * width + column) as u32,
                 material: scene.objects[triangle.object as usize].material as u32,
                 object: triangle.object,
                 position: lit.position.as_vec3().to_array(),
                 normal: lit.normal.as_vec3().to_array(),
                 uv: lit.uv.as_vec2().to_array(),
-            }
-        };
-        covered.map(fragment).collect()
+            };
+        }
     }
 }
 

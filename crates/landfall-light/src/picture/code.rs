@@ -2,13 +2,12 @@
 //!
 //! Written and read by [`png`](super::png), compared by [`compare`](mod@super::compare).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use serde::{Deserialize, Serialize};
 
-use super::Picture;
+use super::{PIXELS, Picture};
 use crate::threads;
-
-/// The pixels that a thread encodes at a time.
-const PIXELS: usize = 1 << 14;
 
 /// The transfer function between linear values and codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -89,20 +88,25 @@ impl Codes {
 /// upwards: Direct3D's rule; Vulkan and OpenGL do not specify halves. NaN and −∞ become 0 and +∞
 /// 255, and are counted. Alpha is always linear.
 pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
-    let encoded = threads::map(&picture.pixels, PIXELS, |pixel| {
-        let [r, g, b, a] = *pixel;
-        let code_of = |value| code(value, transfer);
-        [code_of(r), code_of(g), code_of(b), code(a, Transfer::Linear)]
+    let mut pixels: Vec<[u8; 4]> = bytemuck::zeroed_vec(picture.pixels.len());
+    let non_finite = AtomicU64::new(0);
+    let parts = picture.pixels.chunks(PIXELS).zip(pixels.chunks_mut(PIXELS));
+    threads::each(parts, |(linear, encoded)| {
+        let mut count = 0;
+        for (&[r, g, b, a], encoded) in linear.iter().zip(encoded) {
+            let code_of = |value| code(value, transfer);
+            *encoded = [code_of(r), code_of(g), code_of(b), code(a, Transfer::Linear)];
+            count += [r, g, b, a].iter().filter(|value| !value.is_finite()).count() as u64;
+        }
+        non_finite.fetch_add(count, Ordering::Relaxed);
     });
-    let pixels = encoded.collect();
-    let channels = picture.pixels.iter().flatten();
-    let non_finite = channels.filter(|value| !value.is_finite()).count() as u64;
+    let non_finite = non_finite.into_inner();
     let Picture { width, height, .. } = *picture;
     Codes { width, height, pixels, transfer: Some(transfer), non_finite }
 }
 
 /// Returns the code of one value, by the rule of [`codes`].
 pub fn code(value: f32, transfer: Transfer) -> u8 {
-    // 255 times an f32 is exact in f64: a tie is a tie.
-    (255.0 * transfer.encode(f64::from(value)) + 0.5).floor() as u8
+    // 255 times an f32 is exact in f64: a tie is a tie. The conversion rounds down.
+    (255.0 * transfer.encode(f64::from(value)) + 0.5) as u8
 }

@@ -43,9 +43,13 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     // An opaque picture is written without alpha.
     let opaque = codes.pixels.iter().all(|pixel| pixel[3] == 255);
     encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
-    let channels = if opaque { 3 } else { 4 };
-    let data: Vec<u8> =
-        codes.pixels.iter().flat_map(|pixel| pixel[..channels].iter().copied()).collect();
+    let data = if opaque {
+        let mut data = Vec::with_capacity(3 * codes.pixels.len());
+        codes.pixels.iter().for_each(|[r, g, b, _]| data.extend_from_slice(&[*r, *g, *b]));
+        data
+    } else {
+        codes.pixels.concat()
+    };
     encoder.add_text_chunk(SOFTWARE.to_string(), "landfall".to_string()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
     writer.write_image_data(&data).map_err(broken)?;

@@ -290,10 +290,14 @@ impl Renderer {
         for grid in &plan.grids {
             let nodes: Vec<&Fragment> = grid.nodes.iter().collect();
             let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
-            let (shaded, bytes) = self.light(backend, work, &nodes, &draw, after)?;
-            rendered.uploaded += bytes;
+            let mut lit = Vec::with_capacity(nodes.len());
+            rendered.uploaded +=
+                self.light(backend, work, &nodes, &draw, |backend, colors, _| {
+                    lit.extend(colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)));
+                    after(backend, colors.len());
+                })?;
             rendered.evaluations += nodes.len() as u64 * self.evaluated(&draw.lights);
-            colors.push(shaded.colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)).collect());
+            colors.push(lit);
         }
         let fragments = &work.frame.fragments;
         let position = |n: u32| fragments.get(n as usize).map(|f| Vec3::from(f.position));

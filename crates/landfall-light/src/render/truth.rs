@@ -30,25 +30,48 @@ pub struct Truth {
 /// Lights every fragment with the reference.
 pub fn truth(model: &Model, upload: &Upload, frame: &Frame, behind: DVec3) -> Truth {
     let Frame { width, height, fragments } = frame;
-    let one = |fragment: &Fragment| pixel(model, upload, fragment);
-    let lit = threads::map(fragments, threads::FRAGMENTS, one);
     let picture = Picture::filled(*width, *height, background(behind));
-    let leave_out = vec![false; picture.pixels.len()];
+    let leave_out = bytemuck::zeroed_vec(picture.pixels.len());
     let mut truth = Truth { picture, leave_out, ..Truth::default() };
-    for (fragment, (color, at_edge)) in fragments.iter().zip(lit) {
-        let pixel = fragment.pixel as usize;
-        let color = color.unwrap_or_else(|undef| {
-            *truth.undefined.entry(undef).or_default() += 1;
-            truth.leave_out[pixel] = true;
-            DVec3::ZERO
-        });
-        if at_edge {
-            truth.at_edges += 1;
-            truth.leave_out[pixel] = true;
+    let parts: Vec<&[Fragment]> = fragments.chunks(threads::FRAGMENTS).collect();
+    let lit = threads::map(&parts, 1, |part| Part::new(model, upload, part));
+    for (fragments, part) in parts.iter().zip(lit) {
+        for (fragment, (color, leave_out)) in fragments.iter().zip(part.pixels) {
+            let pixel = fragment.pixel as usize;
+            truth.picture.pixels[pixel] = color;
+            truth.leave_out[pixel] = leave_out;
         }
-        truth.picture.pixels[pixel] = background(color);
+        truth.at_edges += part.at_edges;
+        for (reason, count) in part.undefined {
+            *truth.undefined.entry(reason).or_default() += count;
+        }
     }
     truth
+}
+
+/// Some fragments, lit.
+#[derive(Default)]
+struct Part {
+    /// The colour of each, and whether comparisons leave it out.
+    pixels: Vec<([f32; 4], bool)>,
+    undefined: BTreeMap<UndefinedReason, u64>,
+    at_edges: u64,
+}
+
+impl Part {
+    fn new(model: &Model, upload: &Upload, fragments: &[Fragment]) -> Part {
+        let mut part = Part { pixels: Vec::with_capacity(fragments.len()), ..Part::default() };
+        for fragment in fragments {
+            let (color, at_edge) = pixel(model, upload, fragment);
+            part.at_edges += u64::from(at_edge);
+            if let Err(reason) = color {
+                *part.undefined.entry(reason).or_default() += 1;
+            }
+            let leave_out = at_edge || color.is_err();
+            part.pixels.push((background(color.unwrap_or(DVec3::ZERO)), leave_out));
+        }
+        part
+    }
 }
 
 /// A fragment's light, and whether it is at a hard edge.

@@ -1,7 +1,10 @@
 //! Packs fragments into images, runs them, and unpacks the results.
 
 use crate::backend::BackendKind;
+use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
+use std::thread;
 use std::time::Duration;
 
 use super::{ATLAS, FragmentShader, SIZE};
@@ -24,13 +27,33 @@ pub struct Batch<'a> {
     pub blocks: &'a [Vec<u8>],
     /// The textures, in the order of [`FragmentShader::textures`].
     pub textures: &'a [Image],
-    /// The values of each input, in the order of [`FragmentShader::inputs`]: one vector per
-    /// fragment, components first.
-    pub inputs: &'a [Vec<[f32; 4]>],
+    /// The values of each input, in the order of [`FragmentShader::inputs`].
+    pub inputs: &'a dyn Inputs,
     /// The number of fragments.
     pub count: usize,
     /// The time limit of one job; a backend that exceeds it has failed.
     pub limit: Duration,
+}
+
+/// The values of a shader's inputs at a list of fragments.
+///
+/// They are asked for by job, so that those of a large picture need not exist at once.
+pub trait Inputs: fmt::Debug + Sync {
+    /// Returns the number of fragments of each input.
+    fn counts(&self) -> Vec<usize>;
+
+    /// Appends the values of an input at some fragments, components first.
+    fn append(&self, input: usize, fragments: Range<usize>, to: &mut Vec<[f32; 4]>);
+}
+
+impl Inputs for Vec<Vec<[f32; 4]>> {
+    fn counts(&self) -> Vec<usize> {
+        self.iter().map(Vec::len).collect()
+    }
+
+    fn append(&self, input: usize, fragments: Range<usize>, to: &mut Vec<[f32; 4]>) {
+        to.extend_from_slice(&self[input][fragments]);
+    }
 }
 
 /// A texture: four floats a texel.
@@ -74,42 +97,70 @@ impl FragmentShader {
         batch: &Batch<'_>,
         mut after: impl FnMut(&mut R, usize),
     ) -> Result<Shaded, Failure> {
+        let mut shaded = Shaded::default();
+        shaded.colors.reserve(batch.count);
+        self.run_into(backend, batch, |backend, colors, discarded| {
+            shaded.colors.extend_from_slice(colors);
+            shaded.discarded.extend_from_slice(discarded);
+            after(backend, colors.len());
+        })?;
+        Ok(shaded)
+    }
+
+    /// Runs the shader over fragments. `take` is called after each job with the backend, the colours
+    /// of the job's fragments and which of them were discarded, as in [`Shaded`].
+    ///
+    /// # Errors
+    /// As [`FragmentShader::run`].
+    pub fn run_into<R: Backend + ?Sized>(
+        &self,
+        backend: &mut R,
+        batch: &Batch<'_>,
+        mut take: impl FnMut(&mut R, &[[f32; 4]], &[bool]),
+    ) -> Result<(), Failure> {
         let is_gl = backend.device().backend == BackendKind::Gl;
         let whole = backend.device().backend == BackendKind::Cpu;
         self.fits(batch)?;
-        let mut shaded = Shaded::default();
-        shaded.colors.reserve(batch.count);
         let rows = (SIDE / self.inputs.len().max(1)).clamp(1, MOST / ROW);
         let most = if whole { MOST } else { rows * ROW };
         let fixed = if is_gl { self.for_gl(batch) } else { self.for_module(batch) };
         let mut jobs = Jobs::new(self, is_gl, fixed, batch.limit)?;
+        // The interpreter counts operations, so it gets no padding pixels.
+        let pack = |from: usize, count: usize| {
+            self.pack(batch, from, count, if whole { count } else { ROW.min(count) })
+        };
+        let counts = |from: usize| most.min(batch.count - from);
         let mut from = 0;
-        while from < batch.count {
-            let count = most.min(batch.count - from);
-            // The interpreter counts operations, so it gets no padding pixels.
-            let width = if whole { count } else { ROW.min(count) };
-            let packed = self.pack(batch, from, count, width);
-            jobs.put(self, packed);
-            let answer = backend.run(&jobs.shading)?;
-            shaded.colors.extend_from_slice(bytemuck::cast_slice(&answer.pixels[..count]));
+        let mut packed = (batch.count > 0).then(|| pack(0, counts(0)));
+        while let Some(image) = packed.take() {
+            let count = counts(from);
+            jobs.put(self, image);
+            // The next job is packed while this one runs.
+            let answer = thread::scope(|scope| {
+                let then = from + count;
+                let next =
+                    (then < batch.count).then(|| scope.spawn(move || pack(then, counts(then))));
+                let answer = backend.run(&jobs.shading);
+                packed = next.map(|next| next.join().expect("packing does not panic"));
+                answer
+            });
+            let mut colors = answer?.pixels;
+            colors.truncate(count);
+            let mut discarded = Vec::new();
             if let Some(covering) = &mut jobs.covering {
                 covering.resources = std::mem::take(&mut jobs.shading.resources);
                 covering.grid = jobs.shading.grid;
                 let answer = backend.run(covering);
                 jobs.shading.resources = std::mem::take(&mut covering.resources);
-                let answer = answer?;
-                let white = answer.pixels[..count].iter().map(|pixel| pixel[0] == 0);
-                shaded.discarded.extend(white);
+                discarded.extend(answer?.pixels[..count].iter().map(|pixel| pixel[0] == 0));
+            }
+            for (color, _) in colors.iter_mut().zip(&discarded).filter(|(_, is)| **is) {
+                *color = [0; 4];
             }
             from += count;
-            after(backend, count);
+            take(backend, bytemuck::cast_slice(&colors), &discarded);
         }
-        for (color, discarded) in shaded.colors.iter_mut().zip(&shaded.discarded) {
-            if *discarded {
-                *color = [0.0; 4];
-            }
-        }
-        Ok(shaded)
+        Ok(())
     }
 
     pub(super) fn fits(&self, batch: &Batch<'_>) -> Result<(), Failure> {
@@ -122,11 +173,10 @@ impl FragmentShader {
         };
         check("blocks", self.blocks().len(), batch.blocks.len())?;
         check("textures", self.textures().count(), batch.textures.len())?;
-        check("inputs", self.inputs.len(), batch.inputs.len())?;
-        let short = batch.inputs.iter().find(|values| values.len() < batch.count);
-        short.map_or(Ok(()), |values| {
-            let message =
-                format!("{} fragments, but an input has only {}", batch.count, values.len());
+        let counts = batch.inputs.counts();
+        check("inputs", self.inputs.len(), counts.len())?;
+        counts.iter().find(|count| **count < batch.count).map_or(Ok(()), |count| {
+            let message = format!("{} fragments, but an input has only {count}", batch.count);
             Err(Failure::refused(message, ""))
         })
     }
@@ -136,11 +186,10 @@ impl FragmentShader {
     pub(super) fn pack(&self, batch: &Batch<'_>, from: usize, count: usize, width: usize) -> Image {
         let rows = count.div_ceil(width);
         let size = rows * width;
-        let mut texels = Vec::with_capacity(size * batch.inputs.len().max(1));
-        for values in batch.inputs {
-            let values = &values[from..from + count];
-            texels.extend_from_slice(values);
-            let last = values.last().copied().unwrap_or_default();
+        let mut texels = Vec::with_capacity(size * self.inputs.len().max(1));
+        for input in 0..self.inputs.len() {
+            batch.inputs.append(input, from..from + count, &mut texels);
+            let last = texels.last().copied().unwrap_or_default();
             texels.extend(std::iter::repeat_n(last, size - count));
         }
         if texels.is_empty() {

@@ -50,6 +50,27 @@ fn a_fragment_is_at_the_middle_of_its_pixel() {
 }
 
 #[test]
+fn of_several_failures_the_first_is_reported_on_any_number_of_threads() {
+    let m = Arc::new(module(
+        "fn a(x: f32) -> f32 { var sum = x; loop { sum += 1.0; } return sum; }
+        fn b(x: f32) -> f32 { var sum = x; loop { sum += 2.0; } return sum; }
+        @fragment fn main(@builtin(position) p: vec4<f32>) -> @location(0) vec4<f32> {
+            if p.y > 30.0 && p.y < 32.0 { return vec4<f32>(a(p.x)); }
+            if p.y > 90.0 { return vec4<f32>(b(p.x)); }
+            return p;
+        }",
+    ));
+    let grid = Grid::Image { width: 64, height: 128, texel: Texel::Float };
+    let stages = vec![stage(Stage::Fragment, "main", &m)];
+    let job = Job { stages, resources: Vec::new(), grid, limit: Duration::from_secs(60) };
+    for threads in 1..6 {
+        let settings = Settings { threads, budget: 1000, ..single() };
+        let failure = Cpu::new(settings).run(&job).unwrap_err();
+        assert!(failure.message.contains("in `a`"), "{threads}: {}", failure.message);
+    }
+}
+
+#[test]
 fn a_triangle_interpolates_in_perspective_and_carries_flat_values() {
     let m = Arc::new(module(
         "struct V { @builtin(position) p: vec4<f32>, @location(0) uv: vec2<f32>, @location(1) @interpolate(flat) n: u32 }

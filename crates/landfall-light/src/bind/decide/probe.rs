@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use crate::bind::fill::{BlockWriter, FragmentLights};
+use crate::bind::fill::{BlockWriter, FragmentInputs, FragmentLights};
 use crate::bind::quantity::Kind;
 use crate::reference::{Family, LightId, Model, Window, see};
 use crate::scene::{
@@ -64,10 +64,11 @@ pub(super) fn run(
         let material = &upload.materials[0];
         let blocks = writer.blocks(&upload, &lit, material, None);
         let blocks = blocks.map_err(|error| Failure::refused(error.to_string(), ""))?;
+        let fragments: Vec<&Fragment> = probe.fragments.iter().collect();
         let batch = Batch {
             blocks: &blocks,
             textures: &writer.textures(material),
-            inputs: &writer.inputs(probe.fragments.iter(), [64, 64]),
+            inputs: &FragmentInputs { writer, fragments: &fragments, size: [64, 64] },
             count: probe.fragments.len(),
             limit: LIMIT,
         };

@@ -2,12 +2,14 @@
 //!
 //! Reads fragments and materials by the sources of a binding map.
 
+use std::ops::Range;
+
 use super::values::surface;
 use super::{BlockWriter, Source};
 use crate::bind::quantity::{MaterialPart, Quantity};
 use crate::scene::{Material, Surface};
 use crate::{Fragment, sample};
-use landfall_exec::harness::fragments::Image;
+use landfall_exec::harness::fragments::{Image, Inputs};
 
 impl BlockWriter {
     /// Returns the textures for fragments of one material.
@@ -53,46 +55,75 @@ impl BlockWriter {
         self.writes.iter().any(|write| write.source.quantity() == wanted)
     }
 
-    /// Returns the values of each input for fragments.
-    pub fn inputs<'f>(
-        &self,
-        fragments: impl Iterator<Item = &'f Fragment> + Clone,
-        size: [u32; 2],
-    ) -> Vec<Vec<[f32; 4]>> {
-        let [width, height] = size.map(|n| n.max(1));
-        let each = self.inputs.iter().map(|source| -> Vec<[f32; 4]> {
-            let value = |fragment: &Fragment| -> [f32; 4] {
-                let quantity = match source {
-                    Source::Scene { quantity, .. } => quantity,
-                    Source::Number(numbers) => {
-                        let at = |at: usize| numbers.get(at).copied().unwrap_or(0.0) as f32;
-                        return [at(0), at(1), at(2), at(3)];
-                    }
-                    Source::Unknown => return [0.0; 4],
-                };
-                let ([x, y, z], [nx, ny, nz]) = (fragment.position, fragment.normal);
-                match quantity {
-                    Quantity::Position => [x, y, z, 1.0],
-                    Quantity::Normal => [nx, ny, nz, 0.0],
-                    Quantity::Uv => [fragment.uv[0], fragment.uv[1], 0.0, 0.0],
-                    Quantity::Pixel => {
-                        let (column, row) = (fragment.pixel % width, fragment.pixel / width);
-                        let row = if self.rows_from_bottom { height - 1 - row } else { row };
-                        [column as f32 + 0.5, row as f32 + 0.5, 0.0, 1.0]
-                    }
-                    Quantity::Camera
-                    | Quantity::Ambient(_)
-                    | Quantity::Light { .. }
-                    | Quantity::Count(_)
-                    | Quantity::Material(_)
-                    | Quantity::Tiles(_) => [0.0; 4],
-                }
-            };
-            let negated = matches!(source, Source::Scene { negated: true, .. });
-            let signed = |v: [f32; 4]| if negated { v.map(|c| -c) } else { v };
-            fragments.clone().map(|fragment| signed(value(fragment))).collect()
+    /// Returns the values of each input for fragments of a picture.
+    pub fn inputs(&self, fragments: &[&Fragment], size: [u32; 2]) -> Vec<Vec<[f32; 4]>> {
+        let inputs = FragmentInputs { writer: self, fragments, size };
+        let each = (0..self.inputs.len()).map(|input| {
+            let mut values = Vec::with_capacity(fragments.len());
+            inputs.append(input, 0..fragments.len(), &mut values);
+            values
         });
         each.collect()
+    }
+}
+
+/// The inputs of a shader for fragments of a picture.
+#[derive(Debug)]
+pub(crate) struct FragmentInputs<'a> {
+    pub writer: &'a BlockWriter,
+    pub fragments: &'a [&'a Fragment],
+    /// The picture's width and height.
+    pub size: [u32; 2],
+}
+
+impl Inputs for FragmentInputs<'_> {
+    fn counts(&self) -> Vec<usize> {
+        vec![self.fragments.len(); self.writer.inputs.len()]
+    }
+
+    fn append(&self, input: usize, fragments: Range<usize>, to: &mut Vec<[f32; 4]>) {
+        let [width, height] = self.size.map(|n| n.max(1));
+        let (from, start) = (self.fragments[fragments].iter(), to.len());
+        let (quantity, negated) = match &self.writer.inputs[input] {
+            Source::Scene { quantity, negated, .. } => (Some(quantity), *negated),
+            Source::Number(numbers) => {
+                let at = |at: usize| numbers.get(at).copied().unwrap_or(0.0) as f32;
+                return to.extend(from.map(|_| [at(0), at(1), at(2), at(3)]));
+            }
+            Source::Unknown => (None, false),
+        };
+        // A loop for each, as there may be millions of fragments.
+        match quantity {
+            Some(Quantity::Position) => to.extend(from.map(|fragment| {
+                let [x, y, z] = fragment.position;
+                [x, y, z, 1.0]
+            })),
+            Some(Quantity::Normal) => to.extend(from.map(|fragment| {
+                let [x, y, z] = fragment.normal;
+                [x, y, z, 0.0]
+            })),
+            Some(Quantity::Uv) => to.extend(from.map(|fragment| {
+                let [u, v] = fragment.uv;
+                [u, v, 0.0, 0.0]
+            })),
+            Some(Quantity::Pixel) => to.extend(from.map(|fragment| {
+                let (column, row) = (fragment.pixel % width, fragment.pixel / width);
+                let row = if self.writer.rows_from_bottom { height - 1 - row } else { row };
+                [column as f32 + 0.5, row as f32 + 0.5, 0.0, 1.0]
+            })),
+            Some(
+                Quantity::Camera
+                | Quantity::Ambient(_)
+                | Quantity::Light { .. }
+                | Quantity::Count(_)
+                | Quantity::Material(_)
+                | Quantity::Tiles(_),
+            )
+            | None => to.extend(from.map(|_| [0.0; 4])),
+        }
+        if negated {
+            to[start..].as_flattened_mut().iter_mut().for_each(|value| *value = -*value);
+        }
     }
 }
 
