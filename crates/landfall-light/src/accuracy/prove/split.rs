@@ -45,8 +45,8 @@ impl Ord for Part {
 /// The most parts kept by size; further ones are examined one after the other.
 const MOST_PARTS: usize = 1 << 14;
 
-/// The values that a thread computes at least: starting one takes as long as some thousand.
-const VALUES_A_THREAD: usize = 1 << 13;
+/// The values that a thread computes at least: starting one takes as long as some hundred.
+const VALUES_A_THREAD: usize = 1 << 11;
 
 /// A scalar at which to divide a part, where its lower half ends, and where its upper one begins;
 /// `None` where it cannot be divided.
