@@ -57,10 +57,8 @@ pub use value::{Value, ValueType};
 use std::path::Path;
 
 use landfall_ir::Module;
+use landfall_ir::stack::on_a_large_stack;
 use landfall_layout::source::{Language, kind_of_path};
-
-/// Stack size in bytes of the thread that compiles.
-const STACK: usize = 256 << 20;
 
 impl Program {
     /// Compiles a module; `overrides` are values of its pipeline constants by name or id.
@@ -73,18 +71,10 @@ impl Program {
 
     /// Compiles a module with its floats rounded to a lower precision.
     pub fn rounded(module: &Module, overrides: &[(String, f64)], floats: Floats) -> Program {
-        // Statements may nest deeply; only the used part of the stack is committed.
         let compile = || compile::compile(module, overrides, floats);
-        let on_a_large_stack = || {
-            std::thread::scope(|scope| {
-                let thread =
-                    std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, compile);
-                let thread = thread.expect("there is memory for a thread");
-                thread.join().expect("compiling a validated module does not panic")
-            })
-        };
-        // WebAssembly has no threads.
-        let mut program = if cfg!(target_family = "wasm") { compile() } else { on_a_large_stack() };
+        // Statements may nest deeply.
+        let compiled = on_a_large_stack(compile);
+        let mut program = compiled.expect("there is memory, and a validated module compiles");
         program.files = module.files.clone();
         program.bases = module.bases.clone();
         let kind = module.files.get(0).and_then(|file| kind_of_path(Path::new(&file.path)));

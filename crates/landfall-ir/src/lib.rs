@@ -13,8 +13,7 @@ mod glsl;
 mod lower;
 #[cfg(feature = "lowering")]
 pub mod module;
-#[cfg(feature = "lowering")]
-mod stack;
+pub mod stack;
 #[cfg(feature = "lowering")]
 mod wgsl;
 

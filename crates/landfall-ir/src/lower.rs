@@ -5,7 +5,7 @@ use landfall_layout::{Diagnostic, Options};
 use naga::valid::ModuleInfo;
 
 use super::module::{Inputs, Locals, Module};
-use super::stack::on_a_large_stack;
+use super::stack::over_shader;
 use super::{glsl, wgsl};
 
 impl Module {
@@ -15,18 +15,18 @@ impl Module {
     /// The errors in the shader, or the constructs that are not supported, with their
     /// spans.
     pub fn new(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain)?.validated())
+        over_shader(|| Module::made(source, options, Inputs::OfMain)?.validated())
     }
 
     /// Lowers a shader whose functions are called individually, with the inputs that any of them
     /// reads.
     pub fn for_calls(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfAny)?.validated())
+        over_shader(|| Module::made(source, options, Inputs::OfAny)?.validated())
     }
 
     /// Lowers a shader without running naga's validator, for analyses that only read the module.
     pub(super) fn unchecked(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| Module::made(source, options, Inputs::OfMain))
+        over_shader(|| Module::made(source, options, Inputs::OfMain))
     }
 
     fn made(source: &Source, options: &Options, inputs: Inputs) -> Result<Module, Vec<Diagnostic>> {
@@ -58,6 +58,6 @@ impl Module {
     /// # Errors
     /// The errors of naga's front end or validator.
     pub fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        on_a_large_stack(|| wgsl::by_naga(source, options)?.validated())
+        over_shader(|| wgsl::by_naga(source, options)?.validated())
     }
 }

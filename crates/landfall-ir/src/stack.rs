@@ -1,28 +1,124 @@
-//! A thread with a large stack, for functions that recurse over a shader.
+//! Threads with a large stack, for functions that recurse over a shader.
+//!
+//! Starting one takes longer than lowering a small shader, so that a program that reads many does
+//! all its work on such threads.
 
-use landfall_layout::Diagnostic;
-use landfall_layout::diagnostic::Code;
+use std::any::Any;
+use std::cell::Cell;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread::{self, Builder, Scope, ScopedJoinHandle};
+
+#[cfg(feature = "lowering")]
+use landfall_layout::diagnostic::{Code, Diagnostic};
+#[cfg(feature = "lowering")]
 use landfall_layout::source::Span;
 
 /// The size of the stack in bytes; only the part that the nesting needs is touched.
 const STACK: usize = 256 << 20;
 
-/// Runs a function that recurses over a shader, so that a deeply nested text does not overflow the
-/// stack.
-pub(super) fn on_a_large_stack<T: Send>(
-    run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
-) -> Result<T, Vec<Diagnostic>> {
+thread_local! {
+    static IS_LARGE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The reason a function did not return.
+#[derive(Debug)]
+pub enum StackError {
+    /// There is not enough memory for another thread; the function was not called.
+    Memory,
+    /// It panicked.
+    Panic(Box<dyn Any + Send>),
+}
+
+/// Runs a function on this thread if its stack is large, else on another one.
+///
+/// # Errors
+/// A panic of the function, or not enough memory for another thread.
+pub fn on_a_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Result<T, StackError> {
     // WebAssembly has the one stack that its linker was told of, and no threads.
     if cfg!(target_family = "wasm") {
-        return run();
+        return Ok(run());
     }
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
-        let message = match thread.map(|thread| thread.join()) {
-            Ok(Ok(result)) => return result,
-            Ok(Err(_)) => "landfall failed on this shader; please report it",
-            Err(_) => "not enough memory for another thread",
+    if IS_LARGE.get() {
+        return catch_unwind(AssertUnwindSafe(run)).map_err(StackError::Panic);
+    }
+    thread::scope(|scope| match spawn_large(scope, run) {
+        Ok(thread) => thread.join().map_err(StackError::Panic),
+        Err(_) => Err(StackError::Memory),
+    })
+}
+
+/// Starts a thread with a large stack if that of this one is large, else one as the library does.
+///
+/// # Errors
+/// There is not enough memory for it, or there are too many threads.
+pub fn spawn_alike<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    run: impl FnOnce() -> T + Send + 'scope,
+) -> io::Result<ScopedJoinHandle<'scope, T>> {
+    if IS_LARGE.get() { spawn_large(scope, run) } else { Builder::new().spawn_scoped(scope, run) }
+}
+
+fn spawn_large<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    run: impl FnOnce() -> T + Send + 'scope,
+) -> io::Result<ScopedJoinHandle<'scope, T>> {
+    let marked = || {
+        IS_LARGE.set(true);
+        run()
+    };
+    Builder::new().stack_size(STACK).spawn_scoped(scope, marked)
+}
+
+/// Runs a function over a shader on a large stack; what keeps it from returning is an error of the
+/// shader.
+#[cfg(feature = "lowering")]
+pub(super) fn over_shader<T: Send>(
+    run: impl FnOnce() -> Result<T, Vec<Diagnostic>> + Send,
+) -> Result<T, Vec<Diagnostic>> {
+    on_a_large_stack(run).unwrap_or_else(|error| {
+        let message = match error {
+            StackError::Panic(_) => "landfall failed on this shader; please report it",
+            StackError::Memory => "not enough memory for another thread",
         };
         Err(vec![Diagnostic::error(Code::CannotRun, Span::default(), message)])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Uses a kilobyte of stack for each level.
+    fn deep(levels: usize) -> usize {
+        let frame = std::hint::black_box([levels; 128]);
+        if levels == 0 { 0 } else { 1 + deep(levels - 1) + frame[127] - levels }
+    }
+
+    #[test]
+    fn a_large_stack_is_entered_once_and_inherited() {
+        let levels = 60_000;
+        let here = thread::current().id();
+        let (outer, inner, child) = on_a_large_stack(|| {
+            assert_eq!(deep(levels), levels);
+            let inner = on_a_large_stack(|| thread::current().id()).unwrap();
+            let child = thread::scope(|scope| {
+                spawn_alike(scope, || (deep(levels), IS_LARGE.get())).unwrap().join().unwrap()
+            });
+            (thread::current().id(), inner, child)
+        })
+        .unwrap();
+        assert!(outer != here && inner == outer);
+        assert_eq!(child, (levels, true));
+        let usual =
+            thread::scope(|scope| spawn_alike(scope, || IS_LARGE.get()).unwrap().join().unwrap());
+        assert!(!usual);
+    }
+
+    #[test]
+    fn a_panic_is_an_error_on_either_kind_of_thread() {
+        let panics = || on_a_large_stack(|| -> () { panic!("expected by this test") });
+        assert!(matches!(panics(), Err(StackError::Panic(_))));
+        assert!(matches!(on_a_large_stack(panics), Ok(Err(StackError::Panic(_)))));
+    }
 }

@@ -172,6 +172,23 @@ pub enum Command {
     Reader(ServeBackendArgs),
 }
 
+impl Command {
+    /// Whether the command follows the code of shaders, which may nest deeply, in this build.
+    pub fn lowers(&self) -> bool {
+        let follows = matches!(self, Command::Check(_) | Command::Lights(_) | Command::Report(_));
+        let runs = matches!(
+            self,
+            Command::Verify(_)
+                | Command::Run(_)
+                | Command::Stress(_)
+                | Command::Prove(_)
+                | Command::Render(_)
+                | Command::Bench(_)
+        );
+        follows && cfg!(feature = "analysis") || runs && cfg!(feature = "exec")
+    }
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Color {
     Auto,

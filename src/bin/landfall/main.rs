@@ -67,13 +67,28 @@ mod without_effect;
 mod work;
 mod write;
 
+use std::panic::resume_unwind;
 use std::process::ExitCode;
 
-use args::Command;
+use landfall_ir::stack::{StackError, on_a_large_stack};
+
+use args::{Args, Command};
 use output::Streams;
 
 fn main() -> ExitCode {
     let args = args::parse();
+    if !args.command.lowers() {
+        return run(&args);
+    }
+    match on_a_large_stack(|| run(&args)) {
+        Ok(code) => code,
+        // Each shader is then lowered on a thread of its own, which may find memory.
+        Err(StackError::Memory) => run(&args),
+        Err(StackError::Panic(panic)) => resume_unwind(panic),
+    }
+}
+
+fn run(args: &Args) -> ExitCode {
     let streams = Streams::new(args.global.color, args.global.quiet);
     watch::begin(&args.command, &args.global.budget, &streams);
     without_effect::begin(&args.command, &streams);

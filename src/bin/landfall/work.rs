@@ -8,6 +8,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use landfall_ir::stack::spawn_alike;
+
 /// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
 
@@ -88,7 +90,10 @@ fn run<S, I: Send, O: Weighed + Send, E>(
     };
     thread::scope(|scope| {
         for _ in 1..threads {
-            scope.spawn(|| queue.work(&open, &job));
+            if spawn_alike(scope, || queue.work(&open, &job)).is_err() {
+                // The others do its work.
+                drop(LeaveAtEnd(&queue));
+            }
         }
         let _stop = StopAtEnd(&queue);
         queue.work_and_take(&mut |item| job(own, item), &mut take)

@@ -42,7 +42,7 @@ pub fn find(
         fragment: source.stage.is_none_or(|stage| stage == Stage::Fragment),
         precise,
     };
-    crate::stack::on_a_large_stack(|| Ok(walk::follow(&module, lights, setting)))
+    crate::stack::over_shader(|| Ok(walk::follow(&module, lights, setting)))
 }
 
 /// Properties of the shader as a whole.

@@ -66,7 +66,7 @@ pub fn terms(
     let module = Module::new(source, options)?;
     let setting = Setting { language: source.language, fragment: true, precise: false };
     let position = position.to_string();
-    crate::stack::on_a_large_stack(|| {
+    crate::stack::over_shader(|| {
         let mut walk = Walk::new(&module, lights, setting);
         let mut outputs = Vec::new();
         for entry in &module.ir.entry_points {
