@@ -19,8 +19,10 @@ use super::reason;
 use crate::error::Error;
 
 mod private;
+mod special;
 
 pub use private::create_private;
+use special::{is_character_device, is_pipe, is_stream, reader_of};
 
 /// The start of temporary file names: `.landfall-PID-TOKEN-N.partial`.
 const PARTIAL_START: &str = ".landfall-";
@@ -141,7 +143,12 @@ impl FileWriter {
             let message = format!("cannot be written: {}", reason(&cause));
             Error::new(path.display().to_string(), message)
         };
-        let there = fs::metadata(path).ok();
+        // A run may write thousands of files that are new: nothing is asked twice about them.
+        let named = fs::symlink_metadata(path).ok();
+        let there = match &named {
+            Some(link) if link.is_symlink() => fs::metadata(path).ok(),
+            Some(_) | None => named.clone(),
+        };
         let is_device = there.as_ref().is_some_and(|found| !found.is_file() && !found.is_dir());
         if is_device && self.tree.is_some() {
             return Err(Error::new(path.display().to_string(), "is not a regular file")
@@ -157,12 +164,13 @@ impl FileWriter {
             let mut file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             return file.write_all(bytes).map(|()| Written::Changed).map_err(failed);
         }
-        self.allows(path)?;
-        let real = if path.is_symlink() { fs::canonicalize(path).ok() } else { None };
+        self.allows_named(path, named.as_ref())?;
+        let is_link = named.as_ref().is_some_and(Metadata::is_symlink);
+        let real = if is_link { fs::canonicalize(path).ok() } else { None };
         let target = real.as_deref().unwrap_or(path);
         let folder = folder_of(target);
         sweep(folder);
-        if fs::read(target).is_ok_and(|old| old == bytes) {
+        if there.is_some() && fs::read(target).is_ok_and(|old| old == bytes) {
             return Ok(Written::Unchanged);
         }
         if there.as_ref().is_some_and(|found| found.is_file() && found.permissions().readonly()) {
@@ -220,14 +228,21 @@ impl FileWriter {
     /// # Errors
     /// The file is an input, or lies behind a symbolic link out of the tree.
     pub fn allows(&self, path: &Path) -> Result<(), Error> {
-        self.refuse_input(path)?;
-        let target = real(path);
+        self.allows_named(path, fs::symlink_metadata(path).ok().as_ref())
+    }
+
+    /// The same for a path whose own metadata is known, if it exists.
+    fn allows_named(&self, path: &Path, named: Option<&Metadata>) -> Result<(), Error> {
+        if named.is_some() {
+            self.refuse_input(path)?;
+        }
         let trees = match &self.tree {
             Some(tree) => vec![tree.clone()],
             // Links of directories are fine in a path that the user names.
-            None if !path.is_symlink() => return Ok(()),
+            None if !named.is_some_and(Metadata::is_symlink) => return Ok(()),
             None => vec![real(folder_of(path)), real(Path::new("."))],
         };
+        let target = real(path);
         if trees.iter().any(|tree| target.starts_with(tree)) {
             return Ok(());
         }
@@ -264,56 +279,6 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Error> {
     FileWriter::default().write(path, bytes).map(|_| ())
 }
 
-/// Whether a path names an open stream: `/dev/stdout`, which may refer to a file that is being
-/// written, `/dev/fd/N`, or `/proc/PID/fd/N`.
-fn is_stream(path: &Path) -> bool {
-    let is_standard = ["/dev/stdin", "/dev/stdout", "/dev/stderr"].map(Path::new).contains(&path);
-    let folder = folder_of(path);
-    let is_open = folder == Path::new("/dev/fd")
-        || folder.starts_with("/proc") && folder.file_name() == Some(OsStr::new("fd"));
-    cfg!(unix) && (is_standard || is_open)
-}
-
-#[cfg(unix)]
-fn is_pipe(found: &Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    found.file_type().is_fifo()
-}
-
-#[cfg(not(unix))]
-fn is_pipe(_: &Metadata) -> bool {
-    false
-}
-
-#[cfg(unix)]
-fn is_character_device(found: &Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    found.file_type().is_char_device()
-}
-
-#[cfg(not(unix))]
-fn is_character_device(_: &Metadata) -> bool {
-    false
-}
-
-/// Opens a named pipe; fails if no process reads it, for which others would wait.
-#[cfg(any(target_os = "linux", target_os = "macos"))]
-fn reader_of(pipe: &Path) -> Result<Option<fs::File>, Error> {
-    use std::os::unix::fs::OpenOptionsExt;
-    /// `O_NONBLOCK`.
-    const AT_ONCE: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 0x4 };
-    match OpenOptions::new().write(true).custom_flags(AT_ONCE).open(pipe) {
-        Ok(opened) => Ok(Some(opened)),
-        Err(_) => Err(Error::new(pipe.display().to_string(), "is a pipe that no process reads")
-            .with_help("start its reader first, or name a file")),
-    }
-}
-
-#[cfg(not(any(target_os = "linux", target_os = "macos")))]
-fn reader_of(_: &Path) -> Result<Option<fs::File>, Error> {
-    Ok(None)
-}
-
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -325,6 +290,9 @@ fn folder_of(path: &Path) -> &Path {
 fn real(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
+        if fs::symlink_metadata(&path).is_err() {
+            break;
+        }
         if let Ok(real) = fs::canonicalize(&path) {
             return real;
         }
