@@ -127,8 +127,8 @@ impl Program {
         let next = AtomicUsize::new(0);
         let work = |thread: usize| {
             let mut machine = self.machine::<R>(bound, settings);
-            // What a watch sees is in order: it gets a share at once. Else a thread that is done takes
-            // more, as the machine may have other work.
+            // With a watch, each thread runs one contiguous share, so that notes are in the order of
+            // lanes. Without one, threads claim batches until none is left: one may be slower.
             let mut whole = settings.watch.then_some(thread * share..(thread + 1) * share);
             let claim = || match settings.watch {
                 true => whole.take(),
