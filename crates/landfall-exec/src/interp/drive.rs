@@ -154,14 +154,19 @@ impl Program {
             }
             Ok((results, machine))
         };
-        let done: Vec<Result<_, _>> = std::thread::scope(|scope| {
-            let work = &work;
-            let handles: Vec<_> = (1..threads).map(|t| scope.spawn(move || work(t))).collect();
-            let others = handles.into_iter().map(ScopedJoinHandle::join);
-            let own = work(0);
-            let others = others.map(|other| other.expect("the machine does not panic"));
-            std::iter::once(own).chain(others).collect()
-        });
+        // Most calls are of one batch.
+        let done: Vec<Result<_, _>> = if threads == 1 {
+            vec![work(0)]
+        } else {
+            std::thread::scope(|scope| {
+                let work = &work;
+                let others: Vec<_> = (1..threads).map(|t| scope.spawn(move || work(t))).collect();
+                let own = work(0);
+                let others = others.into_iter().map(ScopedJoinHandle::join);
+                let others = others.map(|other| other.expect("the machine does not panic"));
+                std::iter::once(own).chain(others).collect()
+            })
+        };
         // Of several failures, that of the first batch.
         let failures = done.iter().filter_map(|done| done.as_ref().err());
         if let Some((_, stopped)) = failures.min_by_key(|(batch, _)| *batch) {
