@@ -10,9 +10,8 @@ use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::FRAC_2_PI;
 
 use super::code::{F1, LANES};
-use super::elementary::{
-    RIGHT, has_fused, inverse_factorials, lanes_of, nearest, polynomial, turned,
-};
+use super::elementary::{RIGHT, has_fused, inverse_factorials, nearest, polynomial, turned};
+use super::lanes::lanes_of;
 use super::power::product;
 
 /// A number as the sum of two, the first of which is the nearest one.

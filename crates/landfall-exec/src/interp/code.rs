@@ -72,6 +72,11 @@ impl Reg {
 pub(super) struct Inst {
     pub op: Op,
     pub head: u8,
+    /// Whether its results are the same for all invocations of a run, and in registers of their own.
+    pub once: bool,
+    /// Whether it multiplies, and the next instruction adds or subtracts in as many groups, and nothing
+    /// else reads the products.
+    pub fused: bool,
     pub groups: u32,
     pub at: u32,
 }

@@ -9,6 +9,7 @@ use pulp::{Arch, NullaryFnOnce};
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
 use super::code::{F1, F2, LANES};
+use super::lanes::lanes_of;
 
 /// Bound of the relative error of all series: 2^-36, at least four times what their last terms and
 /// roundings add up to. A result in doubt is one in about 4,000.
@@ -100,19 +101,6 @@ fn each(
     let mut doubts = [0; LANES];
     arch.dispatch(Each { to, doubts: &mut doubts, a, b, f });
     lanes_of(&doubts)
-}
-
-/// Returns the lanes of the words that are 1.
-pub(super) fn lanes_of(doubts: &[u32; LANES]) -> u64 {
-    if doubts.iter().fold(0, |all, doubt| all | doubt) == 0 {
-        return 0;
-    }
-    let mut lanes = 0;
-    for (i, chunk) in doubts.chunks_exact(8).enumerate() {
-        let byte = chunk.iter().rev().fold(0, |byte, doubt| byte << 1 | doubt);
-        lanes |= u64::from(byte) << (8 * i);
-    }
-    lanes
 }
 
 /// Returns the whole number from 1 to 1024 that all lanes hold: of a power by multiplications, whose
@@ -211,10 +199,11 @@ pub(super) fn polynomial<const FUSED: bool, const N: usize>(x: f64, coefficients
     sum
 }
 
-/// Returns 2^p, where that is a normal `f32`.
+/// Returns 2^p, where that is a normal `f32` or less than half of the least one.
 #[inline(always)]
 fn exponential<const FUSED: bool>(p: f64) -> Series {
-    (exp2::<FUSED>(p), p.abs() < 125.0)
+    let vanishes = p < -160.0;
+    (if vanishes { 0.0 } else { exp2::<FUSED>(p) }, vanishes | (p.abs() < 125.0))
 }
 
 /// Returns 2^p for |p| < 1000: the power of the nearest whole number, and the series of the

@@ -9,6 +9,7 @@ mod control;
 mod expensive;
 mod float;
 mod integer;
+mod interpret;
 mod kernel;
 mod memory;
 mod sanitizer;
@@ -24,7 +25,7 @@ use std::time::Instant;
 
 use pulp::Arch;
 
-use super::code::{Class, LANES, Op, Origin, Reg};
+use super::code::{Class, LANES, Origin, Reg};
 use super::counts::Tally;
 use super::lanes::Lanes;
 use super::program::Program;
@@ -32,11 +33,9 @@ use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
 pub(super) use integer::binary;
+use interpret::Until;
 pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
-
-/// A scalar of all lanes.
-pub(super) type Column<L> = Box<Aligned<L>>;
 
 /// Lanes that begin where a line of the processor's cache does: no load crosses two lines.
 #[derive(Clone, Debug)]
@@ -91,13 +90,15 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     pub program: &'p Program,
     /// The registers of the processor.
     arch: Arch,
-    reals: Vec<Option<Column<R::Lanes>>>,
-    words: Vec<Option<Column<[u32; LANES]>>>,
-    wides: Vec<Option<Column<[u64; LANES]>>>,
+    reals: Vec<Aligned<R::Lanes>>,
+    words: Vec<Aligned<[u32; LANES]>>,
+    wides: Vec<Aligned<[u64; LANES]>>,
     pub buffers: Vec<Memory<'j>>,
     pub images: Vec<Image<'j>>,
     /// By image: its last samples.
     samples: Vec<Option<Box<memory::Samples<R::Lanes>>>>,
+    /// By instruction: whether its results hold for all batches, and are there.
+    done: Vec<bool>,
     /// The lanes that were started.
     started: u64,
     /// The active lanes.
@@ -109,9 +110,6 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     /// The lanes in which a comparison, or an integer converted from a float, may differ elsewhere.
     pub unsure: u64,
     frames: Vec<Frame>,
-    /// The active lanes as words of ones, valid for `mask_of`.
-    mask: [u32; LANES],
-    mask_of: u64,
     /// Loop iterations of each lane, and those of the batch, which no lane exceeds.
     steps: [u32; LANES],
     batch_steps: u32,
@@ -143,14 +141,13 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
             buffers: Vec::new(),
             images: Vec::new(),
             samples: program.images.iter().map(|_| None).collect(),
+            done: vec![false; program.code.len()],
             started: 0,
             active: 0,
             count: 0,
             killed: 0,
             unsure: 0,
             frames: Vec::with_capacity(64),
-            mask: [0; LANES],
-            mask_of: 0,
             steps: [0; LANES],
             batch_steps: 0,
             batch_calls: 0,
@@ -183,108 +180,25 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
         self.frames.clear();
         self.set(lanes);
         match self.watch {
-            None => self.run::<false>(pc as usize),
-            Some(_) => self.run::<true>(pc as usize),
+            None => self.interpret(pc as usize, Until::End).map(drop),
+            Some(_) => self.watched(pc as usize),
         }
     }
 
-    fn run<const WATCH: bool>(&mut self, mut pc: usize) -> Result<(), Stopped> {
+    /// Runs one instruction after the other, with notes on each.
+    fn watched(&mut self, mut pc: usize) -> Result<(), Stopped> {
         let program = self.program;
         loop {
-            let inst = program.code[pc];
-            let cost = program.costs[pc];
-            self.tally.kinds[cost.kind as usize] += u64::from(cost.weight) * self.count;
-            let from = inst.at as usize;
-            let pool = &program.pool[from..from + cost.operands as usize];
-            let (head, operands) = pool.split_at(usize::from(inst.head));
-            if WATCH {
-                self.inspect(pc, inst.op, head, operands);
-                self.inspect_unset(pc, inst.op, operands);
-            }
-            let this = pc;
-            pc += 1;
-            match inst.op {
-                Op::F1(f) => self.f1(f, operands),
-                Op::F2(f) => self.f2(f, operands),
-                Op::F3(f) => self.f3(f, operands),
-                Op::FCmp(cmp) => self.compare_reals(cmp, operands),
-                Op::FTest(test) => self.test_reals(test, operands),
-                Op::Ldexp => self.ldexp(operands),
-                Op::Dot(n) => self.dot(usize::from(n), operands),
-                Op::Length(n) => self.length(usize::from(n), operands),
-                Op::Distance(n) => self.distance(usize::from(n), operands),
-                Op::Normalize(n) => self.normalize(usize::from(n), operands),
-                Op::Cross => self.cross(operands),
-                Op::I1(f) => self.i1(f, operands),
-                Op::I2(f) => self.i2(f, operands),
-                Op::CmpSint(cmp) => self.compare_words(cmp, true, operands),
-                Op::CmpUint(cmp) => self.compare_words(cmp, false, operands),
-                Op::ExtractSint => self.extract(true, operands),
-                Op::ExtractUint => self.extract(false, operands),
-                Op::Insert => self.insert(operands),
-                Op::D1(_)
-                | Op::DNeg
-                | Op::DNot
-                | Op::D2(_)
-                | Op::D3(_)
-                | Op::DCmp(_)
-                | Op::DCmpSint(_)
-                | Op::DCmpUint(_)
-                | Op::DTest(_)
-                | Op::DAbsSint
-                | Op::DSignSint
-                | Op::DDot(_) => self.wide(inst.op, operands),
-                Op::Cast(cast) => self.cast(cast, operands),
-                Op::Select(class) => self.select(class, operands),
-                Op::Move(class) | Op::Blank(class) => self.shift(class, operands),
-                Op::Store(class) => self.store(class, operands),
-                Op::Load(access) => self.load::<WATCH>(access, head, operands),
-                Op::Save(access) => self.save(access, head, operands),
-                Op::Gather(class, access) => self.gather(class, access, head, operands),
-                Op::Scatter(class, access) => self.scatter(class, access, head, operands),
-                Op::Atomic(access) => self.atomic::<WATCH>(access, head, operands),
-                Op::ArrayLength(access) => self.array_length(access, operands),
-                Op::Sample => self.sample(operands),
-                Op::Sampled => {}
-                Op::Texel => self.texel(operands),
-                Op::ImageSize => self.image_size(operands),
-                Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
-                Op::DerivativeCoarse(axis) => self.derivative(axis, false, operands),
-                Op::End => match self.end() {
-                    Some(back) => pc = back,
-                    None => return Ok(()),
-                },
-                Op::Call(function) => {
-                    self.tally.calls[function as usize] += self.count;
-                    self.call_tick(this)?;
-                    self.frames.push(Frame::call(self.active, pc));
-                    pc = program.starts[function as usize] as usize;
-                }
-                Op::Inlined(function) => {
-                    self.tally.calls[function as usize] += self.count;
-                    self.call_tick(this)?;
-                }
-                Op::Again(target) => {
-                    if self.active != 0 {
-                        self.tick(this, target)?;
-                        pc = target as usize;
-                    }
-                }
-                Op::Barrier => {
-                    if !self.barriers || !self.all_lanes_active() {
-                        return Err(Stopped::Barrier(program.origins[this]));
-                    }
-                }
-                other => {
-                    if let Some(target) = self.branch(other, head) {
-                        pc = target as usize;
-                    }
-                }
-            }
-            if WATCH {
-                self.check_results(this, inst.op, operands);
-                self.trace(this, inst.op, head, operands);
-                self.follow_unset(inst.op, head, operands);
+            let (inst, [head, operands]) = (&program.code[pc], program.operands(pc));
+            self.inspect(pc, inst.op, head, operands);
+            self.inspect_unset(pc, inst.op, operands);
+            let next = self.interpret(pc, Until::Next)?;
+            self.check_results(pc, inst.op, operands);
+            self.trace(pc, inst.op, head, operands);
+            self.follow_unset(inst.op, head, operands);
+            match next {
+                Some(next) => pc = next,
+                None => return Ok(()),
             }
         }
     }
@@ -299,15 +213,15 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
     /// Returns the column of a packed register of a class.
     pub fn reals_of(&mut self, reg: Reg) -> &mut R::Lanes {
         debug_assert_eq!(reg.class(), Class::Real);
-        self.reals[reg.number() as usize].as_mut().expect(HELD)
+        &mut self.reals[reg.number() as usize]
     }
 
     pub fn words_of(&mut self, reg: Reg) -> &mut [u32; LANES] {
-        self.words[reg.number() as usize].as_mut().expect(HELD)
+        &mut self.words[reg.number() as usize]
     }
 
     pub fn wides_of(&mut self, reg: Reg) -> &mut [u64; LANES] {
-        self.wides[reg.number() as usize].as_mut().expect(HELD)
+        &mut self.wides[reg.number() as usize]
     }
 }
 
@@ -317,37 +231,54 @@ const CHECKED_EVERY: u32 = 1 << 13;
 /// Calls of 64 invocations for each loop iteration that one invocation may run.
 const CALLS_PER_STEP: u64 = 1 << 10;
 
-/// The reason why a column exists: only the results of the current instruction are taken out of the
-/// file, and an instruction never reads its own results.
-const HELD: &str = "no instruction reads what it writes";
-
 /// Returns the column of a register.
 #[inline(always)]
-fn column<L>(file: &[Option<Column<L>>], reg: u32) -> &L {
-    file[reg as usize].as_ref().expect(HELD)
+fn column<L>(file: &[Aligned<L>], reg: u32) -> &L {
+    &file[reg as usize]
 }
 
 /// Returns the column of a register that is not read meanwhile.
 #[inline(always)]
-fn column_mut<L>(file: &mut [Option<Column<L>>], reg: u32) -> &mut L {
-    file[reg as usize].as_mut().expect(HELD)
+fn column_mut<L>(file: &mut [Aligned<L>], reg: u32) -> &mut L {
+    &mut file[reg as usize]
 }
 
-/// Takes a column out, to be written while others are read.
+/// Returns the column of a register, to be written while others are read: no instruction reads what
+/// it writes.
 #[inline(always)]
-fn take<L>(file: &mut [Option<Column<L>>], reg: u32) -> Column<L> {
-    file[reg as usize].take().expect(HELD)
+fn apart<L>(file: &mut [Aligned<L>], reg: u32) -> (&mut L, Others<'_, L>) {
+    let (below, rest) = file.split_at_mut(reg as usize);
+    let (column, above) = rest.split_first_mut().expect("the register is in the file");
+    (column, Others { below, above })
+}
+
+/// The columns beside one.
+#[derive(Clone, Copy)]
+struct Others<'f, L> {
+    below: &'f [Aligned<L>],
+    above: &'f [Aligned<L>],
+}
+
+impl<'f, L> Others<'f, L> {
+    #[inline(always)]
+    fn column(self, reg: u32) -> &'f L {
+        let reg = reg as usize;
+        match reg < self.below.len() {
+            true => &self.below[reg],
+            false => &self.above[reg - self.below.len() - 1],
+        }
+    }
 }
 
 fn columns<L: Lanes<Item: Default>>(
     count: u32,
     constants: &[u64],
     value: impl Fn(u64) -> L::Item,
-) -> Vec<Option<Column<L>>> {
+) -> Vec<Aligned<L>> {
     (0..count as usize)
         .map(|i| {
             let value = constants.get(i).map_or(L::Item::default(), |&bits| value(bits));
-            Some(Box::new(Aligned(L::filled(value))))
+            Aligned(L::filled(value))
         })
         .collect()
 }

@@ -1,13 +1,16 @@
-//! Optimises a function's instructions: propagates copies, removes dead code, and reuses
-//! registers.
+//! Optimises a function's instructions: propagates copies, removes dead code, marks what is the same
+//! for all invocations and what is fused, and reuses registers.
 //!
 //! Called by [`compile`](super::compile) for one function at a time.
 
 mod copies;
+mod fuse;
+mod once;
 mod reuse;
 
 use super::body::{Body, Compiled};
 use super::code::{Access, Inst, Op, Reg, Region};
+use super::program::BufferInfo;
 
 /// The use that an instruction makes of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,10 +31,17 @@ pub(super) fn registers(inst: &Inst, mut each: impl FnMut(usize, Role)) {
     }
 }
 
-pub(super) fn optimize(body: &mut Body, accesses: &[Access], interface: &Compiled) {
+pub(super) fn optimize(
+    body: &mut Body,
+    accesses: &[Access],
+    buffers: &[BufferInfo],
+    interface: &Compiled,
+) {
     drop_unread(body);
     copies::remove_copies(body, accesses, interface);
-    reuse::reuse(body);
+    let kept = once::mark(body, accesses, buffers);
+    fuse::mark(body);
+    reuse::reuse(body, &kept);
 }
 
 /// Removes the groups of pure instructions whose results are never read.

@@ -9,7 +9,8 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::code::LANES;
-use super::elementary::{has_fused, lanes_of};
+use super::elementary::has_fused;
+use super::lanes::lanes_of;
 
 /// What the second number is multiplied by before it is rounded away: 1 / (1 - 2 e) for errors of up
 /// to 1/2 + e units, here 0.515 for powers near 1 and 0.555 for others.

@@ -144,6 +144,13 @@ pub(super) struct Uses {
 }
 
 impl Program {
+    /// Returns the registers that an instruction reads once, and those of its groups.
+    pub(super) fn operands(&self, pc: usize) -> [&[u32]; 2] {
+        let (inst, cost) = (&self.code[pc], &self.costs[pc]);
+        let from = inst.at as usize;
+        self.pool[from..from + cost.operands as usize].split_at(usize::from(inst.head)).into()
+    }
+
     /// Returns the functions that can be called directly; not those that take textures.
     pub fn functions(&self) -> Vec<FunctionSignature> {
         let plain = self.functions.iter().filter(|f| f.state.is_ok() && f.interface.is_none());

@@ -52,9 +52,9 @@ impl Lanes for ShadowLanes {
         self.double.set(|lane| value(lane).double);
     }
     #[inline(always)]
-    fn blend(&mut self, from: &ShadowLanes, mask: &[u32; LANES]) {
-        self.single.blend(&from.single, mask);
-        self.double.blend(&from.double, mask);
+    fn blend(&mut self, from: &ShadowLanes, lanes: u64) {
+        self.single.blend(&from.single, lanes);
+        self.double.blend(&from.double, lanes);
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod support;
 
+mod batches;
 mod builtins;
 mod control;
 mod cpu;

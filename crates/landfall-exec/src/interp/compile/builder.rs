@@ -196,7 +196,14 @@ impl<'a> Builder<'a> {
         let at = body.pool.len() as u32;
         body.pool.extend(head.iter().map(|reg| reg.0));
         body.pool.extend_from_slice(operands);
-        body.code.push(Inst { op, head: head.len() as u8, groups: groups as u32, at });
+        body.code.push(Inst {
+            op,
+            head: head.len() as u8,
+            once: false,
+            fused: false,
+            groups: groups as u32,
+            at,
+        });
         body.origins.push(body.origin.unwrap_or(nowhere(0)));
         body.code.len() as u32 - 1
     }
@@ -238,7 +245,7 @@ impl<'a> Builder<'a> {
         let mut body = std::mem::take(&mut self.body);
         self.lengths.push(body.pool.len());
         let compiled = compiled.and_then(|compiled| {
-            optimize::optimize(&mut body, &self.accesses, &compiled);
+            optimize::optimize(&mut body, &self.accesses, &self.buffers, &compiled);
             let sum: u32 = (0..3).map(|i| self.temporaries[i] + body.temporaries[i]).sum();
             if body.overflow || sum > MOST_REGISTERS {
                 return Err(format!("values of more than {MOST_REGISTERS} scalars"));

@@ -6,13 +6,14 @@ use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::float::frexp;
 use super::kernel::map1;
-use super::{Machine, column, column_mut, take};
+use super::{Machine, apart, column, column_mut};
 
 fn half(bits: u32) -> f32 {
     half::f16::from_bits(bits as u16).to_f32()
 }
 
 impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
     pub(super) fn cast(&mut self, cast: Cast, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let [to, from] = [group[0], group[1]];
@@ -37,16 +38,12 @@ impl<R: Real> Machine<'_, '_, R> {
                 Cast::LowHalf => self.word_real(to, from, |x| R::narrow(half(x))),
                 Cast::HighHalf => self.word_real(to, from, |x| R::narrow(half(x >> 16))),
                 Cast::WordToBool => {
-                    let mut column_ = take(&mut self.words, to);
-                    map1(self.arch, &mut **column_, column(&self.words, from), |x| {
-                        u32::from(x != 0)
-                    });
-                    self.words[to as usize] = Some(column_);
+                    let (column_, others) = apart(&mut self.words, to);
+                    map1(column_, others.column(from), |x| u32::from(x != 0));
                 }
                 Cast::RoundHalf => {
-                    let mut column_ = take(&mut self.reals, to);
-                    map1(self.arch, &mut **column_, column(&self.reals, from), R::half);
-                    self.reals[to as usize] = Some(column_);
+                    let (column_, others) = apart(&mut self.reals, to);
+                    map1(column_, others.column(from), R::half);
                 }
                 Cast::RealToDouble => self.real_wide(to, from, |x| x.double().to_bits()),
                 Cast::RealToSint64 => self.real_wide(to, from, |x| x.whole() as i64 as u64),
@@ -77,40 +74,46 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    #[inline(always)]
     fn real_word(&mut self, to: u32, from: u32, f: impl Fn(R) -> u32) {
         let to = column_mut(&mut self.words, to);
-        map1(self.arch, to, column(&self.reals, from), f);
+        map1(to, column(&self.reals, from), f);
     }
 
+    #[inline(always)]
     fn word_real(&mut self, to: u32, from: u32, f: impl Fn(u32) -> R) {
         let to = column_mut(&mut self.reals, to);
-        map1(self.arch, to, column(&self.words, from), f);
+        map1(to, column(&self.words, from), f);
     }
 
+    #[inline(always)]
     fn real_wide(&mut self, to: u32, from: u32, f: impl Fn(R) -> u64) {
         let to = column_mut(&mut self.wides, to);
-        map1(self.arch, to, column(&self.reals, from), f);
+        map1(to, column(&self.reals, from), f);
     }
 
+    #[inline(always)]
     fn wide_real(&mut self, to: u32, from: u32, f: impl Fn(u64) -> R) {
         let to = column_mut(&mut self.reals, to);
-        map1(self.arch, to, column(&self.wides, from), f);
+        map1(to, column(&self.wides, from), f);
     }
 
+    #[inline(always)]
     fn wide_word(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u32) {
         let to = column_mut(&mut self.words, to);
-        map1(self.arch, to, column(&self.wides, from), f);
+        map1(to, column(&self.wides, from), f);
     }
 
+    #[inline(always)]
     fn word_wide(&mut self, to: u32, from: u32, f: impl Fn(u32) -> u64) {
         let to = column_mut(&mut self.wides, to);
-        map1(self.arch, to, column(&self.words, from), f);
+        map1(to, column(&self.words, from), f);
     }
 
+    #[inline(always)]
     fn wide_wide(&mut self, to: u32, from: u32, f: impl Fn(u64) -> u64) {
-        let mut results = take(&mut self.wides, to);
-        let a: &[u64; LANES] = column(&self.wides, from);
-        map1(self.arch, &mut **results, a, f);
-        self.wides[to as usize] = Some(results);
+        let (results, others) = apart(&mut self.wides, to);
+        let a: &[u64; LANES] = others.column(from);
+        map1(results, a, f);
     }
 }

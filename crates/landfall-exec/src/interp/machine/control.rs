@@ -4,8 +4,9 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::super::code::{LANES, Op};
+use super::super::lanes::lanes_of;
 use super::super::real::Real;
-use super::{CALLS_PER_STEP, CHECKED_EVERY, HELD, Machine, Stopped};
+use super::{CALLS_PER_STEP, CHECKED_EVERY, Machine, Stopped, column};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -39,20 +40,13 @@ const INSIDE: &str = "constructs are closed in the order they were opened";
 
 impl<R: Real> Machine<'_, '_, R> {
     /// Returns the lanes in which a bool is true; lanes that are not active may hold any word.
+    #[inline(always)]
     fn lanes_of(&self, reg: u32) -> u64 {
-        let column = self.words[reg as usize].as_ref().expect(HELD);
-        let mut lanes = 0;
-        for (i, chunk) in column.chunks_exact(8).enumerate() {
-            let mut byte = 0;
-            for (bit, &word) in chunk.iter().enumerate() {
-                byte |= u64::from(word & 1) << bit;
-            }
-            lanes |= byte << (8 * i);
-        }
-        lanes
+        lanes_of(column(&self.words, reg))
     }
 
     /// Runs an instruction that changes the active lanes; returns its jump target, if it jumps.
+    #[inline(always)]
     pub(super) fn branch(&mut self, op: Op, head: &[u32]) -> Option<u32> {
         match op {
             Op::If(target) => {
@@ -102,7 +96,7 @@ impl<R: Real> Machine<'_, '_, R> {
             }
             Op::Case(table) => {
                 let values = &self.program.values[table as usize];
-                let column = self.words[head[0] as usize].as_ref().expect(HELD);
+                let column = column(&self.words, head[0]);
                 let mut found = 0;
                 for (lane, word) in column.iter().enumerate() {
                     found |= u64::from(values.bits.contains(word)) << lane;
@@ -153,6 +147,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Ends a function; returns where its caller continues, if it has one.
+    #[inline(always)]
     pub(super) fn end(&mut self) -> Option<usize> {
         let frame = self.frames.pop()?;
         self.set(frame.first & !self.killed);
@@ -170,6 +165,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Counts one call, and checks the limit of calls and the deadline.
+    #[inline(always)]
     pub(super) fn call_tick(&mut self, pc: usize) -> Result<(), Stopped> {
         self.batch_calls += 1;
         if self.batch_calls > u64::from(self.budget) * CALLS_PER_STEP {
@@ -194,6 +190,7 @@ impl<R: Real> Machine<'_, '_, R> {
 
     /// Counts one loop iteration, and checks the budget and the deadline; `start` is the first
     /// instruction of the loop.
+    #[inline(always)]
     pub(super) fn tick(&mut self, pc: usize, start: u32) -> Result<(), Stopped> {
         self.batch_steps = self.batch_steps.saturating_add(1);
         if self.active == u64::MAX {

@@ -8,25 +8,23 @@ use super::super::lanes::Lanes;
 use super::super::real::{ColumnWork, Real};
 use super::float::{pow, transcendental};
 use super::kernel::dear;
-use super::{Machine, column, take};
+use super::{Machine, apart};
 
 impl<R: Real> Machine<'_, '_, R> {
     pub(super) fn transcendental1(&mut self, f: F1, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
-            let mut to = take(&mut self.reals, group[0]);
+            let (to, others) = apart(&mut self.reals, group[0]);
             let work = Expensive1 { arch: self.arch, f, active: self.active };
-            R::on_parts(&mut to, [column(&self.reals, group[1])], &work);
-            self.reals[group[0] as usize] = Some(to);
+            R::on_parts(to, [others.column(group[1])], &work);
         }
     }
 
     pub(super) fn transcendental2(&mut self, f: F2, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
-            let mut to = take(&mut self.reals, group[0]);
-            let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let (a, b) = (others.column(group[1]), others.column(group[2]));
             let work = Expensive2 { arch: self.arch, f, active: self.active };
-            R::on_parts(&mut to, [a, b], &work);
-            self.reals[group[0] as usize] = Some(to);
+            R::on_parts(to, [a, b], &work);
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Float operations on each lane, in the precision of the run.
 
-use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Test};
-use super::super::elementary::lanes_of;
-use super::super::lanes::Lanes;
+use super::super::code::{Axis, Cmp, F1, F2, F3, LANES, Op, Test};
+use super::super::lanes::{Lanes, lanes_of};
 use super::super::real::Real;
 use super::kernel::{groups1, groups2, groups3, map1, map2, map3, map4, map6};
-use super::{Machine, column, column_mut, take};
+use super::{Machine, apart, column, column_mut};
 use landfall_layout::buffer::float::round_to_odd;
 
 /// Returns `pow` as devices define it: NaN for a negative base, whatever the exponent.
@@ -132,19 +131,20 @@ pub(super) fn smoothstep<R: Real>(low: R, high: R, x: R) -> R {
 impl<R: Real> Machine<'_, '_, R> {
     #[inline(always)]
     fn each1(&mut self, operands: &[u32], f: impl Fn(R) -> R) {
-        groups1::<R>(self.arch, &mut self.reals, operands, f);
+        groups1::<R>(&mut self.reals, operands, f);
     }
 
     #[inline(always)]
     fn each2(&mut self, operands: &[u32], f: impl Fn(R, R) -> R) {
-        groups2::<R>(self.arch, &mut self.reals, operands, f);
+        groups2::<R>(&mut self.reals, operands, f);
     }
 
     #[inline(always)]
     fn each3(&mut self, operands: &[u32], f: impl Fn(R, R, R) -> R) {
-        groups3::<R>(self.arch, &mut self.reals, operands, f);
+        groups3::<R>(&mut self.reals, operands, f);
     }
 
+    #[inline(always)]
     pub(super) fn f1(&mut self, f: F1, operands: &[u32]) {
         match f {
             F1::Neg => self.each1(operands, |x| x.neg()),
@@ -172,6 +172,7 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn f2(&mut self, f: F2, operands: &[u32]) {
         match f {
             F2::Add => self.each2(operands, |a, b| a.add(b)),
@@ -193,6 +194,32 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    /// Adds products to other numbers or subtracts one from the other, by two fused instructions.
+    #[inline(always)]
+    pub(super) fn multiply_and(&mut self, then: Op, products: &[u32], sums: &[u32]) {
+        let on_the_left = products[0] == sums[1];
+        match (then, on_the_left) {
+            (Op::F2(F2::Add), true) => self.each_sum(products, sums, 2, |ab, c| ab.add(c)),
+            (Op::F2(F2::Add), false) => self.each_sum(products, sums, 1, |ab, c| c.add(ab)),
+            (_, true) => self.each_sum(products, sums, 2, |ab, c| ab.sub(c)),
+            (_, false) => self.each_sum(products, sums, 1, |ab, c| c.sub(ab)),
+        }
+    }
+
+    /// Computes a function of each product and another operand of its sum.
+    #[inline(always)]
+    fn each_sum(&mut self, products: &[u32], sums: &[u32], other: usize, f: impl Fn(R, R) -> R) {
+        // Not zipped, as that is a call.
+        let mut sums = sums.chunks_exact(3);
+        for product in products.chunks_exact(3) {
+            let Some(sum) = sums.next() else { return };
+            let (to, others) = apart(&mut self.reals, sum[0]);
+            let (a, b) = (others.column(product[1]), others.column(product[2]));
+            map3(to, a, b, others.column(sum[other]), |a, b, c| f(a.mul(b), c));
+        }
+    }
+
+    #[inline(always)]
     pub(super) fn f3(&mut self, f: F3, operands: &[u32]) {
         match f {
             F3::Fma => self.each3(operands, |a, b, c| a.fma(b, c)),
@@ -202,16 +229,17 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn compare_reals(&mut self, cmp: Cmp, operands: &[u32]) {
         macro_rules! each {
             ($cmp:expr, $op:tt) => {
                 for group in operands.chunks_exact(3) {
                     let (a, b) = (column(&self.reals, group[1]), column(&self.reals, group[2]));
                     let to = column_mut(&mut self.words, group[0]);
-                    map2(self.arch, to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
+                    map2(to, a, b, |a, b| u32::from(R::by(a) $op R::by(b)));
                     if R::MANY {
                         let mut unsure = [0; LANES];
-                        map2(self.arch, &mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
+                        map2(&mut unsure, a, b, |a, b| u32::from(R::unsure(a, $cmp, b)));
                         self.unsure |= lanes_of(&unsure) & self.active;
                     }
                 }
@@ -227,158 +255,131 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn test_reals(&mut self, test: Test, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
             let a = column(&self.reals, group[1]);
             let to = column_mut(&mut self.words, group[0]);
             match test {
-                Test::IsNan => map1(self.arch, to, a, |x| u32::from(R::by(x) != R::by(x))),
-                Test::IsInf => map1(self.arch, to, a, |x| u32::from(x.is_infinite())),
+                Test::IsNan => map1(to, a, |x| u32::from(R::by(x) != R::by(x))),
+                Test::IsInf => map1(to, a, |x| u32::from(x.is_infinite())),
             }
         }
     }
 
+    #[inline(always)]
     pub(super) fn ldexp(&mut self, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
-            let mut to = take(&mut self.reals, group[0]);
-            let (a, e) = (column(&self.reals, group[1]), column(&self.words, group[2]));
-            map2(self.arch, &mut **to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
-            self.reals[group[0] as usize] = Some(to);
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let (a, e) = (others.column(group[1]), column(&self.words, group[2]));
+            map2(to, a, e, |a, e| a.lift1(|x| ldexp(x, e as i32)));
         }
     }
 
+    #[inline(always)]
     pub(super) fn dot(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(1 + 2 * n) {
-            let mut to = take(&mut self.reals, group[0]);
+            let (to, others) = apart(&mut self.reals, group[0]);
             let (a, b) = group[1..].split_at(n);
-            let of = |reg: u32| column(&self.reals, reg);
-            match n {
+            let of = |reg: u32| others.column(reg);
+            match (a, b) {
                 _ if R::PERMITTED => {
                     products_in_any_order(
-                        &mut **to,
+                        to,
                         |i, lane| (of(a[i]).lane(lane), of(b[i]).lane(lane)),
                         n,
                         a == b,
                     );
                 }
-                1 => map2(self.arch, &mut **to, of(a[0]), of(b[0]), R::mul),
-                2 => {
-                    let [x, y] = [0, 1].map(|i| (of(a[i]), of(b[i])));
-                    map4(self.arch, &mut **to, x.0, x.1, y.0, y.1, dot2);
-                }
-                _ => {
-                    let [x, y, z] = [0, 1, 2].map(|i| (of(a[i]), of(b[i])));
-                    map6(self.arch, &mut **to, x.0, x.1, y.0, y.1, z.0, z.1, dot3);
-                    if let [_, _, _, a] = a {
-                        let three = **to;
+                (&[x], &[u]) => map2(to, of(x), of(u), R::mul),
+                (&[x, y], &[u, v]) => map4(to, of(x), of(u), of(y), of(v), dot2),
+                (&[x, y, z, ..], &[u, v, w, ..]) => {
+                    map6(to, of(x), of(u), of(y), of(v), of(z), of(w), dot3);
+                    if let ([_, _, _, a], [_, _, _, b]) = (a, b) {
+                        let three = *to;
                         let sum = |three: R, a: R, b: R| three.add(a.mul(b));
-                        map3(self.arch, &mut **to, &three, of(*a), of(b[3]), sum);
+                        map3(to, &three, of(*a), of(*b), sum);
                     }
                 }
+                _ => unreachable!("a vector has one to four components"),
             }
-            self.reals[group[0] as usize] = Some(to);
         }
     }
 
+    #[inline(always)]
     pub(super) fn length(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(1 + n) {
-            let mut to = take(&mut self.reals, group[0]);
-            self.length_of(&group[1..], &mut to);
-            self.reals[group[0] as usize] = Some(to);
-        }
-    }
-
-    fn length_of(&self, v: &[u32], to: &mut R::Lanes) {
-        let of = |reg: u32| column(&self.reals, reg);
-        match *v {
-            [x, y, z] if !R::PERMITTED => {
-                map3(self.arch, to, of(x), of(y), of(z), |x, y, z| squares3(x, y, z).sqrt());
-            }
-            _ => {
-                let mut squares = R::Lanes::filled(R::default());
-                self.squares_of(v, &mut squares);
-                map1(self.arch, to, &squares, R::sqrt);
+            let (to, others) = apart(&mut self.reals, group[0]);
+            match group[1..] {
+                [x, y, z] if !R::PERMITTED => {
+                    let [x, y, z] = [others.column(x), others.column(y), others.column(z)];
+                    map3(to, x, y, z, |x, y, z| squares3(x, y, z).sqrt());
+                }
+                _ => {
+                    let mut squares = R::Lanes::filled(R::default());
+                    squares_of::<R>(&group[1..], |reg| others.column(reg), &mut squares);
+                    map1(to, &squares, R::sqrt);
+                }
             }
         }
     }
 
-    fn squares_of(&self, v: &[u32], to: &mut R::Lanes) {
-        let of = |reg: u32| column(&self.reals, reg);
-        match *v {
-            _ if R::PERMITTED => {
-                products_in_any_order(to, |i, lane| [of(v[i]).lane(lane); 2].into(), v.len(), true);
-            }
-            [x] => map1(self.arch, to, of(x), |x| x.mul(x)),
-            [x, y] => map2(self.arch, to, of(x), of(y), |x, y| dot2(x, x, y, y)),
-            [x, y, z] => map3(self.arch, to, of(x), of(y), of(z), squares3),
-            [x, y, z, w] => {
-                let sum = |x: R, y: R, z: R, w: R| squares3(x, y, z).add(w.mul(w));
-                map4(self.arch, to, of(x), of(y), of(z), of(w), sum);
-            }
-            _ => unreachable!("a vector has one to four components"),
-        }
-    }
-
+    #[inline(always)]
     pub(super) fn distance(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(1 + 2 * n) {
-            let mut to = take(&mut self.reals, group[0]);
+            let (to, others) = apart(&mut self.reals, group[0]);
             let (a, b) = group[1..].split_at(n);
-            let of = |reg: u32| column(&self.reals, reg);
+            let of = |reg: u32| others.column(reg);
             if n == 1 {
-                map2(self.arch, &mut **to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
+                map2(to, of(a[0]), of(b[0]), |a, b| a.sub(b).abs());
             } else if R::PERMITTED {
                 let between = |i: usize, lane: usize| of(a[i]).lane(lane).sub(of(b[i]).lane(lane));
-                products_in_any_order(&mut **to, |i, lane| [between(i, lane); 2].into(), n, true);
-                let squares = **to;
+                products_in_any_order(to, |i, lane| [between(i, lane); 2].into(), n, true);
+                let squares = *to;
                 to.set(|lane| squares.lane(lane).sqrt());
             } else {
                 for (i, (a, b)) in a.iter().zip(b).enumerate() {
-                    let before = **to;
-                    map3(self.arch, &mut **to, &before, of(*a), of(*b), |sum, a, b| {
+                    let before = *to;
+                    map3(to, &before, of(*a), of(*b), |sum, a, b| {
                         let square = a.sub(b).mul(a.sub(b));
                         if i == 0 { square } else { sum.add(square) }
                     });
                 }
-                let squares = **to;
-                map1(self.arch, &mut **to, &squares, R::sqrt);
+                let squares = *to;
+                map1(to, &squares, R::sqrt);
             }
-            self.reals[group[0] as usize] = Some(to);
         }
     }
 
     /// Divides each component by the length: WGSL §17.5.
+    #[inline(always)]
     pub(super) fn normalize(&mut self, n: usize, operands: &[u32]) {
         for group in operands.chunks_exact(2 * n) {
             let (to, from) = group.split_at(n);
             let language = self.program.language;
             let mut squares = R::Lanes::filled(R::default());
-            self.squares_of(from, &mut squares);
+            squares_of::<R>(from, |reg| column(&self.reals, reg), &mut squares);
             let mut length = R::Lanes::filled(R::default());
-            map1(self.arch, &mut length, &squares, R::sqrt);
+            map1(&mut length, &squares, R::sqrt);
             for (to, from) in to.iter().zip(from) {
-                let mut quotient = take(&mut self.reals, *to);
-                let from = column(&self.reals, *from);
-                map3(self.arch, &mut **quotient, from, &length, &squares, |a, b, c| {
-                    a.over_length(b, c, language)
-                });
-                self.reals[*to as usize] = Some(quotient);
+                let (quotient, others) = apart(&mut self.reals, *to);
+                let from = others.column(*from);
+                map3(quotient, from, &length, &squares, |a, b, c| a.over_length(b, c, language));
             }
         }
     }
 
+    #[inline(always)]
     pub(super) fn cross(&mut self, operands: &[u32]) {
         for group in operands.chunks_exact(9) {
             let (to, from) = group.split_at(3);
             let (a, b) = from.split_at(3);
             for (i, &to) in to.iter().enumerate() {
                 let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                let mut product = take(&mut self.reals, to);
-                let of = |reg: u32| column(&self.reals, reg);
+                let (product, others) = apart(&mut self.reals, to);
+                let of = |reg: u32| others.column(reg);
                 let (aj, bk, ak, bj) = (of(a[j]), of(b[k]), of(a[k]), of(b[j]));
-                map4(self.arch, &mut **product, aj, bk, ak, bj, |aj, bk, ak, bj| {
-                    aj.mul(bk).sub(ak.mul(bj))
-                });
-                self.reals[to as usize] = Some(product);
+                map4(product, aj, bk, ak, bj, |aj, bk, ak, bj| aj.mul(bk).sub(ak.mul(bj)));
             }
         }
     }
@@ -388,8 +389,8 @@ impl<R: Real> Machine<'_, '_, R> {
     /// neighbours.
     pub(super) fn derivative(&mut self, axis: Axis, fine: bool, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
-            let mut to = take(&mut self.reals, group[0]);
-            let a = column(&self.reals, group[1]);
+            let (to, others) = apart(&mut self.reals, group[0]);
+            let a = others.column(group[1]);
             let started = self.started;
             for lane in 0..LANES {
                 let from = if fine { lane } else { lane & !3 };
@@ -404,8 +405,25 @@ impl<R: Real> Machine<'_, '_, R> {
                 };
                 to.put(lane, difference);
             }
-            self.reals[group[0] as usize] = Some(to);
         }
+    }
+}
+
+/// Computes the sum of the squares of a vector's components.
+#[inline(always)]
+fn squares_of<'f, R: Real>(v: &[u32], of: impl Fn(u32) -> &'f R::Lanes, to: &mut R::Lanes) {
+    match *v {
+        _ if R::PERMITTED => {
+            products_in_any_order(to, |i, lane| [of(v[i]).lane(lane); 2].into(), v.len(), true);
+        }
+        [x] => map1(to, of(x), |x| x.mul(x)),
+        [x, y] => map2(to, of(x), of(y), |x, y| dot2(x, x, y, y)),
+        [x, y, z] => map3(to, of(x), of(y), of(z), squares3),
+        [x, y, z, w] => {
+            let sum = |x: R, y: R, z: R, w: R| squares3(x, y, z).add(w.mul(w));
+            map4(to, of(x), of(y), of(z), of(w), sum);
+        }
+        _ => unreachable!("a vector has one to four components"),
     }
 }
 

@@ -2,9 +2,10 @@
 //! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
 use super::super::code::{Class, Cmp, I1, I2, LANES};
+use super::super::lanes::Lanes;
 use super::super::real::Real;
-use super::kernel::{blend, map1, map2};
-use super::{Machine, column, take};
+use super::kernel::{map1, map2, map3};
+use super::{Machine, apart, column};
 
 pub(super) fn unary(f: I1, x: u32) -> u32 {
     match f {
@@ -88,87 +89,84 @@ pub(super) fn insert(x: u32, new: u32, offset: u32, count: u32) -> u32 {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
     pub(super) fn i1(&mut self, f: I1, operands: &[u32]) {
         for group in operands.chunks_exact(2) {
-            let mut to = take(&mut self.words, group[0]);
-            let a = column(&self.words, group[1]);
+            let (to, others) = apart(&mut self.words, group[0]);
+            let a = others.column(group[1]);
             match f {
-                I1::LogicalNot => map1(self.arch, &mut **to, a, |x| x ^ 1),
-                I1::Neg => map1(self.arch, &mut **to, a, u32::wrapping_neg),
-                I1::Not => map1(self.arch, &mut **to, a, |x: u32| !x),
-                _ => map1(self.arch, &mut **to, a, |x| unary(f, x)),
+                I1::LogicalNot => map1(to, a, |x| x ^ 1),
+                I1::Neg => map1(to, a, u32::wrapping_neg),
+                I1::Not => map1(to, a, |x: u32| !x),
+                _ => map1(to, a, |x| unary(f, x)),
             }
-            self.words[group[0] as usize] = Some(to);
         }
     }
 
+    #[inline(always)]
     pub(super) fn i2(&mut self, f: I2, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
-            let mut to = take(&mut self.words, group[0]);
-            let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
+            let (to, others) = apart(&mut self.words, group[0]);
+            let (a, b) = (others.column(group[1]), others.column(group[2]));
             match f {
-                I2::Add => map2(self.arch, &mut **to, a, b, u32::wrapping_add),
-                I2::Sub => map2(self.arch, &mut **to, a, b, u32::wrapping_sub),
-                I2::Mul => map2(self.arch, &mut **to, a, b, u32::wrapping_mul),
-                I2::And => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a & b),
-                I2::Or => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a | b),
-                I2::Xor => map2(self.arch, &mut **to, a, b, |a: u32, b: u32| a ^ b),
-                _ => map2(self.arch, &mut **to, a, b, |a, b| binary(f, a, b)),
+                I2::Add => map2(to, a, b, u32::wrapping_add),
+                I2::Sub => map2(to, a, b, u32::wrapping_sub),
+                I2::Mul => map2(to, a, b, u32::wrapping_mul),
+                I2::And => map2(to, a, b, |a: u32, b: u32| a & b),
+                I2::Or => map2(to, a, b, |a: u32, b: u32| a | b),
+                I2::Xor => map2(to, a, b, |a: u32, b: u32| a ^ b),
+                _ => map2(to, a, b, |a, b| binary(f, a, b)),
             }
-            self.words[group[0] as usize] = Some(to);
         }
     }
 
+    #[inline(always)]
     pub(super) fn compare_words(&mut self, cmp: Cmp, signed: bool, operands: &[u32]) {
         for group in operands.chunks_exact(3) {
-            let mut to = take(&mut self.words, group[0]);
-            let (a, b) = (column(&self.words, group[1]), column(&self.words, group[2]));
+            let (to, others) = apart(&mut self.words, group[0]);
+            let (a, b) = (others.column(group[1]), others.column(group[2]));
             // Adding 2^31 maps the order of signed numbers to that of unsigned ones.
             let flip = if signed { 1 << 31 } else { 0 };
             match cmp {
-                Cmp::Eq => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a == b)),
-                Cmp::Ne => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a != b)),
-                Cmp::Lt => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
-                Cmp::Le => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
-                Cmp::Gt => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
-                Cmp::Ge => map2(self.arch, &mut **to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
+                Cmp::Eq => map2(to, a, b, |a, b| u32::from(a == b)),
+                Cmp::Ne => map2(to, a, b, |a, b| u32::from(a != b)),
+                Cmp::Lt => map2(to, a, b, |a, b| u32::from(a ^ flip < b ^ flip)),
+                Cmp::Le => map2(to, a, b, |a, b| u32::from(a ^ flip <= b ^ flip)),
+                Cmp::Gt => map2(to, a, b, |a, b| u32::from(a ^ flip > b ^ flip)),
+                Cmp::Ge => map2(to, a, b, |a, b| u32::from(a ^ flip >= b ^ flip)),
             }
-            self.words[group[0] as usize] = Some(to);
         }
     }
 
     pub(super) fn extract(&mut self, signed: bool, operands: &[u32]) {
         for group in operands.chunks_exact(4) {
-            let mut to = take(&mut self.words, group[0]);
-            let [a, b, c] = [1, 2, 3].map(|i| column(&self.words, group[i]));
+            let (to, others) = apart(&mut self.words, group[0]);
+            let [a, b, c] = [1, 2, 3].map(|i| others.column(group[i]));
             for lane in 0..LANES {
                 to[lane] = extract(signed, a[lane], b[lane], c[lane]);
             }
-            self.words[group[0] as usize] = Some(to);
         }
     }
 
     pub(super) fn insert(&mut self, operands: &[u32]) {
         for group in operands.chunks_exact(5) {
-            let mut to = take(&mut self.words, group[0]);
-            let [a, b, c, d] = [1, 2, 3, 4].map(|i| column(&self.words, group[i]));
+            let (to, others) = apart(&mut self.words, group[0]);
+            let [a, b, c, d] = [1, 2, 3, 4].map(|i| others.column(group[i]));
             for lane in 0..LANES {
                 to[lane] = insert(a[lane], b[lane], c[lane], d[lane]);
             }
-            self.words[group[0] as usize] = Some(to);
         }
     }
 
+    #[inline(always)]
     pub(super) fn select(&mut self, class: Class, operands: &[u32]) {
         macro_rules! choose {
             ($file:ident) => {
                 for group in operands.chunks_exact(4) {
-                    let mut to = take(&mut self.$file, group[0]);
-                    let condition = column(&self.words, group[1]);
-                    let (yes, no) = (column(&self.$file, group[2]), column(&self.$file, group[3]));
-                    **to = *no;
-                    blend(self.arch, &mut **to, yes, condition);
-                    self.$file[group[0] as usize] = Some(to);
+                    let (to, others) = apart(&mut self.$file, group[0]);
+                    let [yes, no] = [others.column(group[2]), others.column(group[3])];
+                    let is = column(&self.words, group[1]);
+                    map3(to, is, yes, no, |is, yes, no| if is != 0 { yes } else { no });
                 }
             };
         }
@@ -177,26 +175,24 @@ impl<R: Real> Machine<'_, '_, R> {
             Class::Wide => choose!(wides),
             Class::Word => {
                 for group in operands.chunks_exact(4) {
-                    let mut to = take(&mut self.words, group[0]);
-                    let [c, yes, no] = [1, 2, 3].map(|i| column(&self.words, group[i]));
-                    for lane in 0..LANES {
-                        to[lane] = if c[lane] != 0 { yes[lane] } else { no[lane] };
-                    }
-                    self.words[group[0] as usize] = Some(to);
+                    let (to, others) = apart(&mut self.words, group[0]);
+                    let [yes, no] = [others.column(group[2]), others.column(group[3])];
+                    let is = others.column(group[1]);
+                    map3(to, is, yes, no, |is, yes, no| if is != 0 { yes } else { no });
                 }
             }
         }
     }
 
     /// Copies all lanes.
+    #[inline(always)]
     pub(super) fn shift(&mut self, class: Class, operands: &[u32]) {
         macro_rules! copy {
             ($file:ident) => {
                 for group in operands.chunks_exact(2) {
                     if group[0] != group[1] {
-                        let mut to = take(&mut self.$file, group[0]);
-                        map1(self.arch, &mut **to, column(&self.$file, group[1]), |x| x);
-                        self.$file[group[0] as usize] = Some(to);
+                        let (to, others) = apart(&mut self.$file, group[0]);
+                        map1(to, others.column(group[1]), |x| x);
                     }
                 }
             };
@@ -209,6 +205,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Copies the active lanes.
+    #[inline(always)]
     pub(super) fn store(&mut self, class: Class, operands: &[u32]) {
         if self.active == u64::MAX {
             return self.shift(class, operands);
@@ -216,14 +213,13 @@ impl<R: Real> Machine<'_, '_, R> {
         if self.active == 0 {
             return;
         }
-        self.expand_mask();
+        let active = self.active;
         macro_rules! copy {
             ($file:ident) => {
                 for group in operands.chunks_exact(2) {
                     if group[0] != group[1] {
-                        let mut to = take(&mut self.$file, group[0]);
-                        blend(self.arch, &mut **to, column(&self.$file, group[1]), &self.mask);
-                        self.$file[group[0] as usize] = Some(to);
+                        let (to, others) = apart(&mut self.$file, group[0]);
+                        to.blend(others.column(group[1]), active);
                     }
                 }
             };
@@ -232,15 +228,6 @@ impl<R: Real> Machine<'_, '_, R> {
             Class::Real => copy!(reals),
             Class::Word => copy!(words),
             Class::Wide => copy!(wides),
-        }
-    }
-
-    fn expand_mask(&mut self) {
-        if self.mask_of != self.active {
-            for (lane, mask) in self.mask.iter_mut().enumerate() {
-                *mask = ((self.active >> lane & 1) as u32).wrapping_neg();
-            }
-            self.mask_of = self.active;
         }
     }
 }

@@ -8,7 +8,7 @@ use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::integer::binary;
 use super::kernel::{fill, map1, split};
-use super::{Image, Machine, column, column_mut, take};
+use super::{Image, Machine, apart, column, column_mut};
 
 /// Returns the number of elements that an index is limited to.
 pub(super) fn elements(bound: ElementCount, bytes: usize) -> u32 {
@@ -53,6 +53,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     }
 
     /// Returns a lane that stands for all, if the active lanes agree in their indices.
+    #[inline(always)]
     fn agreed(&self, head: &[u32]) -> Option<usize> {
         let first = (self.active.trailing_zeros() as usize).min(LANES - 1);
         let agree = head.iter().all(|&reg| {
@@ -64,7 +65,8 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         agree.then_some(first)
     }
 
-    pub(super) fn load<const WATCH: bool>(&mut self, access: u32, head: &[u32], operands: &[u32]) {
+    #[inline(always)]
+    pub(super) fn load(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         let buffer = access.buffer as usize;
         if let Some(first) = self.agreed(head) {
@@ -72,20 +74,28 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             for group in operands.chunks_exact(3) {
                 let stored = Stored::ALL[group[2] as usize];
                 let at = group[1] as usize + way;
-                let bits = self.fetch(buffer, at, stored);
                 match stored {
-                    Stored::F32 | Stored::F16 => {
+                    Stored::F32 => {
+                        let bytes = self.buffers[buffer].bytes.get(at..at + 4);
+                        let bytes = bytes.and_then(<[u8]>::first_chunk).copied();
+                        let value = R::narrow(f32::from_le_bytes(bytes.unwrap_or_default()));
+                        fill(column_mut(&mut self.reals, group[0]), value);
+                    }
+                    Stored::F16 => {
+                        let bits = self.fetch(buffer, at, stored);
                         let value = R::narrow(f32::from_bits(bits as u32));
-                        fill(self.arch, column_mut(&mut self.reals, group[0]), value);
+                        fill(column_mut(&mut self.reals, group[0]), value);
                     }
                     Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
-                        fill(self.arch, column_mut(&mut self.words, group[0]), bits as u32);
+                        let bits = self.fetch(buffer, at, stored);
+                        fill(column_mut(&mut self.words, group[0]), bits as u32);
                     }
                     Stored::B64 => {
-                        fill(self.arch, column_mut(&mut self.wides, group[0]), bits);
+                        let bits = self.fetch(buffer, at, stored);
+                        fill(column_mut(&mut self.wides, group[0]), bits);
                     }
                 }
-                if WATCH && self.active != 0 {
+                if self.watch.is_some() && self.active != 0 {
                     self.mark(buffer, at, stored);
                 }
             }
@@ -107,7 +117,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
                 let at = group[1] as usize + ways[lane];
                 let bits = self.fetch(buffer, at, stored);
                 self.put(group[0], stored, lane, bits);
-                if WATCH {
+                if self.watch.is_some() {
                     self.mark(buffer, at, stored);
                 }
             }
@@ -196,22 +206,22 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         macro_rules! from {
             ($file:ident) => {
                 for group in operands.chunks_exact(2) {
-                    let mut to = take(&mut self.$file, group[0]);
+                    let from = |m: &Self, lane: usize| {
+                        group[1] + m.computed_offset(access, head, lane, class as usize) as u32
+                    };
                     if let Some(first) = agreed {
-                        let reg = group[1]
-                            + self.computed_offset(access, head, first, class as usize) as u32;
-                        **to = *column(&self.$file, reg);
-                    } else {
-                        let mut rest = self.active;
-                        while rest != 0 {
-                            let lane = rest.trailing_zeros() as usize;
-                            rest &= rest - 1;
-                            let way =
-                                self.computed_offset(access, head, lane, class as usize) as u32;
-                            to.put(lane, column(&self.$file, group[1] + way).lane(lane));
-                        }
+                        let from = from(self, first);
+                        let (to, others) = apart(&mut self.$file, group[0]);
+                        *to = *others.column(from);
+                        continue;
                     }
-                    self.$file[group[0] as usize] = Some(to);
+                    let mut rest = self.active;
+                    while rest != 0 {
+                        let lane = rest.trailing_zeros() as usize;
+                        rest &= rest - 1;
+                        let value = column(&self.$file, from(self, lane)).lane(lane);
+                        column_mut(&mut self.$file, group[0]).put(lane, value);
+                    }
                 }
             };
         }
@@ -247,12 +257,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     }
 
     /// Runs an atomic, one lane after the other.
-    pub(super) fn atomic<const WATCH: bool>(
-        &mut self,
-        access: u32,
-        head: &[u32],
-        operands: &[u32],
-    ) {
+    pub(super) fn atomic(&mut self, access: u32, head: &[u32], operands: &[u32]) {
         let access = &self.program.accesses[access as usize];
         let [old, exchanged, value, compare, offset, _] = *operands else {
             unreachable!("an atomic has six operands");
@@ -264,7 +269,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             rest &= rest - 1;
             let at = offset as usize + self.computed_offset(access, head, lane, 0);
             let before = self.fetch(buffer, at, Stored::B32) as u32;
-            if WATCH {
+            if self.watch.is_some() {
                 self.mark(buffer, at, Stored::B32);
             }
             let value = column(&self.words, value)[lane];
@@ -288,6 +293,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     }
 
     /// Returns the image that an operand chooses in all lanes; `None` if they differ.
+    #[inline(always)]
     fn image(&self, reg: u32) -> Option<Image<'j>> {
         let numbers = column(&self.words, reg);
         let one = numbers.iter().fold(0, |bits, number| bits | (number ^ numbers[0])) == 0;
@@ -295,6 +301,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
     }
 
     /// Writes the texels at some places, zeros outside; a lane without an image is left alone.
+    #[inline(never)]
     fn colors(&mut self, to: &[u32], texel: impl Fn(&Self, usize) -> Option<[f32; 4]>) {
         let mut texels = [[0.0; 4]; LANES];
         let mut found = u64::MAX;
@@ -314,6 +321,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn sample(&mut self, operands: &[u32]) {
         let wrap = |x: R, size: u32| {
             let (x, size) = (x.double(), f64::from(size));
@@ -332,45 +340,50 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         };
         // A function may sample one texture at one place whenever it is called.
         let number = column(&self.words, from[0])[0] as usize;
-        let known = &self.samples[number];
-        let [u, v] = [column(&self.reals, from[1]), column(&self.reals, from[2])];
-        if let Some(known) = known.as_ref().filter(|known| same(&known.u, u) & same(&known.v, v)) {
-            for (reg, color) in to.iter().zip(&known.colors) {
-                *column_mut(&mut self.reals, *reg) = *color;
+        let (u, v) = (column(&self.reals, from[1]), column(&self.reals, from[2]));
+        let known = match &mut self.samples[number] {
+            Some(known) if same(&known.u, u) & same(&known.v, v) => known,
+            others => {
+                let known = others
+                    .get_or_insert_with(|| Box::new(Samples { u: *u, v: *v, colors: [*u; 4] }));
+                (known.u, known.v) = (*u, *v);
+                let (mut x, mut y) = ([0; LANES], [0; LANES]);
+                map1(&mut x, u, |u| wrap(u, image.width));
+                map1(&mut y, v, |v| wrap(v, image.height));
+                let mut texels = [[0.0; 4]; LANES];
+                for lane in 0..LANES {
+                    texels[lane] = of(image, at(image, x[lane], y[lane]));
+                }
+                split::<R>(&mut known.colors, &texels);
+                known
             }
-            return;
-        }
-        let (u, v) = (*u, *v);
-        let (mut x, mut y) = ([0; LANES], [0; LANES]);
-        map1(self.arch, &mut x, &u, |u| wrap(u, image.width));
-        map1(self.arch, &mut y, &v, |v| wrap(v, image.height));
-        let mut texels = [[0.0; 4]; LANES];
-        for (texel, (x, y)) in texels.iter_mut().zip(x.into_iter().zip(y)) {
-            *texel = of(image, at(image, x, y));
-        }
-        let empty = || Box::new(Samples { u, v, colors: [u; 4] });
-        let known = self.samples[number].get_or_insert_with(empty);
-        (known.u, known.v) = (u, v);
-        split::<R>(self.arch, known.colors.each_mut(), &texels);
-        for (reg, color) in to.iter().zip(&known.colors) {
-            *column_mut(&mut self.reals, *reg) = *color;
+        };
+        for (channel, reg) in to.iter().enumerate() {
+            *column_mut(&mut self.reals, *reg) = known.colors[channel];
         }
     }
 
+    #[inline(always)]
     pub(super) fn texel(&mut self, operands: &[u32]) {
         let (to, from) = operands.split_at(4);
-        let of = |m: &Self, image: Image<'j>, lane: usize| {
-            let [x, y] = [1, 2].map(|i| column(&m.words, from[i])[lane]);
+        let (x, y) = (column(&self.words, from[1]), column(&self.words, from[2]));
+        let of = |image: Image<'j>, x: u32, y: u32| {
             let inside = x < image.width && y < image.height;
             let at = y as usize * image.width as usize + x as usize;
             image.texels.get(at).filter(|_| inside).copied().unwrap_or_default()
         };
-        match self.image(from[0]) {
-            Some(image) => self.colors(to, |m, lane| Some(of(m, image, lane))),
-            None => self.colors(to, |m, lane| {
-                let number = column(&m.words, from[0])[lane];
-                Some(of(m, *m.images.get(number as usize)?, lane))
-            }),
+        let Some(image) = self.image(from[0]) else {
+            return self.colors(to, |m, lane| {
+                let [number, x, y] = [0, 1, 2].map(|i| column(&m.words, from[i])[lane]);
+                Some(of(*m.images.get(number as usize)?, x, y))
+            });
+        };
+        let mut texels = [[0.0; 4]; LANES];
+        for lane in 0..LANES {
+            texels[lane] = of(image, x[lane], y[lane]);
+        }
+        for (channel, reg) in to.iter().enumerate() {
+            column_mut(&mut self.reals, *reg).set(|lane| R::narrow(texels[lane][channel]));
         }
     }
 

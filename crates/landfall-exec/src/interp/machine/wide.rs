@@ -3,7 +3,7 @@
 use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
 use super::super::real::Real;
 use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
-use super::{Machine, column, column_mut, take};
+use super::{Machine, apart, column, column_mut};
 
 pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
     let (x, y) = (a as i64, b as i64);
@@ -70,6 +70,7 @@ fn compare<T: PartialOrd>(cmp: Cmp, a: T, b: T) -> u32 {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
+    #[inline(always)]
     pub(super) fn wide(&mut self, op: Op, operands: &[u32]) {
         let shape = op.shape();
         let real = f64::from_bits;
@@ -90,10 +91,10 @@ impl<R: Real> Machine<'_, '_, R> {
                 }
                 continue;
             }
-            let mut to = take(&mut self.wides, group[0]);
-            for lane in 0..LANES {
-                let x = |i: usize| column(&self.wides, group[i])[lane];
-                to[lane] = match op {
+            let (to, others) = apart(&mut self.wides, group[0]);
+            for (lane, to) in to.iter_mut().enumerate() {
+                let x = |i: usize| others.column(group[i])[lane];
+                *to = match op {
                     Op::D1(f) => float1(f, real(x(1))).to_bits(),
                     Op::DNeg => x(1).wrapping_neg(),
                     Op::DNot => !x(1),
@@ -110,7 +111,6 @@ impl<R: Real> Machine<'_, '_, R> {
                     other => unreachable!("{other:?} is not of doubles"),
                 };
             }
-            self.wides[group[0] as usize] = Some(to);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Gives temporaries that are never needed at the same time one register, so that the columns of a
 //! loop fit the processor's first cache.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::super::body::Body;
-use super::super::code::{Op, Reg, Region};
-use super::registers;
+use super::super::code::{Class, Op, Reg, Region};
+use super::{Role, registers};
 
 /// The instructions from the first to the last at which a temporary is needed.
 #[derive(Clone, Copy)]
@@ -23,9 +23,10 @@ struct Loop {
     around: Option<usize>,
 }
 
-/// Numbers the temporaries of a function anew.
-pub(super) fn reuse(body: &mut Body) {
-    let spans = spans(body);
+/// Numbers the temporaries of a function anew; `kept` share no register with others.
+pub(super) fn reuse(body: &mut Body, kept: &FxHashSet<Reg>) {
+    let mut spans = spans(body);
+    spans.retain(|reg, _| !kept.contains(reg));
     let mut starts: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.from, *reg)).collect();
     let mut ends: Vec<(usize, Reg)> = spans.iter().map(|(reg, span)| (span.to, *reg)).collect();
     starts.sort_unstable();
@@ -34,16 +35,20 @@ pub(super) fn reuse(body: &mut Body) {
     let mut numbers: FxHashMap<Reg, Reg> = FxHashMap::default();
     let mut free: [Vec<Reg>; 3] = Default::default();
     let mut counts = [0; 3];
+    let mut next = |class: Class| {
+        counts[class as usize] += 1;
+        Reg::new(class, Region::Temporary, counts[class as usize] - 1)
+    };
+    for reg in kept {
+        numbers.insert(*reg, next(reg.class()));
+    }
     for (from, reg) in starts {
         // An instruction does not write what it reads.
         while let Some((_, ended)) = ends.next_if(|(to, _)| *to < from) {
             free[ended.class() as usize].push(numbers[&ended]);
         }
         let class = reg.class();
-        let number = free[class as usize].pop().unwrap_or_else(|| {
-            counts[class as usize] += 1;
-            Reg::new(class, Region::Temporary, counts[class as usize] - 1)
-        });
+        let number = free[class as usize].pop().unwrap_or_else(|| next(class));
         numbers.insert(reg, number);
     }
     for inst in &body.code {
@@ -72,11 +77,13 @@ fn spans(body: &Body) -> FxHashMap<Reg, Span> {
             Op::LoopEnd(_) => drop(open.pop()),
             _ => {}
         }
-        registers(inst, |place, _| {
+        registers(inst, |place, role| {
             let reg = Reg(body.pool[inst.at as usize + place]);
             if reg.region() != Region::Temporary {
                 return;
             }
+            // What a fused instruction reads is read by the next one.
+            let index = index + usize::from(inst.fused && role == Role::Read);
             let within = open.last().copied();
             let span = spans.entry(reg).or_insert(Span { from: index, to: index, within });
             let reading = open.iter().map(|number| &loops[*number]).find(|l| l.from > span.from);

@@ -16,7 +16,7 @@ fn bytes(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|w| w.to_le_bytes()).collect()
 }
 
-fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput {
+pub fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput {
     let stages = vec![StageCode {
         stage: Stage::Compute,
         entry: "main".into(),
@@ -28,11 +28,11 @@ fn compute(text: &str, groups: [u32; 3], resources: Vec<Resource>) -> JobOutput 
     Cpu::new(single()).run(&job).unwrap_or_else(|failure| panic!("{failure:?}"))
 }
 
-fn storage(words: &[u32]) -> ResourceKind {
+pub fn storage(words: &[u32]) -> ResourceKind {
     ResourceKind::Storage { bytes: bytes(words), writable: true }
 }
 
-fn left(answer: &JobOutput, resource: usize) -> Vec<u32> {
+pub fn left(answer: &JobOutput, resource: usize) -> Vec<u32> {
     let bytes = answer.buffers[resource].as_ref().expect("it is writable");
     bytes.chunks(4).map(|w| u32::from_le_bytes(w.try_into().expect("four bytes"))).collect()
 }

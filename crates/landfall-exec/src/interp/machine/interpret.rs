@@ -1,0 +1,191 @@
+//! The loop over instructions, in the widest registers that the processor has.
+//!
+//! One function holds the loops over lanes of all frequent instructions: from one to the next it takes
+//! a jump. Those that are not frequent are functions of their own.
+
+use pulp::NullaryFnOnce;
+
+use super::super::code::{F2, Op};
+use super::super::counts::InstructionCost;
+use super::super::real::Real;
+use super::control::Frame;
+use super::{Machine, Stopped};
+
+/// How long instructions are run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Until {
+    /// Up to the next one.
+    Next,
+    /// Up to the end of the function that was invoked. What a batch before has computed for all
+    /// batches is not computed again, and fused instructions are run together.
+    End,
+}
+
+/// A run of instructions.
+struct Interpret<'m, 'p, 'j, R: Real> {
+    machine: &'m mut Machine<'p, 'j, R>,
+    pc: usize,
+    until: Until,
+}
+
+impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
+    type Output = Result<Option<usize>, Stopped>;
+
+    #[inline(always)]
+    fn call(self) -> Result<Option<usize>, Stopped> {
+        let Interpret { machine, mut pc, until } = self;
+        let program = machine.program;
+        let (code, costs, pool) = (&program.code[..], &program.costs[..], &program.pool[..]);
+        loop {
+            let this = pc;
+            let (inst, cost) = (&code[this], &costs[this]);
+            pc += 1;
+            machine.count(cost);
+            if inst.once && until == Until::End {
+                if machine.done[this] {
+                    continue;
+                }
+                machine.done[this] = machine.active != 0;
+            }
+            let at = inst.at as usize;
+            let operands = &pool[at..at + cost.operands as usize];
+            match inst.op {
+                Op::F2(F2::Mul) if inst.fused && until == Until::End && !R::PERMITTED => {
+                    let (then, cost) = (&code[pc], &costs[pc]);
+                    pc += 1;
+                    machine.count(cost);
+                    let at = then.at as usize;
+                    machine.multiply_and(then.op, operands, &pool[at..at + cost.operands as usize]);
+                }
+                Op::F1(f) => machine.f1(f, operands),
+                Op::F2(f) => machine.f2(f, operands),
+                Op::F3(f) => machine.f3(f, operands),
+                Op::FCmp(cmp) => machine.compare_reals(cmp, operands),
+                Op::Dot(n) => machine.dot(usize::from(n), operands),
+                Op::Length(n) => machine.length(usize::from(n), operands),
+                Op::Distance(n) => machine.distance(usize::from(n), operands),
+                Op::Normalize(n) => machine.normalize(usize::from(n), operands),
+                Op::Cross => machine.cross(operands),
+                Op::I2(f) => machine.i2(f, operands),
+                Op::CmpSint(cmp) => machine.compare_words(cmp, true, operands),
+                Op::CmpUint(cmp) => machine.compare_words(cmp, false, operands),
+                Op::Select(class) => machine.select(class, operands),
+                Op::Move(class) | Op::Blank(class) => machine.shift(class, operands),
+                Op::Store(class) => machine.store(class, operands),
+                Op::Load(access) => {
+                    let (head, operands) = operands.split_at(usize::from(inst.head));
+                    machine.load(access, head, operands);
+                }
+                Op::Sample => machine.sample(operands),
+                Op::Texel => machine.texel(operands),
+                Op::Sampled | Op::Nop => {}
+                Op::Inlined(function) => {
+                    machine.tally.calls[function as usize] += machine.count;
+                    machine.call_tick(this)?;
+                }
+                Op::End => match machine.end() {
+                    Some(back) => pc = back,
+                    None => return Ok(None),
+                },
+                Op::Call(function) => {
+                    machine.tally.calls[function as usize] += machine.count;
+                    machine.call_tick(this)?;
+                    machine.frames.push(Frame::call(machine.active, pc));
+                    pc = program.starts[function as usize] as usize;
+                }
+                Op::Again(target) => {
+                    if machine.active != 0 {
+                        machine.tick(this, target)?;
+                        pc = target as usize;
+                    }
+                }
+                Op::Barrier => {
+                    if !machine.barriers || !machine.all_lanes_active() {
+                        return Err(Stopped::Barrier(program.origins[this]));
+                    }
+                }
+                Op::If(_)
+                | Op::Else(_)
+                | Op::EndIf(_)
+                | Op::Loop
+                | Op::Continuing(_)
+                | Op::BreakIf
+                | Op::LoopEnd(_)
+                | Op::Switch
+                | Op::Case(_)
+                | Op::CaseSkip(_)
+                | Op::CaseEnd
+                | Op::SwitchEnd(_)
+                | Op::Break
+                | Op::Continue
+                | Op::Return
+                | Op::Kill => {
+                    if let Some(target) = machine.branch(inst.op, operands) {
+                        pc = target as usize;
+                    }
+                }
+                op => machine.interpret_rare(op, operands.split_at(usize::from(inst.head))),
+            }
+            if until == Until::Next {
+                return Ok(Some(pc));
+            }
+        }
+    }
+}
+
+/// An instruction that is not frequent.
+struct Rare<'m, 'p, 'j, R: Real> {
+    machine: &'m mut Machine<'p, 'j, R>,
+    op: Op,
+    operands: &'m [u32],
+}
+
+impl<R: Real> NullaryFnOnce for Rare<'_, '_, '_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Rare { machine, op, operands } = self;
+        match op {
+            Op::FTest(test) => machine.test_reals(test, operands),
+            Op::Ldexp => machine.ldexp(operands),
+            Op::I1(f) => machine.i1(f, operands),
+            Op::Cast(cast) => machine.cast(cast, operands),
+            _ => machine.wide(op, operands),
+        }
+    }
+}
+
+impl<R: Real> Machine<'_, '_, R> {
+    /// Runs instructions; returns the next one, if the invoked function has not ended.
+    pub(super) fn interpret(&mut self, pc: usize, until: Until) -> Result<Option<usize>, Stopped> {
+        let arch = self.arch;
+        arch.dispatch(Interpret { machine: self, pc, until })
+    }
+
+    #[inline(always)]
+    fn count(&mut self, cost: &InstructionCost) {
+        self.tally.kinds[cost.kind as usize] += u64::from(cost.weight) * self.count;
+    }
+
+    #[inline(never)]
+    fn interpret_rare(&mut self, op: Op, (head, operands): (&[u32], &[u32])) {
+        match op {
+            Op::ExtractSint => self.extract(true, operands),
+            Op::ExtractUint => self.extract(false, operands),
+            Op::Insert => self.insert(operands),
+            Op::Save(access) => self.save(access, head, operands),
+            Op::Gather(class, access) => self.gather(class, access, head, operands),
+            Op::Scatter(class, access) => self.scatter(class, access, head, operands),
+            Op::Atomic(access) => self.atomic(access, head, operands),
+            Op::ArrayLength(access) => self.array_length(access, operands),
+            Op::ImageSize => self.image_size(operands),
+            Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
+            Op::DerivativeCoarse(axis) => self.derivative(axis, false, operands),
+            _ => {
+                let arch = self.arch;
+                arch.dispatch(Rare { machine: self, op, operands });
+            }
+        }
+    }
+}
