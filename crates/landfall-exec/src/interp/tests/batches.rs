@@ -3,7 +3,7 @@
 
 use super::super::{Call, Called, Precision, Settings};
 use super::memory::{compute, left, resource, storage};
-use super::support::program;
+use super::support::{program, single};
 use crate::backend::ResourceKind;
 
 const TEXT: &str = "
@@ -100,4 +100,25 @@ fn a_buffer_that_is_written_is_read_again_by_each_batch() {
     let resources = vec![resource(0, storage(&[0])), resource(1, storage(&[0; 100]))];
     let answer = compute(text, [100, 1, 1], resources);
     assert_eq!(left(&answer, 1), (0..100).map(|group| 2 * group).collect::<Vec<u32>>());
+}
+
+#[test]
+fn what_no_invocation_of_a_batch_reaches_is_computed_in_the_next() {
+    let p = program(
+        "@group(0) @binding(0) var<uniform> b: f32;
+        fn hide(k: u32) -> f32 {
+            for (var i = 0u; i < 9u; i++) { if i == k { discard; } }
+            if k == 100u { return 1.0; }
+            return 2.0;
+        }
+        fn f(k: u32) -> f32 { let hidden = hide(k); return exp(b) + hidden; }",
+    );
+    let uniform = resource(0, ResourceKind::Uniform(0.5f32.to_le_bytes().to_vec()));
+    // The first batch is discarded.
+    let k = (0..128).map(|lane| if lane < 64 { 3 } else { 100 }).collect();
+    let call = Call { function: "f", lanes: 128, arguments: vec![vec![k]], resources: &[uniform] };
+    let called = p.call(&call, &single()).expect("it runs");
+    let expected = (0.5f64.exp() as f32 + 1.0).to_bits();
+    assert_eq!(called.discarded, (0..128).map(|lane| lane < 64).collect::<Vec<bool>>());
+    assert!(called.result.words[0][64..].iter().all(|word| *word == u64::from(expected)));
 }
