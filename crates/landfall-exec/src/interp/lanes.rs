@@ -75,6 +75,34 @@ pub(super) fn lanes_of(words: &[u32; LANES]) -> u64 {
     lanes
 }
 
+/// 2^52, from which to 2^53 a number's last bits are a whole number's.
+const WHOLE: f64 = (1u64 << 52) as f64;
+
+/// Returns `x as i32`, but in wide registers: the compiler converts number by number, as that of the
+/// processor does not saturate.
+#[inline(always)]
+pub(super) fn saturated(x: f64) -> i32 {
+    let x = if x > f64::from(i32::MIN) { x } else { f64::from(i32::MIN) * f64::from(x <= 0.0) };
+    let x = if x < f64::from(i32::MAX) { x } else { f64::from(i32::MAX) };
+    (x.trunc() + 1.5 * WHOLE).to_bits() as i32
+}
+
+/// Returns `a / b` without its fraction, in wide registers, which cannot divide integers; `a` for a
+/// division by zero. The nearest `f64` is on the side of the next integer that the quotient is on.
+#[inline(always)]
+pub(super) fn quotient(a: u32, b: u32) -> u32 {
+    let number = |n: u32| f64::from_bits(WHOLE.to_bits() | u64::from(n)) - WHOLE;
+    let whole = ((number(a) / number(b)).floor() + WHOLE).to_bits() as u32;
+    if b == 0 { a } else { whole }
+}
+
+/// Returns what a division leaves, 0 for one by zero.
+#[inline(always)]
+pub(super) fn remainder(a: u32, b: u32) -> u32 {
+    let rest = a.wrapping_sub(quotient(a, b).wrapping_mul(b));
+    if b == 0 { 0 } else { rest }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,6 +114,38 @@ mod tests {
             let words = [0; LANES].map(|_| rng.u32(..));
             let lanes = lanes_of(&words);
             assert!((0..LANES).all(|lane| lanes >> lane & 1 == u64::from(words[lane] & 1)));
+        }
+    }
+
+    #[test]
+    fn numbers_are_converted_as_by_rust() {
+        let mut rng = fastrand::Rng::with_seed(4);
+        let special = [0.0, -0.0, 0.5, -0.5, 2147483646.5, 2147483647.0, 2147483648.0, 1e300];
+        let special = special.into_iter().flat_map(|x: f64| [x, -x, x + 1e-9, x - 1e-9]);
+        let bits = std::iter::repeat_with(|| f64::from_bits(rng.u64(..))).take(1000);
+        let all: Vec<f64> =
+            special.chain([f64::NAN, f64::INFINITY, -f64::INFINITY]).chain(bits).collect();
+        let small = std::iter::repeat_with(|| rng.f64() * 5e9 - 2.5e9).take(100_000);
+        for x in all.into_iter().chain(small) {
+            assert_eq!(saturated(x), x as i32, "{x:e}");
+        }
+    }
+
+    #[test]
+    fn quotients_are_those_of_integers() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut number = || match rng.u32(..4) {
+            0 => rng.u32(..),
+            1 => u32::MAX - rng.u32(..9),
+            _ => rng.u32(..) >> rng.u32(..32),
+        };
+        for _ in 0..1_000_000 {
+            let (a, b) = (number(), number());
+            let near = b.wrapping_mul(number()).wrapping_sub(number() & 1);
+            for a in [a, near] {
+                assert_eq!(quotient(a, b), a.checked_div(b).unwrap_or(a), "{a} / {b}");
+                assert_eq!(remainder(a, b), a.checked_rem(b).unwrap_or(0), "{a} % {b}");
+            }
         }
     }
 }

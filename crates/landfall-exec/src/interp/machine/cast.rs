@@ -2,7 +2,7 @@
 //! (WGSL §15.7.6); a 64-bit integer loses its high bits.
 
 use super::super::code::{Cast, LANES};
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, saturated};
 use super::super::real::Real;
 use super::float::frexp;
 use super::kernel::map1;
@@ -23,7 +23,7 @@ impl<R: Real> Machine<'_, '_, R> {
                 }
             }
             match cast {
-                Cast::RealToSint => self.real_word(to, from, |x| x.whole() as i32 as u32),
+                Cast::RealToSint => self.real_word(to, from, |x| saturated(x.whole()) as u32),
                 Cast::RealToUint => self.real_word(to, from, |x| x.whole() as u32),
                 Cast::RealToBool => self.real_word(to, from, |x| u32::from(x.single() != 0.0)),
                 Cast::RealBits => self.real_word(to, from, |x| x.single().to_bits()),

@@ -2,7 +2,7 @@
 //! remainder by zero returns 0 (WGSL §8.7), a shift uses the low five bits of its amount.
 
 use super::super::code::{Class, Cmp, I1, I2, LANES};
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, quotient, remainder};
 use super::super::real::Real;
 use super::kernel::{map1, map2, map3};
 use super::{Machine, apart, column};
@@ -115,6 +115,8 @@ impl<R: Real> Machine<'_, '_, R> {
                 I2::And => map2(to, a, b, |a: u32, b: u32| a & b),
                 I2::Or => map2(to, a, b, |a: u32, b: u32| a | b),
                 I2::Xor => map2(to, a, b, |a: u32, b: u32| a ^ b),
+                I2::DivUint => map2(to, a, b, quotient),
+                I2::RemUint => map2(to, a, b, remainder),
                 _ => map2(to, a, b, |a, b| binary(f, a, b)),
             }
         }

@@ -4,7 +4,7 @@
 //! are not written (WGSL §2.2 leaves the choice).
 
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
-use super::super::lanes::Lanes;
+use super::super::lanes::{Lanes, saturated};
 use super::super::real::Real;
 use super::integer::binary;
 use super::kernel::{fill, map1, split};
@@ -326,7 +326,8 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
         let wrap = |x: R, size: u32| {
             let (x, size) = (x.double(), f64::from(size));
             // A texture has fewer than 2^31 rows and columns.
-            ((x - x.floor()) * size).min((size - 1.0).max(0.0)) as i32 as u32
+            let (place, last) = ((x - x.floor()) * size, (size - 1.0).max(0.0));
+            saturated(if place < last { place } else { last }) as u32
         };
         let (to, from) = operands.split_at(4);
         let at = |image: Image, u: u32, v: u32| v as usize * image.width as usize + u as usize;
