@@ -9,7 +9,7 @@ use super::super::code::{F2, Op};
 use super::super::counts::InstructionCost;
 use super::super::real::Real;
 use super::control::Frame;
-use super::{Machine, Stopped};
+use super::{Machine, Stopped, wide};
 
 /// How long instructions are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +133,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
     }
 }
 
-/// An instruction that is not frequent.
+/// An instruction of one operand that is not frequent.
 struct Rare<'m, 'p, 'j, R: Real> {
     machine: &'m mut Machine<'p, 'j, R>,
     op: Op,
@@ -151,7 +151,7 @@ impl<R: Real> NullaryFnOnce for Rare<'_, '_, '_, R> {
             Op::Ldexp => machine.ldexp(operands),
             Op::I1(f) => machine.i1(f, operands),
             Op::Cast(cast) => machine.cast(cast, operands),
-            _ => machine.wide(op, operands),
+            other => unreachable!("{other:?} is not of these"),
         }
     }
 }
@@ -160,7 +160,9 @@ impl<R: Real> Machine<'_, '_, R> {
     /// Runs instructions; returns the next one, if the invoked function has not ended.
     pub(super) fn interpret(&mut self, pc: usize, until: Until) -> Result<Option<usize>, Stopped> {
         let arch = self.arch;
-        arch.dispatch(Interpret { machine: self, pc, until })
+        let run = Interpret { machine: self, pc, until };
+        // Intervals are computed one by one.
+        if R::PERMITTED { run.call() } else { arch.dispatch(run) }
     }
 
     #[inline(always)]
@@ -182,10 +184,12 @@ impl<R: Real> Machine<'_, '_, R> {
             Op::ImageSize => self.image_size(operands),
             Op::DerivativeFine(axis) => self.derivative(axis, true, operands),
             Op::DerivativeCoarse(axis) => self.derivative(axis, false, operands),
-            _ => {
+            Op::FTest(_) | Op::Ldexp | Op::I1(_) | Op::Cast(_) => {
                 let arch = self.arch;
-                arch.dispatch(Rare { machine: self, op, operands });
+                let run = Rare { machine: self, op, operands };
+                if R::PERMITTED { run.call() } else { arch.dispatch(run) }
             }
+            _ => wide::compute(op, operands, &mut self.words, &mut self.wides),
         }
     }
 }

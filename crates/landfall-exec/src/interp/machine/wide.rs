@@ -3,7 +3,7 @@
 use super::super::code::{Cmp, D2, F1, F2, F3, I2, LANES, Op, Test};
 use super::super::real::Real;
 use super::float::{mix, pow, simple1, smoothstep, step, transcendental};
-use super::{Machine, apart, column, column_mut};
+use super::{Aligned, apart, column, column_mut};
 
 pub(super) fn int(f: I2, a: u64, b: u64) -> u64 {
     let (x, y) = (a as i64, b as i64);
@@ -69,48 +69,51 @@ fn compare<T: PartialOrd>(cmp: Cmp, a: T, b: T) -> u32 {
     })
 }
 
-impl<R: Real> Machine<'_, '_, R> {
-    #[inline(always)]
-    pub(super) fn wide(&mut self, op: Op, operands: &[u32]) {
-        let shape = op.shape();
-        let real = f64::from_bits;
-        for group in operands.chunks_exact(shape.len()) {
-            if matches!(op, Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_)) {
-                let to = column_mut(&mut self.words, group[0]);
-                let a = column(&self.wides, group[1]);
-                let b = column(&self.wides, *group.last().expect("a group has operands"));
-                for lane in 0..LANES {
-                    let (a, b) = (a[lane], b[lane]);
-                    to[lane] = match op {
-                        Op::DCmp(cmp) => compare(cmp, real(a), real(b)),
-                        Op::DCmpSint(cmp) => compare(cmp, a as i64, b as i64),
-                        Op::DCmpUint(cmp) => compare(cmp, a, b),
-                        Op::DTest(Test::IsNan) => u32::from(real(a).is_nan()),
-                        _ => u32::from(real(a).is_infinite()),
-                    };
-                }
-                continue;
-            }
-            let (to, others) = apart(&mut self.wides, group[0]);
-            for (lane, to) in to.iter_mut().enumerate() {
-                let x = |i: usize| others.column(group[i])[lane];
-                *to = match op {
-                    Op::D1(f) => float1(f, real(x(1))).to_bits(),
-                    Op::DNeg => x(1).wrapping_neg(),
-                    Op::DNot => !x(1),
-                    Op::D2(D2::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
-                    Op::D2(D2::Int(f)) => int(f, x(1), x(2)),
-                    Op::D3(f) => float3(f, real(x(1)), real(x(2)), real(x(3))).to_bits(),
-                    Op::DAbsSint => (x(1) as i64).wrapping_abs() as u64,
-                    Op::DSignSint => (x(1) as i64).signum() as u64,
-                    Op::DDot(n) => {
-                        let n = usize::from(n);
-                        let product = |i: usize| real(x(1 + i)) * real(x(1 + n + i));
-                        (1..n).fold(product(0), |sum, i| sum + product(i)).to_bits()
-                    }
-                    other => unreachable!("{other:?} is not of doubles"),
+/// Runs an instruction of doubles or 64-bit integers.
+pub(super) fn compute(
+    op: Op,
+    operands: &[u32],
+    words: &mut [Aligned<[u32; LANES]>],
+    wides: &mut [Aligned<[u64; LANES]>],
+) {
+    let shape = op.shape();
+    let real = f64::from_bits;
+    for group in operands.chunks_exact(shape.len()) {
+        if matches!(op, Op::DCmp(_) | Op::DCmpSint(_) | Op::DCmpUint(_) | Op::DTest(_)) {
+            let to = column_mut(words, group[0]);
+            let a = column(wides, group[1]);
+            let b = column(wides, *group.last().expect("a group has operands"));
+            for lane in 0..LANES {
+                let (a, b) = (a[lane], b[lane]);
+                to[lane] = match op {
+                    Op::DCmp(cmp) => compare(cmp, real(a), real(b)),
+                    Op::DCmpSint(cmp) => compare(cmp, a as i64, b as i64),
+                    Op::DCmpUint(cmp) => compare(cmp, a, b),
+                    Op::DTest(Test::IsNan) => u32::from(real(a).is_nan()),
+                    _ => u32::from(real(a).is_infinite()),
                 };
             }
+            continue;
+        }
+        let (to, others) = apart(wides, group[0]);
+        for (lane, to) in to.iter_mut().enumerate() {
+            let x = |i: usize| others.column(group[i])[lane];
+            *to = match op {
+                Op::D1(f) => float1(f, real(x(1))).to_bits(),
+                Op::DNeg => x(1).wrapping_neg(),
+                Op::DNot => !x(1),
+                Op::D2(D2::Float(f)) => float2(f, real(x(1)), real(x(2))).to_bits(),
+                Op::D2(D2::Int(f)) => int(f, x(1), x(2)),
+                Op::D3(f) => float3(f, real(x(1)), real(x(2)), real(x(3))).to_bits(),
+                Op::DAbsSint => (x(1) as i64).wrapping_abs() as u64,
+                Op::DSignSint => (x(1) as i64).signum() as u64,
+                Op::DDot(n) => {
+                    let n = usize::from(n);
+                    let product = |i: usize| real(x(1 + i)) * real(x(1 + n + i));
+                    (1..n).fold(product(0), |sum, i| sum + product(i)).to_bits()
+                }
+                other => unreachable!("{other:?} is not of doubles"),
+            };
         }
     }
 }
