@@ -33,7 +33,6 @@ use super::real::Real;
 use control::Frame;
 pub(super) use float::frexp;
 pub(super) use integer::binary;
-use interpret::Until;
 pub(super) use sanitizer::{Occurrences, Sanitizer};
 pub(super) use trace::Tracer;
 
@@ -179,28 +178,24 @@ impl<'p, 'j, R: Real> Machine<'p, 'j, R> {
     fn go(&mut self, pc: u32, lanes: u64) -> Result<(), Stopped> {
         self.frames.clear();
         self.set(lanes);
-        match self.watch {
-            None => self.interpret(pc as usize, Until::End).map(drop),
-            Some(_) => self.watched(pc as usize),
-        }
+        self.interpret(pc as usize)
     }
 
-    /// Runs one instruction after the other, with notes on each.
-    fn watched(&mut self, mut pc: usize) -> Result<(), Stopped> {
-        let program = self.program;
-        loop {
-            let (inst, [head, operands]) = (&program.code[pc], program.operands(pc));
-            self.inspect(pc, inst.op, head, operands);
-            self.inspect_unset(pc, inst.op, operands);
-            let next = self.interpret(pc, Until::Next)?;
-            self.check_results(pc, inst.op, operands);
-            self.trace(pc, inst.op, head, operands);
-            self.follow_unset(inst.op, head, operands);
-            match next {
-                Some(next) => pc = next,
-                None => return Ok(()),
-            }
-        }
+    /// Checks an instruction about to run, for the notes.
+    #[inline(never)]
+    fn before(&mut self, pc: usize) {
+        let (op, [head, operands]) = (self.program.code[pc].op, self.program.operands(pc));
+        self.inspect(pc, op, head, operands);
+        self.inspect_unset(pc, op, operands);
+    }
+
+    /// Checks what an instruction has computed, for the notes.
+    #[inline(never)]
+    fn after(&mut self, pc: usize) {
+        let (op, [head, operands]) = (self.program.code[pc].op, self.program.operands(pc));
+        self.check_results(pc, op, operands);
+        self.trace(pc, op, head, operands);
+        self.follow_unset(op, head, operands);
     }
 
     /// Sets the active lanes.

@@ -11,29 +11,19 @@ use super::super::real::Real;
 use super::control::Frame;
 use super::{Machine, Stopped, wide};
 
-/// How long instructions are run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Until {
-    /// Up to the next one.
-    Next,
-    /// Up to the end of the function that was invoked. What a batch before has computed for all
-    /// batches is not computed again, and fused instructions are run together.
-    End,
-}
-
-/// A run of instructions.
+/// A run from an instruction to the end of the function that was invoked.
 struct Interpret<'m, 'p, 'j, R: Real> {
     machine: &'m mut Machine<'p, 'j, R>,
     pc: usize,
-    until: Until,
 }
 
 impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
-    type Output = Result<Option<usize>, Stopped>;
+    type Output = Result<(), Stopped>;
 
     #[inline(always)]
-    fn call(self) -> Result<Option<usize>, Stopped> {
-        let Interpret { machine, mut pc, until } = self;
+    fn call(self) -> Result<(), Stopped> {
+        let Interpret { machine, mut pc } = self;
+        let watched = machine.watch.is_some();
         let program = machine.program;
         let (code, costs, pool) = (&program.code[..], &program.costs[..], &program.pool[..]);
         loop {
@@ -41,7 +31,10 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
             let (inst, cost) = (&code[this], &costs[this]);
             pc += 1;
             machine.count(cost);
-            if inst.once && until == Until::End {
+            if watched {
+                machine.before(this);
+            } else if inst.once {
+                // What a batch before has computed for all batches.
                 if machine.done[this] {
                     continue;
                 }
@@ -50,7 +43,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
             let at = inst.at as usize;
             let operands = &pool[at..at + cost.operands as usize];
             match inst.op {
-                Op::F2(F2::Mul) if inst.fused && until == Until::End && !R::PERMITTED => {
+                Op::F2(F2::Mul) if inst.fused && !watched && !R::PERMITTED => {
                     let (then, cost) = (&code[pc], &costs[pc]);
                     pc += 1;
                     machine.count(cost);
@@ -85,7 +78,7 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 }
                 Op::End => match machine.end() {
                     Some(back) => pc = back,
-                    None => return Ok(None),
+                    None => return Ok(()),
                 },
                 Op::Call(function) => {
                     machine.tally.calls[function as usize] += machine.count;
@@ -126,8 +119,8 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                 }
                 op => machine.interpret_rare(op, operands.split_at(usize::from(inst.head))),
             }
-            if until == Until::Next {
-                return Ok(Some(pc));
+            if watched {
+                machine.after(this);
             }
         }
     }
@@ -157,10 +150,10 @@ impl<R: Real> NullaryFnOnce for Rare<'_, '_, '_, R> {
 }
 
 impl<R: Real> Machine<'_, '_, R> {
-    /// Runs instructions; returns the next one, if the invoked function has not ended.
-    pub(super) fn interpret(&mut self, pc: usize, until: Until) -> Result<Option<usize>, Stopped> {
+    /// Runs a function from its first instruction to its end.
+    pub(super) fn interpret(&mut self, pc: usize) -> Result<(), Stopped> {
         let arch = self.arch;
-        let run = Interpret { machine: self, pc, until };
+        let run = Interpret { machine: self, pc };
         // Intervals are computed one by one.
         if R::PERMITTED { run.call() } else { arch.dispatch(run) }
     }
