@@ -27,12 +27,6 @@ pub(super) struct Frame {
     second: u64,
 }
 
-impl Frame {
-    pub fn call(lanes: u64, back: usize) -> Frame {
-        Frame { kind: Kind::Call, first: lanes, second: back as u64 }
-    }
-}
-
 /// Instructions that a call counts for.
 const CALL: u32 = 16;
 
@@ -146,6 +140,24 @@ impl<R: Real> Machine<'_, '_, R> {
         }
     }
 
+    /// Calls a function; returns its first instruction.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, function: u32, pc: usize) -> Result<usize, Stopped> {
+        self.tally.calls[function as usize] += self.count;
+        self.call_tick(pc)?;
+        let (first, second) = (self.active, pc as u64 + 1);
+        self.frames.push(Frame { kind: Kind::Call, first, second });
+        Ok(self.program.starts[function as usize] as usize)
+    }
+
+    /// Fails unless all invocations of a workgroup are here.
+    pub(super) fn barrier(&self, pc: usize) -> Result<(), Stopped> {
+        match self.barriers && self.all_lanes_active() {
+            true => Ok(()),
+            false => Err(Stopped::Barrier(self.program.origins[pc])),
+        }
+    }
+
     /// Ends a function; returns where its caller continues, if it has one.
     #[inline(always)]
     pub(super) fn end(&mut self) -> Option<usize> {
@@ -155,7 +167,7 @@ impl<R: Real> Machine<'_, '_, R> {
     }
 
     /// Returns whether all remaining lanes of the batch are active.
-    pub(super) fn all_lanes_active(&self) -> bool {
+    fn all_lanes_active(&self) -> bool {
         self.frames.iter().all(|frame| match frame.kind {
             Kind::If => frame.first | frame.second == 0,
             Kind::Loop => frame.first | frame.second == 0,

@@ -8,7 +8,6 @@ use pulp::NullaryFnOnce;
 use super::super::code::{F2, Op};
 use super::super::counts::InstructionCost;
 use super::super::real::Real;
-use super::control::Frame;
 use super::{Machine, Stopped, wide};
 
 /// A run from an instruction to the end of the function that was invoked.
@@ -80,23 +79,14 @@ impl<R: Real> NullaryFnOnce for Interpret<'_, '_, '_, R> {
                     Some(back) => pc = back,
                     None => return Ok(()),
                 },
-                Op::Call(function) => {
-                    machine.tally.calls[function as usize] += machine.count;
-                    machine.call_tick(this)?;
-                    machine.frames.push(Frame::call(machine.active, pc));
-                    pc = program.starts[function as usize] as usize;
-                }
+                Op::Call(function) => pc = machine.enter(function, this)?,
                 Op::Again(target) => {
                     if machine.active != 0 {
                         machine.tick(this, target)?;
                         pc = target as usize;
                     }
                 }
-                Op::Barrier => {
-                    if !machine.barriers || !machine.all_lanes_active() {
-                        return Err(Stopped::Barrier(program.origins[this]));
-                    }
-                }
+                Op::Barrier => machine.barrier(this)?,
                 Op::If(_)
                 | Op::Else(_)
                 | Op::EndIf(_)
