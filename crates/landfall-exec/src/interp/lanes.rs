@@ -78,8 +78,8 @@ pub(super) fn lanes_of(words: &[u32; LANES]) -> u64 {
 /// 2^52, from which to 2^53 a number's last bits are a whole number's.
 const WHOLE: f64 = (1u64 << 52) as f64;
 
-/// Returns `x as i32`, but in wide registers: the compiler converts number by number, as that of the
-/// processor does not saturate.
+/// Returns `x as i32` by operations that are vectorised: the processor's own conversion does not
+/// saturate, so the compiler converts one number after the other.
 #[inline(always)]
 pub(super) fn saturated(x: f64) -> i32 {
     let x = if x > f64::from(i32::MIN) { x } else { f64::from(i32::MIN) * f64::from(x <= 0.0) };
@@ -87,8 +87,8 @@ pub(super) fn saturated(x: f64) -> i32 {
     (x.trunc() + 1.5 * WHOLE).to_bits() as i32
 }
 
-/// Returns `a / b` without its fraction, in wide registers, which cannot divide integers; `a` for a
-/// division by zero. The nearest `f64` is on the side of the next integer that the quotient is on.
+/// Returns `a / b` without its fraction, by operations that are vectorised; `a` for a division by zero.
+/// A quotient below an integer is so by at least 1 / b, far more than an `f64` is rounded by.
 #[inline(always)]
 pub(super) fn quotient(a: u32, b: u32) -> u32 {
     let number = |n: u32| f64::from_bits(WHOLE.to_bits() | u64::from(n)) - WHOLE;

@@ -96,7 +96,7 @@ pub(super) struct Machine<'p, 'j, R: Real> {
     pub images: Vec<Image<'j>>,
     /// By image: its last samples.
     samples: Vec<Option<Box<memory::Samples<R::Lanes>>>>,
-    /// By instruction: whether its results hold for all batches, and are there.
+    /// By instruction: whether a batch has computed its results, which are those of all batches.
     done: Vec<bool>,
     /// The lanes that were started.
     started: u64,

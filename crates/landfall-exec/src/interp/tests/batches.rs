@@ -1,6 +1,7 @@
 //! What is computed once for all batches, and by fused instructions: the results and counts are those
 //! of a watched run, which computes everything by itself, and of Rust.
 
+use super::super::code::{F1, F2, Inst, Op};
 use super::super::{Call, Called, Precision, Settings};
 use super::memory::{compute, left, resource, storage};
 use super::support::{program, single};
@@ -48,6 +49,25 @@ fn inputs(lane: usize) -> (u32, f32) {
         _ => lane % 11,
     };
     (k as u32, lane as f32 / 64.0 - 3.0)
+}
+
+#[test]
+fn only_what_needs_no_argument_is_computed_once() {
+    let marks = |text: &str| {
+        let code = program(text).code;
+        let ops = |is: fn(&Inst) -> bool| -> Vec<Op> {
+            code.iter().filter(|inst| is(inst)).map(|inst| inst.op).collect()
+        };
+        (ops(|inst| inst.once), ops(|inst| inst.fused))
+    };
+    let (once, fused) = marks(TEXT);
+    for op in [Op::F1(F1::Sqrt), Op::F1(F1::Exp), Op::F2(F2::Pow), Op::Normalize(3)] {
+        assert!(once.contains(&op), "{op:?} is not among {once:?}");
+    }
+    assert!(once.iter().any(|op| matches!(op, Op::Load(_))));
+    assert!(!fused.is_empty());
+    let (once, fused) = marks("fn f(x: f32) -> f32 { return exp(x) * sqrt(x) + x; }");
+    assert_eq!((once, fused), (vec![], vec![Op::F2(F2::Mul)]));
 }
 
 #[test]
