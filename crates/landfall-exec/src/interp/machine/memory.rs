@@ -74,26 +74,24 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
             for group in operands.chunks_exact(3) {
                 let stored = Stored::ALL[group[2] as usize];
                 let at = group[1] as usize + way;
-                match stored {
+                let bits = match stored {
+                    // The usual one without a call.
                     Stored::F32 => {
                         let bytes = self.buffers[buffer].bytes.get(at..at + 4);
                         let bytes = bytes.and_then(<[u8]>::first_chunk).copied();
-                        let value = R::narrow(f32::from_le_bytes(bytes.unwrap_or_default()));
-                        fill(column_mut(&mut self.reals, group[0]), value);
+                        u64::from(u32::from_le_bytes(bytes.unwrap_or_default()))
                     }
-                    Stored::F16 => {
-                        let bits = self.fetch(buffer, at, stored);
+                    _ => self.fetch(buffer, at, stored),
+                };
+                match stored {
+                    Stored::F32 | Stored::F16 => {
                         let value = R::narrow(f32::from_bits(bits as u32));
                         fill(column_mut(&mut self.reals, group[0]), value);
                     }
                     Stored::B32 | Stored::I16 | Stored::U16 | Stored::Bool => {
-                        let bits = self.fetch(buffer, at, stored);
                         fill(column_mut(&mut self.words, group[0]), bits as u32);
                     }
-                    Stored::B64 => {
-                        let bits = self.fetch(buffer, at, stored);
-                        fill(column_mut(&mut self.wides, group[0]), bits);
-                    }
+                    Stored::B64 => fill(column_mut(&mut self.wides, group[0]), bits),
                 }
                 if self.watch.is_some() && self.active != 0 {
                     self.mark(buffer, at, stored);
