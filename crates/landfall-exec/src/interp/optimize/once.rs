@@ -11,23 +11,20 @@ use super::{Role, registers};
 /// Marks these instructions; returns what they write, whose registers nothing else may write.
 pub(super) fn mark(body: &mut Body, accesses: &[Access], buffers: &[BufferInfo]) -> FxHashSet<Reg> {
     let mut kept = FxHashSet::default();
-    for inst in &mut body.code {
-        let regs = |role: Role| {
-            let mut regs = Vec::new();
-            registers(inst, |place, of| {
-                if of == role {
-                    regs.push(Reg(body.pool[inst.at as usize + place]));
+    for inst in body.code.iter_mut().filter(|inst| depends_on_operands(inst, accesses, buffers)) {
+        let (mut same, mut writes) = (true, Vec::new());
+        registers(inst, |place, role| {
+            let reg = Reg(body.pool[inst.at as usize + place]);
+            match role {
+                Role::Read => same &= reg.region() == Region::Constant || kept.contains(&reg),
+                Role::Write => {
+                    same &= reg.region() == Region::Temporary;
+                    writes.push(reg);
                 }
-            });
-            regs
-        };
-        let is_same = |reg: &Reg| reg.region() == Region::Constant || kept.contains(reg);
-        let is_own = |reg: &Reg| reg.region() == Region::Temporary;
-        let writes = regs(Role::Write);
-        inst.once = depends_on_operands(inst, accesses, buffers)
-            && regs(Role::Read).iter().all(is_same)
-            && writes.iter().all(is_own);
-        if inst.once {
+            }
+        });
+        inst.once = same;
+        if same {
             kept.extend(writes);
         }
     }
@@ -45,14 +42,6 @@ fn depends_on_operands(inst: &Inst, accesses: &[Access], buffers: &[BufferInfo])
                 BufferSpace::Workgroup => false,
             }
         }
-        Op::F1(_)
-        | Op::F2(_)
-        | Op::F3(_)
-        | Op::Dot(_)
-        | Op::Length(_)
-        | Op::Distance(_)
-        | Op::Normalize(_)
-        | Op::Cross => true,
-        _ => false,
+        op => op.computes_reals(),
     }
 }
