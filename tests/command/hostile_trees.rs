@@ -234,31 +234,19 @@ fn files_that_exclude_shaders_are_inputs() {
 }
 
 #[test]
-fn patterns_that_are_too_large_together_are_one_error() {
+fn many_long_patterns_are_no_trap() {
     let place = Place::new("trees-globs");
     place.write("a.frag", CLEAN);
     let pattern = "a*".repeat(1500);
     let flags: Vec<&str> = (0..30).flat_map(|_| ["--exclude", &pattern]).collect();
-    place.run(&[&["check"][..], &flags].concat()).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[output]: `exclude` has patterns that are too large to compile together
-  |
-  = help: exclude directories instead of single files
-
-
-"#]]);
-    let list: Vec<String> = (0..6000).map(|i| format!("\"a*b*c*{i}\"")).collect();
+    let ran = place.run(&[&["check"][..], &flags].concat());
+    assert_eq!(ran.code, 0);
+    assert_eq!(ran.err.matches("warning[unused-option]").count(), 30);
+    let mut list: Vec<String> = (0..6000).map(|i| format!("\"a*b*c*{i}\"")).collect();
+    list.push("\"*.frag\"".to_string());
     place.write("landfall.toml", format!("exclude = [{}]\n", list.join(", ")));
-    place.run(&["check"]).code(2).stdout_eq("").stderr_eq(str![[r#"
-error[wrong-value]: `exclude` has patterns that are too large to compile together
- --> landfall.toml:1:12
-  |
-1 | exclude = ["a*b*c*0", "a*b*c*1", "a*b*c*2", "a*b*c*3", "a*b*c*4", "a*b*c*5", "a*b*c*6", "a*b*c*7", "a*b*c*8", "a*b*c*9", "a*b*c*10", "a*b*c*11", "a*b*c*12", "a*…
-  |            ^^^^^^^^^
-  |
-  = help: exclude directories instead of single files
-
-
-"#]]);
+    let ran = place.run(&["check"]);
+    assert!(ran.err.contains("the only shader is excluded"), "{}", ran.err);
 }
 
 /// naga 30.0.1 panics on constants of arrays in GLSL.

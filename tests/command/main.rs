@@ -28,6 +28,7 @@ mod completions;
 mod help;
 mod hostile_names;
 mod hostile_trees;
+mod ignore_files;
 mod names_without_effect;
 mod nothing_done;
 mod readme;

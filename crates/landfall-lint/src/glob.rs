@@ -1,149 +1,347 @@
-//! Globs of paths, by which settings select shaders. A matcher of its own, because the command's
-//! globset would add regex-automata and aho-corasick to every program that uses this crate.
+//! Globs of paths, by which settings and arguments select files.
 //!
 //! `*` and `?` match within a directory, `**` across directories, `{a,b}` either alternative,
-//! `[a-z]` one character of a set. A pattern matches a whole path, or its end from some directory
-//! on: `lights/*.frag` matches `shaders/lights/point.frag`. An empty pattern matches every path.
+//! `[a-z]` one character of a set, `\` takes the special meaning from what follows it.
 
-/// The most alternatives that a pattern expands to; further ones are ignored.
+use std::fmt;
+
+/// The most patterns that the braces of a glob stand for.
 const MOST_ALTERNATIVES: usize = 256;
 
-/// Returns whether a path matches a pattern.
+/// Maximum nesting of braces.
+const DEEPEST_BRACES: usize = 16;
+
+/// Maximum length in bytes.
+const LONGEST: usize = 4096;
+
+/// A parsed glob.
+#[derive(Clone, Debug)]
+pub struct Glob {
+    alternatives: Vec<Vec<Token>>,
+}
+
+/// Why a text is not a glob.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GlobError {
+    /// A `[` without its `]`.
+    OpenClass,
+    /// A `{` without its `}`.
+    OpenBrace,
+    /// A `}` without its `{`.
+    UnopenedBrace,
+    /// A `\` at the end.
+    TrailingBackslash,
+    /// `[z-a]`.
+    EmptyRange(char, char),
+    /// More than 4096 bytes.
+    TooLong,
+    /// More than 16 braces in one another.
+    TooDeep,
+    /// Braces that stand for more than 256 patterns.
+    TooManyAlternatives,
+}
+
+impl fmt::Display for GlobError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            GlobError::OpenClass => f.write_str("a `[` is not closed by a `]`"),
+            GlobError::OpenBrace => f.write_str("a `{` is not closed by a `}`"),
+            GlobError::UnopenedBrace => f.write_str("a `}` closes no `{`"),
+            GlobError::TrailingBackslash => f.write_str("nothing follows the `\\` at its end"),
+            GlobError::EmptyRange(from, to) => write!(f, "the range `{from}-{to}` is empty"),
+            GlobError::TooLong => write!(f, "it has more than {LONGEST} bytes"),
+            GlobError::TooDeep => write!(f, "its braces nest more than {DEEPEST_BRACES} deep"),
+            GlobError::TooManyAlternatives => {
+                write!(f, "its braces stand for more than {MOST_ALTERNATIVES} patterns")
+            }
+        }
+    }
+}
+
+impl std::error::Error for GlobError {}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Token {
+    Literal(char),
+    /// `?`.
+    Any,
+    /// `[a-z]`, or `[!a-z]`.
+    Class {
+        ranges: Vec<(char, char)>,
+        negated: bool,
+    },
+    /// `*`.
+    Star,
+    /// `**`.
+    DeepStar,
+    /// `**/` at the start of a component: any directories, or none.
+    Directories,
+    Open,
+    Comma,
+    Close,
+}
+
+impl Glob {
+    /// Parses a glob of a setting or an argument. On Windows, `\` separates directories.
+    ///
+    /// # Errors
+    ///
+    /// Its brackets or braces are not balanced, or it exceeds a limit.
+    pub fn new(text: &str) -> Result<Glob, GlobError> {
+        if cfg!(windows) { Glob::escaped(&text.replace('\\', "/")) } else { Glob::escaped(text) }
+    }
+
+    /// Parses a glob in which `\` escapes on all systems, as in an ignore file.
+    ///
+    /// # Errors
+    ///
+    /// As of [`Glob::new`].
+    pub fn escaped(text: &str) -> Result<Glob, GlobError> {
+        if text.len() > LONGEST {
+            return Err(GlobError::TooLong);
+        }
+        let tokens = tokens(text)?;
+        let mut alternatives = expanded(&mut tokens.into_iter(), false)?;
+        alternatives.iter_mut().for_each(|pattern| *pattern = with_deep_stars(pattern));
+        Ok(Glob { alternatives })
+    }
+
+    /// The glob of a path's end, from some directory on.
+    #[must_use]
+    pub fn anywhere(mut self) -> Glob {
+        for pattern in &mut self.alternatives {
+            if pattern.first() != Some(&Token::Directories) {
+                pattern.insert(0, Token::Directories);
+            }
+        }
+        self
+    }
+
+    /// Whether it matches a path, whose directories are separated by `/`.
+    pub fn matches(&self, path: &str) -> bool {
+        self.alternatives.iter().any(|pattern| matches_pattern(pattern, path, false))
+    }
+
+    /// Whether it matches a path or a directory that contains it.
+    pub fn contains(&self, path: &str) -> bool {
+        self.alternatives.iter().any(|pattern| matches_pattern(pattern, path, true))
+    }
+}
+
+/// Whether a glob matches a path, or its end from some directory on: `lights/*.frag` matches
+/// `shaders/lights/point.frag`. An empty one matches every path, one that is not valid none.
 pub fn matches(pattern: &str, path: &str) -> bool {
     let pattern = pattern.trim().trim_start_matches("./");
     if pattern.is_empty() {
         return true;
     }
-    let path: String = path.replace('\\', "/");
-    let path = path.trim_start_matches("./");
-    let mut patterns = vec![pattern.to_string()];
-    let mut at = 0;
-    while let Some(alternatives) = patterns.get(at).and_then(|p| expand(p)) {
-        patterns.splice(at..=at, alternatives);
-        if patterns.len() > MOST_ALTERNATIVES {
-            break;
-        }
-        while at < patterns.len() && !patterns[at].contains('{') {
-            at += 1;
-        }
-    }
-    let starts = std::iter::once(0).chain(path.match_indices('/').map(|(at, _)| at + 1));
-    let ends: Vec<Vec<char>> = starts.map(|at| path[at..].chars().collect()).collect();
-    patterns.iter().any(|pattern| {
-        let pattern: Vec<char> = pattern.chars().collect();
-        ends.iter().any(|end| matches_whole(&pattern, end))
-    })
+    let path = path.replace('\\', "/");
+    let glob = Glob::new(pattern).map(Glob::anywhere);
+    glob.is_ok_and(|glob| glob.matches(path.trim_start_matches("./")))
 }
 
-/// Returns the patterns that the first `{a,b}` expands to.
-fn expand(pattern: &str) -> Option<Vec<String>> {
-    let open = pattern.find('{')?;
+fn tokens(text: &str) -> Result<Vec<Token>, GlobError> {
+    let mut tokens = Vec::with_capacity(text.len());
+    let mut rest = text;
     let mut depth = 0;
-    let mut commas = vec![open];
-    for (at, sign) in pattern.char_indices().skip_while(|(at, _)| *at < open) {
-        match sign {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            ',' if depth == 1 => commas.push(at),
-            _ => {}
-        }
-        if depth == 0 {
-            commas.push(at);
-            let (before, after) = (&pattern[..open], &pattern[at + 1..]);
-            let parts = commas.windows(2).map(|pair| &pattern[pair[0] + 1..pair[1]]);
-            return Some(parts.map(|part| format!("{before}{part}{after}")).collect());
+    while let Some(sign) = rest.chars().next() {
+        rest = &rest[sign.len_utf8()..];
+        tokens.push(match sign {
+            '?' => Token::Any,
+            '*' => Token::Star,
+            '[' => {
+                let (class, after) = class(rest)?;
+                rest = after;
+                class
+            }
+            '{' => {
+                depth += 1;
+                Token::Open
+            }
+            '}' if depth == 0 => return Err(GlobError::UnopenedBrace),
+            '}' => {
+                depth -= 1;
+                Token::Close
+            }
+            ',' if depth > 0 => Token::Comma,
+            '\\' => {
+                let escaped = rest.chars().next().ok_or(GlobError::TrailingBackslash)?;
+                rest = &rest[escaped.len_utf8()..];
+                Token::Literal(escaped)
+            }
+            sign => Token::Literal(sign),
+        });
+        if depth > DEEPEST_BRACES {
+            return Err(GlobError::TooDeep);
         }
     }
-    None
+    if depth > 0 { Err(GlobError::OpenBrace) } else { Ok(tokens) }
 }
 
-/// Returns whether the whole path matches, in time bounded by the product of the two lengths,
-/// because the match of each star only grows.
-fn matches_whole(pattern: &[char], path: &[char]) -> bool {
-    // For each place in the path, whether the pattern up to here can end there.
-    let mut ends = vec![false; path.len() + 1];
-    ends[0] = true;
+/// The class after a `[`, and what follows it. A `]` at its start is a member.
+fn class(text: &str) -> Result<(Token, &str), GlobError> {
+    let inside = text.strip_prefix(['!', '^']);
+    let negated = inside.is_some();
+    let mut rest = inside.unwrap_or(text).chars();
+    let mut ranges = Vec::new();
+    let next = |rest: &mut std::str::Chars<'_>| match rest.next() {
+        Some('\\') => rest.next().ok_or(GlobError::OpenClass),
+        sign => sign.ok_or(GlobError::OpenClass),
+    };
+    loop {
+        if !ranges.is_empty() && rest.as_str().starts_with(']') {
+            return Ok((Token::Class { ranges, negated }, &rest.as_str()[1..]));
+        }
+        let from = next(&mut rest)?;
+        let is_range = rest.as_str().strip_prefix('-').is_some_and(|end| !end.starts_with(']'));
+        let to = if is_range {
+            rest.next();
+            next(&mut rest)?
+        } else {
+            from
+        };
+        if from > to {
+            return Err(GlobError::EmptyRange(from, to));
+        }
+        ranges.push((from, to));
+    }
+}
+
+/// The patterns that a sequence stands for; `inside` braces it ends at a comma or the closing one.
+fn expanded(
+    tokens: &mut std::vec::IntoIter<Token>,
+    inside: bool,
+) -> Result<Vec<Vec<Token>>, GlobError> {
+    // Those of all sequences before a comma, and of the current one.
+    let mut ended: Vec<Vec<Token>> = Vec::new();
+    let mut current: Vec<Vec<Token>> = vec![Vec::new()];
+    while let Some(token) = tokens.next() {
+        match token {
+            Token::Open => {
+                let parts = expanded(tokens, true)?;
+                if current.len() * parts.len() > MOST_ALTERNATIVES {
+                    return Err(GlobError::TooManyAlternatives);
+                }
+                let joined = |start: &Vec<Token>| {
+                    let start = start.clone();
+                    parts.iter().map(move |part| [&start[..], part].concat())
+                };
+                current = current.iter().flat_map(joined).collect();
+            }
+            Token::Comma => ended.append(&mut std::mem::replace(&mut current, vec![Vec::new()])),
+            Token::Close if inside => break,
+            token => current.iter_mut().for_each(|pattern| pattern.push(token.clone())),
+        }
+        if ended.len() + current.len() > MOST_ALTERNATIVES {
+            return Err(GlobError::TooManyAlternatives);
+        }
+    }
+    ended.append(&mut current);
+    Ok(ended)
+}
+
+/// A pattern with one token for each run of stars.
+fn with_deep_stars(pattern: &[Token]) -> Vec<Token> {
+    let mut out: Vec<Token> = Vec::with_capacity(pattern.len());
     let mut at = 0;
-    while at < pattern.len() {
-        let mut next = vec![false; path.len() + 1];
-        let sign = pattern[at];
-        at += 1;
-        if sign == '*' {
-            let deep = pattern.get(at) == Some(&'*');
-            // `**/` also stands for no directory at all.
-            let mut skipped = None;
-            if deep {
-                at += 1;
-                if pattern.get(at) == Some(&'/') {
-                    at += 1;
-                    skipped = Some(ends.clone());
-                }
-            }
-            let mut reached = false;
-            for (i, end) in ends.iter().enumerate() {
-                if i > 0 && path[i - 1] == '/' && !deep {
-                    reached = false;
-                }
-                reached |= *end;
-                next[i] = reached && (skipped.is_none() || i > 0 && path[i - 1] == '/');
-            }
-            if let Some(skipped) = skipped {
-                next.iter_mut().zip(skipped).for_each(|(next, was)| *next |= was);
-            }
-            ends = next;
+    while let Some(token) = pattern.get(at) {
+        let stars = pattern[at..].iter().take_while(|t| **t == Token::Star).count();
+        if stars < 2 {
+            out.push(token.clone());
+            at += 1;
             continue;
         }
-        let set = (sign == '[').then(|| class(&pattern[at..])).flatten();
-        if let Some(class) = &set {
-            at += class.length;
-        }
-        for (i, &found) in path.iter().enumerate() {
-            let fits = match (&set, sign) {
-                (Some(class), _) => found != '/' && class.holds(found),
-                (None, '?') => found != '/',
-                (None, sign) => sign == found,
-            };
-            next[i + 1] = ends[i] && fits;
-        }
-        ends = next;
-    }
-    ends[path.len()]
-}
-
-/// `a-z]` behind a `[`.
-struct Class {
-    ranges: Vec<(char, char)>,
-    negated: bool,
-    length: usize,
-}
-
-impl Class {
-    fn holds(&self, sign: char) -> bool {
-        self.ranges.iter().any(|(from, to)| (*from..=*to).contains(&sign)) != self.negated
-    }
-}
-
-fn class(pattern: &[char]) -> Option<Class> {
-    let close = pattern.iter().skip(1).position(|&sign| sign == ']')? + 1;
-    let negated = matches!(pattern[0], '!' | '^');
-    let inside = &pattern[usize::from(negated)..close];
-    let mut ranges = Vec::new();
-    let mut at = 0;
-    while at < inside.len() {
-        if inside.get(at + 1) == Some(&'-') && at + 2 < inside.len() {
-            ranges.push((inside[at], inside[at + 2]));
-            at += 3;
-        } else {
-            ranges.push((inside[at], inside[at]));
+        at += stars;
+        let starts =
+            out.last().is_none_or(|t| *t == Token::Literal('/') || *t == Token::Directories);
+        if starts && pattern.get(at) == Some(&Token::Literal('/')) {
             at += 1;
+            out.push(Token::Directories);
+        } else {
+            out.push(Token::DeepStar);
         }
     }
-    Some(Class { ranges, negated, length: close + 1 })
+    out
+}
+
+impl Token {
+    /// The length of the character at the start of a text, if it matches.
+    fn length_in(&self, text: &str) -> Option<usize> {
+        let found = text.chars().next()?;
+        let fits = match self {
+            Token::Literal(sign) => *sign == found,
+            Token::Any => found != '/',
+            Token::Class { ranges, negated } => {
+                let holds = ranges.iter().any(|(from, to)| (*from..=*to).contains(&found));
+                found != '/' && holds != *negated
+            }
+            _ => false,
+        };
+        fits.then(|| found.len_utf8())
+    }
+}
+
+/// Whether a pattern matches a whole path, or with `below` a directory that contains it.
+///
+/// On a mismatch the last `*` takes one character more, and once it has reached the end of its
+/// directory, the last `**`. Earlier ones need not be tried again, because the text between two
+/// stars is found at its first place. The time is bounded by the product of the lengths, times the
+/// length of a path's component.
+fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
+    let (mut token, mut at) = (0, 0);
+    // What follows the star, and the start of the path that remains after its match.
+    let mut star: Option<(usize, usize)> = None;
+    let mut deep: Option<(usize, usize)> = None;
+    loop {
+        let rest = &path[at..];
+        match pattern.get(token) {
+            None if rest.is_empty() || below && rest.starts_with('/') => return true,
+            Some(Token::Star) => {
+                token += 1;
+                star = Some((token, at));
+                continue;
+            }
+            Some(Token::DeepStar | Token::Directories) => {
+                token += 1;
+                (star, deep) = (None, Some((token, at)));
+                continue;
+            }
+            Some(single) => {
+                if let Some(length) = single.length_in(rest) {
+                    // A `*` before a `/` has matched the rest of its directory's name.
+                    star = star.filter(|_| !rest.starts_with('/'));
+                    token += 1;
+                    at += length;
+                    continue;
+                }
+            }
+            None => {}
+        }
+        let more = star.and_then(|(after, from)| {
+            let length = Token::Any.length_in(&path[from..])?;
+            Some((after, from + length))
+        });
+        star = more;
+        if let Some(more) = more {
+            (token, at) = more;
+            continue;
+        }
+        let Some((after, from)) = deep else { return false };
+        let rest = &path[from..];
+        let length = match pattern[after - 1] {
+            Token::Directories => rest.find('/').map(|end| end + 1),
+            _ => rest.chars().next().map(char::len_utf8),
+        };
+        let Some(length) = length else { return false };
+        deep = Some((after, from + length));
+        (token, at) = (after, from + length);
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::matches;
+    use super::*;
 
     #[test]
     fn stars_stay_in_a_directory_and_double_stars_do_not() {
@@ -153,6 +351,7 @@ mod tests {
         assert!(matches("shaders/**/*.frag", "shaders/a.frag"));
         assert!(matches("**", "shaders/a.frag"));
         assert!(!matches("shaders/**/*.frag", "shaders/a.vert"));
+        assert!(matches("shaders**.frag", "shaders/lights/a.frag"));
     }
 
     #[test]
@@ -169,15 +368,84 @@ mod tests {
         assert!(matches("*.{vert,frag}", "a.vert"));
         assert!(!matches("*.{vert,frag}", "a.comp"));
         assert!(matches("{a,b}_{1,2}.frag", "b_2.frag"));
+        assert!(matches("{a,{b,c{d,}}}", "c") && !matches("{a,{b,c{d,}}}", "d"));
         assert!(matches("light[0-9].frag", "light7.frag"));
         assert!(!matches("light[!0-9].frag", "light7.frag"));
-        assert!(matches("a?.frag", "ab.frag"));
-        assert!(!matches("a{b", "ab"));
+        assert!(matches("light[]-].frag", "light-.frag"));
+        assert!(matches("a?.frag", "a\u{e4}.frag"));
+        assert!(matches("\\[a\\]\\*[\\]].frag", "[a]*].frag"));
+    }
+
+    #[test]
+    fn a_directory_contains_what_is_below_it() {
+        let glob = Glob::new("gen/*").unwrap();
+        assert!(glob.contains("gen/a") && glob.contains("gen/a/b") && !glob.matches("gen/a/b"));
+        assert!(!glob.contains("gen") && !glob.contains("generated/a"));
+    }
+
+    #[test]
+    fn texts_that_are_no_globs_are_refused() {
+        let error = |text: &str| Glob::new(text).expect_err(text);
+        assert_eq!(error("a["), GlobError::OpenClass);
+        assert_eq!(error("[]"), GlobError::OpenClass);
+        assert_eq!(error("{a"), GlobError::OpenBrace);
+        assert_eq!(error("a}"), GlobError::UnopenedBrace);
+        assert_eq!(error("[b-a]"), GlobError::EmptyRange('b', 'a'));
+        assert_eq!(error(&"{".repeat(17)), GlobError::TooDeep);
+        assert_eq!(error(&"a".repeat(4097)), GlobError::TooLong);
+        assert_eq!(error(&"{a,b}".repeat(9)), GlobError::TooManyAlternatives);
+        assert!(!cfg!(unix) || error("a\\") == GlobError::TrailingBackslash);
     }
 
     #[test]
     fn many_stars_are_no_trap() {
-        let path = "a".repeat(2000);
-        assert!(!matches(&format!("{}b", "*a".repeat(200)), &path));
+        let path = "a".repeat(4000);
+        assert!(!matches(&format!("{}b", "*a".repeat(2000)), &path));
+        assert!(!matches(&format!("{}b", "**a".repeat(1300)), &path));
+        let path = "a/".repeat(2000) + "a";
+        assert!(!matches(&format!("{}*b", "**/a*".repeat(800)), &path));
+    }
+
+    /// A pattern tried in all ways, as the definition of its signs says.
+    fn matches_slowly(pattern: &[Token], path: &str) -> bool {
+        let Some((first, rest)) = pattern.split_first() else { return path.is_empty() };
+        let ends = path.char_indices().map(|(at, _)| at).chain([path.len()]);
+        match first {
+            Token::Star => {
+                let mut ends = ends.take_while(|at| !path[..*at].contains('/'));
+                ends.any(|at| matches_slowly(rest, &path[at..]))
+            }
+            Token::DeepStar => ends.into_iter().any(|at| matches_slowly(rest, &path[at..])),
+            Token::Directories => {
+                let mut ends = ends.filter(|at| *at == 0 || path[..*at].ends_with('/'));
+                ends.any(|at| matches_slowly(rest, &path[at..]))
+            }
+            single => {
+                single.length_in(path).is_some_and(|length| matches_slowly(rest, &path[length..]))
+            }
+        }
+    }
+
+    #[test]
+    fn matches_are_those_of_all_ways_to_match() {
+        let mut seed = 7u32;
+        let mut random = |below: usize| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) as usize % below
+        };
+        let mut found = [0, 0];
+        for _ in 0..200_000 {
+            let signs = ["a", "b", "/", "*", "*", "**", "**/", "/**/", "?", "[a/]"];
+            let text: String = (0..random(8)).map(|_| signs[random(signs.len())]).collect();
+            let path: String = (0..random(8)).map(|_| ["a", "b", "/"][random(3)]).collect();
+            let Ok(glob) = Glob::new(&text) else { continue };
+            let whole = matches_slowly(&glob.alternatives[0], &path);
+            assert_eq!(glob.matches(&path), whole, "`{text}` on `{path}`");
+            let mut ends = path.match_indices('/').map(|(at, _)| at);
+            let inside = ends.any(|at| matches_slowly(&glob.alternatives[0], &path[..at]));
+            assert_eq!(glob.contains(&path), whole || inside, "`{text}` above `{path}`");
+            found[usize::from(whole)] += 1;
+        }
+        assert!(found.iter().all(|count| *count > 5_000), "{found:?}");
     }
 }

@@ -174,7 +174,6 @@ fn configuration(
     for pattern in &args.exclude {
         config.exclude.add(pattern, false).map_err(|cause| config::bad_glob(pattern, &cause))?;
     }
-    config.exclude.ready()?;
     let settings = match config.settings(&args.levels.levels, &args.text.targets) {
         Ok(settings) => renamed(settings, streams),
         Err(found) => {

@@ -18,12 +18,12 @@ use landfall_layout::diff::Policy;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use landfall_codegen::rust::BindingOptions;
 use landfall_layout::file::FileWriter;
 use landfall_layout::finding::Level;
 use landfall_layout::text::edit_distance::nearest;
 use landfall_layout::{Diagnostic, Error, Options, ReadOptions, Rules, Severity, Target, lock};
+use landfall_lint::glob::{self, Glob};
 use landfall_lint::settings::Target as Limits;
 use landfall_lint::{LINTS, Settings, lint, renamed};
 
@@ -33,8 +33,9 @@ use crate::{read, without_effect, write};
 use find::ProjectBase;
 use toml::{Document, Keys, Text};
 
+pub use crate::walk::slashes;
 pub use find::NAMES;
-pub use root::{Root, absolute, current, relative_path, repository, slashes};
+pub use root::{Root, absolute, current, relative_path, repository};
 
 /// The default directory of locks.
 const LOCKS: &str = "layouts";
@@ -214,9 +215,6 @@ fn exclude(keys: &Keys<'_>) -> Exclude {
             keys.bad_glob(text, &cause);
         }
     }
-    if let (Err(error), Some(first)) = (exclude.ready(), texts.first()) {
-        keys.add(Diagnostic { code: Code::WrongValue, ..error.into() }.with_label(first.span, ""));
-    }
     exclude
 }
 
@@ -243,7 +241,7 @@ impl Config {
     /// The policy for changes of a shader's layout, by its path from the configuration's directory.
     pub fn policy_of(&self, shader: &str) -> Option<Policy> {
         let mut rows = self.path_policies.iter().rev();
-        let row = rows.find(|(file, _)| landfall_lint::glob::matches(file, shader));
+        let row = rows.find(|(file, _)| glob::matches(file, shader));
         row.map(|(_, policy)| *policy).or(self.policy)
     }
 
@@ -368,71 +366,42 @@ pub fn unknown_code(code: &str) -> Diagnostic {
 #[derive(Debug, Default)]
 pub struct Exclude {
     patterns: Vec<Pattern>,
-    globs: Vec<globset::Glob>,
-    set: GlobSet,
 }
 
 #[derive(Debug)]
 struct Pattern {
     text: String,
+    glob: Glob,
     is_configured: bool,
     /// Whether a path matched it.
     is_used: AtomicBool,
 }
-
-/// Each pattern is a glob for a path and one for what is below it.
-const GLOBS_OF_PATTERN: usize = 2;
 
 impl Exclude {
     /// Adds a pattern. With a `/` it is relative to the configuration's directory; without, it
     /// matches a file or directory of that name anywhere. A match of a directory excludes its
     /// contents.
     pub fn add(&mut self, pattern: &str, is_configured: bool) -> Result<(), String> {
-        if let Some(cause) = crate::inputs::too_deep(pattern) {
-            return Err(cause);
-        }
         let bare = pattern.trim_end_matches('/');
         let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
             Some(rest) => (rest, true),
             None => (bare, bare.contains('/')),
         };
-        let from = if anchored { from.to_string() } else { format!("**/{from}") };
-        let globs: [String; GLOBS_OF_PATTERN] = [from.clone(), format!("{from}/**")];
-        for glob in globs {
-            let glob = GlobBuilder::new(&glob).literal_separator(true).build();
-            self.globs.push(glob.map_err(|cause| cause.kind().to_string())?);
-        }
-        let text = pattern.to_string();
-        self.patterns.push(Pattern { text, is_configured, is_used: AtomicBool::new(false) });
-        Ok(())
-    }
-
-    /// Compiles the patterns.
-    pub fn ready(&mut self) -> Result<(), Error> {
-        let mut builder = GlobSetBuilder::new();
-        for glob in &self.globs {
-            builder.add(glob.clone());
-        }
-        let too_large = |_| {
-            Error::new("exclude", "has patterns that are too large to compile together")
-                .with_help("exclude directories instead of single files")
-        };
-        self.set = builder.build().map_err(too_large)?;
+        let glob = Glob::new(from).map_err(|cause| cause.to_string())?;
+        self.patterns.push(Pattern {
+            text: pattern.to_string(),
+            glob: if anchored { glob } else { glob.anywhere() },
+            is_configured,
+            is_used: AtomicBool::new(false),
+        });
         Ok(())
     }
 
     /// Whether a path relative to the configuration's directory is excluded.
     pub fn takes(&self, path: &str) -> bool {
-        if self.globs.is_empty() {
-            return false;
-        }
-        let matches = self.set.matches(path);
-        for glob in &matches {
-            if let Some(pattern) = self.patterns.get(glob / GLOBS_OF_PATTERN) {
-                pattern.is_used.store(true, Ordering::Relaxed);
-            }
-        }
-        !matches.is_empty()
+        let matched = self.patterns.iter().filter(|pattern| pattern.glob.contains(path));
+        // All that match are marked as used.
+        matched.map(|pattern| pattern.is_used.store(true, Ordering::Relaxed)).count() > 0
     }
 
     /// The patterns that no path matched, and whether each is of the configuration.
@@ -474,7 +443,6 @@ mod tests {
         for pattern in ["vendor", "gen/*.frag", "*.wgsl", "./top/"] {
             exclude.add(pattern, true).unwrap();
         }
-        exclude.ready().unwrap();
         for out in ["vendor/a.frag", "x/vendor/b/c.frag", "gen/a.frag", "deep/a.wgsl", "top/a.vert"]
         {
             assert!(exclude.takes(out), "{out}");

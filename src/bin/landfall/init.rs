@@ -82,7 +82,7 @@ impl DirectoryContents {
         let mut shaders: Vec<PathBuf> = Vec::new();
         for entry in FilteredWalk::new(dir) {
             let entry = entry?;
-            if !entry.file_type().is_some_and(|kind| kind.is_file()) {
+            if !entry.file_type().is_file() {
                 continue;
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();

@@ -4,12 +4,12 @@
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Component, Path, PathBuf};
 
-use globset::{GlobBuilder, GlobMatcher};
-use ignore::{DirEntry, WalkBuilder};
 use landfall_layout::{Error, other_language, source};
+use landfall_lint::glob::Glob;
+use walkdir::DirEntry;
 
 use crate::read::is_stdin;
-use crate::walk::{FilteredWalk, Listing, without_dot};
+use crate::walk::{self, FilteredWalk, Listing, slashes, without_dot};
 use crate::watch;
 
 /// One shader to read.
@@ -37,7 +37,7 @@ struct Search {
     argument: PathBuf,
     /// The files below the root.
     files: Box<dyn Iterator<Item = Result<PathBuf, Error>> + Send>,
-    glob: Option<GlobMatcher>,
+    glob: Option<Glob>,
     found: bool,
     /// The unsupported shading languages of skipped files.
     others: BTreeSet<&'static str>,
@@ -129,15 +129,9 @@ impl Search {
     /// Expands a glob as a shell does, regardless of ignore files.
     fn glob(argument: &Path) -> Result<Search, Error> {
         let text = argument.to_string_lossy();
-        let refused = |cause: globset::Error| {
-            Error::new(text.to_string(), format!("is not a glob: {}", cause.kind()))
-        };
         let pattern = text.strip_prefix("./").unwrap_or(&text);
-        if let Some(cause) = too_deep(pattern) {
-            return Err(Error::new(text.to_string(), format!("is not a glob: {cause}")));
-        }
-        let glob = GlobBuilder::new(pattern).literal_separator(true).build().map_err(refused)?;
-        let matcher = glob.compile_matcher();
+        let refused = |cause| Error::new(text.to_string(), format!("is not a glob: {cause}"));
+        let glob = Glob::new(pattern).map_err(refused)?;
         let fixed = argument
             .components()
             .take_while(|part| !part.as_os_str().to_string_lossy().contains(['*', '?', '[', '{']));
@@ -145,20 +139,14 @@ impl Search {
         if root.as_os_str().is_empty() {
             root.push(".");
         }
-        let walk = WalkBuilder::new(&root)
-            .standard_filters(false)
-            .hidden(true)
-            .sort_by_file_name(|a, b| a.cmp(b))
-            .build();
-        let shown = root.display().to_string();
-        let walk = walk.map(move |entry| {
-            entry.map_err(|cause| Error::new(&shown, format!("cannot be searched: {cause}")))
-        });
+        let shown = root.clone();
+        let walk = walk::sorted(&root).into_iter().filter_entry(|entry| !walk::is_hidden(entry));
+        let walk = walk.map(move |entry| entry.map_err(|cause| walk::unsearchable(&shown, &cause)));
         Ok(Search {
             root,
             argument: argument.to_path_buf(),
             files: Box::new(files(walk)),
-            glob: Some(matcher),
+            glob: Some(glob),
             found: false,
             others: BTreeSet::new(),
         })
@@ -192,7 +180,10 @@ impl Search {
     fn takes(&self, path: &Path) -> bool {
         let known = source::kind_of_path(path).is_some();
         match &self.glob {
-            Some(glob) => glob.is_match(path) && (known || !ends_with_star(&self.argument)),
+            Some(glob) => {
+                glob.matches(&slashes(without_dot(path)))
+                    && (known || !ends_with_star(&self.argument))
+            }
             None => known,
         }
     }
@@ -224,35 +215,10 @@ where
     W: Iterator<Item = Result<DirEntry, Error>>,
 {
     walk.filter_map(|entry| match entry {
-        Ok(entry) if entry.file_type().is_none_or(|kind| kind.is_dir()) => None,
+        Ok(entry) if entry.file_type().is_dir() => None,
         Ok(entry) => Some(Ok(without_dot(entry.path()).to_path_buf())),
         Err(error) => Some(Err(error)),
     })
-}
-
-/// Maximum nesting of braces in a glob.
-const DEEPEST_BRACES: usize = 16;
-
-/// Maximum length of a glob in bytes.
-const LONGEST_GLOB: usize = 4096;
-
-/// The reason to refuse a glob that would exhaust the compiler of globs.
-pub fn too_deep(glob: &str) -> Option<String> {
-    if glob.len() > LONGEST_GLOB {
-        return Some(format!("it has more than {LONGEST_GLOB} bytes"));
-    }
-    let mut depth = 0usize;
-    for byte in glob.bytes() {
-        match byte {
-            b'{' => depth += 1,
-            b'}' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        if depth > DEEPEST_BRACES {
-            return Some(format!("its braces nest more than {DEEPEST_BRACES} deep"));
-        }
-    }
-    None
 }
 
 fn ends_with_star(glob: &Path) -> bool {

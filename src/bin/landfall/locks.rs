@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use landfall_layout::lock;
 use landfall_layout::source::kind_of_path;
 
-use crate::read;
+use crate::{read, walk};
 
 /// Whether a file with the name of a lock contains one, possibly truncated.
 pub fn holds_lock(path: &Path) -> bool {
@@ -17,15 +17,11 @@ pub fn locks_below(dir: &Path) -> Vec<PathBuf> {
     if !dir.is_dir() {
         return Vec::new();
     }
-    let walk = ignore::WalkBuilder::new(dir)
-        .standard_filters(false)
-        .sort_by_file_name(|a, b| a.cmp(b))
-        .build();
-    let files = walk.filter_map(Result::ok);
-    let files = files.filter(|entry| entry.file_type().is_some_and(|kind| kind.is_file()));
+    let files = walk::sorted(dir).into_iter().filter_map(Result::ok);
+    let files = files.filter(|entry| entry.file_type().is_file());
     let is_lock = |path: &PathBuf| {
         path.extension().is_some_and(|e| e == "json")
             && kind_of_path(&path.with_extension("")).is_some()
     };
-    files.map(ignore::DirEntry::into_path).filter(is_lock).collect()
+    files.map(walkdir::DirEntry::into_path).filter(is_lock).collect()
 }

@@ -2,32 +2,31 @@
 //!
 //! An ignore file that is a pipe or a device ends the walk, as reading it may never end.
 
+mod ignore_files;
+
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use ignore::{DirEntry, Walk, WalkBuilder};
+use landfall_layout::file::reason;
 use landfall_layout::{Error, other_language, source};
+use walkdir::{DirEntry, WalkDir};
 
-/// The ignore files that a walk reads in each directory.
-const IGNORE_FILES: [&str; 3] = [".ignore", ".gitignore", ".git/info/exclude"];
+use self::ignore_files::IgnoreFiles;
 
-/// The entries of a directory, sorted by name.
+/// The entries of a directory, sorted by name, without hidden and ignored ones.
 pub struct FilteredWalk {
     root: PathBuf,
-    walk: Option<Walk>,
-    /// An ignore file ahead that may have no end.
-    endless: Option<PathBuf>,
+    walk: Option<walkdir::IntoIter>,
+    ignore_files: Result<IgnoreFiles, PathBuf>,
 }
 
 impl FilteredWalk {
     pub fn new(root: &Path) -> FilteredWalk {
-        let absolute = fs::canonicalize(root).unwrap_or_else(|_| root.to_path_buf());
-        let endless = absolute.ancestors().find_map(endless);
-        let mut walk = WalkBuilder::new(root);
-        // Of paths in one directory, only the names differ; bytes are compared fastest.
-        walk.sort_by_file_path(|a, b| a.as_os_str().cmp(b.as_os_str()));
-        FilteredWalk { root: root.to_path_buf(), walk: Some(walk.build()), endless }
+        FilteredWalk {
+            root: root.to_path_buf(),
+            walk: Some(sorted(root).into_iter()),
+            ignore_files: IgnoreFiles::above(root),
+        }
     }
 }
 
@@ -35,22 +34,76 @@ impl Iterator for FilteredWalk {
     type Item = Result<DirEntry, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let walk = self.walk.as_mut()?;
-        if let Some(file) = self.endless.take() {
-            self.walk = None;
-            let error = Error::new(file.display().to_string(), "is not a regular file");
-            return Some(Err(error.with_help("write the ignore file as text, or remove it")));
+        loop {
+            let walk = self.walk.as_mut()?;
+            let files = match &mut self.ignore_files {
+                Ok(files) => files,
+                Err(endless) => {
+                    self.walk = None;
+                    let path = endless.display().to_string();
+                    let error = Error::new(path, "is not a regular file");
+                    return Some(Err(
+                        error.with_help("write the ignore file as text, or remove it")
+                    ));
+                }
+            };
+            let entry = match walk.next()? {
+                Ok(entry) => entry,
+                Err(cause) => return Some(Err(unsearchable(&self.root, &cause))),
+            };
+            files.leave(entry.depth());
+            let is_root = entry.depth() == 0;
+            let is_folder = is_root || entry.file_type().is_dir();
+            let has_rules = files.has_rules();
+            let relative =
+                if is_folder || has_rules { below(&self.root, &entry) } else { String::new() };
+            let ignored = if has_rules { files.ignored(&relative, is_folder) } else { None };
+            if !is_root && ignored.unwrap_or_else(|| is_hidden(&entry)) {
+                if is_folder {
+                    walk.skip_current_dir();
+                }
+                continue;
+            }
+            if is_folder {
+                if let Err(endless) = files.enter(entry.path(), &relative) {
+                    self.ignore_files = Err(endless);
+                }
+            }
+            return Some(Ok(entry));
         }
-        let entry = walk.next()?;
-        // The walk reads the ignore files of a subdirectory before it returns the subdirectory.
-        let is_folder = |entry: &&DirEntry| entry.file_type().is_some_and(|kind| kind.is_dir());
-        if let Some(folder) = entry.as_ref().ok().filter(is_folder) {
-            self.endless = below(folder.path());
-        }
-        Some(entry.map_err(|cause| {
-            let root = self.root.display().to_string();
-            Error::new(root, format!("cannot be searched: {cause}"))
-        }))
+    }
+}
+
+/// The entries of a directory, sorted by name.
+pub fn sorted(root: &Path) -> WalkDir {
+    WalkDir::new(root).sort_by_file_name()
+}
+
+/// The path of an entry from the root of a walk, with `/` between its parts.
+fn below(root: &Path, entry: &DirEntry) -> String {
+    slashes(entry.path().strip_prefix(root).unwrap_or(Path::new("")))
+}
+
+/// Whether an entry is hidden, or below a hidden directory that is not the root.
+pub fn is_hidden(entry: &DirEntry) -> bool {
+    entry.depth() > 0 && entry.file_name().as_encoded_bytes().starts_with(b".")
+}
+
+/// The error of a directory that cannot be read.
+pub fn unsearchable(root: &Path, cause: &walkdir::Error) -> Error {
+    let path = cause.path().unwrap_or(root).display().to_string();
+    let why = cause.io_error().map_or_else(|| cause.to_string(), reason);
+    Error::new(path, format!("cannot be searched: {why}"))
+}
+
+/// A path with `/` between its parts.
+pub fn slashes(path: &Path) -> String {
+    // Paths are UTF-8 almost always.
+    let text = path.to_str().map_or_else(|| path.display().to_string(), str::to_string);
+    if std::path::MAIN_SEPARATOR == '/' {
+        text
+    } else {
+        text.replace(std::path::MAIN_SEPARATOR, "/")
     }
 }
 
@@ -67,7 +120,7 @@ impl Listing {
     /// Adds an entry of a walk.
     pub fn add(&mut self, entry: &DirEntry) {
         let path = without_dot(entry.path());
-        if entry.file_type().is_some_and(|kind| kind.is_dir()) {
+        if entry.file_type().is_dir() {
             self.folders.insert(path.to_path_buf(), self.files.len());
         } else if source::kind_of_path(path).is_some() || other_language::of_path(path).is_some() {
             self.files.push(path.to_path_buf());
@@ -91,16 +144,24 @@ pub fn without_dot(path: &Path) -> &Path {
     }
 }
 
-/// An ignore file that may have no end, in a subdirectory.
-fn below(folder: &Path) -> Option<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
-    folders.find_map(|entry| endless(&entry.path()))
-}
+#[cfg(test)]
+mod tests {
+    use std::fs;
 
-/// An ignore file of a directory that may have no end.
-fn endless(folder: &Path) -> Option<PathBuf> {
-    let is_endless =
-        |file: &PathBuf| fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir());
-    IGNORE_FILES.iter().map(|name| folder.join(name)).find(is_endless)
+    use super::*;
+
+    #[test]
+    fn a_tree_without_rules_is_walked_in_order() {
+        let root = std::env::temp_dir().join(format!("landfall-walk-{}", std::process::id()));
+        for file in ["b/c/d.frag", "b/.git.frag", ".hidden/e.frag", "b/c.frag", "a.frag"] {
+            fs::create_dir_all(root.join(file).parent().expect("below the root")).expect("created");
+            fs::write(root.join(file), "").expect("written");
+        }
+        let entries = FilteredWalk::new(&root).map(|entry| below(&root, &entry.expect("readable")));
+        assert_eq!(
+            entries.collect::<Vec<_>>(),
+            ["", "a.frag", "b", "b/c", "b/c/d.frag", "b/c.frag"]
+        );
+        fs::remove_dir_all(root).expect("removed");
+    }
 }

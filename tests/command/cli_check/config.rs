@@ -131,7 +131,7 @@ error[wrong-type]: `gather` is a string, not true or false
             "1:17",
             "bad-glob",
             str![[r#"
-error[bad-glob]: `b[` is not a glob: unclosed character class; missing ']'
+error[bad-glob]: `b[` is not a glob: a `[` is not closed by a `]`
  --> landfall.toml:1:17
   |
 1 | exclude = ["a", "b["]
@@ -435,7 +435,7 @@ error[wrong-type]: `data[0].pos` is a boolean, not a number of bytes
             "4:8",
             "bad-glob",
             str![[r#"
-error[bad-glob]: `{a` is not a glob: unclosed alternate group; missing '}' (maybe escape '{' with '[{]'?)
+error[bad-glob]: `{a` is not a glob: a `{` is not closed by a `}`
  --> landfall.toml:4:8
   |
 4 | file = "{a"
@@ -635,7 +635,7 @@ fn paths_are_relative_to_the_configuration_wherever_it_is_run() {
     assert_eq!(place.found(&[&spelled]), ["unused-allow shaders/a.frag:4"]);
     let ran = place.run(&["check", "--exclude", "a["]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `a[` is not a glob: unclosed character class; missing ']'
+error[output]: `a[` is not a glob: a `[` is not closed by a `]`
   |
   = help: escape `[`, `{`, `*` and `?` with `\`
 

@@ -1,17 +1,17 @@
 //! Lint settings of the configuration: levels, permutations, mirror groups, tables, Rust mirrors.
 
-use globset::Glob;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::Level;
 use landfall_layout::{Diagnostic, Span};
+use landfall_lint::glob::Glob;
 use landfall_lint::settings::{
     Figure, MirrorCopy, MirrorGroup, PathLevels, Proof, Row, RustMirror, Table,
 };
 use landfall_lint::{LINTS, Settings};
 
-use super::root::{Root, slashes};
+use super::root::Root;
 use super::toml::{self, Keys, Text};
-use super::{figure, is_code, missing};
+use super::{figure, is_code, missing, slashes};
 use crate::args;
 
 const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
@@ -228,10 +228,8 @@ fn aliases(keys: &Keys<'_>, example: &str) -> Vec<(String, String)> {
 
 pub fn glob(keys: &Keys<'_>, key: &'static str, root: &Root) -> String {
     let Some(text) = keys.text(key) else { return String::new() };
-    if let Some(cause) = crate::inputs::too_deep(&text.value) {
-        keys.bad_glob(&text, &cause);
-    } else if let Err(cause) = Glob::new(&text.value) {
-        keys.bad_glob(&text, &cause.kind().to_string());
+    if let Err(cause) = Glob::new(&text.value) {
+        keys.bad_glob(&text, &cause.to_string());
     }
     root.glob(&text.value)
 }

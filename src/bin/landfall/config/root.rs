@@ -5,6 +5,8 @@ use std::path::{Component, Path, PathBuf};
 use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
 
+use crate::walk::slashes;
+
 /// The root directory, as messages show it and as an absolute path.
 #[derive(Clone, Debug, Default)]
 pub struct Root {
@@ -107,17 +109,6 @@ pub fn relative_path(from: &Path, to: &Path) -> PathBuf {
     }
     let up = from.components().skip(common).map(|_| Component::ParentDir);
     up.chain(to.components().skip(common)).collect()
-}
-
-/// A path with `/` between its parts.
-pub fn slashes(path: &Path) -> String {
-    // Paths are UTF-8 almost always.
-    let text = path.to_str().map_or_else(|| path.display().to_string(), str::to_string);
-    if std::path::MAIN_SEPARATOR == '/' {
-        text
-    } else {
-        text.replace(std::path::MAIN_SEPARATOR, "/")
-    }
 }
 
 fn clean(path: &Path) -> PathBuf {
