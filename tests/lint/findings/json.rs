@@ -67,10 +67,17 @@ fn what_is_no_report_is_refused_with_the_reason() {
         said("{\"schema_version\":1,\"shaders\":1}"),
         "is not a report: `findings` is an array, and here it is nothing"
     );
+    let bad = good.replace("\"level\":\"deny\"", "\"level\":\"fatal\"");
+    let line = bad.lines().position(|line| line.contains("fatal")).expect("it denies");
+    let column = bad.lines().nth(line).and_then(|line| line.find("\"fatal\"")).expect("there");
     assert_eq!(
-        said(&good.replace("\"level\":\"deny\"", "\"level\":\"fatal\"")),
-        "is not a report: its finding number 2: unknown variant `fatal`, expected one of `allow`, \
-         `warn`, `deny`"
+        said(&bad),
+        format!(
+            "is not a report: its findings: unknown variant `fatal`, expected one of `allow`, \
+             `warn`, `deny` at line {} column {}",
+            line + 1,
+            column + "\"fatal\"".len()
+        )
     );
     golden().eq(
         said(&format!("<<<<<<< HEAD\n{good}")),

@@ -1,6 +1,6 @@
 //! Reports as JSON, one line per finding, written and parsed for `merge`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use landfall_layout::error::Error;
@@ -19,6 +19,11 @@ pub struct ReadReport {
     pub findings: Vec<Finding>,
     /// The rest of the report, without its findings: the data that a shard leaves for `merge`.
     pub document: Value,
+}
+
+#[derive(Deserialize)]
+struct Findings {
+    findings: Vec<Finding>,
 }
 
 pub(super) fn report(findings: &[&Finding], shaders: usize) -> String {
@@ -81,28 +86,19 @@ pub(super) fn read(path: &str, text: &str) -> Result<ReadReport, Error> {
         let has = object.get("shaders").map_or("nothing", kind);
         fail(format!("is not a report: `shaders` is a number, and here it is {has}"))
     })?;
-    let list = match object.get_mut("findings") {
-        Some(Value::Array(list)) => std::mem::take(list),
+    match object.get_mut("findings") {
+        Some(Value::Array(list)) => list.clear(),
         other => {
             let has = other.map_or("nothing", |other| kind(other));
             return Err(fail(format!(
                 "is not a report: `findings` is an array, and here it is {has}"
             )));
         }
-    };
-    let mut findings = Vec::with_capacity(list.len());
-    for (i, value) in list.into_iter().enumerate() {
-        findings.push(
-            serde_json::from_value(value).map_err(|cause| {
-                fail(format!("is not a report: its {}: {cause}", ordinal(i + 1)))
-            })?,
-        );
     }
+    // From the text, which has lines; and the deserializer of texts is compiled for caches, too.
+    let Findings { findings } = serde_json::from_str(text)
+        .map_err(|cause| fail(format!("is not a report: its findings: {cause}")))?;
     Ok(ReadReport { shaders, findings, document })
-}
-
-fn ordinal(n: usize) -> String {
-    format!("finding number {n}")
 }
 
 /// The name of a JSON value's type, for messages.

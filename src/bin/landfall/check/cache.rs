@@ -12,7 +12,7 @@ use landfall_layout::file::FileWriter;
 use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
-use super::check_shader::{Checked, Known};
+use super::check_shader::{Checked, Known, sort_by_path};
 use super::digests::{CachedDigests, Digests};
 use super::hash::{Hash, seal};
 use super::key::key;
@@ -103,7 +103,7 @@ impl Cache {
             pass.left.values().map(Box::as_ref).filter(|other| Path::new(&other.path).is_file()),
         );
         // The first record of a shader, from this check, wins.
-        all.sort_by(|a, b| a.path.cmp(&b.path));
+        sort_by_path(&mut all);
         all.dedup_by(|a, b| a.path == b.path);
         let digests: Vec<&Digests> = all.iter().map(|checked| &checked.blocks).collect();
         let digests = serde_json::to_string(&digests).expect("a list");

@@ -30,6 +30,11 @@ use crate::inputs::Input;
 use crate::without_effect;
 use crate::work::Weighed;
 
+/// Sorts results by the paths of their shaders.
+pub fn sort_by_path(results: &mut [&Checked]) {
+    results.sort_by(|a, b| a.path.cmp(&b.path));
+}
+
 /// The results for one shader, without its layout.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checked {

@@ -14,7 +14,7 @@ use landfall_lint::settings::Proof;
 use landfall_lint::{Subject, levels, not_proved, run};
 
 use super::basis::Basis;
-use super::check_shader::Checked;
+use super::check_shader::{Checked, sort_by_path};
 use super::hash::seal;
 use super::pass::{Pass, source};
 use crate::config::{Root, slashes};
@@ -84,7 +84,7 @@ pub fn findings_in_shaders(pass: &Pass) -> Vec<Finding> {
 /// The seal of everything that lints over all shaders depend on.
 fn seal_of(pass: &Pass, basis: &Basis, secret: &[u8]) -> String {
     let mut shaders: Vec<&Checked> = pass.checked.iter().filter(|c| !c.failed).collect();
-    shaders.sort_by(|a, b| a.path.cmp(&b.path));
+    sort_by_path(&mut shaders);
     let files = shaders.into_iter().flat_map(|checked| {
         let includes = checked.includes.iter().map(|(path, hash)| (path, hash));
         std::iter::once((&checked.path, &checked.hash)).chain(includes)
