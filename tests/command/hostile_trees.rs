@@ -247,6 +247,11 @@ fn many_long_patterns_are_no_trap() {
     place.write("landfall.toml", format!("exclude = [{}]\n", list.join(", ")));
     let ran = place.run(&["check"]);
     assert!(ran.err.contains("the only shader is excluded"), "{}", ran.err);
+    let list: Vec<String> = (0..300).map(|i| format!("\"{i}{}\"", "a".repeat(4000))).collect();
+    place.write("landfall.toml", format!("exclude = [{}]\n", list.join(", ")));
+    let ran = place.run(&["check"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("is not a glob: with those before it, it is too large"));
 }
 
 /// naga 30.0.1 panics on constants of arrays in GLSL.

@@ -1,6 +1,7 @@
 //! Which files of a directory are read, held against git's own answer for the same ignore files.
 
 use std::collections::BTreeSet;
+use std::os::unix::fs::symlink;
 use std::process::Command;
 
 use crate::cli_check::place::CLEAN;
@@ -157,11 +158,56 @@ fn ignored_files_are_those_that_git_ignores() {
 }
 
 #[test]
+fn settings_links_and_own_files_are_read_as_git_reads_them() {
+    let place = Place::new("ignore-files-settings");
+    for file in ["a.frag", "b.frag", "# c.frag", "in/7.frag", "in/_.frag"] {
+        place.write(file, CLEAN);
+    }
+    assert!(git(&place, &["init", "-q"]).status().unwrap().success());
+    place.write("user", "a.frag\n").write(".git/refs/own.frag", CLEAN);
+    let mut found = Vec::new();
+    let mut compare = |about: &str| {
+        let (ours, theirs) = (read(&place, "."), added(&place, "."));
+        assert_eq!(ours, theirs, "{about}");
+        found.push(ours.len());
+    };
+    place.write("settings", "[core]\nexcludesFile = /dev/null\n");
+    compare("no file of the user");
+    let user = place.path("user");
+    place.write(
+        "settings",
+        format!("[user]\nname = J\u{fc}rgen\n[core] ; own\nexcludesfile=\"{user}\" # x\n"),
+    );
+    compare("a comment behind the value");
+    place.write(
+        "settings",
+        [&b"[user]\nname = \xfc\n[core]excludesfile="[..], user.as_bytes()].concat(),
+    );
+    compare("bytes that are not UTF-8");
+    place.write("settings", "");
+    let set = ["config", "core.excludesFile", "user"];
+    assert!(git(&place, &set).status().unwrap().success());
+    compare("the configuration of the repository");
+    place.write(".gitignore", "*\n!*/\n!*.frag\n");
+    compare("a rule that names every folder");
+    place.write(".gitignore", "[[:blank:]-_].frag\n[!!]{a}.frag\n");
+    compare("a class within brackets before a `-`");
+    place.write(".gitignore", b"\xfc.frag\n\xef\xbb\xbfb.frag\n#\n\\# c.frag\n");
+    compare("a line that is not UTF-8");
+    std::fs::remove_file(place.0.join(".gitignore")).unwrap();
+    symlink("user", place.0.join(".gitignore")).unwrap();
+    place.write("settings", "[core]\nexcludesFile =\n");
+    assert!(git(&place, &["config", "--unset", "core.excludesFile"]).status().unwrap().success());
+    compare("a link");
+    assert_eq!(found, [5, 4, 4, 4, 5, 3, 3, 5]);
+}
+
+#[test]
 fn rules_of_git_count_in_a_repository_from_its_root_on() {
     let place = Place::new("ignore-files-outside");
     place.write("a.frag", CLEAN).write(".gitignore", "*.frag\n").write("in/b.frag", CLEAN);
     let found = |folder: &str| read(&place, folder).into_iter().collect::<Vec<_>>();
-    // The folder of this test is in a repository, whose rules are those of this one.
+    // The folder of this test is in a repository already: that of the tests.
     std::fs::create_dir(place.0.join(".git")).unwrap();
     assert_eq!(found("."), [""; 0]);
     std::fs::create_dir(place.0.join("in/.git")).unwrap();

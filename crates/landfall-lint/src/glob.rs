@@ -8,6 +8,9 @@ use std::fmt;
 /// The most patterns that the braces of a glob stand for.
 const MOST_ALTERNATIVES: usize = 256;
 
+/// The most characters that those patterns have together.
+const MOST_TOKENS: usize = 16_384;
+
 /// Maximum nesting of braces.
 const DEEPEST_BRACES: usize = 16;
 
@@ -34,11 +37,11 @@ pub enum GlobError {
     TrailingBackslash,
     /// `[z-a]`.
     EmptyRange(char, char),
-    /// More than 4096 bytes.
+    /// Too many bytes.
     TooLong,
-    /// More than 16 braces in one another.
+    /// Too many braces in one another.
     TooDeep,
-    /// Braces that stand for more than 256 patterns.
+    /// Braces that stand for too many patterns, or for too long ones.
     TooManyAlternatives,
 }
 
@@ -53,7 +56,11 @@ impl fmt::Display for GlobError {
             GlobError::TooLong => write!(f, "it has more than {LONGEST} bytes"),
             GlobError::TooDeep => write!(f, "its braces nest more than {DEEPEST_BRACES} deep"),
             GlobError::TooManyAlternatives => {
-                write!(f, "its braces stand for more than {MOST_ALTERNATIVES} patterns")
+                write!(
+                    f,
+                    "its braces stand for more than {MOST_ALTERNATIVES} patterns, or {MOST_TOKENS} \
+                     characters"
+                )
             }
         }
     }
@@ -107,6 +114,11 @@ impl Glob {
         Ok(Glob { alternatives })
     }
 
+    /// The number of characters of all patterns that it stands for.
+    pub fn size(&self) -> usize {
+        self.alternatives.iter().map(Vec::len).sum()
+    }
+
     /// The glob of a path's end, from some directory on.
     #[must_use]
     pub fn anywhere(mut self) -> Glob {
@@ -127,6 +139,19 @@ impl Glob {
     pub fn contains(&self, path: &str) -> bool {
         self.alternatives.iter().any(|pattern| matches_pattern(pattern, path, true))
     }
+}
+
+/// A text as a glob that matches this text alone.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for sign in text.chars() {
+        match sign {
+            '*' | '?' | '[' | '{' | '}' => out.extend(['[', sign, ']']),
+            '\\' if !cfg!(windows) => out.push_str("\\\\"),
+            sign => out.push(sign),
+        }
+    }
+    out
 }
 
 /// Whether a glob matches a path, or its end from some directory on: `lights/*.frag` matches
@@ -233,7 +258,8 @@ fn expanded(
             Token::Close if inside => break,
             token => current.iter_mut().for_each(|pattern| pattern.push(token.clone())),
         }
-        if ended.len() + current.len() > MOST_ALTERNATIVES {
+        let lengths = ended.iter().chain(&current).map(Vec::len);
+        if ended.len() + current.len() > MOST_ALTERNATIVES || lengths.sum::<usize>() > MOST_TOKENS {
             return Err(GlobError::TooManyAlternatives);
         }
     }
@@ -286,25 +312,27 @@ impl Token {
 ///
 /// On a mismatch the last `*` takes one character more, and once it has reached the end of its
 /// directory, the last `**`. Earlier ones need not be tried again, because the text between two
-/// stars is found at its first place. The time is bounded by the product of the lengths, times the
-/// length of a path's component.
+/// stars is found at its first place. A `**` before a `*` goes on after the next `/`: from other
+/// places in a name, the `*` has fewer ways to match.
 fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
     let (mut token, mut at) = (0, 0);
     // What follows the star, and the start of the path that remains after its match.
     let mut star: Option<(usize, usize)> = None;
     let mut deep: Option<(usize, usize)> = None;
+    // Whether a `*` was met since the last `**` took more.
+    let mut has_star = false;
     loop {
         let rest = &path[at..];
         match pattern.get(token) {
             None if rest.is_empty() || below && rest.starts_with('/') => return true,
             Some(Token::Star) => {
                 token += 1;
-                star = Some((token, at));
+                (star, has_star) = (Some((token, at)), true);
                 continue;
             }
             Some(Token::DeepStar | Token::Directories) => {
                 token += 1;
-                (star, deep) = (None, Some((token, at)));
+                (star, deep, has_star) = (None, Some((token, at)), false);
                 continue;
             }
             Some(single) => {
@@ -329,12 +357,13 @@ fn matches_pattern(pattern: &[Token], path: &str, below: bool) -> bool {
         }
         let Some((after, from)) = deep else { return false };
         let rest = &path[from..];
-        let length = match pattern[after - 1] {
-            Token::Directories => rest.find('/').map(|end| end + 1),
-            _ => rest.chars().next().map(char::len_utf8),
+        let length = if has_star || pattern[after - 1] == Token::Directories {
+            rest.find('/').map(|end| end + 1)
+        } else {
+            rest.chars().next().map(char::len_utf8)
         };
         let Some(length) = length else { return false };
-        deep = Some((after, from + length));
+        (deep, has_star) = (Some((after, from + length)), false);
         (token, at) = (after, from + length);
     }
 }
@@ -394,7 +423,16 @@ mod tests {
         assert_eq!(error(&"{".repeat(17)), GlobError::TooDeep);
         assert_eq!(error(&"a".repeat(4097)), GlobError::TooLong);
         assert_eq!(error(&"{a,b}".repeat(9)), GlobError::TooManyAlternatives);
+        assert_eq!(error(&("{a,b}".repeat(8) + &"a".repeat(4000))), GlobError::TooManyAlternatives);
         assert!(!cfg!(unix) || error("a\\") == GlobError::TrailingBackslash);
+    }
+
+    #[test]
+    fn an_escaped_text_matches_itself_alone() {
+        for text in ["a[b", "{a,b}", "*?", "a]}", "[!a]", "."] {
+            let glob = Glob::new(&escape(text)).expect("escaped");
+            assert!(glob.matches(text) && !glob.matches("a") && !glob.matches("ab"), "{text}");
+        }
     }
 
     #[test]
@@ -402,6 +440,8 @@ mod tests {
         let path = "a".repeat(4000);
         assert!(!matches(&format!("{}b", "*a".repeat(2000)), &path));
         assert!(!matches(&format!("{}b", "**a".repeat(1300)), &path));
+        let path = ("a".repeat(250) + "/").repeat(15);
+        assert!(!matches(&format!("**a*{}b", "a".repeat(125)), &path));
         let path = "a/".repeat(2000) + "a";
         assert!(!matches(&format!("{}*b", "**/a*".repeat(800)), &path));
     }

@@ -43,8 +43,9 @@ use landfall_layout::{Diagnostic, Error, Severity, lock};
 use landfall_lint::Settings;
 
 use crate::args::{CheckArgs, Form, ReadArgs, Report};
-use crate::config::{self, Config, slashes};
+use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
+use crate::walk::slashes;
 use crate::{read, watch, write};
 use against::Against;
 use baseline::Permitted;

@@ -29,11 +29,11 @@ use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
 use crate::output::{Failure, FindingForm, Streams};
+use crate::walk::slashes;
 use crate::{read, without_effect, write};
 use find::ProjectBase;
 use toml::{Document, Keys, Text};
 
-pub use crate::walk::slashes;
 pub use find::NAMES;
 pub use root::{Root, absolute, current, relative_path, repository};
 
@@ -366,6 +366,8 @@ pub fn unknown_code(code: &str) -> Diagnostic {
 #[derive(Debug, Default)]
 pub struct Exclude {
     patterns: Vec<Pattern>,
+    /// The characters of all patterns, with what their braces stand for.
+    size: usize,
 }
 
 #[derive(Debug)]
@@ -377,17 +379,25 @@ struct Pattern {
     is_used: AtomicBool,
 }
 
+/// The largest size.
+const LARGEST: usize = 1 << 20;
+
 impl Exclude {
     /// Adds a pattern. With a `/` it is relative to the configuration's directory; without, it
     /// matches a file or directory of that name anywhere. A match of a directory excludes its
     /// contents.
     pub fn add(&mut self, pattern: &str, is_configured: bool) -> Result<(), String> {
-        let bare = pattern.trim_end_matches('/');
+        let text = slashes(Path::new(pattern));
+        let bare = text.trim_end_matches('/');
         let (from, anchored) = match bare.strip_prefix("./").or(bare.strip_prefix('/')) {
             Some(rest) => (rest, true),
             None => (bare, bare.contains('/')),
         };
         let glob = Glob::new(from).map_err(|cause| cause.to_string())?;
+        self.size += glob.size();
+        if self.size > LARGEST {
+            return Err("with those before it, it is too large".to_string());
+        }
         self.patterns.push(Pattern {
             text: pattern.to_string(),
             glob: if anchored { glob } else { glob.anywhere() },
@@ -399,9 +409,12 @@ impl Exclude {
 
     /// Whether a path relative to the configuration's directory is excluded.
     pub fn takes(&self, path: &str) -> bool {
-        let matched = self.patterns.iter().filter(|pattern| pattern.glob.contains(path));
-        // All that match are marked as used.
-        matched.map(|pattern| pattern.is_used.store(true, Ordering::Relaxed)).count() > 0
+        let mut is_taken = false;
+        for pattern in self.patterns.iter().filter(|pattern| pattern.glob.contains(path)) {
+            pattern.is_used.store(true, Ordering::Relaxed);
+            is_taken = true;
+        }
+        is_taken
     }
 
     /// The patterns that no path matched, and whether each is of the configuration.

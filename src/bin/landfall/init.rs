@@ -9,9 +9,8 @@ use landfall_layout::source::kind_of_path;
 use landfall_layout::{Error, Language};
 
 use crate::args::InitArgs;
-use crate::config::slashes;
 use crate::output::{Failure, Outcome, Streams};
-use crate::walk::FilteredWalk;
+use crate::walk::{FilteredWalk, slashes};
 use crate::{read, write};
 
 /// Names of directories whose files are usually somebody else's, or generated.

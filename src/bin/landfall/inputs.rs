@@ -126,9 +126,9 @@ impl Search {
         }
     }
 
-    /// Expands a glob as a shell does, regardless of ignore files.
+    /// Finds the files that a glob matches, regardless of ignore files.
     fn glob(argument: &Path) -> Result<Search, Error> {
-        let text = argument.to_string_lossy();
+        let text = slashes(argument);
         let pattern = text.strip_prefix("./").unwrap_or(&text);
         let refused = |cause| Error::new(text.to_string(), format!("is not a glob: {cause}"));
         let glob = Glob::new(pattern).map_err(refused)?;
@@ -181,8 +181,7 @@ impl Search {
         let known = source::kind_of_path(path).is_some();
         match &self.glob {
             Some(glob) => {
-                glob.matches(&slashes(without_dot(path)))
-                    && (known || !ends_with_star(&self.argument))
+                glob.matches(&slashes(path)) && (known || !ends_with_star(&self.argument))
             }
             None => known,
         }

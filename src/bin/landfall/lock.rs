@@ -14,11 +14,12 @@ use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock};
 
 use crate::approvals::{Approval, Approvals, forbids};
 use crate::args::LockArgs;
-use crate::config::{self, Config, slashes};
+use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
 use crate::layout::panicked;
 use crate::locks::{holds_lock, locks_below};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::walk::slashes;
 use crate::{read, watch, without_effect, work};
 
 pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {

@@ -58,7 +58,9 @@ impl Iterator for FilteredWalk {
             let relative =
                 if is_folder || has_rules { below(&self.root, &entry) } else { String::new() };
             let ignored = if has_rules { files.ignored(&relative, is_folder) } else { None };
-            if !is_root && ignored.unwrap_or_else(|| is_hidden(&entry)) {
+            // No rule brings the repository's own files back.
+            let is_git = || entry.file_name() == ".git";
+            if !is_root && (ignored.unwrap_or_else(|| is_hidden(&entry)) || is_git()) {
                 if is_folder {
                     walk.skip_current_dir();
                 }
@@ -84,7 +86,7 @@ fn below(root: &Path, entry: &DirEntry) -> String {
     slashes(entry.path().strip_prefix(root).unwrap_or(Path::new("")))
 }
 
-/// Whether an entry is hidden, or below a hidden directory that is not the root.
+/// Whether an entry below the root has a hidden name.
 pub fn is_hidden(entry: &DirEntry) -> bool {
     entry.depth() > 0 && entry.file_name().as_encoded_bytes().starts_with(b".")
 }

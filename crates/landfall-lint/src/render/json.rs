@@ -95,7 +95,7 @@ pub(super) fn read(path: &str, text: &str) -> Result<ReadReport, Error> {
             )));
         }
     }
-    // From the text, which has lines; and the deserializer of texts is compiled for caches, too.
+    // Read from the text again, so that errors have a line and a column.
     let Findings { findings } = serde_json::from_str(text)
         .map_err(|cause| fail(format!("is not a report: its findings: {cause}")))?;
     Ok(ReadReport { shaders, findings, document })

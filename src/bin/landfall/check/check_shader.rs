@@ -448,7 +448,7 @@ struct Comparison {
 /// Compares a shader with its lock. A lock that cannot be read, such as one of a newer landfall,
 /// is an error, so that it is not overwritten.
 fn drift(shader: &ShaderLayout, path: &Path, bytes: Option<Vec<u8>>) -> Result<Comparison, Error> {
-    let shown = crate::config::slashes(path);
+    let shown = crate::walk::slashes(path);
     let Some(bytes) = bytes else {
         let found = landfall_lint::drift::drift(shader, &shown, None);
         return Ok(Comparison { hash: None, lock: None, found });

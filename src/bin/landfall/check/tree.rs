@@ -17,7 +17,8 @@ use super::basis::Basis;
 use super::check_shader::{Checked, sort_by_path};
 use super::hash::seal;
 use super::pass::{Pass, source};
-use crate::config::{Root, slashes};
+use crate::config::Root;
+use crate::walk::slashes;
 pub use landfall_lint::run::sorted;
 
 /// The findings of lints over all shaders before `allow` comments, cached while no shader changes.

@@ -11,8 +11,9 @@ use landfall_lint::{LINTS, Settings};
 
 use super::root::Root;
 use super::toml::{self, Keys, Text};
-use super::{figure, is_code, missing, slashes};
+use super::{figure, is_code, missing};
 use crate::args;
+use crate::walk::slashes;
 
 const LEVELS: [Level; 3] = [Level::Allow, Level::Warn, Level::Deny];
 

@@ -6,6 +6,7 @@ use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
 
 use crate::walk::slashes;
+use landfall_lint::glob;
 
 /// The root directory, as messages show it and as an absolute path.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +36,10 @@ impl Root {
         if named.is_empty() || self.shown.as_os_str().is_empty() {
             return named.to_string();
         }
-        slashes(&self.shown.join(named))
+        if Path::new(named).is_absolute() {
+            return named.to_string();
+        }
+        format!("{}/{named}", glob::escape(&slashes(&self.shown)))
     }
 
     /// The path of a file relative to the root; `None` outside it.

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use landfall_layout::{Error, Options, ShaderLayout, lock};
 
 use crate::args::ReadArgs;
-use crate::config::{Config, slashes};
+use crate::config::Config;
 use crate::inputs::Inputs;
 use crate::locks::locks_below;
 use crate::output::{FindingStyle, Streams};
+use crate::walk::slashes;
 use crate::{git, read, without_effect};
 
 /// The layouts of one side.

@@ -1,13 +1,16 @@
 //! The rules of ignore files, read as git reads them.
 //!
-//! A `.ignore` precedes every `.gitignore`, and this `.git/info/exclude` and the user's own ignore
-//! file; in each kind the file nearest to the entry precedes. The last three count in a repository
-//! only, from its root on.
+//! In order of precedence: `.ignore`, `.gitignore`, `.git/info/exclude`, and the file that git's
+//! `core.excludesFile` names. In each kind the file nearest to the entry precedes. The last three
+//! count in a repository only, from its root on.
+//!
+//! Of git's settings, `[include]` and `core.ignoreCase` are not followed.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use landfall_layout::file::{MOST_BYTES, read_whole};
 use landfall_lint::glob::Glob;
 
 use super::slashes;
@@ -18,23 +21,21 @@ pub struct IgnoreFiles {
     /// Of the directories above the root of a walk, then of those from the root to the entries.
     folders: Vec<Folder>,
     above: usize,
-    user: Option<Rules>,
 }
 
 /// The ignore files of a directory.
 struct Folder {
     base: Base,
-    ignore: Rules,
-    gitignore: Rules,
-    exclude: Rules,
+    /// One of each kind, in order of precedence.
+    kinds: [Rules; 4],
     is_repository: bool,
 }
 
 /// Where a directory is.
 enum Base {
-    /// Above the root of the walk, which has this path from it, with a `/` at its end.
+    /// Above the root of the walk. The path from it to the root, and a `/`.
     Above(String),
-    /// Below the root; its path from there, with a `/`, has this length.
+    /// In the walk. The length of the path from the root to it, and a `/`.
     Below(usize),
 }
 
@@ -76,33 +77,27 @@ impl IgnoreFiles {
         let git = path.join(".git");
         let is_repository = git.exists() || path.join(".jj").is_dir();
         let in_repository = is_repository || self.folders.iter().any(|f| f.is_repository);
-        let mut folder = Folder {
-            base,
-            ignore: Rules::read(&path.join(".ignore"))?,
-            gitignore: Rules::default(),
-            exclude: Rules::default(),
-            is_repository,
-        };
-        if in_repository {
-            folder.gitignore = Rules::read(&path.join(".gitignore"))?;
+        let mut kinds = [const { Rules(Vec::new()) }; 4];
+        kinds[0] = Rules::read(&path.join(".ignore"))?;
+        let file = path.join(".gitignore");
+        // git does not follow a link of this name.
+        if in_repository && !file.is_symlink() {
+            kinds[1] = Rules::read(&file)?;
         }
         if is_repository {
-            folder.exclude = Rules::read(&common_directory(git).join("info/exclude"))?;
-            if self.user.is_none() {
-                self.user = Some(Rules::of_user()?);
-            }
+            let common = common_directory(git);
+            kinds[2] = Rules::read(&common.join("info/exclude"))?;
+            let of_user = excludes_file(&common.join("config")).map(|file| path.join(file));
+            // Often `/dev/null`.
+            kinds[3] = of_user.and_then(|file| Rules::read(&file).ok()).unwrap_or_default();
         }
-        self.folders.push(folder);
+        self.folders.push(Folder { base, kinds, is_repository });
         Ok(())
     }
 
     /// Whether there is any rule for the entries of the directory entered last.
     pub fn has_rules(&self) -> bool {
-        let has_rules = |f: &Folder| {
-            !(f.ignore.0.is_empty() && f.gitignore.0.is_empty() && f.exclude.0.is_empty())
-        };
-        self.user.as_ref().is_some_and(|user| !user.0.is_empty())
-            || self.folders.iter().any(has_rules)
+        self.folders.iter().any(Folder::has_rules)
     }
 
     /// Whether an entry of the directory entered last is ignored; `None` if no rule matches it.
@@ -110,43 +105,107 @@ impl IgnoreFiles {
         let mut found = [None; 4];
         let mut in_repository = true;
         for folder in self.folders.iter().rev() {
-            let whole;
-            let path = match &folder.base {
-                Base::Above(root) => {
-                    whole = format!("{root}{relative}");
-                    &whole
+            if folder.has_rules() {
+                let whole;
+                let path = match &folder.base {
+                    Base::Above(root) => {
+                        whole = format!("{root}{relative}");
+                        &whole
+                    }
+                    Base::Below(length) => &relative[*length..],
+                };
+                let counted = if in_repository { found.len() } else { 1 };
+                for (found, rules) in found.iter_mut().zip(&folder.kinds).take(counted) {
+                    *found = found.or_else(|| rules.ignored(path, is_folder));
                 }
-                Base::Below(length) => &relative[*length..],
-            };
-            let mut look = |kind: usize, rules: &Rules| {
-                found[kind] = found[kind].or_else(|| rules.ignored(path, is_folder));
-            };
-            look(0, &folder.ignore);
-            if in_repository {
-                look(1, &folder.gitignore);
-                look(2, &folder.exclude);
             }
-            if in_repository && folder.is_repository {
-                self.user.iter().for_each(|user| look(3, user));
-                in_repository = false;
-            }
+            in_repository &= !folder.is_repository;
         }
         found.into_iter().flatten().next()
     }
 }
 
+impl Folder {
+    fn has_rules(&self) -> bool {
+        self.kinds.iter().any(|rules| !rules.0.is_empty())
+    }
+}
+
 /// The directory that holds `info/exclude`; `.git` is a file in submodules and linked worktrees.
 fn common_directory(git: PathBuf) -> PathBuf {
-    let Some(text) = git.is_file().then(|| fs::read_to_string(&git).ok()).flatten() else {
+    let read = |path: &Path| String::from_utf8(read_whole(path, MOST_BYTES).ok()?).ok();
+    let text = if git.is_file() { read(&git) } else { None };
+    let Some(own) = text.as_deref().and_then(|text| text.strip_prefix("gitdir:")) else {
         return git;
     };
-    let folder = git.parent().unwrap_or(Path::new(""));
-    let own = folder.join(text.trim().strip_prefix("gitdir:").unwrap_or_default().trim());
-    let common = own.join("commondir");
-    match common.is_file().then(|| fs::read_to_string(common).ok()).flatten() {
-        Some(text) => own.join(text.trim()),
+    let own = git.parent().unwrap_or(Path::new("")).join(own.trim());
+    match read(&own.join("commondir")) {
+        Some(common) => own.join(common.trim()),
         None => own,
     }
+}
+
+/// The user's ignore file: the value of `core.excludesFile`, or git's default.
+///
+/// `local` is the configuration of the repository, which precedes those of the user and the system.
+fn excludes_file(local: &Path) -> Option<PathBuf> {
+    let variable = |name| env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let home = env::home_dir();
+    let in_home = |name: &str| home.as_ref().map(|home| home.join(name));
+    let settings = variable("XDG_CONFIG_HOME").or_else(|| in_home(".config"));
+    let settings = |name: &str| settings.as_ref().map(|settings| settings.join(name));
+    let global = match variable("GIT_CONFIG_GLOBAL") {
+        Some(path) => [Some(path), None],
+        None => [in_home(".gitconfig"), settings("git/config")],
+    };
+    let system = variable("GIT_CONFIG_SYSTEM").unwrap_or_else(|| "/etc/gitconfig".into());
+    let files = [Some(local.to_path_buf())].into_iter().chain(global).chain([Some(system)]);
+    let configured = files.flatten().find_map(|path| {
+        excludes_setting(&String::from_utf8_lossy(&read_whole(&path, MOST_BYTES).ok()?))
+    });
+    match configured {
+        Some(path) => match (path.strip_prefix("~/"), &home) {
+            (Some(rest), Some(home)) => Some(home.join(rest)),
+            _ => Some(PathBuf::from(path)),
+        },
+        None => settings("git/ignore"),
+    }
+}
+
+/// The value of `excludesFile` in the section `[core]` of a configuration of git.
+fn excludes_setting(text: &str) -> Option<String> {
+    let mut is_core = false;
+    let mut value = None;
+    for line in text.lines() {
+        let mut line = line.trim();
+        if let Some((section, rest)) = line.strip_prefix('[').and_then(|line| line.split_once(']'))
+        {
+            is_core = section.trim().eq_ignore_ascii_case("core");
+            line = rest;
+        }
+        let Some((key, set)) = line.split_once('=').filter(|_| is_core) else { continue };
+        if key.trim().eq_ignore_ascii_case("excludesfile") {
+            value = Some(setting(set.trim()));
+        }
+    }
+    value
+}
+
+/// A value of git's configuration, without quotation marks and the comment behind it.
+fn setting(text: &str) -> String {
+    let mut out = String::new();
+    let mut signs = text.chars();
+    let mut is_quoted = false;
+    while let Some(sign) = signs.next() {
+        match sign {
+            '"' => is_quoted = !is_quoted,
+            '#' | ';' if !is_quoted => break,
+            '\\' => out.extend(signs.next()),
+            sign => out.push(sign),
+        }
+    }
+    out.truncate(if text.ends_with('"') { out.len() } else { out.trim_end().len() });
+    out
 }
 
 /// The lines of an ignore file.
@@ -154,7 +213,7 @@ fn common_directory(git: PathBuf) -> PathBuf {
 struct Rules(Vec<Rule>);
 
 impl Rules {
-    /// Reads a file; one that is missing, unreadable or a directory has no rules.
+    /// Reads a file; one that is missing, unreadable, too large or a directory has no rules.
     ///
     /// # Errors
     ///
@@ -164,61 +223,18 @@ impl Rules {
         if !found.is_file() && !found.is_dir() {
             return Err(path.to_path_buf());
         }
-        let bytes = fs::read(path).unwrap_or_default();
-        Ok(Rules::of(&String::from_utf8_lossy(&bytes)))
-    }
-
-    fn of(text: &str) -> Rules {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        Rules(text.lines().filter_map(Rule::of).collect())
-    }
-
-    /// The rules of the file that `core.excludesFile` names, or of git's default.
-    fn of_user() -> Result<Rules, PathBuf> {
-        let variable = |name| env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-        let home = env::home_dir();
-        let in_home = |name: &str| home.as_ref().map(|home| home.join(name));
-        let settings = variable("XDG_CONFIG_HOME").or_else(|| in_home(".config"));
-        let settings = |name: &str| settings.as_ref().map(|settings| settings.join(name));
-        let global = match variable("GIT_CONFIG_GLOBAL") {
-            Some(path) => vec![path],
-            None => in_home(".gitconfig").into_iter().chain(settings("git/config")).collect(),
-        };
-        let system = variable("GIT_CONFIG_SYSTEM").unwrap_or_else(|| "/etc/gitconfig".into());
-        let configured = global.iter().chain([&system]).find_map(|path| {
-            let is_file = path.metadata().is_ok_and(|data| data.is_file());
-            excludes_file(&fs::read_to_string(path).ok().filter(|_| is_file)?)
-        });
-        let file = match configured {
-            Some(path) => match (path.strip_prefix("~/"), &home) {
-                (Some(rest), Some(home)) => Some(home.join(rest)),
-                _ => Some(PathBuf::from(path)),
-            },
-            None => settings("git/ignore"),
-        };
-        file.map_or_else(|| Ok(Rules::default()), |file| Rules::read(&file))
+        let bytes = read_whole(path, MOST_BYTES).unwrap_or_default();
+        let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
+        let lines = bytes.split(|byte| *byte == b'\n');
+        let lines = lines.filter_map(|line| str::from_utf8(line).ok());
+        Ok(Rules(lines.filter_map(Rule::of).collect()))
     }
 
     fn ignored(&self, path: &str, is_folder: bool) -> Option<bool> {
+        let name = path.rsplit('/').next().unwrap_or(path);
         let mut rules = self.0.iter().rev();
-        rules.find(|rule| rule.matches(path, is_folder)).map(|rule| !rule.negated)
+        rules.find(|rule| rule.matches(path, name, is_folder)).map(|rule| !rule.negated)
     }
-}
-
-/// The value of `excludesFile` in the section `[core]` of git's configuration.
-fn excludes_file(text: &str) -> Option<String> {
-    let mut is_core = false;
-    let mut value = None;
-    for line in text.lines().map(str::trim) {
-        if line.starts_with('[') {
-            is_core = line.eq_ignore_ascii_case("[core]");
-        } else if let Some((key, path)) = line.split_once('=').filter(|_| is_core) {
-            if key.trim().eq_ignore_ascii_case("excludesfile") {
-                value = Some(path.trim().trim_matches('"').to_string());
-            }
-        }
-    }
-    value
 }
 
 /// A line of an ignore file.
@@ -240,7 +256,7 @@ enum Pattern {
 impl Rule {
     /// Parses a line; `None` for one that matches nothing.
     fn of(line: &str) -> Option<Rule> {
-        let line = without_spaces(line);
+        let line = without_spaces(line.strip_suffix('\r').unwrap_or(line));
         if line.starts_with('#') {
             return None;
         }
@@ -260,11 +276,11 @@ impl Rule {
         Some(Rule { pattern, is_name, only_folders, negated })
     }
 
-    fn matches(&self, path: &str, is_folder: bool) -> bool {
+    fn matches(&self, path: &str, name: &str, is_folder: bool) -> bool {
         if self.only_folders && !is_folder {
             return false;
         }
-        let part = if self.is_name { path.rsplit('/').next().unwrap_or(path) } else { path };
+        let part = if self.is_name { name } else { path };
         match &self.pattern {
             Pattern::Literal(text) => text == part,
             Pattern::Glob(glob) => glob.matches(part),
@@ -309,6 +325,10 @@ fn glob(line: &str) -> String {
         if let Some((name, ranges)) = class {
             out.push_str(ranges);
             rest = &rest[name.len()..];
+            // A class starts no range.
+            if rest.starts_with('-') {
+                out.push('\\');
+            }
             continue;
         }
         let mut length = sign.len_utf8();
@@ -320,8 +340,7 @@ fn glob(line: &str) -> String {
             '[' if !in_class => {
                 in_class = true;
                 // A `]` at the start of a class is a member of it.
-                length +=
-                    rest[length..].len() - rest[length..].trim_start_matches(['!', '^']).len();
+                length += usize::from(rest[length..].starts_with(['!', '^']));
                 length += usize::from(rest[length..].starts_with(']'));
                 out.push_str(&rest[..length]);
             }
