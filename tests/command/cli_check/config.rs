@@ -718,3 +718,16 @@ fn the_example_has_every_key_and_is_taken() {
         );
     }
 }
+
+#[test]
+fn the_name_of_a_folder_is_no_glob() {
+    let place = Place::new("check-brackets");
+    let levels = "[[path-levels]]\nfile = \"*.frag\"\nlevels = { mat3-padding = \"deny\" }\n";
+    place.write("a[b{/landfall.toml", levels).write(
+        "a[b{/x.frag",
+        "#version 450\nlayout(binding = 0) uniform B { mat3 normal; };\nvoid main() {}\n",
+    );
+    let ran = place.run(&["check", "--config", "a[b{/landfall.toml", "a[b{", "-f", "short"]);
+    assert!(ran.out.contains("error[mat3-padding]"), "{}{}", ran.out, ran.err);
+    assert_eq!(ran.code, 1);
+}
