@@ -4,9 +4,9 @@ use std::path::{Component, Path, PathBuf};
 
 use landfall_layout::Error;
 use landfall_layout::file::{FileWriter, reason};
+use landfall_lint::glob;
 
 use crate::walk::slashes;
-use landfall_lint::glob;
 
 /// The root directory, as messages show it and as an absolute path.
 #[derive(Clone, Debug, Default)]
