@@ -60,6 +60,11 @@ pub enum VertexNormals {
 }
 
 impl Frame {
+    /// Returns the indices of all fragments.
+    pub fn numbers(&self) -> Vec<u32> {
+        (0..self.fragments.len() as u32).collect()
+    }
+
     /// Rasterises a scene.
     ///
     /// A pixel shows the nearest triangle at its centre, front or back, between the near and the

@@ -367,7 +367,7 @@ impl PreparedScene<'_> {
         let [directional, point, spot] = self.numbers();
         let lights =
             FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..self.frame.fragments.len() as u32).collect();
+        let fragments = self.frame.numbers();
         let draws = [Draw { fragments: &fragments, lights, tiles: None }];
         let plan = planned.map(|planned| &planned.plan);
         let work = self.work();

@@ -12,7 +12,8 @@ use ::png::{Info, Transformations};
 
 use super::code::{Codes, Transfer};
 use super::error::PictureError;
-use super::{MOST_PIXELS, size};
+use super::{MOST_PIXELS, PIXELS, size};
+use crate::threads;
 
 const FORMAT: &str = "PNG";
 /// The gamma that stands for sRGB in older files: 1 / 2.2.
@@ -43,13 +44,16 @@ pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
     // An opaque picture is written without alpha.
     let opaque = codes.pixels.iter().all(|pixel| pixel[3] == 255);
     encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
-    let data = if opaque {
-        let mut data = Vec::with_capacity(3 * codes.pixels.len());
-        codes.pixels.iter().for_each(|[r, g, b, _]| data.extend_from_slice(&[*r, *g, *b]));
-        data
-    } else {
-        codes.pixels.concat()
-    };
+    let channels = if opaque { 3 } else { 4 };
+    let mut data = vec![0; channels * codes.pixels.len()];
+    threads::each(
+        codes.pixels.chunks(PIXELS).zip(data.chunks_mut(channels * PIXELS)),
+        |(pixels, data)| {
+            for (pixel, to) in pixels.iter().zip(data.chunks_exact_mut(channels)) {
+                to.copy_from_slice(&pixel[..channels]);
+            }
+        },
+    );
     encoder.add_text_chunk(SOFTWARE.to_string(), "landfall".to_string()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
     writer.write_image_data(&data).map_err(broken)?;

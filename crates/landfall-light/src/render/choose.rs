@@ -285,7 +285,7 @@ impl Renderer {
         let [directional, point, spot] = all_numbers(work);
         let lights =
             FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let fragments: Vec<u32> = (0..work.frame.fragments.len() as u32).collect();
+        let fragments = work.frame.numbers();
         let draw = Draw { fragments: &fragments, lights, tiles: None };
         self.render(backend, work, &[draw], &mut |_, _| {})
     }

@@ -263,7 +263,7 @@ impl Renderer {
             false => union(plan, |set| lit(set).of(kind)),
         });
         let ambient = plan.draws.iter().any(|draw| draw.lights.ambient);
-        let all: Vec<u32> = (0..work.frame.fragments.len() as u32).collect();
+        let all = work.frame.numbers();
         let lights =
             FragmentLights { ambient, directional: &directional, point: &point, spot: &spot };
         let tiles = Tiles {

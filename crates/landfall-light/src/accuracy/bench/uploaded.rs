@@ -43,7 +43,7 @@ impl<'a> Uploaded<'a> {
             FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
         let none = FragmentLights { ambient: true, directional: &[], point: &[], spot: &[] };
         let work = work(stage, limit);
-        let numbers: Vec<u32> = (0..stage.frame.fragments.len() as u32).collect();
+        let numbers = stage.frame.numbers();
         let lots = |lights: FragmentLights<'_>| {
             let draw = Draw { fragments: &numbers, lights, tiles: None };
             renderer.fragment_groups(&work, &draw).map_err(wrong)
