@@ -18,7 +18,7 @@ use landfall_light::render::truth::{likely_model, truth};
 use landfall_light::render::{Draw, RenderError, RenderOptions, Renderer, SceneShader, Work};
 use landfall_light::scene::{Attenuation, MOST_PIXELS, PointLight, read};
 use landfall_light::shading_f32;
-use landfall_light::{Fragment, Frame, Scene, Upload};
+use landfall_light::{Chosen, Fragment, Frame, Scene, Upload};
 use serde::{Deserialize, Serialize};
 
 use super::json;
@@ -251,8 +251,8 @@ fn draw(
     let work = Work { upload: &upload, frame, background: scene.background, limit: Duration::MAX };
     let materials = (0..upload.materials.len() as u32).map(|material| {
         let fragment = Fragment { material, ..ORIGIN };
-        let prepared =
-            renderer.prepare(&work, &[&fragment], &draw).map_err(|error| said(&error))?;
+        let one = Chosen { all: std::slice::from_ref(&fragment), numbers: &[0] };
+        let prepared = renderer.prepare(&work, one, &draw).map_err(|error| said(&error))?;
         let textures = prepared.textures.iter().map(|image| TextureObject {
             width: image.width,
             height: image.height,
@@ -362,8 +362,10 @@ fn shader(renderer: &Renderer) -> ShaderObject {
 }
 
 fn fragments(renderer: &Renderer, work: &Work<'_>, draw: &Draw<'_>) -> Result<FrameObject, String> {
-    let all: Vec<&Fragment> = work.frame.fragments.iter().collect();
-    let prepared = renderer.prepare(work, &all, draw).map_err(|error| said(&error))?;
+    let all = &work.frame.fragments;
+    let numbers = work.frame.numbers();
+    let chosen = Chosen { all, numbers: &numbers };
+    let prepared = renderer.prepare(work, chosen, draw).map_err(|error| said(&error))?;
     let words = |word: fn(&Fragment) -> u32| {
         let bytes: Vec<u8> = all.iter().flat_map(|one| word(one).to_le_bytes()).collect();
         BASE64.encode(&bytes)

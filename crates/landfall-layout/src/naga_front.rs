@@ -165,7 +165,8 @@ pub fn caught<T>(call: impl FnOnce() -> T) -> Option<T> {
     HOOK.call_once(|| {
         let print = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
-            if CALLS.get() == 0 {
+            // A panic that ends the process is printed.
+            if CALLS.get() == 0 || cfg!(panic = "abort") {
                 print(info);
             }
         }));

@@ -7,6 +7,8 @@
 mod raster;
 mod vertices;
 
+use std::borrow::Cow;
+
 use super::Scene;
 use vertices::Corners;
 
@@ -59,6 +61,36 @@ pub enum VertexNormals {
     UnitOfFour,
 }
 
+/// Some fragments of a frame, in an order of their own.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen<'a> {
+    /// All fragments.
+    pub all: &'a [Fragment],
+    /// The indices of those chosen, which exist.
+    pub numbers: &'a [u32],
+}
+
+impl<'a> Chosen<'a> {
+    /// Returns those chosen.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &'a Fragment> + use<'a> {
+        let all = self.all;
+        self.numbers.iter().map(|number| &all[*number as usize])
+    }
+
+    /// Returns the indices of those chosen for each material in use, in their order.
+    pub(crate) fn by_material(&self, materials: usize) -> Vec<Cow<'a, [u32]>> {
+        let exist = |number: &u32| (*number as usize) < self.all.len();
+        if materials == 1 && self.numbers.iter().all(exist) {
+            return vec![Cow::Borrowed(self.numbers)];
+        }
+        let mut each = vec![Vec::new(); materials];
+        for number in self.numbers.iter().filter(|number| exist(number)) {
+            each[self.all[*number as usize].material as usize].push(*number);
+        }
+        each.into_iter().map(Cow::Owned).collect()
+    }
+}
+
 impl Frame {
     /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
@@ -76,5 +108,24 @@ impl Frame {
         let corners = Corners::new(scene, options.normals);
         let fragments = raster::fragments(scene, &corners);
         Frame { width, height, fragments }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bytemuck::Zeroable;
+
+    use super::*;
+
+    #[test]
+    fn fragments_are_grouped_by_material_in_their_order() {
+        let of = |material| Fragment { material, ..Fragment::zeroed() };
+        let all = [of(1), of(0), of(1), of(2)];
+        // The last one does not exist.
+        let chosen = Chosen { all: &all, numbers: &[3, 2, 1, 0, 4] };
+        assert_eq!(chosen.by_material(4), [vec![1], vec![2, 0], vec![3], vec![]]);
+        let one = Chosen { all: &all[1..2], ..chosen };
+        assert_eq!(Chosen { numbers: &[0, 0], ..one }.by_material(1), [vec![0, 0]]);
+        assert_eq!(Chosen { numbers: &[0, 1], ..one }.by_material(1), [vec![0]]);
     }
 }

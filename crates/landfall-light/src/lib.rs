@@ -26,6 +26,6 @@ mod splitmix64;
 mod threads;
 pub mod upload;
 
-pub use frame::{Fragment, Frame, FrameOptions, VertexNormals};
+pub use frame::{Chosen, Fragment, Frame, FrameOptions, VertexNormals};
 pub use scene::Scene;
 pub use upload::Upload;

@@ -26,7 +26,7 @@ use super::bind::{
     BindError, BindingMap, BlockWriter, FragmentInputs, FragmentLights, Kind, OverflowPolicy,
     Quantity, Tiles, decide, infer, overridden,
 };
-use super::{Fragment, Frame, Upload};
+use super::{Chosen, Frame, Upload};
 use crate::picture::Picture;
 use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image};
@@ -249,11 +249,11 @@ impl Renderer {
         &self,
         backend: &mut R,
         work: &Work<'_>,
-        fragments: &[&Fragment],
+        fragments: Chosen<'_>,
         draw: &Draw<'_>,
         take: impl FnMut(&mut R, &[[f32; 4]], &[bool]),
     ) -> Result<u64, RenderError> {
-        let Some(first) = fragments.first() else { return Ok(0) };
+        let Some(first) = fragments.iter().next() else { return Ok(0) };
         let material = work.upload.materials.get(first.material as usize);
         let material = material.expect("a fragment's material is one of the upload's");
         self.within_limits(backend.device(), draw)?;
@@ -264,7 +264,7 @@ impl Renderer {
             blocks: &blocks,
             textures: &writer.textures(material),
             inputs: &FragmentInputs { writer, fragments, size },
-            count: fragments.len(),
+            count: fragments.numbers.len(),
             limit: work.limit,
         };
         self.shader.run_into(backend, &batch, take)?;
@@ -278,10 +278,10 @@ impl Renderer {
     pub fn prepare(
         &self,
         work: &Work<'_>,
-        fragments: &[&Fragment],
+        fragments: Chosen<'_>,
         draw: &Draw<'_>,
     ) -> Result<Prepared, RenderError> {
-        let Some(first) = fragments.first() else { return Ok(Prepared::default()) };
+        let Some(first) = fragments.iter().next() else { return Ok(Prepared::default()) };
         let material = work.upload.materials.get(first.material as usize);
         let material = material.expect("a fragment's material is one of the upload's");
         let filler = &self.filler;
@@ -289,7 +289,7 @@ impl Renderer {
             blocks: filler.blocks(work.upload, &draw.lights, material, draw.tiles.as_ref())?,
             textures: filler.textures(material),
             inputs: filler.inputs(fragments, [work.frame.width, work.frame.height]),
-            count: fragments.len(),
+            count: fragments.numbers.len(),
         })
     }
 
@@ -310,16 +310,14 @@ impl Renderer {
             ..Rendered::default()
         };
         for draw in draws {
-            let mut by_material: Vec<Vec<&Fragment>> =
-                vec![Vec::new(); work.upload.materials.len()];
-            for fragment in draw.fragments.iter().filter_map(|n| fragments.get(*n as usize)) {
-                by_material[fragment.material as usize].push(fragment);
-            }
-            for same in by_material.into_iter().filter(|same| !same.is_empty()) {
+            let chosen = Chosen { all: fragments, numbers: draw.fragments };
+            let each = chosen.by_material(work.upload.materials.len());
+            for numbers in each.iter().filter(|numbers| !numbers.is_empty()) {
+                let same = Chosen { numbers, ..chosen };
                 let Rendered { picture, discarded: left_out, .. } = &mut rendered;
                 let mut lit = same.iter();
                 let bytes =
-                    self.light(backend, work, &same, draw, |backend, colors, discarded| {
+                    self.light(backend, work, same, draw, |backend, colors, discarded| {
                         for (at, (color, fragment)) in colors.iter().zip(lit.by_ref()).enumerate() {
                             if discarded.get(at) == Some(&true) {
                                 *left_out += 1;
@@ -331,8 +329,8 @@ impl Renderer {
                         }
                         after(backend, colors.len());
                     })?;
-                rendered.fragments += same.len() as u64;
-                rendered.evaluations += same.len() as u64 * self.evaluated(&draw.lights);
+                rendered.fragments += numbers.len() as u64;
+                rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
                 rendered.uploaded += bytes;
             }
         }

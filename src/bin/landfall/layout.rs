@@ -3,8 +3,7 @@
 mod writer;
 
 use landfall_layout::diagnostic::Code;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use landfall_layout::format as emit;
 use landfall_layout::format::{EmitOptions, Format, Paint};
@@ -14,6 +13,7 @@ use landfall_layout::{BlockLayout, Diagnostic, Error, Options, ShaderLayout};
 use crate::args::LayoutArgs;
 use crate::inputs::{Input, Inputs};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::panics::caught;
 use crate::{read, without_effect, work};
 use writer::Writer;
 
@@ -98,13 +98,7 @@ impl Job<'_> {
         };
         let path = input.path.clone();
         let work = || self.laid_out(input, landfall_layout::layout(&source, &self.options));
-        match catch_unwind(AssertUnwindSafe(work)) {
-            Ok(done) => done,
-            Err(_) => {
-                let found = panicked(&path);
-                self.failed(path, found)
-            }
-        }
+        caught(&path.display().to_string(), work).unwrap_or_else(|found| self.failed(path, found))
     }
 
     fn failed(&self, path: PathBuf, found: Diagnostic) -> Done {
@@ -154,11 +148,4 @@ impl Job<'_> {
         let lists_all = self.emit.format.is_data() && self.args.block.is_none();
         lists_all || !shader.blocks.is_empty()
     }
-}
-
-pub fn panicked(path: &Path) -> Diagnostic {
-    let error =
-        Error::new(path.display().to_string(), "made landfall panic, which is a bug in landfall")
-            .with_help("please report it with the file; the other files are not affected");
-    Diagnostic { code: Code::InternalError, ..error.into() }
 }

@@ -1,7 +1,5 @@
 //! `landfall lights`: lists light structures, their cost and the numerical hazards of their code.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use landfall::report::lights as print;
 use landfall::report::lights::cost::{Report, cost};
 use landfall_layout::source::Files;
@@ -9,8 +7,8 @@ use landfall_layout::{Diagnostic, ShaderLayout, layout};
 
 use crate::args::{LightsArgs, LightsFormat};
 use crate::inputs::Inputs;
-use crate::layout::panicked;
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::panics::caught;
 use crate::{read, without_effect};
 
 pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
@@ -42,9 +40,12 @@ pub fn run(args: &LightsArgs, streams: &Streams) -> Result<Outcome, Failure> {
             let report = (!shader.has_errors()).then(|| cost(&source, &options, &shader));
             (shader, report)
         };
-        let Ok((shader, report)) = catch_unwind(AssertUnwindSafe(work)) else {
-            tally.failed(&[panicked(&path)], &Files::default(), streams, style);
-            continue;
+        let (shader, report) = match caught(&path.display().to_string(), work) {
+            Ok(done) => done,
+            Err(found) => {
+                tally.failed(&[found], &Files::default(), streams, style);
+                continue;
+            }
         };
         let Some(mut report) = report else {
             tally.failed(&shader.diagnostics, &shader.files, streams, style);

@@ -2,7 +2,6 @@
 
 use landfall_layout::diagnostic::Code;
 use std::collections::HashSet;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -16,9 +15,9 @@ use crate::approvals::{Approval, Approvals, forbids};
 use crate::args::LockArgs;
 use crate::config::{self, Config};
 use crate::inputs::{Input, Inputs};
-use crate::layout::panicked;
 use crate::locks::{holds_lock, locks_below};
 use crate::output::{Failure, FindingForm, FindingStyle, Outcome, Streams};
+use crate::panics::caught;
 use crate::walk::slashes;
 use crate::{read, watch, without_effect, work};
 
@@ -143,10 +142,10 @@ impl Job<'_> {
             Ok(source) => source,
             Err(error) => return failed(Some(target), error.into()),
         };
-        let laid_out = AssertUnwindSafe(|| landfall_layout::layout(&source, &self.options));
-        let Ok(shader) = catch_unwind(laid_out) else {
-            let found = panicked(&input.path);
-            return failed(Some(target), found);
+        let laid_out = || landfall_layout::layout(&source, &self.options);
+        let shader = match caught(&input.path.display().to_string(), laid_out) {
+            Ok(shader) => shader,
+            Err(found) => return failed(Some(target), found),
         };
         without_effect::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);

@@ -39,6 +39,7 @@ mod merge;
 #[cfg(not(all(feature = "exec", feature = "completions", feature = "port", feature = "serve")))]
 mod missing;
 mod output;
+mod panics;
 #[cfg(feature = "port")]
 mod port;
 #[cfg(feature = "exec")]
@@ -91,6 +92,9 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> ExitCode {
     let streams = Streams::new(args.global.color, args.global.quiet);
     watch::begin(&args.command, &args.global.budget, &streams);
+    if cfg!(panic = "abort") {
+        panics::end_command();
+    }
     without_effect::begin(&args.command, &streams);
     let done = match &args.command {
         Command::Layout(args) => layout::run(args, &streams),

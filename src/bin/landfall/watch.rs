@@ -44,6 +44,9 @@ const PARTIAL_REPORT: Duration = Duration::from_millis(200);
 /// Time that the output collected so far has to reach its reader.
 const FLUSH: Duration = Duration::from_millis(100);
 
+/// Time that the end by an error may take; nobody may be watching.
+const UNWATCHED: Duration = Duration::from_secs(2);
+
 /// Budget of time without `--max-time`; `stress` has twice its `--time` if that is longer.
 const TIME: Duration = Duration::from_secs(3600);
 
@@ -65,6 +68,9 @@ type PartialReport = Box<dyn FnOnce() + Send>;
 /// The report to print if the process is ended in the middle of its work.
 static PARTIAL: Mutex<Option<PartialReport>> = Mutex::new(None);
 
+/// The error that another thread ends the process with.
+static ERROR: OnceLock<Diagnostic> = OnceLock::new();
+
 /// Locked once and for all by the thread that ends the process.
 static END: Mutex<()> = Mutex::new(());
 
@@ -75,6 +81,13 @@ pub fn hold_end() {
 
 fn partial() -> MutexGuard<'static, Option<PartialReport>> {
     PARTIAL.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the process with an error.
+pub fn end_by(error: Diagnostic) -> ! {
+    let _ = ERROR.set(error);
+    thread::sleep(UNWATCHED);
+    low_level::exit(i32::from(Outcome::CouldNot.code()));
 }
 
 /// Sets the report to print if the process is ended before [`end_of_work`].
@@ -241,6 +254,9 @@ impl Watch {
                 }
                 self.end(INTERRUPTED);
             }
+            if let Some(error) = ERROR.get() {
+                self.fail(error.clone());
+            }
             if began.elapsed() > self.time {
                 let seconds = self.time.as_secs_f64();
                 let message = format!("took longer than the limit of {seconds} s");
@@ -255,9 +271,13 @@ impl Watch {
 
     /// Ends the process because it exceeds its budget.
     fn refuse(&self, message: String, help: &str) {
-        hold_end();
         let error = Error::new("landfall", message).with_help(help);
-        let found = Diagnostic { code: Code::TooLarge, ..error.into() };
+        self.fail(Diagnostic { code: Code::TooLarge, ..error.into() });
+    }
+
+    /// Ends the process with an error.
+    fn fail(&self, found: Diagnostic) {
+        hold_end();
         report_partially();
         let text = self.style.text(&[found], &Files::default());
         let mut stderr = anstream::stderr().lock();

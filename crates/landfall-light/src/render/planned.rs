@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::{Draw, Prepared, RenderError, Rendered, Renderer, Work};
-use crate::Fragment;
+use crate::Chosen;
 use crate::bind::{FragmentLights, Kind, Quantity, Tiles};
 use crate::culling;
 use crate::culling::{Costs, LightSet, Measured, Options, Plan, interpolate};
@@ -56,8 +56,7 @@ impl Renderer {
         let slots = Kind::ALL.map(|kind| (kind, self.walked(kind, &draw.lights)));
         let same = |a: &u32, b: &u32| all[*a as usize].material == all[*b as usize].material;
         let each = numbers.chunk_by(same).map(|fragments| {
-            let found: Vec<&Fragment> = fragments.iter().map(|n| &all[*n as usize]).collect();
-            let prepared = self.prepare(work, &found, draw)?;
+            let prepared = self.prepare(work, Chosen { all, numbers: fragments }, draw)?;
             let walked = slots.iter().map(|(_, slots)| slots).sum();
             Ok(FragmentGroup { fragments: fragments.to_vec(), prepared, slots, walked })
         });
@@ -288,15 +287,16 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let mut colors = Vec::with_capacity(plan.grids.len());
         for grid in &plan.grids {
-            let nodes: Vec<&Fragment> = grid.nodes.iter().collect();
+            let numbers: Vec<u32> = (0..grid.nodes.len() as u32).collect();
+            let nodes = Chosen { all: &grid.nodes, numbers: &numbers };
             let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
-            let mut lit = Vec::with_capacity(nodes.len());
+            let mut lit = Vec::with_capacity(numbers.len());
             rendered.uploaded +=
-                self.light(backend, work, &nodes, &draw, |backend, colors, _| {
+                self.light(backend, work, nodes, &draw, |backend, colors, _| {
                     lit.extend(colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)));
                     after(backend, colors.len());
                 })?;
-            rendered.evaluations += nodes.len() as u64 * self.evaluated(&draw.lights);
+            rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
             colors.push(lit);
         }
         let fragments = &work.frame.fragments;

@@ -3,7 +3,6 @@
 use landfall_layout::diagnostic::Code;
 use std::collections::HashMap;
 use std::fs;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
@@ -27,6 +26,7 @@ use super::policies::Policies;
 use super::stamp::Stamp;
 use crate::config::Root;
 use crate::inputs::Input;
+use crate::panics::caught;
 use crate::without_effect;
 use crate::work::Weighed;
 
@@ -208,15 +208,8 @@ impl Job<'_> {
             Err(error) => return Done::Fresh(Box::new(failed(&shown, hash, error.into()))),
         };
         let work = || self.look(source, hash, lock);
-        Done::Fresh(Box::new(catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
-            let error = Error::new(&*shown, "made landfall panic, which is a bug in landfall")
-                .with_help("please report it with the file; the other files are not affected");
-            failed(
-                &shown,
-                Hash::default(),
-                Diagnostic { code: Code::InternalError, ..error.into() },
-            )
-        })))
+        let done = caught(&shown, work);
+        Done::Fresh(Box::new(done.unwrap_or_else(|found| failed(&shown, Hash::default(), found))))
     }
 
     fn shown(&self, path: &Path) -> String {

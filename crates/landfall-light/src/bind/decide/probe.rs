@@ -16,7 +16,7 @@ use crate::scene::{
     Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space, SpotLight,
     Surface,
 };
-use crate::{Fragment, Upload, sample};
+use crate::{Chosen, Fragment, Upload, sample};
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::fragments::{Batch, FragmentShader};
 use landfall_exec::interp::Cpu;
@@ -64,11 +64,12 @@ pub(super) fn run(
         let material = &upload.materials[0];
         let blocks = writer.blocks(&upload, &lit, material, None);
         let blocks = blocks.map_err(|error| Failure::refused(error.to_string(), ""))?;
-        let fragments: Vec<&Fragment> = probe.fragments.iter().collect();
+        let numbers: Vec<u32> = (0..probe.fragments.len() as u32).collect();
+        let fragments = Chosen { all: &probe.fragments, numbers: &numbers };
         let batch = Batch {
             blocks: &blocks,
             textures: &writer.textures(material),
-            inputs: &FragmentInputs { writer, fragments: &fragments, size: [64, 64] },
+            inputs: &FragmentInputs { writer, fragments, size: [64, 64] },
             count: probe.fragments.len(),
             limit: LIMIT,
         };

@@ -8,7 +8,7 @@ use super::values::surface;
 use super::{BlockWriter, Source};
 use crate::bind::quantity::{MaterialPart, Quantity};
 use crate::scene::{Material, Surface};
-use crate::{Fragment, sample};
+use crate::{Chosen, sample};
 use landfall_exec::harness::fragments::{Image, Inputs};
 
 impl BlockWriter {
@@ -56,11 +56,12 @@ impl BlockWriter {
     }
 
     /// Returns the values of each input for fragments of a picture.
-    pub fn inputs(&self, fragments: &[&Fragment], size: [u32; 2]) -> Vec<Vec<[f32; 4]>> {
+    pub fn inputs(&self, fragments: Chosen<'_>, size: [u32; 2]) -> Vec<Vec<[f32; 4]>> {
         let inputs = FragmentInputs { writer: self, fragments, size };
         let each = (0..self.inputs.len()).map(|input| {
-            let mut values = Vec::with_capacity(fragments.len());
-            inputs.append(input, 0..fragments.len(), &mut values);
+            let count = fragments.numbers.len();
+            let mut values = Vec::with_capacity(count);
+            inputs.append(input, 0..count, &mut values);
             values
         });
         each.collect()
@@ -71,19 +72,20 @@ impl BlockWriter {
 #[derive(Debug)]
 pub(crate) struct FragmentInputs<'a> {
     pub writer: &'a BlockWriter,
-    pub fragments: &'a [&'a Fragment],
+    pub fragments: Chosen<'a>,
     /// The picture's width and height.
     pub size: [u32; 2],
 }
 
 impl Inputs for FragmentInputs<'_> {
     fn counts(&self) -> Vec<usize> {
-        vec![self.fragments.len(); self.writer.inputs.len()]
+        vec![self.fragments.numbers.len(); self.writer.inputs.len()]
     }
 
     fn append(&self, input: usize, fragments: Range<usize>, to: &mut Vec<[f32; 4]>) {
         let [width, height] = self.size.map(|n| n.max(1));
-        let (from, start) = (self.fragments[fragments].iter(), to.len());
+        let Chosen { all, numbers } = self.fragments;
+        let (from, start) = (Chosen { all, numbers: &numbers[fragments] }.iter(), to.len());
         let (quantity, negated) = match &self.writer.inputs[input] {
             Source::Scene { quantity, negated, .. } => (Some(quantity), *negated),
             Source::Number(numbers) => {
