@@ -8,6 +8,7 @@ pub mod request;
 
 use landfall_layout::diagnostic::Code;
 use std::path::Path;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use landfall::report::render as print;
@@ -228,7 +229,12 @@ fn picture(
         report.written.push(path.display().to_string());
     }
     if let Some(out) = &args.out {
-        save(&writer, out, &picture, transfer)?;
+        let PreparedScene { frame, .. } = made;
+        thread::scope(|scope| {
+            // The system takes as long to take back a large frame as a picture to be written.
+            let _ = thread::Builder::new().spawn_scoped(scope, || drop(frame));
+            save(&writer, out, &picture, transfer)
+        })?;
         report.written.insert(0, out.display().to_string());
     }
     Ok(report)

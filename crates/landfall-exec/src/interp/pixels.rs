@@ -20,9 +20,15 @@ pub(super) fn tile(batch: usize, across: usize) -> [[u32; 2]; LANES] {
 /// Returns the pixels of a batch in row order.
 pub(super) fn row(batch: usize, width: u32) -> [[u32; 2]; LANES] {
     let width = u64::from(width.max(1));
-    std::array::from_fn(|lane| {
-        let at = (batch * LANES + lane) as u64;
-        [(at % width) as u32, (at / width) as u32]
+    let first = (batch * LANES) as u64;
+    let (mut x, mut y) = ((first % width) as u32, (first / width) as u32);
+    std::array::from_fn(|_| {
+        let place = [x, y];
+        x += 1;
+        if u64::from(x) == width {
+            (x, y) = (0, y + 1);
+        }
+        place
     })
 }
 
