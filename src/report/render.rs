@@ -116,21 +116,19 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     if let Some(device) = &report.device {
         row(device.backend.name(), &paint.text(PLAIN, &about(device)));
     }
-    row(
-        "picture",
-        &format!("{width} by {height}, {} fragments", phrases::number(report.fragments)),
-    );
+    let fragments = |n: u64| phrases::numbered(n, "fragment");
+    let be = |n: u64| if n == 1 { "is" } else { "are" };
+    row("picture", &format!("{width} by {height}, {}", fragments(report.fragments)));
     let [directional, point, spot] = report.lights;
     row("lights", &format!("{directional} directional, {point} point, {spot} spot"));
     if let Some(evaluations) = report.evaluations {
         let each = evaluations as f64 / report.fragments.max(1) as f64;
-        row(
-            "evaluated",
-            &format!("{} light evaluations, {each:.2} per fragment", phrases::number(evaluations)),
-        );
+        let evaluations = phrases::numbered(evaluations, "light evaluation");
+        row("evaluated", &format!("{evaluations}, {each:.2} per fragment"));
     }
     if report.idle > 0 {
-        let line = format!("{} slots without a light are evaluated as zeros", report.idle);
+        let slots = phrases::numbered(report.idle, "slot");
+        let line = format!("{slots} without a light {} evaluated as zeros", be(report.idle));
         row("idle", &paint.text(CAUTION, &line));
     }
     if report.uploaded > 0 {
@@ -138,10 +136,11 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
     }
     row("time", &format!("{:.2} s", report.time.as_secs_f64()));
     if report.discarded > 0 {
-        row("discarded", &format!("{} fragments", phrases::number(report.discarded)));
+        row("discarded", &fragments(report.discarded));
     }
     if report.non_finite > 0 {
-        let line = format!("{} pixels are NaN or infinite", report.non_finite);
+        let pixels = phrases::numbered(report.non_finite, "pixel");
+        let line = format!("{pixels} {} NaN or infinite", be(report.non_finite));
         row("non-finite", &paint.text(CAUTION, &line));
     }
     if let Some(tally) = &report.tally {
@@ -158,10 +157,11 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
             ),
         );
         for (name, count) in &counts.calls {
-            row("called", &format!("`{name}` {count} times"));
+            row("called", &format!("`{name}` {}", phrases::numbered(*count, "time")));
         }
         for found in &tally.undefined {
-            let line = format!("{} times {}, {}", found.count, found.kind, found.place.shown);
+            let times = phrases::numbered(found.count, "time");
+            let line = format!("{times} {}, {}", found.kind, found.place.shown);
             row("undefined", &paint.text(CAUTION, &line));
         }
     }
@@ -175,7 +175,7 @@ pub fn text(report: &RenderReport, paint: Paint) -> String {
             let _ = writeln!(text, "  {line}");
         }
         for (hazard, line, count) in &compared.left_out {
-            let _ = writeln!(text, "  {:<12} {count} fragments: {line}", hazard);
+            let _ = writeln!(text, "  {:<12} {}: {line}", hazard, fragments(*count));
         }
         for note in &compared.notes {
             let _ = writeln!(text, "  {:<12} {}", "note", paint.text(CAUTION, note));

@@ -45,7 +45,7 @@ pub fn text(stressed: &Report, listed: Listed, paint: Paint) -> String {
     let ran = match stressed.every {
         Some(1) => "the only input".to_string(),
         Some(all) => format!("all {} inputs", phrases::number(all)),
-        None => format!("{} samples", phrases::number(stressed.total.samples)),
+        None => phrases::numbered(stressed.total.samples, "sample"),
     };
     let _ = writeln!(
         text,

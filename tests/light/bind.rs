@@ -13,7 +13,7 @@ use landfall_light::scene::{
     Ambient, Attenuation, Cone, DirectionalLight, Emission, Lights, Material, PointLight, Space,
     SpotLight, Surface, Texture,
 };
-use landfall_light::{Fragment, Upload};
+use landfall_light::{Chosen, Fragment, Upload};
 use snapbox::str;
 
 use crate::support::command::golden;
@@ -431,6 +431,7 @@ fn the_pixel_is_counted_as_the_language_does() {
         normal: [0.0, 0.0, 1.0],
         uv: [0.0; 2],
     };
+    let one = Chosen { all: &[fragment], numbers: &[0] };
     let gl = format!(
         "#version 330\n{lit}\nout vec4 c;\nvoid main() {{ c = gl_FragCoord + vec4(lightPos * lightColor, 0.0); }}"
     );
@@ -444,9 +445,9 @@ fn the_pixel_is_counted_as_the_language_does() {
         let source = Source::new(name, text);
         let shader = shader(&source);
         let filler = BlockWriter::new(&shader, &guessed(&source)).expect("it fits");
-        let inputs = filler.inputs(&[&fragment], [4, 5]);
+        let inputs = filler.inputs(one, [4, 5]);
         assert_eq!(inputs, [vec![[3.5, row, 0.0, 1.0]]], "{name}");
-        let inputs = filler.inputs(&[&fragment], [4, 8]);
+        let inputs = filler.inputs(one, [4, 8]);
         let row = if name == "p.frag" { 5.5 } else { 2.5 };
         assert_eq!(inputs, [vec![[3.5, row, 0.0, 1.0]]], "{name}");
     }

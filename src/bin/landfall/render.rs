@@ -229,12 +229,7 @@ fn picture(
         report.written.push(path.display().to_string());
     }
     if let Some(out) = &args.out {
-        let PreparedScene { frame, .. } = made;
-        thread::scope(|scope| {
-            // The system takes as long to take back a large frame as a picture to be written.
-            let _ = thread::Builder::new().spawn_scoped(scope, || drop(frame));
-            save(&writer, out, &picture, transfer)
-        })?;
+        save_last(&writer, out, &picture, transfer, made.frame)?;
         report.written.insert(0, out.display().to_string());
     }
     Ok(report)
@@ -279,6 +274,20 @@ fn save(
     let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
     writer.write(path, bytes).map(|_| ())
+}
+
+/// Saves a picture, and frees its frame meanwhile: of a large one that takes as long.
+fn save_last(
+    writer: &FileWriter,
+    path: &Path,
+    picture: &Picture,
+    transfer: Transfer,
+    frame: Frame,
+) -> Result<(), Error> {
+    thread::scope(|scope| {
+        let _ = thread::Builder::new().spawn_scoped(scope, || drop(frame));
+        save(writer, path, picture, transfer)
+    })
 }
 
 impl PreparedScene<'_> {

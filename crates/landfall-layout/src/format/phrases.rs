@@ -16,6 +16,11 @@ pub fn counted(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
 }
 
+/// As [`counted`], with thousands separators: `6,160 fragments`.
+pub fn numbered(n: u64, noun: &str) -> String {
+    format!("{} {noun}{}", number(n), if n == 1 { "" } else { "s" })
+}
+
 /// Formats a count with thousands separators: `6,160`.
 pub fn number(n: u64) -> String {
     let digits = n.to_string();
