@@ -76,6 +76,11 @@ use landfall_ir::stack::{StackError, on_a_large_stack};
 use args::{Args, Command};
 use output::Streams;
 
+/// In place of musl's, whose one lock makes threads wait for one another.
+#[cfg(target_env = "musl")]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let args = args::parse();
     if !args.command.lowers() {
