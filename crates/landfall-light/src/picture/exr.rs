@@ -5,13 +5,20 @@
 
 use std::io::Cursor;
 
+use ::exr::block::writer::ChunksWriter;
+use ::exr::block::{self, UncompressedBlock};
+use ::exr::image::write::layers::{LayersWriter, WritableLayers};
 use ::exr::meta::MetaData;
-use ::exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, Vec2, WritableImage};
+use ::exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, Vec2};
 
 use super::error::PictureError;
 use super::{Picture, size};
+use crate::threads;
 
 const FORMAT: &str = "EXR";
+
+/// The blocks that are compressed before they are written: lines of pixels.
+const BLOCKS: usize = 128;
 
 /// Returns the file of a picture.
 ///
@@ -26,7 +33,22 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     });
     let image = Image::from_channels((width, *height as usize), channels);
     let mut bytes = Cursor::new(Vec::new());
-    image.write().non_parallel().to_buffered(&mut bytes).map_err(broken)?;
+    let headers = image.layer_data.infer_headers(&image.attributes);
+    let writer = image.layer_data.create_writer(&headers);
+    block::write(&mut bytes, headers, true, |meta, chunks| {
+        let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
+        for some in blocks.chunks(BLOCKS) {
+            let compressed = threads::map(some, 1, |&(_, index)| {
+                let data = writer.extract_uncompressed_block(&meta.headers, index);
+                UncompressedBlock { index, data }.compress_to_chunk(&meta.headers)
+            });
+            for ((nth, _), chunk) in some.iter().zip(compressed) {
+                chunks.write_chunk(*nth, chunk?)?;
+            }
+        }
+        Ok(())
+    })
+    .map_err(broken)?;
     Ok(bytes.into_inner())
 }
 
