@@ -20,9 +20,11 @@ use crate::error::Error;
 
 mod private;
 mod special;
+mod unchanged;
 
 pub use private::create_private;
 use special::{is_character_device, is_pipe, is_stream, reader_of};
+use unchanged::holds;
 
 /// The start of temporary file names: `.landfall-PID-TOKEN-N.partial`.
 const PARTIAL_START: &str = ".landfall-";
@@ -170,7 +172,8 @@ impl FileWriter {
         let target = real.as_deref().unwrap_or(path);
         let folder = folder_of(target);
         sweep(folder);
-        if there.is_some() && fs::read(target).is_ok_and(|old| old == bytes) {
+        let is_as_long = there.as_ref().is_some_and(|found| found.len() == bytes.len() as u64);
+        if is_as_long && holds(target, bytes).unwrap_or(false) {
             return Ok(Written::Unchanged);
         }
         if there.as_ref().is_some_and(|found| found.is_file() && found.permissions().readonly()) {
