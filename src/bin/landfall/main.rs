@@ -97,7 +97,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> ExitCode {
     let streams = Streams::new(args.global.color, args.global.quiet);
     watch::begin(&args.command, &args.global.budget, &streams);
-    if cfg!(panic = "abort") {
+    if cfg!(panic = "abort") && watch::watches(&args.command) {
         panics::end_command();
     }
     without_effect::begin(&args.command, &streams);

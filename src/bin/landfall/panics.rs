@@ -17,29 +17,37 @@ thread_local! {
 /// Runs the work on a shader; a panic is an error of the shader.
 pub fn caught<T>(shown: &str, work: impl FnOnce() -> T) -> Result<T, Diagnostic> {
     SHADER.set(shown.to_string());
-    catch_unwind(AssertUnwindSafe(work)).map_err(|_| {
-        error(shown, "please report it with the file; the other files are not affected")
+    let done = catch_unwind(AssertUnwindSafe(work));
+    SHADER.set(String::new());
+    done.map_err(|_| {
+        let error = Error::new(shown, "made landfall panic, which is a bug in landfall");
+        found(error.with_help("please report it with the file; the other files are not affected"))
     })
 }
 
-/// Lets the first panic end the command with an error: for builds with `panic = "abort"`.
+/// Lets the first panic end the command with an error: for builds with `panic = "abort"`, in which
+/// panics of naga cannot be caught either.
 pub fn end_command() {
     let print = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         print(info);
         let shown = SHADER.try_with(|shader| shader.take()).unwrap_or_default();
-        let help = "please report it with the file; this binary was built to end at a panic \
-                    (profile `small`), those of other profiles go on with the other files";
-        watch::end_by(error(&shown, help));
+        let (error, with) = match shown.as_str() {
+            "" => {
+                (Error::new("landfall", "panicked, or naga in it, which is a bug"), "the command")
+            }
+            _ => (Error::new(shown, "made landfall or naga panic, which is a bug"), "the file"),
+        };
+        let help = format!(
+            "please report it with {with}; this binary was built to end at a panic (profile \
+             `small`), those of other profiles go on with the other files"
+        );
+        watch::end_by(found(error.with_help(help)));
     }));
 }
 
-fn error(shown: &str, help: &str) -> Diagnostic {
-    let error = match shown {
-        "" => Error::new("landfall", "panicked, which is a bug in landfall"),
-        _ => Error::new(shown, "made landfall panic, which is a bug in landfall"),
-    };
-    Diagnostic { code: Code::InternalError, ..error.with_help(help).into() }
+fn found(error: Error) -> Diagnostic {
+    Diagnostic { code: Code::InternalError, ..error.into() }
 }
 
 #[cfg(test)]
@@ -67,7 +75,11 @@ mod tests {
             let child = child.unwrap();
             let printed = String::from_utf8_lossy(&child.stderr);
             assert_eq!(child.status.code(), Some(2), "{printed}");
-            assert_eq!(printed.matches("`b.frag` made landfall panic").count(), 1, "{printed}");
+            assert_eq!(
+                printed.matches("`b.frag` made landfall or naga panic").count(),
+                1,
+                "{printed}"
+            );
             assert!(printed.contains("as planned"), "{printed}");
             return;
         }

@@ -276,7 +276,7 @@ fn save(
     writer.write(path, bytes).map(|_| ())
 }
 
-/// Saves a picture, and frees its frame meanwhile: of a large one that takes as long.
+/// Saves a picture, and frees its frame meanwhile, which takes as long.
 fn save_last(
     writer: &FileWriter,
     path: &Path,

@@ -172,11 +172,18 @@ fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
     TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Whether a command is watched: not the server of a driver, which ends with its client.
+pub fn watches(command: &Command) -> bool {
+    match command {
+        #[cfg(any(feature = "gl", feature = "gpu"))]
+        Command::Reader(_) => false,
+        _ => true,
+    }
+}
+
 /// Watches over the command.
 pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
-    // The server of a driver ends with its client.
-    #[cfg(any(feature = "gl", feature = "gpu"))]
-    if matches!(command, Command::Reader(_)) {
+    if !watches(command) {
         return;
     }
     let stop = flag();
