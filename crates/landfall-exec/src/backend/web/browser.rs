@@ -30,9 +30,12 @@ const PAGE: &str = "<!doctype html><meta charset=\"utf-8\"><title>landfall</titl
 /// The browser needs some time to remove what it has written.
 const ROLE: Role = Role { name: "browser", works: false, parting: Duration::from_secs(5) };
 
-/// `$1` is the profile's directory, the rest the browser's command.
+/// `$1` is the profile's directory, the rest the browser's command. The browser's own processes may
+/// write to the directory while it is removed.
 const SUPERVISOR: &str = "directory=$1; shift; \"$@\" 3<&0 4>&1 </dev/null >/dev/null; status=$?; \
-     rm -rf -- \"$directory\" 2>/dev/null; exit $status";
+     for _ in 1 2 3 4 5 6 7 8 9; do \
+     rm -rf -- \"$directory\" 2>/dev/null; [ -e \"$directory\" ] || break; sleep 1; done; \
+     exit $status";
 
 /// No window, no requests of the browser's own, no names that resolve, WebGPU where it is not on by
 /// default, and a software renderer where there is no GPU.
