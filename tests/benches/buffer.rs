@@ -1,5 +1,5 @@
 //! How fast bytes are set by name, as ratios in one run:
-//! `CARGO_PROFILE_BENCH_OPT_LEVEL=3 cargo bench --features full --bench buffer`, as users' programs are
+//! `cargo bench --features full --bench buffer`, as users' programs are
 //! compiled; without it the calls are compiled for size and take three times as long.
 //!
 //! The block is the light array of 128 point lights, whose 769 names an engine formats and looks

@@ -49,7 +49,7 @@ mod value;
 use std::sync::Arc;
 
 use crate::layout::BlockLayout;
-use dirty::{Dirty, Mark};
+use dirty::Tracked;
 use grid::{ByteExtent, Grid, language};
 use index::Index;
 use resolve::{PlaceKind, not_a_leaf, resolve};
@@ -80,10 +80,9 @@ pub struct Buffer {
     /// The fingerprint of the block combined with the tail's length; a handle for this buffer has
     /// the same.
     key: u64,
-    bytes: Vec<u8>,
+    data: Tracked,
     /// Elements of the runtime-sized array at the end.
     tail: usize,
-    dirty: Dirty,
 }
 
 /// A block with its index of paths, shared by clones of a buffer.
@@ -141,17 +140,17 @@ impl Buffer {
             return Err(BufferError::WrongLength { block, wanted, given, cut: None });
         }
         let mut buffer = Buffer::sized(block, extent, elements)?;
-        buffer.bytes.copy_from_slice(bytes);
+        buffer.data.bytes_mut().copy_from_slice(bytes);
         Ok(buffer)
     }
 
     fn sized(block: &BlockLayout, extent: ByteExtent, tail: usize) -> Result<Buffer, BufferError> {
-        let bytes = zeroes(block, &extent, tail)?;
-        let dirty = Dirty::new(bytes.len());
+        let len = len(block, &extent, tail)?;
+        let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
         let index = Index::of(block);
         let key = index.fingerprint ^ (tail as u64).rotate_left(16);
         let compiled = Arc::new(Compiled { block: block.clone(), extent, index });
-        Ok(Buffer { compiled, key, bytes, tail, dirty })
+        Ok(Buffer { compiled, key, data, tail })
     }
 
     /// The block of the buffer.
@@ -165,13 +164,14 @@ impl Buffer {
     }
 
     /// All bytes, ready for upload.
+    #[inline]
     pub fn bytes(&self) -> &[u8] {
-        &self.bytes
+        self.data.bytes()
     }
 
     /// Returns all bytes, consuming the buffer.
     pub fn into_bytes(self) -> Vec<u8> {
-        self.bytes
+        self.data.into_bytes()
     }
 
     /// Sets a scalar, vector or matrix by its path.
@@ -182,7 +182,7 @@ impl Buffer {
     #[inline]
     pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
         match self.compiled.index.find(path, self.tail) {
-            Some(row) if row.code == T::CODE && self.store(row.offset, value) => Ok(()),
+            Some(row) if row.code == T::CODE && self.store(row.offset as u32, value) => Ok(()),
             _ => self.set_resolved(path, value),
         }
     }
@@ -196,7 +196,7 @@ impl Buffer {
             return Ok(());
         }
         let (offset, size) = (offset as u64, grid.span() as u64);
-        Err(BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 })
+        Err(BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 })
     }
 
     /// Reads a scalar, vector or matrix by its path.
@@ -206,7 +206,7 @@ impl Buffer {
     #[inline]
     pub fn get<T: Value>(&self, path: &str) -> Result<T, BufferError> {
         if let Some(row) = self.compiled.index.find(path, self.tail) {
-            let from = self.bytes.get(row.offset..).and_then(|bytes| bytes.get(..T::BYTES));
+            let from = self.bytes().get(row.offset..).and_then(|bytes| bytes.get(..T::BYTES));
             if let Some(from) = from.filter(|_| row.code == T::CODE) {
                 return Ok(T::fetch(from));
             }
@@ -214,7 +214,7 @@ impl Buffer {
         let (offset, grid) = self.leaf::<T>(path)?;
         self.load(offset, &grid).ok_or_else(|| {
             let (offset, size) = (offset as u64, grid.span() as u64);
-            BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
+            BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 }
         })
     }
 
@@ -233,33 +233,20 @@ impl Buffer {
 
     /// Writes a value without gaps; `false` if it would end past the buffer.
     #[inline]
-    fn store<T: Value>(&mut self, offset: usize, value: T) -> bool {
-        let Some(end) = offset.checked_add(T::BYTES) else { return false };
-        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
-        value.store(to);
-        if T::Component::WIDTH % dirty::WORD == 0 {
-            self.dirty.mark_words(offset, T::BYTES / dirty::WORD);
-        } else {
-            self.dirty.mark(offset, T::BYTES);
+    fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
+        match T::Component::WIDTH % dirty::WORD {
+            0 => self.data.store(offset, value),
+            _ => {
+                let to = self.data.write(offset as usize, T::BYTES);
+                to.map(|to| value.store(to)).is_some()
+            }
         }
-        true
-    }
-
-    /// Writes a value without gaps and marks it dirty with a precomputed mark.
-    #[inline]
-    fn store_marked<T: Value>(&mut self, offset: u32, mark: Mark, value: T) -> bool {
-        let offset = offset as usize;
-        let Some(end) = offset.checked_add(T::BYTES) else { return false };
-        let Some(to) = self.bytes.get_mut(offset..end) else { return false };
-        value.store(to);
-        self.dirty.mark_at(mark, offset, T::BYTES);
-        true
     }
 
     /// Writes a value component by component; `false` if it would end past the buffer.
     fn store_cells<T: Value>(&mut self, offset: usize, grid: &Grid, value: T) -> bool {
         let span = grid.span();
-        let to = self.bytes.get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
+        let to = self.data.bytes_mut().get_mut(offset..).and_then(|bytes| bytes.get_mut(..span));
         let Some(to) = to else { return false };
         let fit = value::fit::<T>(grid);
         let width = usize::from(grid.scalar.width);
@@ -272,13 +259,14 @@ impl Buffer {
                 ScalarMatch::Narrowed => value.component(column, row).put_as(grid.scalar, cell),
                 ScalarMatch::No => return false,
             }
-            if !is_matrix {
-                self.dirty.mark(offset + at, width);
-            }
         }
         if is_matrix {
             // The padding between columns is zero, and one range is cheaper than two to four.
-            self.dirty.mark(offset, span);
+            self.data.mark(offset, span);
+        } else {
+            for (column, row) in grid.cells() {
+                self.data.mark(offset + grid.component(column, row), width);
+            }
         }
         true
     }
@@ -286,7 +274,7 @@ impl Buffer {
     /// Reads a value; `None` if it would end past the buffer.
     #[inline]
     fn load<T: Value>(&self, offset: usize, grid: &Grid) -> Option<T> {
-        let from = self.bytes.get(offset..)?.get(..grid.span())?;
+        let from = self.bytes().get(offset..)?.get(..grid.span())?;
         let width = usize::from(grid.scalar.width);
         let same = value::fit::<T>(grid) == ScalarMatch::Same;
         Some(T::build(|column, row| {
@@ -299,13 +287,13 @@ impl Buffer {
     /// Returns the ranges written since the last [`clear_dirty`](Buffer::clear_dirty), in order;
     /// ranges at most `gap` bytes apart are merged.
     pub fn dirty(&self, gap: usize) -> Ranges<'_> {
-        self.dirty.ranges(gap)
+        self.data.ranges(gap)
     }
 
     /// Returns how many bytes in how many ranges an upload with that gap moves; a gap of 0 gives
     /// the fewest bytes.
     pub fn upload(&self, gap: usize) -> Upload {
-        let start = Upload { ranges: 0, bytes: 0, whole: self.bytes.len() };
+        let start = Upload { ranges: 0, bytes: 0, whole: self.bytes().len() };
         self.dirty(gap).fold(start, |sum, range| Upload {
             ranges: sum.ranges + 1,
             bytes: sum.bytes + range.len(),
@@ -315,25 +303,30 @@ impl Buffer {
 
     /// Clears the dirty ranges, after an upload.
     pub fn clear_dirty(&mut self) {
-        self.dirty.clear();
+        self.data.clear();
     }
 
     /// Marks every byte as dirty, for a new buffer on the GPU.
     pub fn mark_all(&mut self) {
-        self.dirty.mark(0, self.bytes.len());
+        self.data.mark(0, self.bytes().len());
     }
+}
+
+/// Returns the length of a block with that many elements in its tail.
+fn len(block: &BlockLayout, extent: &ByteExtent, tail: usize) -> Result<usize, BufferError> {
+    extent.bytes(tail).ok_or_else(|| too_large(block, usize::MAX))
 }
 
 /// Returns the zeroed bytes of a block with that many elements in its tail.
 fn zeroes(block: &BlockLayout, extent: &ByteExtent, tail: usize) -> Result<Vec<u8>, BufferError> {
-    let too_large = |bytes: usize| {
-        let block = block.name.to_string();
-        BufferError::TooLarge { block, bytes: bytes as u64 }
-    };
-    let bytes = extent.bytes(tail).ok_or_else(|| too_large(usize::MAX))?;
+    let bytes = len(block, extent, tail)?;
     // Fails here rather than in the allocation of zeroed pages.
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large(bytes))?;
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large(block, bytes))?;
     Ok(vec![0; bytes])
+}
+
+fn too_large(block: &BlockLayout, bytes: usize) -> BufferError {
+    BufferError::TooLarge { block: block.name.to_string(), bytes: bytes as u64 }
 }
 
 /// Returns the error for a value whose type is not the leaf's.

@@ -1,121 +1,189 @@
-//! Tracking of the bytes of a buffer written since the last upload.
+//! The bytes of a buffer, with a record of those written since the last upload.
 //!
 //! One bit stands for a word of 4 bytes: WebGPU rejects smaller uploads, and they are no faster
 //! elsewhere. A bit map takes a 32nd of the block whatever the order of writes, marking is an `or`,
 //! and neighbours merge by themselves; a sorted list of ranges would cost a search and a move for
-//! each write of a scattered pattern.
+//! each write of a scattered pattern. The map follows the bytes in one allocation, and its entries
+//! are counted from the end, so that a write loads one pointer and one length.
 
 use std::ops::Range;
 
+use super::value::Value;
+
 pub(crate) const WORD: usize = 4;
 const BITS: usize = 64;
-const CLEAN: u64 = u64::MAX;
+/// Size of an entry of the map in bytes.
+const ENTRY: usize = 8;
 
-/// The words written since the last [`clear`](Dirty::clear).
+/// Bytes, and which of their words were written since the last [`clear`](Tracked::clear).
 #[derive(Clone, Debug)]
-pub(crate) struct Dirty {
-    /// Bit `i % 64` of entry `i / 64` is set while word `i` is clean, so that one test shows
-    /// whether there is anything to mark; one entry more than needed.
-    map: Vec<u64>,
-    /// Bytes of the buffer.
+pub(crate) struct Tracked {
+    /// The bytes, followed by the map: entries of 64 bits in native order, the last one first, one
+    /// more than needed. Bit `i % 64` of entry `i / 64` is set while word `i` is clean, so that one
+    /// test shows whether there is anything to mark.
+    data: Vec<u8>,
+    /// Number of bytes without the map.
     len: usize,
 }
 
-/// Precomputed bits for bytes at a known offset.
+/// Where a value is in buffers of one length.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mark {
-    /// The entry of the map; past its end if the bits span more than one entry.
-    entry: usize,
-    bits: u64,
+pub(crate) struct Place {
+    offset: u32,
+    /// Where the entry of its bits starts; past the end of the map if they span two entries.
+    entry: u32,
 }
 
-impl Mark {
-    pub fn of(offset: usize, size: usize) -> Mark {
-        let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
-        if first / BITS != last / BITS {
-            return Mark { entry: usize::MAX, bits: 0 };
-        }
-        let bits = (u64::MAX >> (BITS - 1 - (last - first))) << (first % BITS);
-        Mark { entry: first / BITS, bits }
+impl Place {
+    pub fn offset(self) -> u32 {
+        self.offset
     }
 }
 
-impl Dirty {
-    pub fn new(len: usize) -> Dirty {
-        Dirty { map: vec![CLEAN; len / (WORD * BITS) + 2], len }
+/// Returns `count` bits from bit `first`.
+#[inline]
+fn mask(first: usize, count: usize) -> u64 {
+    (u64::MAX >> (BITS - count)) << first
+}
+
+impl Tracked {
+    /// Returns zeroes, all clean; `None` if there is not enough memory, or offsets exceed 32 bits.
+    pub fn zeroed(len: usize) -> Option<Tracked> {
+        u32::try_from(len).ok()?;
+        let map = (len / (WORD * BITS) + 2) * ENTRY;
+        let size = len.checked_add(map)?;
+        // Fails here rather than in the allocation of zeroed pages.
+        Vec::<u8>::new().try_reserve_exact(size).ok()?;
+        let mut tracked = Tracked { data: vec![0; size], len };
+        tracked.clear();
+        Some(tracked)
+    }
+
+    /// Returns the place of `size` bytes at `offset`; they lie within the buffer.
+    pub fn place(&self, offset: usize, size: usize) -> Place {
+        let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
+        let entry = u32::try_from(self.data.len() - (first / BITS + 1) * ENTRY).ok();
+        let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(u32::MAX);
+        Place { offset: offset as u32, entry }
+    }
+
+    #[inline]
+    pub fn bytes(&self) -> &[u8] {
+        &self.data[..self.len]
+    }
+
+    pub fn into_bytes(mut self) -> Vec<u8> {
+        self.data.truncate(self.len);
+        self.data
+    }
+
+    /// Returns bytes to write, which remain as clean or dirty as they are.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.data[..self.len]
+    }
+
+    /// Returns `size` bytes at `offset` to write, marked; `None` if they end past the buffer.
+    pub fn write(&mut self, offset: usize, size: usize) -> Option<&mut [u8]> {
+        let end = offset.checked_add(size).filter(|&end| end <= self.len)?;
+        mark(&mut self.data, offset, size);
+        self.data.get_mut(offset..end)
+    }
+
+    /// Stores a value of whole words at `offset`, a multiple of 4; it lies within the buffer.
+    #[inline]
+    pub fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
+        let (data, offset) = (&mut self.data[..], offset as usize);
+        debug_assert!(offset + T::BYTES <= self.len, "past the end");
+        let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };
+        value.store(to);
+        let (entry, bit) = (offset / WORD / BITS, offset / WORD % BITS);
+        let count = T::BYTES / WORD;
+        if bit > BITS - count {
+            mark_two(data, offset, T::BYTES);
+            return true;
+        }
+        let at = data.len().wrapping_sub((entry + 1) * ENTRY);
+        mark_bits(data.get_mut(at..).and_then(<[u8]>::first_chunk_mut), mask(bit, count))
+    }
+
+    /// Stores a value of whole words at a place, which was computed for as many in a buffer of this
+    /// length.
+    #[inline]
+    pub fn store_at<T: Value>(&mut self, place: Place, value: T) -> bool {
+        let (data, offset) = (&mut self.data[..], place.offset as usize);
+        debug_assert!(offset + T::BYTES <= self.len, "past the end");
+        let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };
+        value.store(to);
+        let entry = place.entry as usize;
+        let entry = data.get_mut(entry..entry + ENTRY).and_then(<[u8]>::first_chunk_mut);
+        if !mark_bits(entry, mask(offset / WORD % BITS, T::BYTES / WORD)) {
+            mark_two(data, offset, T::BYTES);
+        }
+        true
     }
 
     /// Marks `size` bytes at `offset`; they lie within the buffer.
     pub fn mark(&mut self, offset: usize, size: usize) {
-        if size == 0 {
-            return;
-        }
-        let (first, last) = (offset / WORD, (offset + size - 1) / WORD);
-        let (entry, bit) = (first / BITS, first % BITS);
-        let count = last - first + 1;
-        if bit + count > BITS {
-            return self.mark_across(first, last);
-        }
-        let mask = (u64::MAX >> (BITS - count)) << bit;
-        if let Some(bits) = self.map.get_mut(entry) {
-            *bits &= !mask;
-        }
-    }
-
-    /// Marks `size` bytes at `offset`, for which `mark` was precomputed.
-    #[inline]
-    pub fn mark_at(&mut self, mark: Mark, offset: usize, size: usize) {
-        match self.map.get_mut(mark.entry) {
-            // Bits already set are not stored again, so the next write need not wait for the store.
-            Some(bits) if *bits & mark.bits == 0 => {}
-            Some(bits) => *bits &= !mark.bits,
-            None => self.mark(offset, size),
-        }
-    }
-
-    /// Marks 1 to 64 words from `offset`, a multiple of 4 within the buffer.
-    #[inline]
-    pub fn mark_words(&mut self, offset: usize, count: usize) {
-        let (entry, bit) = (offset / (WORD * BITS), offset / WORD % BITS);
-        if bit > BITS - count {
-            return self.mark(offset, count * WORD);
-        }
-        let mask = (u64::MAX >> (BITS - count)) << bit;
-        if let Some(bits) = self.map.get_mut(entry) {
-            // Bits already set are not stored again, so the next write need not wait for the store.
-            if *bits & mask != 0 {
-                *bits &= !mask;
-            }
-        }
-    }
-
-    fn mark_across(&mut self, first: usize, last: usize) {
-        let (low, high) = (first / BITS, last / BITS);
-        let low_mask = u64::MAX << (first % BITS);
-        let high_mask = u64::MAX >> (BITS - 1 - last % BITS);
-        self.map[low] &= !low_mask;
-        self.map[low + 1..high].fill(!CLEAN);
-        self.map[high] &= !high_mask;
+        mark(&mut self.data, offset, size);
     }
 
     pub fn clear(&mut self) {
-        self.map.fill(CLEAN);
+        self.data[self.len..].fill(u8::MAX);
     }
 
     pub fn ranges(&self, gap: usize) -> Ranges<'_> {
-        Ranges { dirty: self, word: 0, gap }
+        Ranges { tracked: self, word: 0, gap }
+    }
+
+    /// Returns an entry of the map.
+    fn entry(&self, entry: usize) -> Option<u64> {
+        let map = &self.data[self.len..];
+        let at = map.len().checked_sub((entry + 1) * ENTRY)?;
+        map[at..].first_chunk().map(|&bits| u64::from_ne_bytes(bits))
     }
 
     /// Returns the first word at or after `from` that is dirty, or clean.
     fn find(&self, from: usize, dirty: bool) -> Option<usize> {
         let flip = if dirty { u64::MAX } else { 0 };
         let mut entry = from / BITS;
-        let mut bits = (self.map.get(entry)? ^ flip) & (u64::MAX << (from % BITS));
+        let mut bits = (self.entry(entry)? ^ flip) & (u64::MAX << (from % BITS));
         while bits == 0 {
             entry += 1;
-            bits = self.map.get(entry)? ^ flip;
+            bits = self.entry(entry)? ^ flip;
         }
         Some(entry * BITS + bits.trailing_zeros() as usize)
+    }
+}
+
+/// Marks bits of an entry; `false` if there is none.
+#[inline]
+fn mark_bits(entry: Option<&mut [u8; ENTRY]>, bits: u64) -> bool {
+    let Some(entry) = entry else { return false };
+    let clean = u64::from_ne_bytes(*entry);
+    // Bits already set are not stored again, so the next write need not wait for the store.
+    if clean & bits != 0 {
+        *entry = (clean & !bits).to_ne_bytes();
+    }
+    true
+}
+
+/// [`mark`], where bits rarely span two entries.
+#[cold]
+fn mark_two(data: &mut [u8], offset: usize, size: usize) {
+    mark(data, offset, size);
+}
+
+/// Marks `size` bytes at `offset`.
+fn mark(data: &mut [u8], offset: usize, size: usize) {
+    if size == 0 {
+        return;
+    }
+    let (first, last) = (offset / WORD, (offset + size - 1) / WORD);
+    for entry in first / BITS..=last / BITS {
+        let first = first.max(entry * BITS);
+        let last = last.min(entry * BITS + BITS - 1);
+        let at = data.len() - (entry + 1) * ENTRY;
+        mark_bits(data[at..].first_chunk_mut(), mask(first % BITS, last - first + 1));
     }
 }
 
@@ -124,7 +192,7 @@ impl Dirty {
 /// Starts and ends are multiples of 4, except the end of a buffer whose length is not.
 #[derive(Clone, Debug)]
 pub struct Ranges<'b> {
-    dirty: &'b Dirty,
+    tracked: &'b Tracked,
     word: usize,
     gap: usize,
 }
@@ -133,14 +201,14 @@ impl Iterator for Ranges<'_> {
     type Item = Range<usize>;
 
     fn next(&mut self) -> Option<Range<usize>> {
-        let start = self.dirty.find(self.word, true)?;
+        let start = self.tracked.find(self.word, true)?;
         loop {
             // The map has a clean word after the last.
-            let end = self.dirty.find(self.word.max(start), false)?;
+            let end = self.tracked.find(self.word.max(start), false)?;
             self.word = end;
-            match self.dirty.find(end, true) {
+            match self.tracked.find(end, true) {
                 Some(next) if (next - end) * WORD <= self.gap => self.word = next,
-                _ => return Some(start * WORD..(end * WORD).min(self.dirty.len)),
+                _ => return Some(start * WORD..(end * WORD).min(self.tracked.len)),
             }
         }
     }
@@ -172,19 +240,23 @@ impl Upload {
 mod tests {
     use super::*;
 
-    fn ranges(dirty: &Dirty, gap: usize) -> Vec<Range<usize>> {
+    fn ranges(dirty: &Tracked, gap: usize) -> Vec<Range<usize>> {
         dirty.ranges(gap).collect()
+    }
+
+    fn zeroed(len: usize) -> Tracked {
+        Tracked::zeroed(len).expect("memory for a few bytes")
     }
 
     #[test]
     fn nothing_written_is_nothing_to_upload() {
-        assert!(ranges(&Dirty::new(6160), 1 << 20).is_empty());
-        assert!(ranges(&Dirty::new(0), 0).is_empty());
+        assert!(ranges(&zeroed(6160), 1 << 20).is_empty());
+        assert!(ranges(&zeroed(0), 0).is_empty());
     }
 
     #[test]
     fn a_write_is_rounded_out_to_words_and_cut_at_the_end() {
-        let mut dirty = Dirty::new(11);
+        let mut dirty = zeroed(11);
         dirty.mark(1, 2);
         dirty.mark(9, 2);
         assert_eq!(ranges(&dirty, 0), [0..4, 8..11]);
@@ -192,7 +264,7 @@ mod tests {
 
     #[test]
     fn gaps_up_to_the_one_chosen_are_uploaded_with_it() {
-        let mut dirty = Dirty::new(4096);
+        let mut dirty = zeroed(4096);
         for offset in [512, 16, 32] {
             dirty.mark(offset, 12);
         }
@@ -204,7 +276,7 @@ mod tests {
     #[test]
     fn writes_across_many_entries_are_one_range() {
         for (offset, size) in [(240, 40), (0, 256), (0, 4096), (252, 3000), (1020, 4)] {
-            let mut dirty = Dirty::new(4096);
+            let mut dirty = zeroed(4096);
             dirty.mark(offset, size);
             assert_eq!(ranges(&dirty, 0), [offset..offset + size]);
             dirty.clear();
@@ -213,13 +285,33 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_made_beforehand_is_the_same_as_one_made_then() {
-        for (offset, size) in [(0, 4), (252, 12), (16, 12), (1, 1), (508, 256), (1023, 2)] {
-            let (mut then, mut beforehand) = (Dirty::new(2048), Dirty::new(2048));
-            then.mark(offset, size);
-            beforehand.mark_at(Mark::of(offset, size), offset, size);
-            assert_eq!(then.map, beforehand.map, "{size} at {offset}");
+    fn every_way_of_writing_marks_the_same_words() {
+        for (offset, size) in [(0, 4), (252, 12), (16, 12), (508, 64), (1020, 4)] {
+            let mut wanted = zeroed(1024);
+            wanted.mark(offset, size);
+            let (mut bytes, mut words, mut at) = (zeroed(1024), zeroed(1024), zeroed(1024));
+            assert_eq!(bytes.write(offset, size).map(|to| to.len()), Some(size));
+            assert_eq!(bytes.data, wanted.data);
+            let place = at.place(offset, size);
+            let stored = match size {
+                4 => [words.store(offset as u32, 0u32), at.store_at(place, 0u32)],
+                12 => [words.store(offset as u32, [0f32; 3]), at.store_at(place, [0f32; 3])],
+                _ => {
+                    [words.store(offset as u32, [[0f32; 4]; 4]), at.store_at(place, [[0f32; 4]; 4])]
+                }
+            };
+            assert_eq!(stored, [true; 2]);
+            assert_eq!([&words.data, &at.data], [&wanted.data; 2]);
         }
+    }
+
+    #[test]
+    fn nothing_is_written_or_marked_past_the_end() {
+        let mut data = zeroed(20);
+        assert!(data.write(16, 8).is_none());
+        assert!(data.write(usize::MAX, 2).is_none());
+        assert_eq!(data.data, zeroed(20).data);
+        assert_eq!(data.into_bytes(), [0; 20]);
     }
 
     #[test]
@@ -227,7 +319,7 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(1);
         for _ in 0..300 {
             let len = rng.usize(1..900) * 4;
-            let mut dirty = Dirty::new(len);
+            let mut dirty = zeroed(len);
             let mut bytes = vec![false; len + 4];
             for _ in 0..rng.usize(0..12) {
                 let offset = rng.usize(0..len);

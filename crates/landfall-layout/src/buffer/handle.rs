@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::dirty::Mark;
+use super::dirty::{Place, WORD};
 use super::error::BufferError;
 use super::grid::{Dim, Grid};
 use super::resolve::{PlaceKind, not_a_leaf, resolve};
@@ -18,10 +18,8 @@ pub struct Handle<T> {
     /// The buffer's key combined with the number of open dimensions; a key no buffer has where the
     /// components cannot be copied as they are.
     key: u64,
-    /// Offset of the first element.
-    offset: u32,
-    /// The mark for dirty tracking, where no dimension is open.
-    mark: Mark,
+    /// The first element.
+    place: Place,
     /// Length of the first open dimension; 1 if there is none.
     len: usize,
     stride: usize,
@@ -59,9 +57,7 @@ impl<T: Value> Handle<T> {
         let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {
             key: buffer.key.wrapping_add(if plain { dims.len() as u64 } else { NOT_PLAIN }),
-            // No block is larger than 2^32 bytes.
-            offset: place.offset as u32,
-            mark: Mark::of(place.offset as usize, grid.span()),
+            place: buffer.data.place(place.offset as usize, grid.span()),
             len: first.len.unwrap_or(buffer.tail),
             stride: first.stride,
             dims: dims.into(),
@@ -94,7 +90,7 @@ impl Buffer {
         value: T,
     ) -> Result<(), BufferError> {
         let stored = match self.locate(handle, &at) {
-            Some(_) if N == 0 => self.store_marked(handle.offset, handle.mark, value),
+            Some(_) if N == 0 && T::BYTES % WORD == 0 => self.data.store_at(handle.place, value),
             Some(offset) => self.store(offset, value),
             None => false,
         };
@@ -116,7 +112,7 @@ impl Buffer {
         handle: &Handle<T>,
         at: [usize; N],
     ) -> Result<T, BufferError> {
-        let from = self.locate(handle, &at).and_then(|offset| self.bytes.get(offset..));
+        let from = self.locate(handle, &at).and_then(|offset| self.bytes().get(offset as usize..));
         match from.and_then(|from| from.get(..T::BYTES)) {
             Some(from) => Ok(T::fetch(from)),
             None => self.get_slowly(handle, &at),
@@ -126,22 +122,22 @@ impl Buffer {
     /// Returns the offset of an element, if the handle fits this buffer, its components have no
     /// gaps, and the indices are in range.
     #[inline]
-    fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<usize> {
+    fn locate<T, const N: usize>(&self, handle: &Handle<T>, at: &[usize; N]) -> Option<u32> {
         if handle.key != self.key.wrapping_add(N as u64) {
             return None;
         }
-        let mut offset = handle.offset as usize;
+        let mut offset = handle.place.offset();
         if let Some((&index, rest)) = at.split_first() {
             if index >= handle.len {
                 return None;
             }
-            offset += index * handle.stride;
+            offset = offset.wrapping_add((index as u32).wrapping_mul(handle.stride as u32));
             for (dim, &index) in handle.dims.iter().skip(1).zip(rest) {
                 // Only the first dimension of a block's array may be runtime-sized.
                 if index >= dim.len? {
                     return None;
                 }
-                offset += index * dim.stride;
+                offset = offset.wrapping_add((index as u32).wrapping_mul(dim.stride as u32));
             }
         }
         Some(offset)
@@ -153,9 +149,12 @@ impl Buffer {
         if handle.fingerprint != self.compiled.index.fingerprint || handle.dims.len() != at.len() {
             return None;
         }
-        handle.dims.iter().zip(at).try_fold(handle.offset as usize, |offset, (dim, &index)| {
-            (index < dim.len.unwrap_or(self.tail)).then(|| offset + index * dim.stride)
-        })
+        handle.dims.iter().zip(at).try_fold(
+            handle.place.offset() as usize,
+            |offset, (dim, &index)| {
+                (index < dim.len.unwrap_or(self.tail)).then(|| offset + index * dim.stride)
+            },
+        )
     }
 
     #[inline(never)]
@@ -195,7 +194,7 @@ impl Buffer {
             }
         }
         // The handle's own offset lies past this buffer's tail.
-        let (offset, size) = (handle.offset.into(), handle.grid.span() as u64);
-        BufferError::OutOfBounds { offset, size, len: self.bytes.len() as u64 }
+        let (offset, size) = (u64::from(handle.place.offset()), handle.grid.span() as u64);
+        BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 }
     }
 }

@@ -85,11 +85,11 @@ impl Buffer {
         let mut mirror = T::zeroed();
         let bytes = bytemuck::bytes_of_mut(&mut mirror);
         let held = bytes.len().min(place.data_size);
-        let from = self.bytes.get(place.offset..place.offset + held);
+        let from = self.bytes().get(place.offset..place.offset + held);
         bytes[..held].copy_from_slice(from.ok_or(BufferError::OutOfBounds {
             offset: place.offset as u64,
             size: held as u64,
-            len: self.bytes.len() as u64,
+            len: self.bytes().len() as u64,
         })?);
         Ok(mirror)
     }
@@ -99,19 +99,12 @@ impl Buffer {
     /// # Errors
     /// Bytes that would end past the buffer.
     pub fn write_bytes(&mut self, offset: usize, bytes: &[u8]) -> Result<(), BufferError> {
-        let len = self.bytes.len() as u64;
-        let to = self.bytes.get_mut(offset..).and_then(|to| to.get_mut(..bytes.len()));
-        match to {
-            Some(to) => {
-                to.copy_from_slice(bytes);
-                self.dirty.mark(offset, bytes.len());
-                Ok(())
-            }
-            None => {
-                let (offset, size) = (offset as u64, bytes.len() as u64);
-                Err(BufferError::OutOfBounds { offset, size, len })
-            }
-        }
+        let Some(to) = self.data.write(offset, bytes.len()) else {
+            let (size, len) = (bytes.len() as u64, self.bytes().len() as u64);
+            return Err(BufferError::OutOfBounds { offset: offset as u64, size, len });
+        };
+        to.copy_from_slice(bytes);
+        Ok(())
     }
 
     fn sizes(&self, path: &str) -> Result<Sizes, BufferError> {
