@@ -55,6 +55,27 @@ pub(crate) fn run<S: Send, R: Send>(
     done.into_iter().map(|(_, result)| result).collect()
 }
 
+/// Runs one job on the calling thread, and another one beside it if there is more than one thread.
+pub(crate) fn both<A, B: Send>(
+    threads: usize,
+    own: impl FnOnce() -> A,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if threads == 1 {
+        return (own(), other());
+    }
+    let other = Mutex::new(Some(other));
+    let other = || {
+        let other = other.lock().ok().and_then(|mut other| other.take());
+        other.expect("a job is taken once")()
+    };
+    thread::scope(|scope| match Builder::new().stack_size(STACK).spawn_scoped(scope, other) {
+        Ok(running) => (own(), running.join().expect("a job does not panic")),
+        // Where no thread can be started, this one does its work.
+        Err(_) => (own(), other()),
+    })
+}
+
 /// Returns what `of` returns for each item, on all threads of the machine; a thread takes so many
 /// items at a time.
 pub(crate) fn map<T: Sync, R: Send>(
@@ -102,6 +123,9 @@ mod tests {
             map(&items, 7, |item| item + 1).collect::<Vec<_>>(),
             (1..1001).collect::<Vec<_>>()
         );
+        for threads in [1, 2] {
+            assert_eq!(both(threads, || items.len(), || items[7]), (1000, 7));
+        }
         let mut squares = vec![0; 1000];
         each(squares.chunks_mut(7).enumerate(), |(nth, part)| {
             part.iter_mut().zip(nth * 7..).for_each(|(square, at)| *square = at * at);

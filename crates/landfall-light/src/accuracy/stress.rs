@@ -188,20 +188,22 @@ pub fn stress(
     let every = generator.all().filter(|_| !sampled.stopped);
     let mut climbs =
         Climbs { tally: Tally::default(), drivers: &mut drivers, over: every.is_some() };
-    let endless: Vec<Sample> = sampled
-        .exemplars
-        .iter()
-        .filter(|((_, why), _)| *why == kept::KeepReason::Endless)
-        .map(|(_, kept)| kept.sample.clone())
-        .collect();
+    let endless = sampled.endless();
     let climbing =
         || Plan { until: until.shortened_to(until.left().unwrap_or(more) / 4), ..plan.clone() };
-    let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
-    worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
+    let climb = || {
+        let worst = worst(&pure, &generator, &climbing(), &sampled, &mut climbs);
+        worst_on_drivers(&pure, &generator, &climbing(), &mut climbs);
+        worst
+    };
+    // A climb takes one step after the other.
+    let (worst, (semantic, proof)) = threads::both(threads, climb, || {
+        let semantic = semantic::findings(&pure, &generator, &after, request.seed);
+        (semantic, proof::proof(&pure, &generator, &after, request))
+    });
     let exemplars = std::mem::take(&mut sampled.exemplars);
-    let (mut raws, proof) =
-        proof::findings(&pure, &generator, &after, exemplars, &mut climbs, request);
-    raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
+    let mut raws = proof::findings(&pure, &generator, &after, exemplars, &mut climbs, &proof.goals);
+    raws.extend(semantic);
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
     {

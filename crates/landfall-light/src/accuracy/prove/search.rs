@@ -3,6 +3,8 @@
 //! What is found does not depend on the number of threads.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::points::{self, Scratch};
 use super::split::Split;
@@ -14,9 +16,6 @@ use landfall_exec::interp::graph::Site;
 
 /// The most sites of one goal that are searched for.
 const SITES: usize = 4;
-
-/// The goals searched for at once, for each thread of several.
-const AT_ONCE: usize = 4;
 
 impl Goal {
     /// Returns the sites that are searched for.
@@ -87,8 +86,9 @@ impl Confirm<'_> {
 
     /// Searches for goals in turn, by a search for each of their sites, and notes the goals met.
     ///
-    /// Several threads search for some goals at once. A goal that those before it meet is left out
-    /// in any case, so that the same is found by one thread.
+    /// Threads search ahead, and the points of a goal are tried once those of all goals before it
+    /// are. A goal that those before it meet is left out in any case, so that the same is found by
+    /// one thread.
     fn in_turn(
         &self,
         goals: &[usize],
@@ -96,30 +96,65 @@ impl Confirm<'_> {
         scratch: &mut [Scratch],
         search: impl Fn(usize, usize, &mut Scratch) -> Vec<Sample> + Sync,
     ) {
-        let at_once = if scratch.len() == 1 { 1 } else { AT_ONCE * scratch.len() };
-        let mut left = goals.iter().copied();
-        loop {
-            let open = left.by_ref().filter(|&nth| !proof.goals[nth].is_found());
-            let some: Vec<usize> = open.take(at_once).collect();
-            if some.is_empty() || self.limits.is_over(self.began) {
-                return;
+        let of = |&nth: &usize| proof.goals[nth].searched().map(move |site| (nth, site));
+        let jobs: Vec<(usize, usize)> = goals.iter().flat_map(of).collect();
+        let is_found = proof.goals.iter().map(|goal| AtomicBool::new(goal.is_found())).collect();
+        let turns = Turns { jobs, is_found, near: Mutex::default(), proof: Mutex::new((0, proof)) };
+        threads::run(scratch, turns.jobs.len(), |scratch, job| {
+            let (nth, site) = turns.jobs[job];
+            let is_over = || self.limits.is_over(self.began);
+            let is_left_out = turns.is_found[nth].load(Ordering::Relaxed) || is_over();
+            let near = if is_left_out { Vec::new() } else { search(nth, site, scratch) };
+            turns.add(job, near);
+            turns.try_next(self, scratch);
+        });
+        // A thread may have ended its last search while another one tried points.
+        turns.try_next(self, &mut scratch[0]);
+    }
+}
+
+/// The searches for goals, and the points that they found.
+struct Turns<'p> {
+    /// A goal and one of its sites each, those of a goal in a row.
+    jobs: Vec<(usize, usize)>,
+    is_found: Vec<AtomicBool>,
+    /// The points found by jobs, until it is their turn.
+    near: Mutex<BTreeMap<usize, Vec<Sample>>>,
+    /// The first job whose points were not tried.
+    proof: Mutex<(usize, &'p mut Proof)>,
+}
+
+impl Turns<'_> {
+    fn add(&self, job: usize, near: Vec<Sample>) {
+        self.near.lock().expect("no thread panics").insert(job, near);
+    }
+
+    /// Returns the points of the goal whose first job is given, and the job after its last; `None`
+    /// while one of them is running.
+    fn take(&self, first: usize) -> Option<(Vec<Sample>, usize)> {
+        let goal = self.jobs.get(first)?.0;
+        let count = self.jobs[first..].iter().take_while(|(nth, _)| *nth == goal).count();
+        let mut near = self.near.lock().expect("no thread panics");
+        let jobs = first..first + count;
+        if !jobs.clone().all(|job| near.contains_key(&job)) {
+            return None;
+        }
+        Some((jobs.clone().flat_map(|job| near.remove(&job)).flatten().collect(), jobs.end))
+    }
+
+    /// Tries the points of goals whose turn it is, unless another thread does.
+    fn try_next(&self, confirm: &Confirm<'_>, scratch: &mut Scratch) {
+        let Ok(mut proof) = self.proof.try_lock() else { return };
+        let (next, proof) = &mut *proof;
+        while let Some((near, end)) = self.take(*next) {
+            let nth = self.jobs[*next].0;
+            *next = end;
+            if proof.goals[nth].is_found() {
+                continue;
             }
-            let of = |&nth: &usize| proof.goals[nth].searched().map(move |site| (nth, site));
-            let jobs: Vec<(usize, usize)> = some.iter().flat_map(of).collect();
-            let near = threads::run(scratch, jobs.len(), |scratch, job| {
-                let (nth, site) = jobs[job];
-                let is_over = self.limits.is_over(self.began);
-                if is_over { Vec::new() } else { search(nth, site, scratch) }
-            });
-            let mut near = jobs.iter().zip(near).peekable();
-            for nth in some {
-                let mut own: Vec<Sample> = Vec::new();
-                while let Some((_, more)) = near.next_if(|((goal, _), _)| *goal == nth) {
-                    own.extend(more);
-                }
-                if !proof.goals[nth].is_found() {
-                    self.points(&own, proof, &mut scratch[0]);
-                }
+            confirm.points(&near, proof, scratch);
+            for (goal, is_found) in proof.goals.iter().zip(&self.is_found) {
+                is_found.store(goal.is_found(), Ordering::Relaxed);
             }
         }
     }

@@ -9,10 +9,11 @@ use rustc_hash::FxHashMap;
 
 use super::classify::{Candidate, Examined, examine};
 use super::climb::{ClimbTarget, Climbs, climb};
+use super::deadline::Deadline;
 use super::generate::Generator;
 use super::input::Sample;
 use super::kept::{Exemplars, KeepReason, Kept};
-use super::measure::Outcome;
+use super::measure::{Outcome, SampleError};
 use super::plan::Plan;
 use super::random::Random;
 use super::shrink::{plausible, shrink};
@@ -48,6 +49,9 @@ struct Group {
 /// The most samples examined for each operation and kind.
 const EACH: usize = 40;
 
+/// The samples that a thread examines before its results are sorted into groups.
+const AT_ONCE: usize = 16;
+
 /// The total time to examine samples if there is no limit.
 const UNHURRIED: Duration = Duration::from_secs(60);
 
@@ -62,9 +66,20 @@ pub(super) fn findings(
     let inputs = generator.inputs;
     let mut groups: FxHashMap<Key, Group> = FxHashMap::default();
     let mut random = Random::new(7, 7);
-    let look = |sample: &Sample, groups: &mut FxHashMap<Key, Group>| {
-        let Ok(examined) = examine(pure, inputs, sample, plan) else { return };
-        sort(pure, generator, &examined, sample, groups);
+    let mut threads = vec![(); plan.threads];
+    let mut look = |samples: &[&Sample], until: &Deadline| {
+        for some in samples.chunks(AT_ONCE * plan.threads) {
+            let examined =
+                threads::run(&mut threads, some.len(), |(), nth| match until.is_over() {
+                    true => None,
+                    false => examine(pure, inputs, some[nth], plan).ok().map(Met::from),
+                });
+            for (met, sample) in examined.into_iter().zip(some) {
+                if let Some(met) = met {
+                    sort(pure, generator, &met, sample, &mut groups);
+                }
+            }
+        }
     };
     let ordered = order(exemplars);
     // Climb from the worst losses first, and examine the results with the other samples.
@@ -75,7 +90,7 @@ pub(super) fn findings(
     let looking = plan.until.shortened_to(left / 2);
     let plan_of_climbs = &Plan { until: plan.until.shortened_to(left / 4), ..plan.clone() };
     for (_, kept) in losses.take(4) {
-        let steps = |off: &super::measure::SampleError| off.steps;
+        let steps = |off: &SampleError| off.steps;
         climbed.push(
             climb(
                 pure,
@@ -89,24 +104,15 @@ pub(super) fn findings(
             .0,
         );
     }
-    for sample in &climbed {
-        look(sample, &mut groups);
-    }
+    look(&climbed.iter().collect::<Vec<_>>(), &Deadline::default());
     let mut each: FxHashMap<KeepReason, usize> = FxHashMap::default();
-    for ((_, why), kept) in &ordered {
-        if looking.is_over() {
-            break;
-        }
-        if *why == KeepReason::Endless {
-            continue;
-        }
+    let chosen = ordered.iter().filter(|((_, why), _)| {
         let count = each.entry(*why).or_default();
         *count += 1;
         let most = if matches!(why, KeepReason::Undefined(..)) { EACH } else { 10 * EACH };
-        if *count <= most {
-            look(&kept.sample, &mut groups);
-        }
-    }
+        *why != KeepReason::Endless && *count <= most
+    });
+    look(&chosen.map(|(_, kept)| &kept.sample).collect::<Vec<_>>(), &looking);
     let mut all: Vec<(Key, UnreportedFinding)> = groups
         .into_iter()
         .map(|(key, group)| (key, UnreportedFinding { seen: group.seen, ..group.best }))
@@ -203,10 +209,23 @@ fn order(exemplars: Exemplars) -> Vec<Exemplar> {
     numbered.into_iter().map(|(_, one)| one).collect()
 }
 
+/// What an examined sample meets, without its trace, which takes much memory.
+struct Met {
+    outcome: Outcome,
+    diverged: Option<SampleError>,
+    candidates: Vec<Candidate>,
+}
+
+impl From<Examined> for Met {
+    fn from(Examined { outcome, diverged, candidates, .. }: Examined) -> Met {
+        Met { outcome, diverged, candidates }
+    }
+}
+
 fn sort(
     pure: &PureFunction,
     generator: &Generator<'_>,
-    examined: &Examined,
+    examined: &Met,
     sample: &Sample,
     groups: &mut FxHashMap<Key, Group>,
 ) {

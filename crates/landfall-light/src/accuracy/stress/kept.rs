@@ -109,6 +109,12 @@ impl Sampled {
         Sampled { families, ..Sampled::default() }
     }
 
+    /// Returns the samples whose loops ran over the budget.
+    pub fn endless(&self) -> Vec<Sample> {
+        let all = self.exemplars.iter().filter(|((_, why), _)| *why == KeepReason::Endless);
+        all.map(|(_, kept)| kept.sample.clone()).collect()
+    }
+
     /// Returns the samples to climb from: 0 for units of the last place, 1 for steps.
     pub fn climb_starts(&self, which: usize) -> impl Iterator<Item = &Sample> {
         self.tops[which].iter().map(|kept| &kept.sample)

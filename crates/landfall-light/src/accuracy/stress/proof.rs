@@ -27,27 +27,30 @@ const UNHURRIED: Duration = Duration::from_secs(30);
 /// The tag of samples that the proof found.
 const TAG: u32 = 1 << 23;
 
-/// Returns the findings among kept samples and those that the proof adds, and what is known of each
-/// operation.
+/// Returns the findings among kept samples and those that the proof adds.
 pub(super) fn findings(
     pure: &PureFunction,
     generator: &Generator<'_>,
     plan: &Plan,
     mut exemplars: Exemplars,
     climbs: &mut Climbs<'_, '_>,
-    request: &Request,
-) -> (Vec<UnreportedFinding>, Proof) {
-    let proof = proof(pure, generator, plan, request);
-    let lost = witnesses(&proof.goals, &mut exemplars);
+    goals: &[Goal],
+) -> Vec<UnreportedFinding> {
+    let lost = witnesses(goals, &mut exemplars);
     let mut raws = find::findings(pure, generator, plan, exemplars, climbs);
     let plan = Plan { ulp: plan.ulp.min(LOST), ..plan.clone() };
     let lost = find::findings(pure, generator, &plan, lost, climbs);
     raws.extend(find::unknown(pure, &raws, lost));
-    (raws, proof)
+    raws
 }
 
 /// Returns what is known of each operation; nothing of code that is too large to follow.
-fn proof(pure: &PureFunction, generator: &Generator<'_>, plan: &Plan, request: &Request) -> Proof {
+pub(super) fn proof(
+    pure: &PureFunction,
+    generator: &Generator<'_>,
+    plan: &Plan,
+    request: &Request,
+) -> Proof {
     let Plan { until, threads, .. } = plan;
     if until.is_stopped() {
         return Proof::default();
