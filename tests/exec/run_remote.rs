@@ -176,6 +176,32 @@ fn one_process_runs_hundreds_of_jobs_and_many_modules() {
 }
 
 #[test]
+fn two_stages_of_one_job_are_known_together_after_any_number_of_modules() {
+    let mut backend = open(&DriverKind::Gpu(None));
+    let process = backend.process();
+    for before in 0..140u32 {
+        let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
+        let vertex = wgsl(
+            "@vertex fn main(@builtin(vertex_index) at: u32) -> @builtin(position) vec4f {
+  return vec4f(f32(at & 1) * 4 - 1, f32(at & 2) * 2 - 1, 0, 1);
+}",
+        );
+        let fragment = wgsl(&format!(
+            "@fragment fn main() -> @location(0) vec4f {{ return vec4f({before}); }}"
+        ));
+        let mut stages = vec![module(Stage::Fragment, "main", &fragment)];
+        // One and two modules in turn, so that a limit falls between the two of a job.
+        if before % 3 != 0 {
+            stages.insert(0, module(Stage::Vertex, "main", &vertex));
+        }
+        let answer = backend.run(&job(stages, Vec::new(), grid));
+        let answer = answer.unwrap_or_else(|failure| panic!("after {before}: {failure}"));
+        assert_eq!(answer.pixels[0].map(f32::from_bits), [before as f32; 4]);
+    }
+    assert_eq!(backend.process(), process);
+}
+
+#[test]
 fn a_shader_that_does_not_end_times_out_and_the_next_job_works() {
     for driver_kind in &BOTH {
         let mut backend = open(driver_kind);

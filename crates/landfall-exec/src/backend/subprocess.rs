@@ -89,7 +89,7 @@ struct Session {
     next: u64,
 }
 
-/// The number of modules kept; beyond it the server forgets all.
+/// The number of modules kept; a job after them begins with the server forgetting all.
 const KEPT: usize = 64;
 
 impl Subprocess {
@@ -252,6 +252,12 @@ impl Session {
     }
 
     fn run(&mut self, job: &Job, backend: BackendKind) -> Result<(JobOutput, Times), Failure> {
+        // Not within the job, whose first module it may be that is forgotten for its second.
+        if self.modules.len() >= KEPT {
+            self.modules.clear();
+            let forget = Frame::default().with(&Request::Forget).map_err(unsendable)?;
+            self.process.send(forget);
+        }
         let mut frame = Frame::default();
         let wire = WireJob::new(job, backend, &mut frame, |module| self.number(module))
             .map_err(unsendable)?;
@@ -281,10 +287,6 @@ impl Session {
     fn number(&mut self, module: &Arc<Module>) -> io::Result<u64> {
         if let Some((_, id)) = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module)) {
             return Ok(*id);
-        }
-        if self.modules.len() >= KEPT {
-            self.modules.clear();
-            self.process.send(Frame::default().with(&Request::Forget)?);
         }
         let id = self.next;
         self.next += 1;
