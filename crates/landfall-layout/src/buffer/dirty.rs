@@ -26,7 +26,7 @@ pub(crate) struct Tracked {
     len: usize,
 }
 
-/// Where a value is in buffers of one length.
+/// Where a value is in buffers of one length. No block is larger than 2^32 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     offset: u32,
@@ -47,9 +47,8 @@ fn mask(first: usize, count: usize) -> u64 {
 }
 
 impl Tracked {
-    /// Returns zeroes, all clean; `None` if there is not enough memory, or offsets exceed 32 bits.
+    /// Returns zeroes, all clean; `None` if there is not enough memory.
     pub fn zeroed(len: usize) -> Option<Tracked> {
-        u32::try_from(len).ok()?;
         let map = (len / (WORD * BITS) + 2) * ENTRY;
         let size = len.checked_add(map)?;
         // Fails here rather than in the allocation of zeroed pages.

@@ -120,10 +120,7 @@ impl fmt::Display for BufferError {
                 "`{block}` does not end in a runtime-sized array\nhelp: use `Buffer::new`"
             ),
             BufferError::TooLarge { block, bytes } => {
-                write!(
-                    f,
-                    "`{block}` would be {bytes} bytes, more than 4 GiB or than can be allocated"
-                )
+                write!(f, "`{block}` would be {bytes} bytes, more than can be allocated")
             }
             BufferError::Malformed { path, at, expected } => {
                 write!(f, "`{path}` is not a path: expected {expected} at byte {at}")
