@@ -30,9 +30,12 @@ pub(crate) struct Tracked {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     offset: u32,
-    /// Where the entry of its bits starts; past the end of the map if they span two entries.
-    entry: u32,
+    /// Where the entry of its bits starts; [`NOWHERE`] if they span two entries.
+    entry: usize,
 }
+
+/// Past the end of any map.
+const NOWHERE: usize = usize::MAX - ENTRY;
 
 impl Place {
     pub fn offset(self) -> u32 {
@@ -61,8 +64,10 @@ impl Tracked {
     /// Returns the place of `size` bytes at `offset`; they lie within the buffer.
     pub fn place(&self, offset: usize, size: usize) -> Place {
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
-        let entry = u32::try_from(self.data.len() - (first / BITS + 1) * ENTRY).ok();
-        let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(u32::MAX);
+        let entry = match first / BITS == last / BITS {
+            true => self.data.len() - (first / BITS + 1) * ENTRY,
+            false => NOWHERE,
+        };
         Place { offset: offset as u32, entry }
     }
 
@@ -113,8 +118,8 @@ impl Tracked {
         debug_assert!(offset + T::BYTES <= self.len, "past the end");
         let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };
         value.store(to);
-        let entry = place.entry as usize;
-        let entry = data.get_mut(entry..entry + ENTRY).and_then(<[u8]>::first_chunk_mut);
+        let entry =
+            data.get_mut(place.entry..place.entry + ENTRY).and_then(<[u8]>::first_chunk_mut);
         if !mark_bits(entry, mask(offset / WORD % BITS, T::BYTES / WORD)) {
             mark_two(data, offset, T::BYTES);
         }
