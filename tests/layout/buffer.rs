@@ -529,3 +529,75 @@ fn values_of_glam_are_set_and_read_like_arrays() {
     let wrong = by_glam.set("b", glam::UVec3::ONE);
     assert!(matches!(wrong, Err(BufferError::WrongType { .. })), "{wrong:?}");
 }
+
+/// A component narrower than a word starts anywhere in one.
+#[test]
+fn narrow_components_are_dirty_wherever_they_start() {
+    let text = "#extension GL_EXT_shader_16bit_storage : require
+#extension GL_EXT_scalar_block_layout : require
+layout(scalar) buffer B { int16_t a; i16vec2 b; int16_t c[3]; };";
+    let mut buffer = Buffer::new(&block(text)).unwrap();
+    let b = buffer.handle::<[i16; 2]>("b").unwrap();
+    buffer.set_at(&b, [], [1, 2]).unwrap();
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [0..8]);
+    buffer.clear_dirty();
+    let c = buffer.handle::<i16>("c[]").unwrap();
+    buffer.set_at(&c, [1], 3).unwrap();
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [8..12]);
+    assert_eq!(buffer.bytes(), [0, 0, 1, 0, 2, 0, 0, 0, 3, 0, 0, 0]);
+}
+
+/// Blocks whose members are laid out alike may differ in the padding at their end.
+#[test]
+fn a_handle_works_with_buffers_of_another_length() {
+    for count in [1usize, 31, 32, 33, 70] {
+        let members: String = (0..count).map(|n| format!("float m{n};")).collect();
+        let of = |layout| block(&format!("layout({layout}) buffer B {{ {members} }};"));
+        let [short, long] = ["std430", "std140"].map(|layout| Buffer::new(&of(layout)).unwrap());
+        let last = format!("m{}", count - 1);
+        for [from, to] in [[&short, &long], [&long, &short]] {
+            let handle = from.handle::<f32>(&last).unwrap();
+            let mut to = to.clone();
+            to.set_at(&handle, [], 1.0).unwrap();
+            let range = 4 * (count - 1)..4 * count;
+            let mut bytes = vec![0; to.bytes().len()];
+            bytes[range.clone()].copy_from_slice(&1f32.to_ne_bytes());
+            assert_eq!(to.bytes(), bytes);
+            assert_eq!(to.dirty(0).collect::<Vec<_>>(), [range], "{count} members");
+        }
+    }
+}
+
+/// A matrix whose columns are apart stays so, whatever the length of the tail.
+#[test]
+fn a_matrix_with_padding_is_written_by_columns_at_any_length_of_the_tail() {
+    let block = block("layout(std430) buffer B { mat3 m; float tail[]; };");
+    let ones = [[1f32; 3]; 3];
+    for (made, used) in [(0, 1 << 16), (1 << 16, 0), (3, 255), (1, 256)] {
+        let handle = Buffer::with_tail(&block, made).unwrap().handle::<[[f32; 3]; 3]>("m").unwrap();
+        let mut buffer = Buffer::with_tail(&block, used).unwrap();
+        buffer.set_at(&handle, [], ones).unwrap();
+        let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&buffer.bytes()[..48]);
+        assert_eq!(floats, [1., 1., 1., 0., 1., 1., 1., 0., 1., 1., 1., 0.]);
+    }
+}
+
+/// A description made by hand or read from a file may be wrong.
+#[test]
+fn members_past_the_size_of_their_block_are_not_written() {
+    let mut short = block("layout(std430) buffer B { float a; float b[4]; };");
+    short.size = Some(8);
+    let mut buffer = Buffer::new(&short).unwrap();
+    let past = "4 bytes at offset 8 end past the buffer's 8 bytes";
+    assert_eq!(said(buffer.set("b[1]", 1f32)), past);
+    let second = buffer.handle::<f32>("b[1]").unwrap();
+    assert_eq!(said(buffer.set_at(&second, [], 1f32)), past);
+    let any = buffer.handle::<f32>("b[]").unwrap();
+    assert_eq!(said(buffer.set_at(&any, [1], 1f32)), past);
+    buffer.set_at(&any, [0], 1f32).unwrap();
+    assert_eq!(buffer.dirty(0).collect::<Vec<_>>(), [4..8]);
+    // As many components as the code of a `vec4` has in one byte.
+    let mut vector =
+        Buffer::new(&block("layout(std430) buffer B { vec4 a; float b[256]; };")).unwrap();
+    assert!(said(vector.set("a", [0f32; 260])).contains("[f32; 260]"));
+}

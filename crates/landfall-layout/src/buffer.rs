@@ -46,7 +46,10 @@ mod pod;
 mod resolve;
 mod value;
 
+use std::hash::BuildHasher;
 use std::sync::Arc;
+
+use rustc_hash::FxBuildHasher;
 
 use crate::layout::BlockLayout;
 use dirty::Tracked;
@@ -77,13 +80,16 @@ pub use value::{Component, Value};
 #[derive(Clone, Debug)]
 pub struct Buffer {
     compiled: Arc<Compiled>,
-    /// The fingerprint of the block combined with the tail's length; a handle for this buffer has
-    /// the same.
+    /// A hash of the block's fingerprint, the tail's length and the number of bytes, with
+    /// [`FREE_BITS`] clear; handles for this buffer have the same and use these bits.
     key: u64,
     data: Tracked,
     /// Elements of the runtime-sized array at the end.
     tail: usize,
 }
+
+/// The bits of a [`Buffer::key`] that are left to handles.
+const FREE_BITS: u64 = 0xff;
 
 /// A block with its index of paths, shared by clones of a buffer.
 #[derive(Debug)]
@@ -148,7 +154,7 @@ impl Buffer {
         let len = len(block, &extent, tail)?;
         let data = Tracked::zeroed(len).ok_or_else(|| too_large(block, len))?;
         let index = Index::of(block);
-        let key = index.fingerprint ^ (tail as u64).rotate_left(16);
+        let key = FxBuildHasher.hash_one((index.fingerprint, tail, len)) & !FREE_BITS;
         let compiled = Arc::new(Compiled { block: block.clone(), extent, index });
         Ok(Buffer { compiled, key, data, tail })
     }
@@ -182,7 +188,10 @@ impl Buffer {
     #[inline]
     pub fn set<T: Value>(&mut self, path: &str, value: T) -> Result<(), BufferError> {
         match self.compiled.index.find(path, self.tail) {
-            Some(row) if row.code == T::CODE && self.store(row.offset as u32, value) => Ok(()),
+            Some(row) if row.code == T::CODE && row.offset + T::BYTES <= self.bytes().len() => {
+                self.store(row.offset as u32, value);
+                Ok(())
+            }
             _ => self.set_resolved(path, value),
         }
     }
@@ -231,7 +240,7 @@ impl Buffer {
         Ok((place.offset as usize, grid))
     }
 
-    /// Writes a value without gaps; `false` if it would end past the buffer.
+    /// Writes a value without gaps, which lies within the buffer.
     #[inline]
     fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
         match T::Component::WIDTH % dirty::WORD {

@@ -1,7 +1,7 @@
 //! Runs independent jobs on several threads and returns their results in order.
 //!
 //! The results do not depend on the number of threads. Used where pictures are lit and functions
-//! are proved.
+//! are proved and stressed.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -56,6 +56,7 @@ pub(crate) fn run<S: Send, R: Send>(
 }
 
 /// Runs one job on the calling thread, and another one beside it if there is more than one thread.
+/// The other one may itself use as many threads.
 pub(crate) fn both<A, B: Send>(
     threads: usize,
     own: impl FnOnce() -> A,

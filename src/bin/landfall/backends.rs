@@ -1,5 +1,8 @@
 //! Opens backends: the interpreter in this process, each driver and the browser in its own.
 
+use std::panic::resume_unwind;
+use std::thread;
+
 use landfall_exec::backend::{Backend, BackendKind, Device, Failure};
 use landfall_exec::harness::verify::report::BackendStatus;
 
@@ -22,16 +25,31 @@ pub fn requested(names: &[BackendName]) -> Vec<BackendName> {
 pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&str>) -> Backends {
     let mut backends = Backends { here: Vec::new(), statuses: Vec::new() };
     let is_named = |name| names.contains(&name);
-    for name in BackendName::ALL {
+    let is_wanted = |name: &BackendName| {
         let as_verifier = match name {
             BackendName::Cpu => VerifierName::Cpu,
             BackendName::Gl => VerifierName::Gl,
             BackendName::Gpu => VerifierName::Gpu,
         };
-        if names.is_empty() || is_named(as_verifier) {
-            backends.add(name.kind(), open_backend(name, adapter, Purpose::FewInvocations));
+        names.is_empty() || is_named(as_verifier)
+    };
+    let wanted: Vec<BackendName> = BackendName::ALL.into_iter().filter(is_wanted).collect();
+    let open = |name| open_backend(name, adapter, Purpose::FewInvocations);
+    // Drivers start in processes of their own, which take as long each as many probes.
+    thread::scope(|scope| {
+        let opening: Vec<_> = wanted
+            .iter()
+            .map(|&name| (name, thread::Builder::new().spawn_scoped(scope, move || open(name))))
+            .collect();
+        for (name, running) in opening {
+            let opened = match running {
+                Ok(running) => running.join().unwrap_or_else(|panic| resume_unwind(panic)),
+                // Where no thread can be started, one is opened after the other.
+                Err(_) => open(name),
+            };
+            backends.add(name.kind(), opened.map(|backend| backend as Box<dyn Backend>));
         }
-    }
+    });
     let browser = VerifierName::Web;
     if is_named(browser) || names.is_empty() && required.contains(&browser) {
         for (backend, opened) in crate::browser::open() {
@@ -67,12 +85,12 @@ impl Backends {
 
 /// Opens one backend.
 pub fn open_one(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    open_backend(name, adapter, Purpose::Results)
+    Ok(open_backend(name, adapter, Purpose::Results)?)
 }
 
 /// Opens one backend with timing by the device, if it can.
 pub fn timed(name: BackendName, adapter: Option<&str>) -> Result<Box<dyn Backend>, Failure> {
-    open_backend(name, adapter, Purpose::Times)
+    Ok(open_backend(name, adapter, Purpose::Times)?)
 }
 
 /// What jobs are run for.
@@ -89,7 +107,7 @@ fn open_backend(
     name: BackendName,
     adapter: Option<&str>,
     purpose: Purpose,
-) -> Result<Box<dyn Backend>, Failure> {
+) -> Result<Box<dyn Backend + Send>, Failure> {
     match name {
         BackendName::Cpu => Ok(Box::new(landfall_exec::interp::Cpu::new(Default::default()))),
         BackendName::Gl => gl(purpose),
@@ -98,17 +116,17 @@ fn open_backend(
 }
 
 #[cfg(feature = "gl")]
-fn gl(purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
+fn gl(purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
     remote(&landfall_exec::backend::subprocess::DriverKind::Gl, purpose)
 }
 
 #[cfg(not(feature = "gl"))]
-fn gl(_purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
+fn gl(_purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gl`", ""))
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
+fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
     remote(
         &landfall_exec::backend::subprocess::DriverKind::Gpu(adapter.map(str::to_string)),
         purpose,
@@ -116,7 +134,7 @@ fn gpu(adapter: Option<&str>, purpose: Purpose) -> Result<Box<dyn Backend>, Fail
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_adapter: Option<&str>, _purpose: Purpose) -> Result<Box<dyn Backend>, Failure> {
+fn gpu(_adapter: Option<&str>, _purpose: Purpose) -> Result<Box<dyn Backend + Send>, Failure> {
     Err(Failure::missing("this landfall was built without the feature `gpu`", ""))
 }
 
@@ -124,7 +142,7 @@ fn gpu(_adapter: Option<&str>, _purpose: Purpose) -> Result<Box<dyn Backend>, Fa
 fn remote(
     driver_kind: &landfall_exec::backend::subprocess::DriverKind,
     purpose: Purpose,
-) -> Result<Box<dyn Backend>, Failure> {
+) -> Result<Box<dyn Backend + Send>, Failure> {
     use landfall_exec::backend::subprocess::{Launch, Subprocess};
 
     let program = std::env::current_exe().map_err(|cause| {

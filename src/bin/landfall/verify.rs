@@ -3,6 +3,7 @@
 use landfall_exec::backend::BackendKind;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use landfall::report::verify as print;
 use landfall::report::verify::Counts;
@@ -40,8 +41,6 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         block: args.block.clone(),
         limit: args.limit,
     };
-    let mut backends = backends::open(&args.backends, &args.require, args.adapter.as_deref());
-    required(args, &backends)?;
     let form = match args.format {
         VerifyFormat::Human => FindingForm::Human,
         VerifyFormat::Json => FindingForm::Json,
@@ -54,7 +53,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         data: data::blocks(args.data.as_deref())?,
         spirv: args.spirv.as_deref().map(compiled).transpose()?,
     };
-    let statuses = backends.statuses.clone();
+    let statuses = OnceLock::new();
     let mut run = Run {
         args,
         config: &config,
@@ -66,31 +65,51 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         idle: args.require.clone(),
         could_not: false,
     };
-    match args.format {
-        VerifyFormat::Human => {
-            streams.product(&print::backends(&statuses, streams.paint))?;
-        }
-        VerifyFormat::Json => streams.json(&print::json_opening(&statuses))?,
-    }
-    // Another thread has its own processes of the same drivers; one browser serves all of a command.
-    let has_browser = backends.here.iter().any(|backend| is_browser(backend.device().backend));
+    // One browser serves all of a command.
+    let browser = VerifierName::Web;
+    let has_browser = args.backends.contains(&browser) || args.require.contains(&browser);
     let jobs = if has_browser { Some(NonZeroUsize::MIN) } else { args.jobs };
-    let open = || {
-        let others = backends::open(&args.backends, &args.require, args.adapter.as_deref());
-        others.are_on(&statuses).then_some(others)
+    let open = || backends::open(&args.backends, &args.require, args.adapter.as_deref());
+    let own = || {
+        let _known = KnownAtEnd(&statuses);
+        let backends = open();
+        required(args, &backends)?;
+        statuses.get_or_init(|| Some(backends.statuses.clone()));
+        match args.format {
+            VerifyFormat::Human => {
+                streams.product(&print::backends(&backends.statuses, streams.paint))?;
+            }
+            VerifyFormat::Json => streams.json(&print::json_opening(&backends.statuses))?,
+        }
+        Ok(backends)
+    };
+    // Another thread has its own processes of the same drivers.
+    let other = || {
+        let backends = open();
+        let is_alike = statuses.wait().as_deref().is_some_and(|found| backends.are_on(found));
+        is_alike.then_some(backends)
     };
     work::ordered_with(
         Inputs::new(args.files.clone()),
         jobs,
-        (&mut backends, open),
+        (own, other),
         |backends, input| job.one(input, backends),
         |done| run.take(done?),
     )?;
     run.finish()
 }
 
-fn is_browser(kind: BackendKind) -> bool {
-    VerifierName::Web.kinds().contains(&kind)
+/// The status of every requested backend, as the calling thread found it; `None` if the command ends
+/// with an error before.
+type Statuses = OnceLock<Option<Vec<BackendStatus>>>;
+
+/// Sets the statuses on drop, if an error came first: other threads wait for them.
+struct KnownAtEnd<'a>(&'a Statuses);
+
+impl Drop for KnownAtEnd<'_> {
+    fn drop(&mut self) {
+        self.0.get_or_init(|| None);
+    }
 }
 
 /// Reads the words of a SPIR-V file.
@@ -232,7 +251,7 @@ struct Run<'a> {
     style: FindingStyle,
     layout: Options,
     streams: &'a Streams,
-    statuses: &'a [BackendStatus],
+    statuses: &'a Statuses,
     counts: Counts,
     /// The required backends that have read nothing so far.
     idle: Vec<VerifierName>,
@@ -285,7 +304,7 @@ impl Run<'_> {
             });
             !report.blocks.is_empty() && confirmations.all(|confirmed| confirmed)
         };
-        for status in self.statuses {
+        for status in self.statuses.get().into_iter().flatten().flatten() {
             let BackendStatus::Here(device) = status else { continue };
             if device.backend == BackendKind::Cpu || !confirmed(device) {
                 continue;

@@ -37,17 +37,16 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
     job: impl Fn(I) -> O + Sync,
     take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
-    let opened = || Some(());
-    run(items, threads, LARGEST_CLAIM, (&mut (), opened), |(), item| job(item), take)
+    run(items, threads, LARGEST_CLAIM, (|| Ok(()), || Some(())), |(), item| job(item), take)
 }
 
-/// The same for items that take long, with a state for each thread: that of the calling thread, and
-/// what `open` returns on each other one. A thread that opens none does no work.
+/// The same for items that take long, with a state for each thread: what `own` returns on the calling
+/// thread, and meanwhile `open` on each other one. A thread that opens none does no work.
 #[cfg(feature = "exec")]
 pub fn ordered_with<S, I: Send, O: Weighed + Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
-    (own, open): (&mut S, impl Fn() -> Option<S> + Sync),
+    (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
     take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -58,7 +57,7 @@ fn run<S, I: Send, O: Weighed + Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
     largest_claim: usize,
-    (own, open): (&mut S, impl Fn() -> Option<S> + Sync),
+    (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
     mut take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -71,7 +70,8 @@ fn run<S, I: Send, O: Weighed + Send, E>(
     };
     let mut items = first.into_iter().chain(second).chain(items);
     if threads == 1 {
-        return items.try_for_each(|item| take(job(own, item)));
+        let mut own = own()?;
+        return items.try_for_each(|item| take(job(&mut own, item)));
     }
     let queue = Queue {
         items: Mutex::new(items),
@@ -96,7 +96,8 @@ fn run<S, I: Send, O: Weighed + Send, E>(
             }
         }
         let _stop = StopAtEnd(&queue);
-        queue.work_and_take(&mut |item| job(own, item), &mut take)
+        let mut own = own()?;
+        queue.work_and_take(&mut |item| job(&mut own, item), &mut take)
     })
 }
 
@@ -305,13 +306,19 @@ mod tests {
             thread::sleep(Duration::from_micros(100));
             (*state * 1000 + i,)
         };
-        let (mut own, mut seen) = (0, Vec::new());
+        let mut seen = Vec::new();
         let done: Result<(), ()> =
-            ordered_with(0..200, threads(4), (&mut own, open), job, |(n,)| {
+            ordered_with(0..200, threads(4), (|| Ok(0), open), job, |(n,)| {
                 seen.push(n);
                 Ok(())
             });
         assert!(done.is_ok());
+        // Without a state of its own the calling thread stops the others.
+        for count in [1, 200] {
+            let own = || Err("none");
+            let done = ordered_with(0..count, threads(4), (own, open), job, |_| Ok(()));
+            assert_eq!(done, Err("none"));
+        }
         assert_eq!(seen.iter().map(|n| n % 1000).collect::<Vec<_>>(), (0..200).collect::<Vec<_>>());
     }
 

@@ -89,7 +89,7 @@ struct Session {
     next: u64,
 }
 
-/// The number of modules kept; a job after them begins with the server forgetting all.
+/// The number of modules kept; a job with a new one after them begins with the server forgetting all.
 const KEPT: usize = 64;
 
 impl Subprocess {
@@ -253,7 +253,10 @@ impl Session {
 
     fn run(&mut self, job: &Job, backend: BackendKind) -> Result<(JobOutput, Times), Failure> {
         // Not within the job, whose first module it may be that is forgotten for its second.
-        if self.modules.len() >= KEPT {
+        let sent = job.stages.iter().filter(|code| code.spirv.is_none());
+        let is_new = |module: &Arc<Module>| self.known(module).is_none();
+        let is_any_new = sent.filter_map(|code| code.module.as_ref()).any(is_new);
+        if self.modules.len() >= KEPT && is_any_new {
             self.modules.clear();
             let forget = Frame::default().with(&Request::Forget).map_err(unsendable)?;
             self.process.send(forget);
@@ -283,10 +286,16 @@ impl Session {
         Ok((reply, frame))
     }
 
+    /// Returns the server's number of a module that was sent.
+    fn known(&self, module: &Arc<Module>) -> Option<u64> {
+        let known = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module));
+        known.map(|(_, id)| *id)
+    }
+
     /// Returns the server's number of a module, and sends the module if it is new.
     fn number(&mut self, module: &Arc<Module>) -> io::Result<u64> {
-        if let Some((_, id)) = self.modules.iter().find(|known| Arc::ptr_eq(&known.0, module)) {
-            return Ok(*id);
+        if let Some(id) = self.known(module) {
+            return Ok(id);
         }
         let id = self.next;
         self.next += 1;

@@ -1,7 +1,7 @@
 //! The bytes of a buffer, with a record of those written since the last upload.
 //!
 //! One bit stands for a word of 4 bytes: WebGPU rejects smaller uploads, and they are no faster
-//! elsewhere. A bit map takes a 32nd of the block whatever the order of writes, marking is an `or`,
+//! elsewhere. A bit map takes a 32nd of the block whatever the order of writes, marking clears bits,
 //! and neighbours merge by themselves; a sorted list of ranges would cost a search and a move for
 //! each write of a scattered pattern. The map follows the bytes in one allocation, and its entries
 //! are counted from the end, so that a write loads one pointer and one length.
@@ -61,13 +61,11 @@ impl Tracked {
         Some(tracked)
     }
 
-    /// Returns the place of `size` bytes at `offset`; they lie within the buffer.
+    /// Returns the place of `size` bytes at `offset`.
     pub fn place(&self, offset: usize, size: usize) -> Place {
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
-        let entry = match first / BITS == last / BITS {
-            true => self.data.len() - (first / BITS + 1) * ENTRY,
-            false => NOWHERE,
-        };
+        let entry = self.data.len().checked_sub((first / BITS + 1) * ENTRY);
+        let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(NOWHERE);
         Place { offset: offset as u32, entry }
     }
 
@@ -93,7 +91,8 @@ impl Tracked {
         self.data.get_mut(offset..end)
     }
 
-    /// Stores a value of whole words at `offset`, a multiple of 4; it lies within the buffer.
+    /// Stores a value of whole words at `offset`, a multiple of 4; it lies within the buffer, or `false`
+    /// is returned.
     #[inline]
     pub fn store<T: Value>(&mut self, offset: u32, value: T) -> bool {
         let (data, offset) = (&mut self.data[..], offset as usize);
@@ -110,8 +109,8 @@ impl Tracked {
         mark_bits(data.get_mut(at..).and_then(<[u8]>::first_chunk_mut), mask(bit, count))
     }
 
-    /// Stores a value of whole words at a place, which was computed for as many in a buffer of this
-    /// length.
+    /// Stores a value of whole words at a place, as [`store`](Tracked::store) does. The place is that of
+    /// as many words in a buffer of this length.
     #[inline]
     pub fn store_at<T: Value>(&mut self, place: Place, value: T) -> bool {
         let (data, offset) = (&mut self.data[..], place.offset as usize);

@@ -7,7 +7,7 @@ use super::error::BufferError;
 use super::grid::{Dim, Grid};
 use super::resolve::{PlaceKind, not_a_leaf, resolve};
 use super::value;
-use super::value::{ScalarMatch, Value};
+use super::value::{Component, ScalarMatch, Value};
 use super::{Buffer, wrong_type};
 
 /// A resolved leaf of a block, with the Rust type it is set from and read as.
@@ -15,8 +15,8 @@ use super::{Buffer, wrong_type};
 /// Created by [`Buffer::handle`]; works with every buffer of a block with the same layout.
 #[derive(Clone, Debug)]
 pub struct Handle<T> {
-    /// The buffer's key combined with the number of open dimensions; a key no buffer has where the
-    /// components cannot be copied as they are.
+    /// The buffer's key combined with the number of open dimensions, or with [`NOT_PLAIN`] where the
+    /// components cannot be copied as they are or an element ends past the buffer.
     key: u64,
     /// The first element.
     place: Place,
@@ -31,8 +31,8 @@ pub struct Handle<T> {
     value: PhantomData<fn() -> T>,
 }
 
-/// Exceeds the number of dimensions of any path.
-const NOT_PLAIN: u64 = 1 << 32;
+/// Exceeds the number of dimensions of a path that is copied as it is.
+const NOT_PLAIN: u64 = super::FREE_BITS;
 
 impl<T> Handle<T> {
     /// The path the handle was created from.
@@ -53,10 +53,18 @@ impl<T: Value> Handle<T> {
         if fit == ScalarMatch::No {
             return Err(wrong_type::<T>(block, path, &grid));
         }
-        let plain = fit == ScalarMatch::Same && grid.is_plain();
+        let end =
+            dims.iter().fold((place.offset as usize).saturating_add(grid.span()), |end, dim| {
+                let last = dim.len.unwrap_or(buffer.tail).saturating_sub(1);
+                end.saturating_add(last.saturating_mul(dim.stride))
+            });
+        let is_plain = fit == ScalarMatch::Same
+            && grid.is_plain()
+            && end <= buffer.bytes().len()
+            && (dims.len() as u64) < NOT_PLAIN;
         let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {
-            key: buffer.key.wrapping_add(if plain { dims.len() as u64 } else { NOT_PLAIN }),
+            key: buffer.key | if is_plain { dims.len() as u64 } else { NOT_PLAIN },
             place: buffer.data.place(place.offset as usize, grid.span()),
             len: first.len.unwrap_or(buffer.tail),
             stride: first.stride,
@@ -90,7 +98,9 @@ impl Buffer {
         value: T,
     ) -> Result<(), BufferError> {
         let stored = match self.locate(handle, &at) {
-            Some(_) if N == 0 && T::BYTES % WORD == 0 => self.data.store_at(handle.place, value),
+            Some(_) if N == 0 && T::Component::WIDTH % WORD == 0 => {
+                self.data.store_at(handle.place, value)
+            }
             Some(offset) => self.store(offset, value),
             None => false,
         };
@@ -193,8 +203,9 @@ impl Buffer {
                 return super::resolve::out_of_range(&path, index as u64, len as u64, *dim);
             }
         }
-        // The handle's own offset lies past this buffer's tail.
-        let (offset, size) = (u64::from(handle.place.offset()), handle.grid.span() as u64);
+        // The element lies past this buffer's tail, or past the size of a wrong layout.
+        let offset = self.locate_slowly(handle, at).unwrap_or(handle.place.offset() as usize);
+        let (offset, size) = (offset as u64, handle.grid.span() as u64);
         BufferError::OutOfBounds { offset, size, len: self.bytes().len() as u64 }
     }
 }

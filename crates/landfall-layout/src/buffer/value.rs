@@ -65,7 +65,11 @@ pub trait Value: Copy + Sealed {
     const BYTES: usize = Self::COLUMNS * Self::ROWS * Self::Component::WIDTH;
     /// The [`code`] of the type.
     #[doc(hidden)]
-    const CODE: u32 = code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8);
+    const CODE: u32 = match Self::COLUMNS <= 4 && Self::ROWS <= 4 {
+        true => code(Self::Component::SCALAR, Self::COLUMNS as u8, Self::ROWS as u8),
+        // No shader has such a type.
+        false => NO_TYPE,
+    };
     /// Returns one component.
     #[doc(hidden)]
     fn component(&self, column: usize, row: usize) -> Self::Component;
@@ -101,6 +105,9 @@ mod sealed {
     pub trait Sealed {}
 }
 pub(crate) use sealed::Sealed;
+
+/// The code of no scalar, vector or matrix.
+const NO_TYPE: u32 = u32::MAX - 1;
 
 /// Encodes a scalar, vector or matrix type as a number, distinct for distinct types.
 pub(crate) const fn code(scalar: Scalar, columns: u8, rows: u8) -> u32 {

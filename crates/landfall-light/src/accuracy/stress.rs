@@ -197,13 +197,11 @@ pub fn stress(
         worst
     };
     // A climb takes one step after the other.
-    let (worst, (semantic, proof)) = threads::both(threads, climb, || {
-        let semantic = semantic::findings(&pure, &generator, &after, request.seed);
-        (semantic, proof::proof(&pure, &generator, &after, request))
-    });
+    let prove = || proof::proof(&pure, &generator, &after, request);
+    let (worst, proof) = threads::both(threads, climb, prove);
     let exemplars = std::mem::take(&mut sampled.exemplars);
     let mut raws = proof::findings(&pure, &generator, &after, exemplars, &mut climbs, &proof.goals);
-    raws.extend(semantic);
+    raws.extend(semantic::findings(&pure, &generator, &after, request.seed));
     if let Some((_, tally)) =
         sampled.families.iter_mut().find(|(family, _)| *family == Family::Climbed)
     {

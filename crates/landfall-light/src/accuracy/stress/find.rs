@@ -49,7 +49,7 @@ struct Group {
 /// The most samples examined for each operation and kind.
 const EACH: usize = 40;
 
-/// The samples that a thread examines before its results are sorted into groups.
+/// The samples examined, for each thread, before the results are sorted into groups.
 const AT_ONCE: usize = 16;
 
 /// The total time to examine samples if there is no limit.
