@@ -35,7 +35,7 @@ pub fn open(names: &[VerifierName], required: &[VerifierName], adapter: Option<&
     };
     let wanted: Vec<BackendName> = BackendName::ALL.into_iter().filter(is_wanted).collect();
     let open = |name| open_backend(name, adapter, Purpose::FewInvocations);
-    // Drivers start in processes of their own, which take as long each as many probes.
+    // Each driver has a process of its own, which takes as long to start as many probes to run.
     thread::scope(|scope| {
         let opening: Vec<_> = wanted
             .iter()
