@@ -328,10 +328,8 @@ fn len(block: &BlockLayout, extent: &ByteExtent, tail: usize) -> Result<usize, B
 
 /// Returns the zeroed bytes of a block with that many elements in its tail.
 fn zeroes(block: &BlockLayout, extent: &ByteExtent, tail: usize) -> Result<Vec<u8>, BufferError> {
-    let bytes = len(block, extent, tail)?;
-    // Fails here rather than in the allocation of zeroed pages.
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large(block, bytes))?;
-    Ok(vec![0; bytes])
+    let len = len(block, extent, tail)?;
+    dirty::zeroed(len).ok_or_else(|| too_large(block, len))
 }
 
 fn too_large(block: &BlockLayout, bytes: usize) -> BufferError {

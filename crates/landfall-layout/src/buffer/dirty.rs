@@ -53,10 +53,7 @@ impl Tracked {
     /// Returns zeroes, all clean; `None` if there is not enough memory.
     pub fn zeroed(len: usize) -> Option<Tracked> {
         let map = (len / (WORD * BITS) + 2) * ENTRY;
-        let size = len.checked_add(map)?;
-        // Fails here rather than in the allocation of zeroed pages.
-        Vec::<u8>::new().try_reserve_exact(size).ok()?;
-        let mut tracked = Tracked { data: vec![0; size], len };
+        let mut tracked = Tracked { data: zeroed(len.checked_add(map)?)?, len };
         tracked.clear();
         Some(tracked)
     }
@@ -158,6 +155,13 @@ impl Tracked {
     }
 }
 
+/// Returns zeroed bytes; `None` if there is not enough memory.
+pub(super) fn zeroed(len: usize) -> Option<Vec<u8>> {
+    // Fails here rather than in the allocation of zeroed pages.
+    Vec::<u8>::new().try_reserve_exact(len).ok()?;
+    Some(vec![0; len])
+}
+
 /// Marks bits of an entry; `false` if there is none.
 #[inline]
 fn mark_bits(entry: Option<&mut [u8; ENTRY]>, bits: u64) -> bool {
@@ -247,19 +251,19 @@ mod tests {
         dirty.ranges(gap).collect()
     }
 
-    fn zeroed(len: usize) -> Tracked {
+    fn tracked(len: usize) -> Tracked {
         Tracked::zeroed(len).expect("memory for a few bytes")
     }
 
     #[test]
     fn nothing_written_is_nothing_to_upload() {
-        assert!(ranges(&zeroed(6160), 1 << 20).is_empty());
-        assert!(ranges(&zeroed(0), 0).is_empty());
+        assert!(ranges(&tracked(6160), 1 << 20).is_empty());
+        assert!(ranges(&tracked(0), 0).is_empty());
     }
 
     #[test]
     fn a_write_is_rounded_out_to_words_and_cut_at_the_end() {
-        let mut dirty = zeroed(11);
+        let mut dirty = tracked(11);
         dirty.mark(1, 2);
         dirty.mark(9, 2);
         assert_eq!(ranges(&dirty, 0), [0..4, 8..11]);
@@ -267,7 +271,7 @@ mod tests {
 
     #[test]
     fn gaps_up_to_the_one_chosen_are_uploaded_with_it() {
-        let mut dirty = zeroed(4096);
+        let mut dirty = tracked(4096);
         for offset in [512, 16, 32] {
             dirty.mark(offset, 12);
         }
@@ -279,7 +283,7 @@ mod tests {
     #[test]
     fn writes_across_many_entries_are_one_range() {
         for (offset, size) in [(240, 40), (0, 256), (0, 4096), (252, 3000), (1020, 4)] {
-            let mut dirty = zeroed(4096);
+            let mut dirty = tracked(4096);
             dirty.mark(offset, size);
             assert_eq!(ranges(&dirty, 0), [offset..offset + size]);
             dirty.clear();
@@ -290,9 +294,9 @@ mod tests {
     #[test]
     fn every_way_of_writing_marks_the_same_words() {
         for (offset, size) in [(0, 4), (252, 12), (16, 12), (508, 64), (1020, 4)] {
-            let mut wanted = zeroed(1024);
+            let mut wanted = tracked(1024);
             wanted.mark(offset, size);
-            let (mut bytes, mut words, mut at) = (zeroed(1024), zeroed(1024), zeroed(1024));
+            let (mut bytes, mut words, mut at) = (tracked(1024), tracked(1024), tracked(1024));
             assert_eq!(bytes.write(offset, size).map(|to| to.len()), Some(size));
             assert_eq!(bytes.data, wanted.data);
             let place = at.place(offset, size);
@@ -310,10 +314,10 @@ mod tests {
 
     #[test]
     fn nothing_is_written_or_marked_past_the_end() {
-        let mut data = zeroed(20);
+        let mut data = tracked(20);
         assert!(data.write(16, 8).is_none());
         assert!(data.write(usize::MAX, 2).is_none());
-        assert_eq!(data.data, zeroed(20).data);
+        assert_eq!(data.data, tracked(20).data);
         assert_eq!(data.into_bytes(), [0; 20]);
     }
 
@@ -322,7 +326,7 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(1);
         for _ in 0..300 {
             let len = rng.usize(1..900) * 4;
-            let mut dirty = zeroed(len);
+            let mut dirty = tracked(len);
             let mut bytes = vec![false; len + 4];
             for _ in 0..rng.usize(0..12) {
                 let offset = rng.usize(0..len);
