@@ -7,7 +7,7 @@ use landfall_light::reference;
 use landfall_light::reference::{SpecularGate, Window};
 use landfall_light::sample::texels;
 use landfall_light::scene::{Attenuation, Emission, Material, Object, PointLight, Scene, Surface};
-use landfall_light::shading_f32::{Form, Gates, Model, Shaded, execute, surfaces};
+use landfall_light::shading_f32::{Form, Gates, Model, Shaded, Work, execute, surfaces};
 use landfall_light::{Frame, FrameOptions, Upload};
 
 /// The error of `f32` and of adding in another order, in steps.
@@ -109,6 +109,10 @@ impl Random {
                 }
             }
         }
+        // Plain lights, which are lit with fused operations.
+        if number % 2 == 1 {
+            scene.lights.point.iter_mut().for_each(|light| light.emission.ambient = DVec3::ZERO);
+        }
         scene.size = [160, 90];
         scene
     }
@@ -148,7 +152,7 @@ fn far_lights_err_by_no_more_than_proven_on_20_scenes() {
         };
         let model = Model::of(&truth).expect("known");
         let steps = [0.5, 0.05, 2.0][number % 3];
-        let nodes = 4 + number % 3;
+        let nodes = [4, 6, 8][number % 3];
         let parts = format!("slots={slots},far={steps}x{nodes},always");
         let plan = culling::plan(&uploaded, &frame, &model, &culling::parse(&parts).expect("good"));
         let Claim::Proven { steps: proven, .. } = plan.savings.steps[0].error else { panic!() };
@@ -179,4 +183,51 @@ fn far_lights_err_by_no_more_than_proven_on_20_scenes() {
         "{applied} scenes with grids, {fewer} at half the evaluations; {nearest} of the bound"
     );
     assert!(applied >= 12 && fewer >= 6, "{applied} {fewer}");
+}
+
+/// Several fragments at once have the colours of one at a time up to rounding, and the same bits where
+/// the fused form overflows.
+#[test]
+fn fused_operations_differ_by_rounding() {
+    let form = Form::Robust(Gates::ALL);
+    let mut random = Random(fastrand::Rng::with_seed(5));
+    for (round, shininess) in [32.0, 16.0, 64.0, 8.0, 12.0, 32.0].into_iter().enumerate() {
+        let mut scene = random.scene(1, base());
+        scene.materials.iter_mut().for_each(|material| material.shininess = shininess);
+        let frame = Frame::new(&scene, &FrameOptions::default());
+        // Beside a lamp the distance times the attenuation's divisor is no normal number.
+        let beside = (round == 5).then_some(7000);
+        if let Some(number) = beside {
+            let at = DVec3::from(frame.fragments[number].position.map(f64::from));
+            scene.lights.point[3].position = at + DVec3::Y * 0.01;
+            scene.lights.point[3].attenuation =
+                Attenuation { constant: 0.0, linear: 0.0, quadratic: 1e-33, range: None };
+        }
+        let upload = Upload::new(&scene);
+        let gate = [SpecularGate::None, SpecularGate::Facing][round % 2];
+        let truth = reference::Model {
+            window: Window::None,
+            specular_gate: gate,
+            ..reference::Model::default()
+        };
+        let model = Model::of(&truth).expect("known");
+        let options = culling::parse("far=0.5,always").expect("good");
+        let plan = culling::plan(&upload, &frame, &model, &options);
+        assert!(!plan.grids.is_empty());
+        let surfaces = surfaces(&frame, &upload, &model, 0.0);
+        let single = execute::<Work>(&plan, &upload, &surfaces, &model, form).colors;
+        let several = execute::<()>(&plan, &upload, &surfaces, &model, form).colors;
+        let mut others = 0;
+        for (number, (single, several)) in single.iter().zip(&several).enumerate() {
+            let off = (*single - *several).abs().max_element();
+            let most = 2e-5 * single.abs().max_element().max(1e-3);
+            assert!(off <= most, "{round}, {number}: {several} beside {single}");
+            others += usize::from(off > 0.0);
+        }
+        assert!(others > 1000, "{others} are fused");
+        if let Some(number) = beside {
+            assert!(single[number].max_element() > 1e33, "{}", single[number]);
+            assert_eq!(single[number].to_array(), several[number].to_array());
+        }
+    }
 }

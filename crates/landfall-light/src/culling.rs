@@ -19,6 +19,7 @@ mod patch;
 mod plane;
 pub mod radius;
 pub mod region;
+mod select;
 mod smooth;
 mod upload;
 mod used;
@@ -76,8 +77,9 @@ fn unmeasured(upload: &Upload, frame: &Frame, model: &Model, options: &Options) 
     let (lights, mut savings) = used::used(upload, frame, model, &all, options);
     let order: Vec<u32> = (0..lights.len() as u32).collect();
     let ambient = used::ambient(upload, model, options);
-    let whole = Plan::all_lights(frame.fragments.len(), set(&lights, &order, ambient));
-    let job = Job { upload, frame, model, options, lights: &lights, ambient };
+    let sets = Sets::new(&lights);
+    let whole = Plan::all_lights(frame.fragments.len(), sets.set(order, ambient));
+    let job = Job { upload, frame, model, options, lights: &lights, sets: &sets, ambient };
     let mut plan = match (options.interpolate, options.division) {
         (Some(interpolate), _) => job.interpolated(interpolate, &whole, &mut savings),
         (None, Division::Whole) => None,
@@ -97,13 +99,14 @@ struct Job<'a> {
     model: &'a Model,
     options: &'a Options,
     lights: &'a [Bounded],
+    sets: &'a Sets,
     ambient: bool,
 }
 
 impl Job<'_> {
     /// Returns a plan with a list per region; `None` if that costs more than it saves.
     fn divided(&self, division: Division, whole: &Plan, savings: &mut Savings) -> Option<Plan> {
-        let Job { upload, frame, model, options, lights, ambient } = *self;
+        let Job { upload, frame, model, options, lights, ambient, .. } = *self;
         let before = whole.evaluations();
         let option = spelled(division, options.cull);
         let fragments = frame.fragments.len() as u64;
@@ -174,7 +177,7 @@ impl Job<'_> {
         let mut known: FxHashMap<&[u32], usize> = FxHashMap::default();
         for (cell, list) in cells.into_iter().zip(lists) {
             let at = *known.entry(list).or_insert_with(|| {
-                let lights = set(self.lights, list, self.ambient);
+                let lights = self.sets.set(list.clone(), self.ambient);
                 draws.push(Draw { fragments: Vec::new(), lights, grid: None });
                 draws.len() - 1
             });
@@ -239,20 +242,37 @@ impl Job<'_> {
     }
 }
 
-/// Returns the set of the lights at those indices of `lights`.
-fn set(lights: &[Bounded], places: &[u32], ambient: bool) -> LightSet {
-    let mut set = LightSet { ambient, ..LightSet::default() };
-    let is_point = |place: &&u32| lights[**place as usize].kind == bound::Kind::Point;
-    set.point.reserve(places.iter().filter(is_point).count());
-    for &place in places {
-        let light = &lights[place as usize];
-        match light.kind {
-            bound::Kind::Directional => set.directional.push(light.number),
-            bound::Kind::Point => set.point.push(light.number),
-            bound::Kind::Spot => set.spot.push(light.number),
-        }
+/// The kinds of lights and their numbers in the upload.
+struct Sets {
+    of: Vec<(bound::Kind, u32)>,
+    /// Whether all are point lights.
+    points: bool,
+}
+
+impl Sets {
+    fn new(lights: &[Bounded]) -> Sets {
+        let of: Vec<_> = lights.iter().map(|light| (light.kind, light.number)).collect();
+        Sets { points: of.iter().all(|(kind, _)| *kind == bound::Kind::Point), of }
     }
-    set
+
+    /// Returns the set of the lights at those indices.
+    fn set(&self, mut places: Vec<u32>, ambient: bool) -> LightSet {
+        let mut set = LightSet { ambient, ..LightSet::default() };
+        if self.points {
+            places.iter_mut().for_each(|place| *place = self.of[*place as usize].1);
+            set.point = places;
+            return set;
+        }
+        for place in places {
+            let (kind, number) = self.of[place as usize];
+            match kind {
+                bound::Kind::Directional => set.directional.push(number),
+                bound::Kind::Point => set.point.push(number),
+                bound::Kind::Spot => set.spot.push(number),
+            }
+        }
+        set
+    }
 }
 
 fn unused(option: String, cost: f64, plain: f64, tests: u64) -> OptionEffect {

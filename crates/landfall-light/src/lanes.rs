@@ -72,21 +72,41 @@ operation!(Mul, mul, mul_f32s);
 operation!(Div, div, div_f32s);
 
 impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub fn zero(simd: S) -> Lanes<S> {
+        Lanes { simd, values: simd.splat_f32s(0.0) }
+    }
+
     /// Reads numbers, no more than a register holds.
     #[inline(always)]
     pub fn load(simd: S, values: &[f32]) -> Lanes<S> {
-        Lanes { simd, values: simd.partial_load_f32s(values) }
+        // A part of a register is loaded by a jump for its length.
+        let values = match S::as_simd_f32s(values).0 {
+            [whole] => *whole,
+            _ => simd.partial_load_f32s(values),
+        };
+        Lanes { simd, values }
     }
 
+    /// Writes as many of the numbers as there is room for.
     #[inline(always)]
     pub fn store(self, into: &mut [f32]) {
-        self.simd.partial_store_f32s(into, self.values);
+        match S::as_mut_simd_f32s(into).0 {
+            [whole] => *whole = self.values,
+            _ => self.simd.partial_store_f32s(into, self.values),
+        }
     }
 
     /// Returns registers of one number.
     #[inline(always)]
     pub fn splat(self, x: f32) -> Lanes<S> {
         Lanes { values: self.simd.splat_f32s(x), ..self }
+    }
+
+    /// Returns `self * by + to`, fused where the processor does that.
+    #[inline(always)]
+    pub fn mul_add(self, by: Lanes<S>, to: Lanes<S>) -> Lanes<S> {
+        Lanes { values: self.simd.mul_add_e_f32s(self.values, by.values, to.values), ..self }
     }
 
     #[inline(always)]
@@ -111,6 +131,28 @@ impl<S: Simd> Lanes<S> {
         self.less(other).select(self, other)
     }
 
+    /// Returns the larger; where one is NaN, either.
+    #[inline(always)]
+    pub fn larger(self, other: Lanes<S>) -> Lanes<S> {
+        Lanes { values: self.simd.max_f32s(self.values, other.values), ..self }
+    }
+
+    /// Returns the smaller; where one is NaN, either.
+    #[inline(always)]
+    pub fn smaller(self, other: Lanes<S>) -> Lanes<S> {
+        Lanes { values: self.simd.min_f32s(self.values, other.values), ..self }
+    }
+
+    /// Returns the power of `2^TIMES`.
+    #[inline(always)]
+    pub fn squared<const TIMES: u32>(self) -> Lanes<S> {
+        let mut power = self;
+        for _ in 0..TIMES {
+            power = power * power;
+        }
+        power
+    }
+
     #[inline(always)]
     pub fn clamp(self, low: f32, high: f32) -> Lanes<S> {
         self.max(self.splat(low)).min(self.splat(high))
@@ -130,6 +172,11 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
+    pub fn sum(self) -> f32 {
+        self.simd.reduce_sum_f32s(self.values)
+    }
+
+    #[inline(always)]
     pub fn less(self, other: Lanes<S>) -> Mask<S> {
         Mask { simd: self.simd, values: self.simd.less_than_f32s(self.values, other.values) }
     }
@@ -139,6 +186,11 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub fn and(self, other: Mask<S>) -> Mask<S> {
         Mask { values: self.simd.and_m32s(self.values, other.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn or(self, other: Mask<S>) -> Mask<S> {
+        Mask { values: self.simd.or_m32s(self.values, other.values), ..self }
     }
 
     /// Returns `then` where the condition holds.

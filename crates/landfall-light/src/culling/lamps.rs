@@ -6,6 +6,7 @@ use pulp::Simd;
 use crate::lanes::Lanes;
 
 /// A lamp without range and cone, or several as the bounds of each.
+#[derive(Clone, Copy)]
 pub(super) struct Lamp {
     /// The index among all lights, or among groups of lamps.
     pub place: u32,
@@ -28,13 +29,15 @@ pub(super) struct Lamps {
     /// The numbers of a component follow each other, and components so many numbers apart.
     values: Vec<f32>,
     stride: usize,
+    /// Whether one has an ambient term.
+    ambient: bool,
 }
 
 impl Lamps {
     /// Returns no lamps, with room for so many.
     pub fn for_many(most: usize) -> Lamps {
         let values = vec![0.0; most * COMPONENTS];
-        Lamps { places: Vec::with_capacity(most), values, stride: most }
+        Lamps { places: Vec::with_capacity(most), values, stride: most, ambient: false }
     }
 
     pub fn len(&self) -> usize {
@@ -55,6 +58,12 @@ impl Lamps {
         }
         self.fill(9, lamps, |(lamp, _)| lamp.radius);
         self.places.extend(lamps.iter().map(|(lamp, _)| lamp.place));
+        self.ambient |= lamps.iter().any(|(lamp, _)| lamp.terms[0] != 0.0);
+    }
+
+    /// Whether one of them may have an ambient term.
+    pub fn is_ambient(&self) -> bool {
+        self.ambient
     }
 
     /// Writes a component of lamps behind those that there are.
@@ -90,6 +99,7 @@ impl Lamps {
         into.places.clear();
         into.places.extend(indices.iter().map(|at| self.places[*at as usize]));
         into.stride = indices.len();
+        into.ambient = self.ambient;
     }
 
     #[inline(always)]
@@ -100,7 +110,7 @@ impl Lamps {
     /// Reads a register of each component.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, first: usize, count: usize) -> [Lanes<S>; COMPONENTS] {
-        let mut light = [Lanes::load(simd, &[]); COMPONENTS];
+        let mut light = [Lanes::zero(simd); COMPONENTS];
         for (component, lanes) in light.iter_mut().enumerate() {
             *lanes = Lanes::load(simd, &self.component(component)[first..first + count]);
         }

@@ -61,25 +61,77 @@ impl Prepared {
         near
     }
 
-    /// Returns the lamps of these groups that may contribute to a plane.
-    pub fn lamps(&self, groups: &[u32], plane: &Plane, back: bool) -> Lamps {
-        let mut near = Lamps::for_many(groups.len() * GROUP);
+    /// Returns the lamps of these groups, and these, that may contribute to a plane.
+    pub fn lamps(&self, groups: &[u32], some: &[Lamp], plane: &Plane, back: bool) -> Lamps {
+        let mut near = Lamps::for_many(groups.len() * GROUP + some.len());
         for &group in groups {
             push(self.group(group), plane, back, &mut near);
         }
+        push(some, plane, back, &mut near);
         near
     }
 
-    /// Returns the places of the lamps of these groups.
-    pub fn places(&self, groups: &[u32]) -> Vec<u32> {
-        let lamps = groups.iter().flat_map(|&group| self.group(group));
-        lamps.map(|lamp| lamp.place).collect()
+    /// Returns the places of those lamps of these groups that may contribute to a plane; adds those whose
+    /// side of it is not the same everywhere to `between`.
+    pub fn far(
+        &self,
+        groups: &[u32],
+        plane: &Plane,
+        back: bool,
+        between: &mut Vec<Lamp>,
+    ) -> Vec<u32> {
+        let mut far = Vec::with_capacity(groups.len() * GROUP);
+        for &number in groups {
+            let lamps = self.group(number);
+            if side(&self.groups[number as usize], plane) == Side::Front {
+                far.extend(lamps.iter().map(|lamp| lamp.place));
+                continue;
+            }
+            for lamp in lamps {
+                match side(lamp, plane) {
+                    Side::Back if is_dark_behind(lamp, back) => {}
+                    Side::Front | Side::Back => far.push(lamp.place),
+                    Side::Between => between.push(*lamp),
+                }
+            }
+        }
+        far
     }
 
     fn group(&self, group: u32) -> &[Lamp] {
         let first = group as usize * GROUP;
         &self.lamps[first..self.lamps.len().min(first + GROUP)]
     }
+}
+
+/// The side of a plane.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Front,
+    Back,
+    /// Not the same for all fragments, or unknown.
+    Between,
+}
+
+/// Returns the side of a plane that a lamp, or several, are on, as all fragments compute it.
+fn side(lamp: &Lamp, plane: &Plane) -> Side {
+    let from = lamp.position - plane.origin;
+    let height = from.dot(plane.normal);
+    let radius = f64::from(lamp.radius);
+    let far = from.abs().element_sum() + radius + plane.diameter;
+    // Fragments are off the plane, their normals off its own, and distances rounded.
+    let off = 2.0 * (plane.off + plane.moved + plane.rounding) + (plane.tilt + 2e-5) * far;
+    match height.abs() > radius + off {
+        true if height > 0.0 => Side::Front,
+        true => Side::Back,
+        false => Side::Between,
+    }
+}
+
+/// Whether a lamp adds nothing to surfaces that face away; `back` if those have highlights.
+fn is_dark_behind(lamp: &Lamp, back: bool) -> bool {
+    let [ambient, _, specular] = lamp.terms;
+    ambient == 0.0 && !(back && specular != 0.0)
 }
 
 /// Adds the lamps that may contribute to a plane.
@@ -89,8 +141,7 @@ fn push(lamps: &[Lamp], plane: &Plane, back: bool, near: &mut Lamps) {
         let mut len = 0;
         for lamp in lamps {
             let at = plane.coordinates(lamp.position);
-            let [ambient, _, specular] = lamp.terms;
-            let behind = at.z < 0.0 && ambient == 0.0 && !(back && specular != 0.0) && {
+            let behind = at.z < 0.0 && is_dark_behind(lamp, back) && {
                 let radius = f64::from(lamp.radius);
                 let far = at.length() + radius + plane.diameter;
                 at.z + radius + plane.off + plane.rounding + plane.tilt * far < -AWAY * far

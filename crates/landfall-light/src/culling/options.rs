@@ -131,7 +131,8 @@ pub const PARTS: &[(&str, &str)] = &[
     (
         "far=STEPS[xNODES]",
         "as `interpolate`, for the lights whose errors add up to at most STEPS/255 at any fragment by \
-         proof; point lights without a range; default 4 nodes, two on small patches",
+         proof; point lights without a range; at most NODES nodes, fewer for lights farther away; \
+         default 8",
     ),
     (
         "cut=VALUE",
@@ -234,8 +235,8 @@ fn apply(options: &mut Options, name: &str, value: Option<&str>) -> Result<(), S
             options.interpolate = Some(Interpolate { diameters, nodes, within: None });
         }
         "far" => {
-            let (steps, nodes) = needed()?.split_once('x').unwrap_or((needed()?, "4"));
-            let (steps, nodes) = (positive(steps)?, integer(nodes, 2..=6)?);
+            let (steps, nodes) = needed()?.split_once('x').unwrap_or((needed()?, "8"));
+            let (steps, nodes) = (positive(steps)?, integer(nodes, 2..=8)?);
             options.interpolate = Some(Interpolate { diameters: 0.0, nodes, within: Some(steps) });
         }
         "cut" => options.cull = Cull::Range(positive(needed()?)?),
@@ -298,7 +299,7 @@ mod tests {
             ("slots=3x4", "one number, or three"),
             ("clusters=3x4", "columns, rows and slices"),
             ("interpolate=4x9", "from 2 to 8"),
-            ("far=0.5x7", "from 2 to 6"),
+            ("far=0.5x9", "from 2 to 8"),
             ("tiles,interpolate", "remove `tiles`"),
             ("auto,tiles", "remove all others"),
             ("auto=0", "expects a positive number"),

@@ -16,11 +16,16 @@ use super::near::{GROUP, Near, Prepared};
 use super::options::Interpolate;
 use super::plane::{Group, Plane, planes};
 use super::region::{Points, Region};
-use super::smooth::{Errors, Order, Rectangle, Shading};
-use super::{Job, STEP, set};
+use super::select::Selected;
+use super::smooth::{Errors, Order, Rectangle};
+use super::{Job, STEP};
 use crate::Fragment;
 use crate::plan::{Draw, Grid, Plan, places};
 use crate::shading_f32::SpecularTerm;
+
+mod proven;
+
+use proven::Taken;
 
 /// A plan with grids.
 pub(super) struct Patched {
@@ -44,9 +49,9 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
         tests: 0,
         sorted: 0,
         error: 0.0,
-        orders: (2..=6).map(Order::new).collect(),
+        orders: (2..=8).map(Order::new).collect(),
         errors: Errors::default(),
-        kept: Vec::new(),
+        selected: Selected::default(),
         later: Vec::new(),
         prepared: FxHashMap::default(),
     };
@@ -55,8 +60,18 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
         patches.plane(&plane, &fragments);
     }
     let all: Vec<u32> = (0..job.lights.len() as u32).collect();
+    let costs = &job.options.costs;
+    // For few fragments lights are sooner evaluated than tested.
+    let is_few = |some: &Group| some.len() as f64 * costs.evaluation < TESTED * costs.test;
+    let (few, rest): (Vec<Group>, Vec<Group>) = rest.into_iter().partition(is_few);
     for fragments in rest {
         patches.curved(fragments, &all);
+    }
+    let mut fragments = few.concat();
+    if !fragments.is_empty() {
+        fragments.sort_unstable();
+        let lights = job.sets.set(all, job.ambient);
+        patches.plan.draws.push(Draw { fragments, lights, grid: None });
     }
     let Patches { plan, tests, sorted, error, .. } = patches;
     Patched { plan, tests, sorted, error }
@@ -79,17 +94,11 @@ struct Item {
     number: u32,
 }
 
-/// Lights for a grid: their places, and the sum of their errors.
-struct Taken {
-    places: Vec<u32>,
-    spent: f64,
-}
-
-/// The fragments from which a grid has as many nodes as it may, and not four.
-const FEW: usize = 60;
-
 /// The fragments up to which a patch is not divided for a proven error.
-const LEAF: usize = 240;
+const LEAF: usize = 500;
+
+/// The evaluations of a light in the time of a test, as several fragments are lit at once.
+const TESTED: f64 = 4.0;
 
 struct Patches<'a> {
     job: &'a Job<'a>,
@@ -103,8 +112,7 @@ struct Patches<'a> {
     orders: Vec<Order>,
     /// The errors of the lamps of a patch.
     errors: Errors,
-    /// The lamps that a patch keeps, by their indices in its list.
-    kept: Vec<u32>,
+    selected: Selected,
     /// The fragments of the upper half while the lower ones are moved.
     later: Vec<Item>,
     /// The lights of each material.
@@ -125,7 +133,7 @@ impl Patches<'_> {
 
     /// Returns the lights that may contribute to a plane, apart from those of groups that are far from
     /// all of it.
-    fn near(&mut self, plane: &Plane, items: &[Item]) -> (Near, Option<Taken>) {
+    fn near(&mut self, plane: &Plane, items: &[Item]) -> (Near, Vec<Taken>) {
         let Job { lights, model, upload, .. } = *self.job;
         let within = self.interpolate.within;
         let new = || match within {
@@ -143,11 +151,16 @@ impl Patches<'_> {
         let above = Above { grid: None, spent: 0.0 };
         let found = self.provably_far(items, &rectangle, (&groups, GROUP), (share, above));
         let (far, kept) = match found {
-            Some((far, kept)) => (Some(far), kept),
-            None => (None, groups),
+            Some((far, kept)) => (far, kept),
+            None => (Vec::new(), groups),
         };
-        let far = far.map(|far| Taken { places: prepared.places(&far.places), ..far });
-        let lamps = prepared.lamps(kept.places(), plane, back);
+        let mut between = Vec::new();
+        let mut far_of = |far: Taken| {
+            let places = prepared.far(&far.places, plane, back, &mut between);
+            Taken { places, ..far }
+        };
+        let far = far.into_iter().map(&mut far_of).collect();
+        let lamps = prepared.lamps(kept.places(), &between, plane, back);
         self.tests += lamps.len() as u64;
         (Near { lamps, others }, far)
     }
@@ -156,7 +169,7 @@ impl Patches<'_> {
         &mut self,
         items: &mut [Item],
         plane: &Plane,
-        (near, far): (&Near, Option<Taken>),
+        (near, far): (&Near, Vec<Taken>),
         above: Above,
     ) {
         self.sorted += items.len() as u64;
@@ -178,7 +191,7 @@ impl Patches<'_> {
                     });
                     let (lower, upper) = half.split_at_mut(middle.flatten().unwrap_or_default());
                     for quarter in [lower, upper].into_iter().filter(|items| !items.is_empty()) {
-                        self.split(quarter, plane, (near, None), here);
+                        self.split(quarter, plane, (near, Vec::new()), here);
                     }
                 }
             }
@@ -187,7 +200,7 @@ impl Patches<'_> {
                 // The order of the sum of all lights, whose bits are kept where no grid adds light.
                 places.sort_unstable();
                 let fragments = items.iter().map(|item| item.number).collect();
-                let lights = set(self.job.lights, &places, self.job.ambient);
+                let lights = self.job.sets.set(places, self.job.ambient);
                 self.plan.draws.push(Draw { fragments, lights, grid: here.grid });
                 self.error = self.error.max(here.spent);
             }
@@ -240,45 +253,13 @@ impl Patches<'_> {
         let is_far = |place: &u32| far(&self.job.lights[*place as usize], &region, apart);
         let (taken, left): (Vec<u32>, Vec<u32>) = others.iter().partition(|place| is_far(place));
         let mut here = above;
-        if rectangle.diameter() > 0.0 && self.is_worth(taken.len(), items.len(), above) {
-            here.grid = self.grid(items, plane, rectangle, (taken, above.grid));
+        let side = self.interpolate.nodes;
+        let pays = self.is_worth(taken.len(), items.len(), side, above.grid.is_some());
+        if rectangle.diameter() > 0.0 && pays {
+            here.grid = self.grid(items, plane, rectangle, (side, taken), above.grid);
             others = left;
         }
         (here, Some(Near { lamps: Lamps::default(), others }))
-    }
-
-    /// Moves lamps into a grid as long as their errors stay within this patch's share, with those that
-    /// are `far` already; returns the innermost grid, and the lights left if they are others.
-    fn take_proven(
-        &mut self,
-        items: &[Item],
-        plane: &Plane,
-        rectangle: &Rectangle,
-        (near, far): (&Near, Option<Taken>),
-        above: Above,
-    ) -> (Above, Option<Near>) {
-        let others = (!near.others.is_empty()).then(|| self.others(items, near).0);
-        let left = self.interpolate.within.unwrap_or(0.0) * STEP - above.spent;
-        let share = self.share(items.len(), left) - far.as_ref().map_or(0.0, |far| far.spent);
-        let found = self.provably_far(items, rectangle, (&near.lamps, 1), (share, above));
-        let (more, lamps) = found.unzip();
-        let taken = match (far, more) {
-            (Some(mut far), Some(more)) => {
-                far.places.extend(more.places);
-                Some(Taken { spent: far.spent + more.spent, ..far })
-            }
-            (far, more) => far.or(more),
-        };
-        let mut here = above;
-        if let Some(Taken { places, spent }) = taken {
-            here.grid = self.grid(items, plane, rectangle, (places, above.grid));
-            here.spent += spent;
-        }
-        let kept = (lamps.is_some() || others.is_some()).then(|| Near {
-            lamps: lamps.unwrap_or_else(|| near.lamps.clone()),
-            others: others.unwrap_or_else(|| near.others.clone()),
-        });
-        (here, kept)
     }
 
     /// Returns the share of a patch of the error that is left: less, the more levels follow, as the
@@ -303,18 +284,13 @@ impl Patches<'_> {
         near.lamps.len() > 0 || near.others.iter().any(around)
     }
 
-    /// Returns the nodes a side of the grid of so many fragments: two for few of them.
-    fn side(&self, fragments: usize) -> u32 {
-        let is_small = self.interpolate.within.is_some() && fragments < FEW;
-        if is_small { 2 } else { self.interpolate.nodes }
-    }
-
-    /// Whether so many lights in a grid save more than nodes and polynomial cost.
-    fn is_worth(&self, lights: usize, fragments: usize, above: Above) -> bool {
+    /// Whether so many lights in a grid save more than nodes and polynomial cost; `inner` if there is a
+    /// grid around it already.
+    fn is_worth(&self, lights: usize, fragments: usize, side: u32, inner: bool) -> bool {
         let costs = &self.job.options.costs;
-        let nodes = f64::from(self.side(fragments).pow(2));
+        let nodes = f64::from(side.pow(2));
         let saved = lights as f64 * (fragments as f64 - nodes) * costs.evaluation;
-        let polynomial = if above.grid.is_some() { nodes } else { fragments as f64 };
+        let polynomial = if inner { nodes } else { fragments as f64 };
         let interpolation = costs.interpolation * polynomial;
         match self.interpolate.within {
             Some(_) => saved > interpolation + costs.light * lights as f64 + costs.draw,
@@ -328,9 +304,9 @@ impl Patches<'_> {
         items: &[Item],
         plane: &Plane,
         rectangle: &Rectangle,
-        (taken, parent): (Vec<u32>, Option<u32>),
+        (side, taken): (u32, Vec<u32>),
+        parent: Option<u32>,
     ) -> Option<u32> {
-        let side = self.side(items.len());
         let Rectangle { center, half, .. } = *rectangle;
         let center = plane.origin + plane.axes[0] * center[0] + plane.axes[1] * center[1];
         let places = places(side);
@@ -343,59 +319,13 @@ impl Patches<'_> {
         self.plan.grids.push(Grid {
             nodes: places.iter().flat_map(row).collect(),
             side,
-            lights: set(self.job.lights, &taken, false),
+            lights: self.job.sets.set(taken, false),
             parent,
             center,
             axes: plane.axes,
             half,
         });
         Some(self.plan.grids.len() as u32 - 1)
-    }
-
-    /// Divides lamps, or groups of `each`, into those whose errors together fit into `share`, the smallest first, and the
-    /// others. `None` if taking them does not pay.
-    fn provably_far(
-        &mut self,
-        items: &[Item],
-        rectangle: &Rectangle,
-        (lamps, each): (&Lamps, usize),
-        (share, above): (f64, Above),
-    ) -> Option<(Taken, Lamps)> {
-        let Job { upload, model, frame, .. } = *self.job;
-        let known = rectangle.diameter() > 0.0 && share > 0.0;
-        if !(known && self.is_worth(each * lamps.len(), items.len(), above)) {
-            return None;
-        }
-        let first = &frame.fragments[items[0].number as usize];
-        let given = upload.materials[first.material as usize].shininess;
-        let shading = Shading {
-            shininess: model.shininess.map_or(given, f64::from),
-            everywhere: model.specular == SpecularTerm::Everywhere,
-        };
-        self.tests += lamps.len() as u64;
-        let order = &self.orders[self.side(items.len()) as usize - 2];
-        if !order.errors(lamps, rectangle, &shading, share as f32, &mut self.errors) {
-            return None;
-        }
-        let (count, spent) = affordable(&mut self.errors.errors, share);
-        if !self.is_worth(each * count, items.len(), above) {
-            return None;
-        }
-        let mut places = Vec::with_capacity(count);
-        self.kept.clear();
-        self.kept.reserve(lamps.len());
-        for (at, (place, error)) in lamps.places().iter().zip(&self.errors.errors).enumerate() {
-            match *error < 0.0 {
-                true => places.push(*place),
-                false => self.kept.push(at as u32),
-            }
-        }
-        // A patch that is not divided tests no lamps again.
-        let kept = match each == 1 && items.len() <= self.fewest() {
-            true => lamps.some_places(&self.kept),
-            false => lamps.some(&self.kept),
-        };
-        Some((Taken { places, spent }, kept))
     }
 
     /// Divides fragments that are on no plane, without grids.
@@ -409,7 +339,7 @@ impl Patches<'_> {
         let lamps = near.iter().any(|&p| matches!(lights[p as usize].shape, Ok(Shape::Around(_))));
         if !lamps || fragments.len() <= self.fewest() {
             fragments.sort_unstable();
-            let lights = set(lights, &near, self.job.ambient);
+            let lights = self.job.sets.set(near, self.job.ambient);
             self.plan.draws.push(Draw { fragments, lights, grid: None });
             return;
         }
@@ -421,36 +351,6 @@ impl Patches<'_> {
         self.curved(fragments, &near);
         self.curved(upper, &near);
     }
-}
-
-/// Makes as many errors negative as stay within `share` together, those below a power of the square
-/// root of 2 first; returns their number and sum.
-fn affordable(errors: &mut [f32], share: f64) -> (usize, f64) {
-    const BUCKETS: usize = 64;
-    let most = share as f32;
-    let bucket = |error: f32| (most.to_bits().saturating_sub(error.to_bits()) >> 22) as usize;
-    let bucket = |error: f32| bucket(error).min(BUCKETS - 1);
-    let mut sums = [0.0; BUCKETS];
-    for &error in errors.iter().filter(|error| **error <= most) {
-        sums[bucket(error)] += f64::from(error);
-    }
-    let (mut spent, mut first) = (0.0, BUCKETS);
-    while first > 0 && spent + sums[first - 1] <= share {
-        first -= 1;
-        spent += sums[first];
-    }
-    let mut count = 0;
-    for error in errors.iter_mut().filter(|error| **error <= most) {
-        let fits = bucket(*error) + 1 == first && spent + f64::from(*error) <= share;
-        if fits {
-            spent += f64::from(*error);
-        }
-        if fits || bucket(*error) >= first {
-            count += 1;
-            *error = -*error;
-        }
-    }
-    (count, spent)
 }
 
 /// Returns the rectangle around the items.

@@ -17,18 +17,23 @@
 //! `a = R / d`, `b = R / e`, with the sines of their angles to the side; for turns of `X + i Y` the
 //! cosine of the angle between them has the bound of [`cosine`].
 //!
+//! Of several lamps at once the bounds are those of one anywhere within their radius that has the terms
+//! of all; that none of them is on both sides of the plane is then left to the caller.
+//!
 //! Bounds are computed in `f32`, of several lights at once. Coordinates are those of the plane, whose
 //! rounding counts as distance from it; angles are made smaller by the error of their approximation;
 //! the hundred roundings of a bound, raised to the power of the highlight, are within one percent.
 
 use glam::DVec3;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::lamps::{COMPONENTS, Lamps};
+use super::lamps::COMPONENTS;
 use crate::lanes::Lanes;
 
+mod errors;
 mod gegenbauer;
 
+pub(super) use errors::Errors;
 use gegenbauer::Gegenbauer;
 
 /// Larger than the error of [`angle`] and of its subtractions.
@@ -71,120 +76,42 @@ pub(super) struct Shading {
     pub everywhere: bool,
 }
 
-/// The constants of interpolation through `m` nodes a side, 2 to 6.
+/// The constants of interpolation through `m` nodes a side, 2 to 8.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Order {
     m: u32,
     /// The bounds of the `m`th terms of the attenuation, and of that over the distance.
     terms: [Gegenbauer; 2],
-    lebesgue: f64,
+    lebesgue: f32,
+    /// The factor of an error at points and nodes.
+    twice: f32,
 }
 
 impl Order {
     pub fn new(nodes: u32) -> Order {
         let lebesgue = 1.0 + 2.0 / std::f64::consts::PI * f64::from(nodes).ln();
-        Order { m: nodes, terms: [1.0, 1.5].map(|of| Gegenbauer::new(nodes, of)), lebesgue }
+        Order {
+            m: nodes,
+            terms: [1.0, 1.5].map(|of| Gegenbauer::new(nodes, of)),
+            lebesgue: lebesgue as f32,
+            twice: (1.0 + lebesgue * lebesgue) as f32,
+        }
     }
 
-    /// Writes the largest error of any channel for each lamp: infinite or NaN if unknown, and infinite
-    /// if more than `most` without a highlight. Returns whether one is at most `most`.
-    pub fn errors(
-        &self,
-        lamps: &Lamps,
-        at: &Rectangle,
-        shading: &Shading,
-        most: f32,
-        into: &mut Errors,
-    ) -> bool {
-        let Errors { errors, highlights, indices, some, better } = into;
-        let Some(bound) = Bound::new(self, at, shading, most) else { return false };
-        let arch = pulp::Arch::new();
-        let mut any = arch.dispatch(BySize { bound: &bound, lamps, errors, highlights });
-        if !bound.whole {
-            return any;
-        }
-        // Discs take longest: for the few lamps that might be taken by them.
-        indices.clear();
-        let both = errors.iter().zip(highlights.iter()).enumerate();
-        let wants = |(error, highlight): (&f32, &f32)| {
-            *highlight > most * 1e-3 && *error - *highlight <= most
-        };
-        indices.extend(both.filter(|(_, both)| wants(*both)).map(|(at, _)| at as u32));
-        if !indices.is_empty() {
-            lamps.copy(indices, some);
-            any |= arch.dispatch(ByDiscs { bound: &bound, lamps: some, errors: better });
-            for (at, better) in indices.iter().zip(better) {
-                errors[*at as usize] = *better;
-            }
-        }
-        any
+    /// The nodes of a side.
+    pub fn side(&self) -> u32 {
+        self.m
     }
-}
 
-/// The errors of lamps, and memory for computing them.
-#[derive(Default)]
-pub(super) struct Errors {
-    pub errors: Vec<f32>,
-    /// The parts that are highlights.
-    highlights: Vec<f32>,
-    /// The lamps whose highlights are bounded by discs.
-    indices: Vec<u32>,
-    some: Lamps,
-    better: Vec<f32>,
-}
-
-/// Writes the errors of lamps, and the parts of them that are highlights, whose bounds are by size.
-struct BySize<'a> {
-    bound: &'a Bound,
-    lamps: &'a Lamps,
-    errors: &'a mut Vec<f32>,
-    highlights: &'a mut Vec<f32>,
-}
-
-/// Writes the errors of lamps with highlights by discs.
-struct ByDiscs<'a> {
-    bound: &'a Bound,
-    lamps: &'a Lamps,
-    errors: &'a mut Vec<f32>,
-}
-
-impl WithSimd for BySize<'_> {
-    type Output = bool;
-
+    /// Returns the error over both sides.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let BySize { bound, lamps, errors, highlights } = self;
-        errors.resize(lamps.len(), 0.0);
-        highlights.resize(lamps.len(), 0.0);
-        let mut any = false;
-        let chunks = errors.chunks_mut(S::F32_LANES).zip(highlights.chunks_mut(S::F32_LANES));
-        for (chunk, (errors, highlights)) in chunks.enumerate() {
-            let light = lamps.load(simd, chunk * S::F32_LANES, errors.len());
-            let [error, highlight] = bound.of(light, false);
-            any |= error.less(error.splat(bound.most.next_up())).any();
-            error.store(errors);
-            highlight.store(highlights);
-        }
-        any
+    fn both<S: Simd>(&self, [x, y]: [Lanes<S>; 2]) -> Lanes<S> {
+        x.smaller(y).mul_add(x.splat(self.lebesgue), x.larger(y))
     }
 }
 
-impl WithSimd for ByDiscs<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let ByDiscs { bound, lamps, errors } = self;
-        errors.resize(lamps.len(), 0.0);
-        let mut any = false;
-        for (chunk, errors) in errors.chunks_mut(S::F32_LANES).enumerate() {
-            let light = lamps.load(simd, chunk * S::F32_LANES, errors.len());
-            let [error, _] = bound.of(light, true);
-            any |= error.less(error.splat(bound.most.next_up())).any();
-            error.store(errors);
-        }
-        any
-    }
-}
+/// The most orders of one rectangle.
+pub(super) const ORDERS: usize = 4;
 
 /// What the errors of all lamps over a rectangle have in common.
 struct Bound {
@@ -201,11 +128,10 @@ struct Bound {
     /// The direction of the mirrored view at the centre.
     mirrored: [f32; 3],
     radius: f32,
-    m: u32,
-    terms: [Gegenbauer; 2],
-    lebesgue: f32,
-    /// The factor of an error at points and nodes.
-    twice: f32,
+    orders: [Order; ORDERS],
+    count: usize,
+    /// Whether a lamp has an ambient term.
+    ambient: bool,
     shininess: f32,
     /// The power of the highlight, not above `shininess`.
     exponent: u32,
@@ -219,7 +145,12 @@ struct Bound {
 
 impl Bound {
     /// Returns `None` if no error is known.
-    fn new(order: &Order, at: &Rectangle, shading: &Shading, most: f32) -> Option<Bound> {
+    fn new(
+        orders: &[Order],
+        at: &Rectangle,
+        shading: &Shading,
+        (most, ambient): (f32, bool),
+    ) -> Option<Bound> {
         let margin = at.off + at.rounding;
         let beyond = |axis: usize| {
             ((at.eye.to_array()[axis] - at.center[axis]).abs() - at.half[axis]).max(0.0)
@@ -239,7 +170,10 @@ impl Bound {
         };
         let exponent = shading.shininess.floor().min(1024.0);
         let whole = exponent >= 1.0 && exponent == shading.shininess;
-        let best = (f64::from(order.m) / shading.shininess).sqrt();
+        let mut all = [Order::default(); ORDERS];
+        all[..orders.len()].copy_from_slice(orders);
+        let highest = orders.last().map_or(0, |order| order.m);
+        let best = (f64::from(highest) / shading.shininess).sqrt();
         Some(Bound {
             center: at.center.map(|x| x as f32),
             half: at.half.map(|x| x as f32),
@@ -250,10 +184,9 @@ impl Bound {
             eye_sines: [sine(0) as f32, sine(1) as f32],
             mirrored: mirrored.to_array().map(|x| x as f32),
             radius: (at.half[0].hypot(at.half[1]) + margin) as f32,
-            m: order.m,
-            terms: order.terms,
-            lebesgue: order.lebesgue as f32,
-            twice: (1.0 + order.lebesgue * order.lebesgue) as f32,
+            orders: all,
+            count: orders.len(),
+            ambient,
             shininess: shading.shininess as f32,
             exponent: exponent as u32,
             whole,
@@ -263,66 +196,87 @@ impl Bound {
         })
     }
 
-    /// Returns the error of the body over both sides.
+    /// Returns the errors of the attenuation and of that over the distance, at `1 / inverse`, by order.
     #[inline(always)]
-    fn body<S: Simd>(
+    fn bodies<S: Simd>(
         &self,
-        terms: &Gegenbauer,
         inverse: Lanes<S>,
-        [x, y]: [Lanes<S>; 2],
-    ) -> Lanes<S> {
-        let [width, height] = self.half;
-        let x = (inverse * (0.5 * width)).powi(self.m) * terms.most(x);
-        let y = (inverse * (0.5 * height)).powi(self.m) * terms.most(y);
-        self.both([x, y]) * 2.0
+        cosines: [Lanes<S>; 2],
+    ) -> [[Lanes<S>; 2]; ORDERS] {
+        let sides = [inverse * (0.5 * self.half[0]), inverse * (0.5 * self.half[1])];
+        let squares = [sides[0] * sides[0], sides[1] * sides[1]];
+        let mut powers = [inverse.splat(2.0); 2];
+        let mut factors = 0;
+        let mut bodies = [[powers[0]; 2]; ORDERS];
+        for (bodies, order) in bodies.iter_mut().zip(&self.orders[..self.count]) {
+            while factors < order.m / 2 {
+                powers = [powers[0] * squares[0], powers[1] * squares[1]];
+                factors += 1;
+            }
+            let powers = match order.m % 2 {
+                0 => powers,
+                _ => [powers[0] * sides[0], powers[1] * sides[1]],
+            };
+            for (at, body) in bodies.iter_mut().enumerate().skip(usize::from(!self.ambient)) {
+                let terms = &order.terms[at];
+                let [x, y] = cosines;
+                *body = order.both([powers[0] * terms.most(x), powers[1] * terms.most(y)]);
+            }
+        }
+        bodies
     }
 
-    /// Returns the error over both sides.
     #[inline(always)]
-    fn both<S: Simd>(&self, [x, y]: [Lanes<S>; 2]) -> Lanes<S> {
-        x.max(y) + x.min(y) * self.lebesgue
-    }
-
-    #[inline(always)]
-    fn of<S: Simd>(&self, light: [Lanes<S>; COMPONENTS], discs: bool) -> [Lanes<S>; 2] {
+    fn of<S: Simd>(
+        &self,
+        light: [Lanes<S>; COMPONENTS],
+        discs: bool,
+    ) -> ([Lanes<S>; ORDERS], Lanes<S>) {
         let [x, y, height, c, l, q, ambient, diffuse, specular, radius] = light;
         let lamp = [c, l, q];
         let (zero, unknown) = (x.splat(0.0), x.splat(f32::INFINITY));
         let (x, y) = (x - self.center[0], y - self.center[1]);
-        let beyond_x = (x.abs() - self.half[0]).max(zero);
-        let beyond_y = (y.abs() - self.half[1]).max(zero);
-        let square = beyond_x * beyond_x + beyond_y * beyond_y + height * height;
+        let beyond_x = (x.abs() - self.half[0]).larger(zero);
+        let beyond_y = (y.abs() - self.half[1]).larger(zero);
+        let above = height * height;
+        let square = beyond_x.mul_add(beyond_x, beyond_y.mul_add(beyond_y, above));
         let d = square.sqrt() * (1.0 - FARTHER) - radius - self.margin;
         let slack = (d + radius * 2.0) * self.tilt + self.margin;
         // The side of the plane is the same everywhere, in `f32` too.
-        let known = zero
-            .less(d)
-            .and(d.less(d.splat(FARTHEST)))
-            .and((slack + radius + (d + radius * 2.0) * 1e-5).less(height.abs() * (1.0 - FARTHER)));
+        let sided = (slack + d * 1e-5).less(height.abs() * (1.0 - FARTHER));
+        let known = zero.less(d).and(d.less(d.splat(FARTHEST))).and(zero.less(radius).or(sided));
         let inverse = 1.0 / d;
         let weight = weight(lamp, d);
         let ends = [x.abs() + self.half[0], y.abs() + self.half[1]];
         let within = radius + self.margin;
-        let above = height * height;
-        let across = [beyond_y * beyond_y + above, beyond_x * beyond_x + above];
+        let across = [beyond_y.mul_add(beyond_y, above), beyond_x.mul_add(beyond_x, above)];
         let cosines = [
             squared_cosine(ends[0], across[0], within, [d, inverse]),
             squared_cosine(ends[1], across[1], within, [d, inverse]),
         ];
         // Points off the plane and normals off its own, nodes among them: twice for the polynomial.
         let moved = inverse * self.off;
-        let faces = zero.less(height);
-        let facing = (height + radius + slack) * inverse;
-        let body = self.body(&self.terms[1], inverse, cosines) * facing;
-        let body = faces.select(diffuse * (body + (moved * 4.0 + self.tilt) * self.twice), zero)
-            + ambient * (self.body(&self.terms[0], inverse, cosines) + moved * (2.0 * self.twice));
-        let body = known.select(body * weight, unknown);
-        if !body.less(body.splat(self.most)).any() {
-            return [unknown, zero];
+        let faces = zero.less(height + radius);
+        let facing = (height.max(zero) + radius + slack) * inverse;
+        let mut errors = [unknown; ORDERS];
+        let bodies = self.bodies(inverse, cosines);
+        for ((error, order), bodies) in
+            errors.iter_mut().zip(&self.orders[..self.count]).zip(bodies)
+        {
+            let off = moved * 4.0 + self.tilt;
+            let mut body = diffuse * bodies[1].mul_add(facing, off * order.twice);
+            body = faces.select(body, zero);
+            if self.ambient {
+                body = body + ambient * (bodies[0] + moved * (2.0 * order.twice));
+            }
+            *error = known.select(body * weight, unknown);
+        }
+        if !errors[self.count - 1].less(zero + self.most).any() {
+            return ([unknown; ORDERS], zero);
         }
         let [mx, my, mz] = self.mirrored;
         let along = x * mx + y * my + height * mz;
-        let length = (x * x + y * y + height * height).sqrt();
+        let length = x.mul_add(x, y.mul_add(y, above)).sqrt();
         let angle = angle(along / length);
         // What fragments and nodes off their places turn both by, what the rectangle does, and the
         // angle under which several lamps are seen: the arc sine is below its secant.
@@ -334,66 +288,59 @@ impl Bound {
         // Above the cosine, up to a right angle.
         let most = (1.0 - square * (0.5 - square * (1.0 / 24.0))).max(zero);
         let most = least.less(zero + std::f32::consts::FRAC_PI_2).select(most, zero);
-        let mut shine = most.powi(self.exponent) * weight * (0.5 * self.twice);
-        if discs {
-            let sines = [
-                sine(beyond_x, (ends[1], height), within),
-                sine(beyond_y, (ends[0], height), within),
-            ];
-            let slope = most.powi(self.exponent.saturating_sub(1));
-            let flat = slope * (turned * self.shininess + moved * 2.0) * weight * self.twice;
-            let by_discs = self.highlight(least, sines, lamp, [d, inverse]) + flat;
-            // Where it is not clamped, a whole power is a polynomial of the cosine.
-            let smooth = (angle + turn).less(zero + 1.57);
-            shine = smooth.select(by_discs, shine).min(shine);
+        let by_size = most.powi(self.exponent) * weight * 0.5;
+        let specular = if self.everywhere { specular } else { faces.select(specular, zero) };
+        let mut highlight = zero;
+        if !discs {
+            for (error, order) in errors.iter_mut().zip(&self.orders[..self.count]) {
+                highlight = specular * by_size * order.twice;
+                *error = (*error + highlight) * MORE + f32::MIN_POSITIVE;
+            }
+            return (errors, highlight * MORE);
         }
-        let shine = match self.everywhere {
-            true => specular * shine,
-            false => faces.select(specular * shine, zero),
-        };
-        [(body + shine) * MORE + f32::MIN_POSITIVE, shine * MORE]
+        let sines =
+            [sine(beyond_x, (ends[1], height), within), sine(beyond_y, (ends[0], height), within)];
+        let slope = most.powi(self.exponent.saturating_sub(1));
+        let flat = slope * (turned * self.shininess + moved * 2.0) * weight;
+        let sides = [
+            self.by_discs(0, (least, sines[0]), lamp, [d, inverse]),
+            self.by_discs(1, (least, sines[1]), lamp, [d, inverse]),
+        ];
+        // Where it is not clamped, a whole power is a polynomial of the cosine.
+        let smooth = (angle + turn).less(zero + 1.57);
+        for (error, order) in errors.iter_mut().zip(&self.orders[..self.count]) {
+            let [x, y] = sides;
+            let sides = [x.0.powi(order.m) * x.1, y.0.powi(order.m) * y.1];
+            let by_discs = order.both(sides) + flat * order.twice;
+            let by_size = by_size * order.twice;
+            let shine = smooth.select(by_discs, by_size).min(by_size);
+            *error = (*error + specular * shine) * MORE + f32::MIN_POSITIVE;
+        }
+        (errors, highlight)
     }
 
-    /// Returns the error of a highlight of strength 1 by discs, of points of the plane; infinite or NaN
-    /// if that is none.
-    #[inline(always)]
-    fn highlight<S: Simd>(
-        &self,
-        least: Lanes<S>,
-        sines: [Lanes<S>; 2],
-        lamp: [Lanes<S>; 3],
-        distance: [Lanes<S>; 2],
-    ) -> Lanes<S> {
-        let mut sides = sines;
-        for (axis, side) in sides.iter_mut().enumerate() {
-            let angles = (least, sines[axis]);
-            *side = self.by_discs(self.turn, axis, angles, lamp, distance);
-        }
-        self.both(sides)
-    }
-
-    /// Returns the error along a side by discs that turn the angle by `q` at most; infinite or NaN if
-    /// that is none.
+    /// Returns half of a side over the radius of discs that turn the angle so far at most, and twice the
+    /// largest value of a highlight of strength 1 on them; infinite or NaN if that is not known.
     #[inline(always)]
     fn by_discs<S: Simd>(
         &self,
-        q: f32,
         axis: usize,
         (least, sine): (Lanes<S>, Lanes<S>),
         lamp: [Lanes<S>; 3],
         [d, inverse]: [Lanes<S>; 2],
-    ) -> Lanes<S> {
+    ) -> (Lanes<S>, Lanes<S>) {
         let one = d.splat(1.0);
         let eye = self.eye_sines[axis];
         let nearer = inverse.max(d.splat(self.eye));
-        let radius = (q / (sine * inverse + eye * self.eye + nearer * q)).min(d * 0.8);
+        let turn = self.turn;
+        let radius = (turn / (sine * inverse + eye * self.eye + nearer * turn)).min(d * 0.8);
         let (a, b) = (radius * inverse, radius * self.eye);
         let q = sine * a / (1.0 - a) + b * eye / (1.0 - b);
         let known = b.less(one).and(q.less(one));
         let weight = weight(lamp, d * (1.0 - a)) / (1.0 - a * a).sqrt();
         let power = cosine(least, q).sqrt().powi(self.exponent);
-        let bound = (0.5 * self.half[axis] / radius).powi(self.m) * 2.0 * power * weight;
-        known.select(bound, d.splat(f32::INFINITY))
+        let bound = power * weight * 2.0;
+        (0.5 * self.half[axis] / radius, known.select(bound, d.splat(f32::INFINITY)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Interpolates far lights between the nodes of grids, for the compiled models and the backends.
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{DVec3, Vec3};
 use pulp::{Simd, WithSimd};
 
 use super::{Draw, Grid, Plan};
@@ -18,6 +18,9 @@ pub fn interpolate(
     plan.draws.iter().for_each(|draw| grids.add(draw, &position, colors));
 }
 
+/// The positions of fragments.
+pub(crate) type Position<'a> = &'a dyn Fn(u32) -> Option<Vec3>;
+
 /// The light of a plan's grids between their nodes.
 pub(crate) struct Interpolation {
     /// Of each grid, that of its parents included.
@@ -33,26 +36,16 @@ impl Interpolation {
         for (grid, own) in plan.grids.iter().zip(nodes) {
             let own = Polynomial::through(grid, &bases[grid.side as usize], own);
             let parent = grid.parent.and_then(|parent| surfaces.get(parent as usize));
-            let whole = parent.map(|parent| {
-                // A polynomial of the higher degree has the values of both.
-                let basis = &bases[own.side.max(parent.side)];
-                let value = |y: &f64, x: &f64| {
-                    let at = grid.center
-                        + grid.axes[0] * (x * grid.half[0])
-                        + grid.axes[1] * (y * grid.half[1]);
-                    Vec3::from(own.at(at) + parent.at(at))
-                };
-                let row = |y| basis.places.iter().map(move |x| value(y, x));
-                let values: Vec<Vec3> = basis.places.iter().flat_map(row).collect();
-                Polynomial::through(grid, basis, &values)
+            surfaces.push(match parent {
+                Some(parent) => parent.within(grid).plus(own),
+                None => own,
             });
-            surfaces.push(whole.unwrap_or(own));
         }
         Interpolation { surfaces }
     }
 
     /// Adds the light of a draw's grid to the colours of its fragments.
-    pub fn add(&self, draw: &Draw, position: &impl Fn(u32) -> Option<Vec3>, colors: &mut [Vec3]) {
+    pub fn add(&self, draw: &Draw, position: Position<'_>, colors: &mut [Vec3]) {
         if let Some(surface) = draw.grid.and_then(|grid| self.surfaces.get(grid as usize)) {
             pulp::Arch::new().dispatch(Fragments { draw, surface, position, colors });
         }
@@ -60,23 +53,25 @@ impl Interpolation {
 }
 
 /// The fragments of a draw, to whose colours a polynomial is added.
-struct Fragments<'a, F> {
+struct Fragments<'a> {
     draw: &'a Draw,
     surface: &'a Polynomial,
-    position: &'a F,
+    position: Position<'a>,
     colors: &'a mut [Vec3],
 }
 
 /// The most lanes of any processor.
 const MOST: usize = 16;
 
-impl<F: Fn(u32) -> Option<Vec3>> WithSimd for Fragments<'_, F> {
+impl WithSimd for Fragments<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Fragments { draw, surface, position, colors } = self;
-        let axes = surface.axes.map(|axis| axis.as_vec3());
+        let axes = [0, 1].map(|at| (surface.axes[at] / surface.half[at]).as_vec3());
+        let coefficients: Vec<Vec3> =
+            surface.coefficients.iter().map(|coefficient| coefficient.as_vec3()).collect();
         let center = surface.center.as_vec3();
         let rest = (surface.center - center.as_dvec3()).as_vec3();
         for numbers in draw.fragments.chunks(S::F32_LANES.min(MOST)) {
@@ -96,7 +91,7 @@ impl<F: Fn(u32) -> Option<Vec3>> WithSimd for Fragments<'_, F> {
             let y = dx * axes[1].x + dy * axes[1].y + dz * axes[1].z;
             let zero = x.splat(0.0);
             let mut sums = [zero; 3];
-            for row in surface.coefficients.chunks_exact(surface.side).rev() {
+            for row in coefficients.chunks_exact(surface.side).rev() {
                 let mut values = [zero; 3];
                 for coefficient in row.iter().rev() {
                     for channel in 0..3 {
@@ -128,46 +123,82 @@ pub(crate) fn places(side: u32) -> Vec<f64> {
     (0..side).map(place).collect()
 }
 
-/// A polynomial in two variables.
+/// A polynomial in two variables, from -1 to 1 on a rectangle.
 struct Polynomial {
     center: DVec3,
-    /// The axes over half the length of their sides.
     axes: [DVec3; 2],
+    half: [f64; 2],
     side: usize,
     /// For each power of the second variable, the coefficients of the first.
-    coefficients: Vec<Vec3A>,
+    coefficients: Vec<DVec3>,
 }
 
 impl Polynomial {
+    /// Returns the polynomial of these values at a grid's nodes.
     fn through(grid: &Grid, basis: &Basis, values: &[Vec3]) -> Polynomial {
         let side = basis.places.len();
         // Along the first variable, then along the second.
         let mut along = vec![DVec3::ZERO; side * side];
-        for (at, coefficient) in along.iter_mut().enumerate() {
-            let row = values.iter().skip(at / side * side).zip(&basis.coefficients);
-            *coefficient = row.map(|(value, of)| value.as_dvec3() * of[at % side]).sum();
+        for (along, values) in along.chunks_exact_mut(side).zip(values.chunks_exact(side)) {
+            for (value, of) in values.iter().zip(&basis.coefficients) {
+                let value = value.as_dvec3();
+                along.iter_mut().zip(of).for_each(|(sum, of)| *sum += value * *of);
+            }
         }
-        let coefficient = |at: usize| {
-            let column = along.iter().skip(at % side).step_by(side).zip(&basis.coefficients);
-            column.map(|(value, of)| *value * of[at / side]).sum::<DVec3>().as_vec3a()
-        };
-        let coefficients = (0..side * side).map(coefficient).collect();
-        let axes = [0, 1].map(|axis| grid.axes[axis] / grid.half[axis]);
-        Polynomial { center: grid.center, axes, side, coefficients }
+        let mut coefficients = vec![DVec3::ZERO; side * side];
+        for (along, of) in along.chunks_exact(side).zip(&basis.coefficients) {
+            for (sums, of) in coefficients.chunks_exact_mut(side).zip(of) {
+                sums.iter_mut().zip(along).for_each(|(sum, along)| *sum += *along * *of);
+            }
+        }
+        let Grid { center, axes, half, .. } = *grid;
+        Polynomial { center, axes, half, side, coefficients }
     }
 
-    fn at(&self, position: DVec3) -> Vec3A {
-        let from = position - self.center;
-        let (x, y) = (from.dot(self.axes[0]) as f32, from.dot(self.axes[1]) as f32);
-        let mut sum = Vec3A::ZERO;
-        for row in self.coefficients.chunks_exact(self.side).rev() {
-            let mut value = Vec3A::ZERO;
-            for coefficient in row.iter().rev() {
-                value = value * x + *coefficient;
-            }
-            sum = sum * y + value;
+    /// Returns this polynomial in the variables of a grid on the same axes.
+    fn within(&self, grid: &Grid) -> Polynomial {
+        debug_assert_eq!(self.axes, grid.axes);
+        let from = grid.center - self.center;
+        let [x, y] = [0, 1].map(|axis| {
+            (from.dot(self.axes[axis]) / self.half[axis], grid.half[axis] / self.half[axis])
+        });
+        let side = self.side;
+        let mut coefficients = self.coefficients.clone();
+        for row in 0..side {
+            substitute(&mut coefficients, (row * side, 1), side, x);
         }
-        sum
+        for column in 0..side {
+            substitute(&mut coefficients, (column, side), side, y);
+        }
+        let Grid { center, axes, half, .. } = *grid;
+        Polynomial { center, axes, half, side, coefficients }
+    }
+
+    /// Returns the sum of two polynomials in the same variables.
+    fn plus(self, other: Polynomial) -> Polynomial {
+        let (mut more, less) = if self.side < other.side { (other, self) } else { (self, other) };
+        let rows = more.coefficients.chunks_exact_mut(more.side);
+        for (row, other) in rows.zip(less.coefficients.chunks_exact(less.side)) {
+            row.iter_mut().zip(other).for_each(|(sum, other)| *sum += *other);
+        }
+        more
+    }
+}
+
+/// Puts `a + b x` for the variable of a polynomial, whose coefficients are `step` apart.
+fn substitute(of: &mut [DVec3], (first, step): (usize, usize), side: usize, (a, b): (f64, f64)) {
+    let at = |power: usize| first + power * step;
+    // By Horner's rule: the rows of Pascal's triangle in place.
+    for lowest in (0..side.saturating_sub(1)).rev() {
+        for power in lowest..side - 1 {
+            let next = of[at(power + 1)];
+            of[at(power)] += next * a;
+        }
+    }
+    let mut scale = 1.0;
+    for power in 0..side {
+        of[at(power)] *= scale;
+        scale *= b;
     }
 }
 
@@ -196,5 +227,50 @@ impl Basis {
         };
         let coefficients = (0..places.len()).map(one).collect();
         Basis { places, coefficients }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Draw, LightSet};
+
+    /// Grids in each other give the sum of their polynomials, here those of degree 2 of known values.
+    #[test]
+    fn a_fragment_has_the_sum_of_all_grids_around_it() {
+        let value = |at: DVec3| Vec3::new((at.x * at.x) as f32, (at.x * at.y) as f32, 1.0);
+        let grid = |side: u32, center: DVec3, half: [f64; 2], parent: Option<u32>| Grid {
+            nodes: Vec::new(),
+            side,
+            lights: LightSet::default(),
+            parent,
+            center,
+            axes: [DVec3::X, DVec3::Y],
+            half,
+        };
+        let grids = vec![
+            grid(4, DVec3::new(1.0, 2.0, 0.0), [8.0, 4.0], None),
+            grid(3, DVec3::new(-1.0, 1.0, 0.0), [2.0, 1.0], Some(0)),
+            grid(6, DVec3::new(-1.5, 1.5, 0.0), [1.0, 0.5], Some(1)),
+        ];
+        let values = |grid: &Grid| -> Vec<Vec3> {
+            let places = places(grid.side);
+            let rows = places.iter().flat_map(|y| places.iter().map(move |x| (x, y)));
+            rows.map(|(x, y)| {
+                value(grid.center + DVec3::new(x * grid.half[0], y * grid.half[1], 0.0))
+            })
+            .collect()
+        };
+        let nodes: Vec<Vec<Vec3>> = grids.iter().map(values).collect();
+        let draw = Draw { fragments: vec![0, 2], grid: Some(2), ..Draw::default() };
+        let plan = Plan { draws: vec![draw], grids, ..Plan::default() };
+        let at = [Vec3::new(-1.2, 1.1, 0.0), Vec3::ZERO, Vec3::new(-2.0, 1.9, 0.0)];
+        let mut colors = [Vec3::ONE; 3];
+        interpolate(&plan, &nodes, |number| at.get(number as usize).copied(), &mut colors);
+        assert_eq!(colors[1], Vec3::ONE);
+        for number in [0, 2] {
+            let expected = 3.0 * value(at[number].as_dvec3()) + Vec3::ONE;
+            assert!((colors[number] - expected).abs().max_element() < 1e-5, "{}", colors[number]);
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::fused::{Fused, PlainLights};
 use super::wide::{Batch, common_power};
 use super::{Emission, Gates, Lights, Model, Power, Surface, Tally, robust, seed, surface};
 use crate::plan::{Grid, Interpolation, LightSet, Plan};
@@ -48,7 +49,8 @@ pub fn shade_all<T: Tally + Default>(
 
 /// Lights the fragments by a plan; `surfaces` are those of the frame it was made for.
 ///
-/// Fragments in no draw stay black. Without counts the robust form lights several fragments at once.
+/// Fragments in no draw stay black. Without counts the robust form lights several fragments at once, and
+/// by a plan with grids, whose result is not exact anyway, plain point lights with fused operations.
 pub fn execute<T: Tally + Default>(
     plan: &Plan,
     upload: &Upload,
@@ -58,7 +60,9 @@ pub fn execute<T: Tally + Default>(
 ) -> Shaded<T> {
     let all = Lights::new(upload, model);
     let finite = all.emissions().all(Emission::is_finite);
+    let plain = (!plan.grids.is_empty()).then(|| PlainLights::new(&all));
     let mut run = Run {
+        plain,
         eye: upload.camera.as_vec3(),
         all,
         finite,
@@ -80,6 +84,8 @@ pub fn execute<T: Tally + Default>(
 }
 
 struct Run<'a, T> {
+    /// The plain lights, if the plan is not exact anyway.
+    plain: Option<PlainLights>,
     eye: Vec3,
     all: Lights,
     /// Whether no colour is infinite or NaN.
@@ -100,10 +106,16 @@ impl<T: Tally> Run<'_, T> {
     ) {
         let within = numbers.iter().all(|number| (*number as usize) < surfaces.len());
         if let (Form::Robust(gates), false, true) = (self.form, T::COUNTS, within) {
-            let Run { eye, finite, all: lights, model, .. } = self;
+            let Run { plain, eye, finite, all: lights, model, .. } = self;
             let (eye, finite) = (*eye, *finite || lights.are_finite(set));
-            Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates }
-                .shade(colors);
+            let batch = Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates };
+            match plain.as_ref().and_then(|plain| Fused::of(&batch, plain)) {
+                Some(fused) => {
+                    let numbers = &*fused.shade(colors);
+                    Batch { numbers, ..batch }.shade(colors);
+                }
+                None => batch.shade(colors),
+            }
             return;
         }
         self.all.select(set, &mut self.some);

@@ -1,0 +1,210 @@
+//! Grids of lamps with a proven error.
+//!
+//! A patch has a grid for each order, on the same rectangle: lamps further away need fewer nodes.
+
+use super::{Above, Item, Near, Patches};
+use crate::culling::lamps::Lamps;
+use crate::culling::plane::Plane;
+use crate::culling::select::{Select, Selected};
+use crate::culling::smooth::{ORDERS, Order, Rectangle, Shading};
+use crate::culling::{Job, STEP};
+use crate::shading_f32::SpecularTerm;
+
+/// Lights for a grid: its nodes a side, their places, and the sum of their errors.
+pub(super) struct Taken {
+    pub side: u32,
+    pub places: Vec<u32>,
+    pub spent: f64,
+}
+
+/// The nodes a side of the grids of a patch.
+const SIDES: [u32; ORDERS] = [2, 4, 6, 8];
+
+/// The fragments a node, from which a grid is worth its nodes.
+const FEWEST: usize = 2;
+
+/// The fragments a node, beyond which a grid of more nodes costs no more worth mentioning.
+const MOST: usize = 300;
+
+/// The orders that are tried for groups of lamps; for others their bounds are too large.
+const FOR_GROUPS: usize = 2;
+
+/// Above the relative rounding of a sum of errors.
+const ROUNDING: f64 = 1e-4;
+
+impl Patches<'_> {
+    /// Moves lamps into a grid as long as their errors stay within this patch's share, with those that
+    /// are `far` already; returns the innermost grid, and the lights left if they are others.
+    pub(super) fn take_proven(
+        &mut self,
+        items: &[Item],
+        plane: &Plane,
+        rectangle: &Rectangle,
+        (near, far): (&Near, Vec<Taken>),
+        above: Above,
+    ) -> (Above, Option<Near>) {
+        let others = (!near.others.is_empty()).then(|| self.others(items, near).0);
+        let left = self.interpolate.within.unwrap_or(0.0) * STEP - above.spent;
+        let share = self.share(items.len(), left) - far.iter().map(|far| far.spent).sum::<f64>();
+        let found = self.provably_far(items, rectangle, (&near.lamps, 1), (share, above));
+        let (more, lamps) = found.unzip();
+        let mut taken = more.unwrap_or_default();
+        // Lamps of groups go into the grid of their order.
+        for far in far {
+            match taken.iter_mut().find(|taken| taken.side == far.side) {
+                Some(taken) => {
+                    taken.places.extend(far.places);
+                    taken.spent += far.spent;
+                }
+                None => taken.push(far),
+            }
+        }
+        let mut here = above;
+        for Taken { side, places, spent } in taken {
+            here.grid = self.grid(items, plane, rectangle, (side, places), here.grid);
+            here.spent += spent;
+        }
+        let kept = (lamps.is_some() || others.is_some()).then(|| Near {
+            lamps: lamps.unwrap_or_else(|| near.lamps.clone()),
+            others: others.unwrap_or_else(|| near.others.clone()),
+        });
+        (here, kept)
+    }
+
+    /// Returns the orders of the grids of so many fragments, the lowest first.
+    fn orders(&self, fragments: usize) -> Vec<Order> {
+        let most = self.interpolate.nodes;
+        let sides = SIDES.into_iter().filter(|side| *side <= most);
+        let highest = sides.clone().next_back();
+        let fits = |side: &u32| {
+            let nodes = side.pow(2) as usize;
+            let many = nodes * MOST >= fragments || Some(*side) == highest;
+            nodes * FEWEST <= fragments && many
+        };
+        sides.filter(fits).map(|side| self.orders[side as usize - 2]).collect()
+    }
+
+    /// Divides lamps, or groups of `each`, into those whose errors together fit into `share`, by order,
+    /// and the others. `None` if taking them does not pay.
+    pub(super) fn provably_far(
+        &mut self,
+        items: &[Item],
+        rectangle: &Rectangle,
+        (lamps, each): (&Lamps, usize),
+        (share, above): (f64, Above),
+    ) -> Option<(Vec<Taken>, Lamps)> {
+        let Job { upload, model, frame, .. } = *self.job;
+        let mut orders = self.orders(items.len());
+        if each > 1 {
+            orders.truncate(FOR_GROUPS);
+        }
+        let highest = orders.last()?.side();
+        let known = rectangle.diameter() > 0.0 && share > 0.0;
+        let inner = above.grid.is_some();
+        if !(known && self.is_worth(each * lamps.len(), items.len(), highest, inner)) {
+            return None;
+        }
+        let first = &frame.fragments[items[0].number as usize];
+        let given = upload.materials[first.material as usize].shininess;
+        let shading = Shading {
+            shininess: model.shininess.map_or(given, f64::from),
+            everywhere: model.specular == SpecularTerm::Everywhere,
+        };
+        self.tests += lamps.len() as u64;
+        let found = self.errors.find(&orders, lamps, rectangle, &shading, share as f32);
+        if !(found && self.select(&orders, each, items.len(), (share, inner))) {
+            return None;
+        }
+        let (taken, kept) = by_order(&orders, lamps, &self.selected);
+        // A patch that is not divided tests no lamps again.
+        let kept = match each == 1 && items.len() <= self.fewest() {
+            true => lamps.some_places(&kept),
+            false => lamps.some(&kept),
+        };
+        Some((taken, kept))
+    }
+
+    /// Selects lamps, or groups of `each`, whose errors were found, of the orders that pay; returns
+    /// whether one does.
+    fn select(
+        &mut self,
+        orders: &[Order],
+        each: usize,
+        fragments: usize,
+        (share, inner): (f64, bool),
+    ) -> bool {
+        let nodes = |order: usize| f64::from(orders[order].side().pow(2));
+        let mut used: Vec<usize> = (0..orders.len()).collect();
+        while !used.is_empty() {
+            let mut saved = [0.0; ORDERS];
+            for (at, order) in used.iter().enumerate() {
+                // Beside the next order, or a grid on each quarter of the patch.
+                let quarters = (fragments as f64).min(4.0 * nodes(*order));
+                let beside = used.get(at + 1).map_or(quarters, |next| nodes(*next));
+                saved[*order] = (beside - nodes(*order)) as f32;
+            }
+            let errors = &self.errors.of[..orders.len()];
+            let share = (share * (1.0 - ROUNDING)) as f32;
+            self.selected.find(&Select { errors, saved, share });
+            match self.wasted(orders, &used, each, (fragments, inner)) {
+                // Its lamps go into the next.
+                Some(at) => drop(used.remove(at)),
+                None => return self.selected.counts.iter().any(|count| *count > 0),
+            }
+        }
+        false
+    }
+
+    /// Returns the first of the orders used whose lamps do not pay for a grid.
+    fn wasted(
+        &self,
+        orders: &[Order],
+        used: &[usize],
+        each: usize,
+        (fragments, inner): (usize, bool),
+    ) -> Option<usize> {
+        let costs = &self.job.options.costs;
+        let nodes = |order: usize| f64::from(orders[order].side().pow(2));
+        let count = |order: usize| each * self.selected.counts[order];
+        let pays = |at: usize, order: usize| match used.get(at + 1) {
+            Some(&next) => {
+                let saved = count(order) as f64 * (nodes(next) - nodes(order)) * costs.evaluation;
+                saved > costs.draw + costs.interpolation * nodes(next)
+            }
+            None => {
+                let inner = inner || used[..at].iter().any(|lower| count(*lower) > 0);
+                self.is_worth(count(order), fragments, orders[order].side(), inner)
+            }
+        };
+        let mut used = used.iter().copied().enumerate();
+        used.find(|&(at, order)| count(order) > 0 && !pays(at, order)).map(|(at, _)| at)
+    }
+}
+
+/// Returns the lamps of each order, and the indices of those of none.
+fn by_order(orders: &[Order], lamps: &Lamps, selected: &Selected) -> (Vec<Taken>, Vec<u32>) {
+    let none = orders.len();
+    let mut lists: [Vec<u32>; ORDERS + 1] = Default::default();
+    for (list, count) in lists.iter_mut().zip(&selected.counts[..none]) {
+        list.resize(*count, 0);
+    }
+    lists[none].resize(lamps.len() - selected.counts.iter().sum::<usize>(), 0);
+    // Written without a branch, which would be taken at random.
+    let mut lengths = [0; ORDERS + 1];
+    for ((lamp, place), order) in (0u32..).zip(lamps.places()).zip(&selected.orders) {
+        let order = (*order as usize).min(none);
+        if let Some(to) = lists[order].get_mut(lengths[order]) {
+            *to = if order == none { lamp } else { *place };
+        }
+        lengths[order] += 1;
+    }
+    let kept = std::mem::take(&mut lists[none]);
+    let taken = orders.iter().zip(lists).filter(|(_, places)| !places.is_empty());
+    let mut taken: Vec<Taken> =
+        taken.map(|(order, places)| Taken { side: order.side(), places, spent: 0.0 }).collect();
+    // Which of them spends it is all the same.
+    if let Some(first) = taken.first_mut() {
+        first.spent = selected.spent * (1.0 + ROUNDING);
+    }
+    (taken, kept)
+}
