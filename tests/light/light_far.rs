@@ -203,6 +203,13 @@ fn fused_operations_differ_by_rounding() {
             scene.lights.point[3].attenuation =
                 Attenuation { constant: 0.0, linear: 0.0, quadratic: 1e-33, range: None };
         }
+        // Here it is larger than any number for all fragments, and what is lit an ordinary colour.
+        if round == 4 {
+            let light = &mut scene.lights.point[3];
+            light.attenuation =
+                Attenuation { constant: 0.0, linear: 0.0, quadratic: 1e36, range: None };
+            light.emission.diffuse = DVec3::splat(1e36);
+        }
         let upload = Upload::new(&scene);
         let gate = [SpecularGate::None, SpecularGate::Facing][round % 2];
         let truth = reference::Model {
@@ -224,7 +231,7 @@ fn fused_operations_differ_by_rounding() {
             assert!(off <= most, "{round}, {number}: {several} beside {single}");
             others += usize::from(off > 0.0);
         }
-        assert!(others > 1000, "{others} are fused");
+        assert!(round == 4 || others > 1000, "{others} are fused");
         if let Some(number) = beside {
             assert!(single[number].max_element() > 1e33, "{}", single[number]);
             assert_eq!(single[number].to_array(), several[number].to_array());

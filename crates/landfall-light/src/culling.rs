@@ -214,8 +214,9 @@ impl Job<'_> {
         }
         let after = plan.evaluations();
         let per = |n: u64| n as f64 / frame.fragments.len().max(1) as f64;
+        let most = if within.is_some() { "up to " } else { "" };
         let did = format!(
-            "{} grids of {nodes}x{nodes} nodes on planes, {} draws, {:.1} of {:.1} lights per \
+            "{} grids of {most}{nodes}x{nodes} nodes on planes, {} draws, {:.1} of {:.1} lights per \
              fragment; estimated {:.1} ms instead of {:.1}",
             plan.grids.len(),
             plan.draws.len(),

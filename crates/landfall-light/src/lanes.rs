@@ -4,6 +4,9 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use pulp::Simd;
 
+/// The most lanes of any processor.
+pub(crate) const MOST: usize = 16;
+
 /// Numbers, as many as a register holds.
 pub(crate) struct Lanes<S: Simd> {
     simd: S,

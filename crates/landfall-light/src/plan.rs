@@ -47,7 +47,7 @@ pub struct Draw {
     pub grid: Option<u32>,
 }
 
-/// Indices of lights in the upload, ascending, in the order of the sum.
+/// Indices of lights in the upload, in the order of the sum: ascending but in grids.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightSet {
     /// Whether ambient light is added.
@@ -74,9 +74,8 @@ impl LightSet {
 
 /// Points on a plane where lights are evaluated, for the fragments between them.
 ///
-/// The nodes are the Chebyshev points of a rectangle. A fragment gets the polynomial through them;
-/// a parent's polynomial, of the same degree, is added to its children's nodes, so that a fragment
-/// evaluates only one. See [`interpolate`].
+/// The nodes are the Chebyshev points of a rectangle. A fragment gets the polynomial through them, to
+/// which that of the parent is added, so that a fragment evaluates only one. See [`interpolate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// The nodes, row by row, `side * side`.
@@ -85,7 +84,7 @@ pub struct Grid {
     pub side: u32,
     /// The lights evaluated at the nodes, never the ambient one.
     pub lights: LightSet,
-    /// The index of the grid around it; less than its own.
+    /// The index of the grid around it, on the same axes or rectangle; less than its own.
     pub parent: Option<u32>,
     /// The centre of the rectangle.
     pub center: DVec3,

@@ -17,7 +17,7 @@ use super::options::Interpolate;
 use super::plane::{Group, Plane, planes};
 use super::region::{Points, Region};
 use super::select::Selected;
-use super::smooth::{Errors, Order, Rectangle};
+use super::smooth::{Errors, ORDERS, Order, Rectangle};
 use super::{Job, STEP};
 use crate::Fragment;
 use crate::plan::{Draw, Grid, Plan, places};
@@ -25,7 +25,7 @@ use crate::shading_f32::SpecularTerm;
 
 mod proven;
 
-use proven::Taken;
+use proven::{SIDES, Taken};
 
 /// A plan with grids.
 pub(super) struct Patched {
@@ -49,7 +49,7 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
         tests: 0,
         sorted: 0,
         error: 0.0,
-        orders: (2..=8).map(Order::new).collect(),
+        orders: SIDES.map(Order::new),
         errors: Errors::default(),
         selected: Selected::default(),
         later: Vec::new(),
@@ -61,8 +61,11 @@ pub(super) fn patches(job: &Job<'_>, interpolate: Interpolate) -> Patched {
     }
     let all: Vec<u32> = (0..job.lights.len() as u32).collect();
     let costs = &job.options.costs;
-    // For few fragments lights are sooner evaluated than tested.
-    let is_few = |some: &Group| some.len() as f64 * costs.evaluation < TESTED * costs.test;
+    // For few fragments lights that do not end are sooner evaluated than tested.
+    let endless = |light: &Bounded| matches!(&light.shape, Ok(Shape::Around(lamp)) if lamp.range.is_infinite() && lamp.cone.is_none());
+    let endless = job.lights.iter().all(endless);
+    let is_few =
+        |some: &Group| endless && some.len() as f64 * costs.evaluation < TESTS * costs.test;
     let (few, rest): (Vec<Group>, Vec<Group>) = rest.into_iter().partition(is_few);
     for fragments in rest {
         patches.curved(fragments, &all);
@@ -97,8 +100,8 @@ struct Item {
 /// The fragments up to which a patch is not divided for a proven error.
 const LEAF: usize = 500;
 
-/// The evaluations of a light in the time of a test, as several fragments are lit at once.
-const TESTED: f64 = 4.0;
+/// The factor of the cost of a test beside that of evaluations, as several fragments are lit at once.
+const TESTS: f64 = 4.0;
 
 struct Patches<'a> {
     job: &'a Job<'a>,
@@ -108,8 +111,7 @@ struct Patches<'a> {
     tests: u64,
     sorted: u64,
     error: f64,
-    /// From two nodes a side.
-    orders: Vec<Order>,
+    orders: [Order; ORDERS],
     /// The errors of the lamps of a patch.
     errors: Errors,
     selected: Selected,
@@ -159,7 +161,8 @@ impl Patches<'_> {
             let places = prepared.far(&far.places, plane, back, &mut between);
             Taken { places, ..far }
         };
-        let far = far.into_iter().map(&mut far_of).collect();
+        let far = far.into_iter().map(&mut far_of);
+        let far = far.filter(|far| !far.places.is_empty()).collect();
         let lamps = prepared.lamps(kept.places(), &between, plane, back);
         self.tests += lamps.len() as u64;
         (Near { lamps, others }, far)
@@ -197,7 +200,7 @@ impl Patches<'_> {
             }
             None => {
                 let mut places = [near.lamps.places(), &near.others].concat();
-                // The order of the sum of all lights, whose bits are kept where no grid adds light.
+                // The order of the sum of all lights.
                 places.sort_unstable();
                 let fragments = items.iter().map(|item| item.number).collect();
                 let lights = self.job.sets.set(places, self.job.ambient);

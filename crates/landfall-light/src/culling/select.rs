@@ -1,7 +1,7 @@
 //! The lamps of a patch's grids, by the errors of interpolating them.
 //!
 //! A lamp goes into the grid of the lowest order whose error is at most `t` times what that order saves
-//! beside the next, with the largest `t` by which all errors stay within the patch's share: so the cost
+//! beside the next, with a `t` near the largest by which all errors stay within the patch's share: so the cost
 //! is least where the error that a lamp adds is in one proportion to what it saves.
 
 use pulp::{Simd, WithSimd};

@@ -190,7 +190,7 @@ impl Bound {
             shininess: shading.shininess as f32,
             exponent: exponent as u32,
             whole,
-            turn: (best * 0.8) as f32,
+            turn: (best * 0.8).min(0.95) as f32,
             everywhere: shading.everywhere,
             most,
         })
@@ -242,7 +242,7 @@ impl Bound {
         let square = beyond_x.mul_add(beyond_x, beyond_y.mul_add(beyond_y, above));
         let d = square.sqrt() * (1.0 - FARTHER) - radius - self.margin;
         let slack = (d + radius * 2.0) * self.tilt + self.margin;
-        // The side of the plane is the same everywhere, in `f32` too.
+        // The side of the plane is the same everywhere, in `f32` too; the caller checks those of several.
         let sided = (slack + d * 1e-5).less(height.abs() * (1.0 - FARTHER));
         let known = zero.less(d).and(d.less(d.splat(FARTHEST))).and(zero.less(radius).or(sided));
         let inverse = 1.0 / d;
@@ -340,7 +340,8 @@ impl Bound {
         let weight = weight(lamp, d * (1.0 - a)) / (1.0 - a * a).sqrt();
         let power = cosine(least, q).sqrt().powi(self.exponent);
         let bound = power * weight * 2.0;
-        (0.5 * self.half[axis] / radius, known.select(bound, d.splat(f32::INFINITY)))
+        let (part, unknown) = (0.5 * self.half[axis] / radius, d.splat(f32::INFINITY));
+        (known.select(part, unknown), known.select(bound, unknown))
     }
 }
 

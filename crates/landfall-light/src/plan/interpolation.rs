@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use pulp::{Simd, WithSimd};
 
 use super::{Draw, Grid, Plan};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, MOST};
 
 /// Adds the interpolated light of every draw's grid to `colors`, the colours of the frame's
 /// fragments; `nodes` holds the light of each grid at its nodes.
@@ -60,9 +60,6 @@ struct Fragments<'a> {
     colors: &'a mut [Vec3],
 }
 
-/// The most lanes of any processor.
-const MOST: usize = 16;
-
 impl WithSimd for Fragments<'_> {
     type Output = ();
 
@@ -70,8 +67,7 @@ impl WithSimd for Fragments<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Fragments { draw, surface, position, colors } = self;
         let axes = [0, 1].map(|at| (surface.axes[at] / surface.half[at]).as_vec3());
-        let coefficients: Vec<Vec3> =
-            surface.coefficients.iter().map(|coefficient| coefficient.as_vec3()).collect();
+        let coefficients = surface.chebyshev();
         let center = surface.center.as_vec3();
         let rest = (surface.center - center.as_dvec3()).as_vec3();
         for numbers in draw.fragments.chunks(S::F32_LANES.min(MOST)) {
@@ -90,16 +86,22 @@ impl WithSimd for Fragments<'_> {
             let x = dx * axes[0].x + dy * axes[0].y + dz * axes[0].z;
             let y = dx * axes[1].x + dy * axes[1].y + dz * axes[1].z;
             let zero = x.splat(0.0);
-            let mut sums = [zero; 3];
-            for row in coefficients.chunks_exact(surface.side).rev() {
-                let mut values = [zero; 3];
-                for coefficient in row.iter().rev() {
+            // By Clenshaw's recurrence, which rounds less than powers of the variables.
+            let (twice_x, twice_y) = (x + x, y + y);
+            let (mut sums, mut last) = ([zero; 3], [zero; 3]);
+            for (power, row) in coefficients.chunks_exact(surface.side.max(1)).enumerate().rev() {
+                let (mut values, mut before) = ([zero; 3], [zero; 3]);
+                for (power, coefficient) in row.iter().enumerate().rev() {
+                    let by = if power == 0 { x } else { twice_x };
                     for channel in 0..3 {
-                        values[channel] = values[channel] * x + coefficient[channel];
+                        let value = values[channel] * by - before[channel] + coefficient[channel];
+                        (before[channel], values[channel]) = (values[channel], value);
                     }
                 }
+                let by = if power == 0 { y } else { twice_y };
                 for channel in 0..3 {
-                    sums[channel] = sums[channel] * y + values[channel];
+                    let sum = sums[channel] * by - last[channel] + values[channel];
+                    (last[channel], sums[channel]) = (sums[channel], sum);
                 }
             }
             let mut stored = [[0.0; MOST]; 3];
@@ -139,15 +141,17 @@ impl Polynomial {
         let side = basis.places.len();
         // Along the first variable, then along the second.
         let mut along = vec![DVec3::ZERO; side * side];
-        for (along, values) in along.chunks_exact_mut(side).zip(values.chunks_exact(side)) {
+        for (along, values) in
+            along.chunks_exact_mut(side.max(1)).zip(values.chunks_exact(side.max(1)))
+        {
             for (value, of) in values.iter().zip(&basis.coefficients) {
                 let value = value.as_dvec3();
                 along.iter_mut().zip(of).for_each(|(sum, of)| *sum += value * *of);
             }
         }
         let mut coefficients = vec![DVec3::ZERO; side * side];
-        for (along, of) in along.chunks_exact(side).zip(&basis.coefficients) {
-            for (sums, of) in coefficients.chunks_exact_mut(side).zip(of) {
+        for (along, of) in along.chunks_exact(side.max(1)).zip(&basis.coefficients) {
+            for (sums, of) in coefficients.chunks_exact_mut(side.max(1)).zip(of) {
                 sums.iter_mut().zip(along).for_each(|(sum, along)| *sum += *along * *of);
             }
         }
@@ -174,14 +178,50 @@ impl Polynomial {
         Polynomial { center, axes, half, side, coefficients }
     }
 
+    /// Returns the coefficients of Chebyshev polynomials in place of powers.
+    fn chebyshev(&self) -> Vec<Vec3> {
+        let side = self.side;
+        let mut coefficients = self.coefficients.clone();
+        for row in 0..side {
+            expand(&mut coefficients, (row * side, 1), side);
+        }
+        for column in 0..side {
+            expand(&mut coefficients, (column, side), side);
+        }
+        coefficients.iter().map(|coefficient| coefficient.as_vec3()).collect()
+    }
+
     /// Returns the sum of two polynomials in the same variables.
     fn plus(self, other: Polynomial) -> Polynomial {
         let (mut more, less) = if self.side < other.side { (other, self) } else { (self, other) };
-        let rows = more.coefficients.chunks_exact_mut(more.side);
-        for (row, other) in rows.zip(less.coefficients.chunks_exact(less.side)) {
+        let rows = more.coefficients.chunks_exact_mut(more.side.max(1));
+        for (row, other) in rows.zip(less.coefficients.chunks_exact(less.side.max(1))) {
             row.iter_mut().zip(other).for_each(|(sum, other)| *sum += *other);
         }
         more
+    }
+}
+
+/// Puts Chebyshev polynomials for the powers of a polynomial, whose coefficients are `step` apart.
+fn expand(of: &mut [DVec3], (first, step): (usize, usize), side: usize) {
+    let mut sum = vec![DVec3::ZERO; side + 1];
+    for power in (0..side).rev() {
+        // Times `x`: `x T_0 = T_1`, `2 x T_n = T_(n + 1) + T_(n - 1)`.
+        let mut next = vec![DVec3::ZERO; side + 1];
+        for n in 0..side {
+            match n {
+                0 => next[1] += sum[0],
+                _ => {
+                    next[n + 1] += sum[n] * 0.5;
+                    next[n - 1] += sum[n] * 0.5;
+                }
+            }
+        }
+        next[0] += of[first + power * step];
+        sum = next;
+    }
+    for (power, coefficient) in sum.iter().take(side).enumerate() {
+        of[first + power * step] = *coefficient;
     }
 }
 

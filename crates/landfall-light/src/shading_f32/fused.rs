@@ -1,8 +1,9 @@
 //! The [`robust`](super::robust) form of plain point lights with fused operations and one division,
 //! for plans whose result is not exact anyway.
 //!
-//! Results differ from `robust` by rounding. They are infinite or NaN where `robust` has neither only
-//! if a product overflows or a divisor is zero; callers then light these fragments by `robust`.
+//! Results differ from `robust` by rounding: also by a highlight where a light is in the surface's plane
+//! up to rounding, and by powers below [`Surface::gate`]. Fragments for which a number is not finite, or
+//! too large for the division, are left to `robust`.
 
 use glam::Vec3;
 use pulp::{Simd, WithSimd};
@@ -10,7 +11,7 @@ use pulp::{Simd, WithSimd};
 use super::robust::NEAREST;
 use super::wide::Batch;
 use super::{Lights, Point, Power, SpecularTerm, Surface};
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, MOST};
 use crate::plan::LightSet;
 
 /// A point light: position, attenuation by powers of the distance, diffuse and specular colour. NaN in
@@ -39,7 +40,7 @@ impl PlainLights {
 }
 
 fn is_plain(point: &Plain) -> bool {
-    !point[0].is_nan()
+    point.iter().all(|x| x.is_finite())
 }
 
 fn plain(point: &Point) -> Plain {
@@ -69,7 +70,7 @@ impl<'a> Fused<'a> {
         (batch.finite && plain.has(batch.set)).then_some(Fused { batch, plain, power })
     }
 
-    /// Lights the fragments; returns the indices of those whose colour is infinite or NaN.
+    /// Lights the fragments; returns the indices of those that are left to the robust form.
     pub fn shade(&self, colors: &mut [Vec3]) -> Vec<u32> {
         pulp::Arch::new().dispatch(Shading { fused: self, colors })
     }
@@ -80,8 +81,8 @@ struct Shading<'a> {
     colors: &'a mut [Vec3],
 }
 
-/// The most lanes of any processor.
-const MOST: usize = 16;
+/// The divisor from which its inverse loses digits.
+const LARGEST: f32 = 1e37;
 
 impl WithSimd for Shading<'_> {
     type Output = Vec<u32>;
@@ -91,29 +92,30 @@ impl WithSimd for Shading<'_> {
         let Shading { fused, colors } = self;
         let Batch { surfaces, numbers, set, lights, .. } = *fused.batch;
         let ambient = if set.ambient { lights.ambient } else { Vec3::ZERO };
-        let mut overflown = Vec::new();
+        let mut left = Vec::new();
         for numbers in numbers.chunks(S::F32_LANES.min(MOST)) {
-            let sums = fused.sums(simd, numbers);
+            let (sums, largest) = fused.sums(simd, numbers);
             for (lane, &number) in numbers.iter().enumerate() {
                 let surface = &surfaces[number as usize];
                 let [r, g, b, sr, sg, sb] = [0, 1, 2, 3, 4, 5].map(|at: usize| sums[at][lane]);
                 let color = ambient * surface.ambient
                     + Vec3::new(r, g, b) * surface.diffuse
                     + Vec3::new(sr, sg, sb) * surface.specular;
-                if !color.is_finite() {
-                    overflown.push(number);
+                if !(largest[lane] < LARGEST && color.is_finite()) {
+                    left.push(number);
                 }
                 colors[number as usize] = color;
             }
         }
-        overflown
+        left
     }
 }
 
 impl Fused<'_> {
-    /// Returns the sums of all lights that multiply the materials, by channel and lane.
+    /// Returns the sums of all lights that multiply the materials, by channel and lane, and the largest
+    /// divisors, NaN for fragments that are not finite.
     #[inline(always)]
-    fn sums<S: Simd>(&self, simd: S, numbers: &[u32]) -> [[f32; MOST]; 6] {
+    fn sums<S: Simd>(&self, simd: S, numbers: &[u32]) -> ([[f32; MOST]; 6], [f32; MOST]) {
         let mut given = [[0.0f32; MOST]; 6];
         let repeated = numbers.iter().chain(std::iter::repeat(&numbers[0]));
         for (lane, number) in repeated.take(S::F32_LANES.min(MOST)).enumerate() {
@@ -131,7 +133,7 @@ impl Fused<'_> {
         let twice = dot([nx, ny, nz], view) * 2.0;
         let mirrored = [nx * twice - view[0], ny * twice - view[1], nz * twice - view[2]];
         let at = Lit { place: [px, py, pz], normal: [nx, ny, nz], mirrored };
-        let sums = match self.batch.model.specular {
+        let (sums, largest) = match self.batch.model.specular {
             SpecularTerm::Everywhere => self.raised::<S, true>(&at),
             _ => self.raised::<S, false>(&at),
         };
@@ -139,12 +141,16 @@ impl Fused<'_> {
         for (sum, stored) in sums.iter().zip(&mut stored) {
             sum.store(&mut stored[..S::F32_LANES.min(MOST)]);
         }
-        stored
+        let [x, y, z] = at.mirrored;
+        let finite = (x + y + z) * 0.0;
+        let mut divisors = [0.0; MOST];
+        (largest + finite).store(&mut divisors[..S::F32_LANES.min(MOST)]);
+        (stored, divisors)
     }
 
     /// As `lit`, by the power of the surfaces.
     #[inline(always)]
-    fn raised<S: Simd, const EVERYWHERE: bool>(&self, at: &Lit<S>) -> [Lanes<S>; 6] {
+    fn raised<S: Simd, const EVERYWHERE: bool>(&self, at: &Lit<S>) -> ([Lanes<S>; 6], Lanes<S>) {
         match self.power {
             Power::Squarings(4) => self.lit::<S, EVERYWHERE>(at, |x| x.squared::<4>()),
             Power::Squarings(5) => self.lit::<S, EVERYWHERE>(at, |x| x.squared::<5>()),
@@ -155,27 +161,28 @@ impl Fused<'_> {
         }
     }
 
-    /// Returns the sums of all lights, the body's channels before those of the highlight; `EVERYWHERE`
-    /// if surfaces that face away have highlights.
+    /// Returns the sums of all lights, the body's channels before those of the highlight, and the largest
+    /// divisor; `EVERYWHERE` if surfaces that face away have highlights.
     #[inline(always)]
     fn lit<S: Simd, const EVERYWHERE: bool>(
         &self,
         at: &Lit<S>,
         raise: impl Fn(Lanes<S>) -> Lanes<S>,
-    ) -> [Lanes<S>; 6] {
+    ) -> ([Lanes<S>; 6], Lanes<S>) {
         let [px, py, pz] = at.place;
         let zero = px.splat(0.0);
         let one = px.splat(1.0);
-        let nearest = px.splat(NEAREST);
+        let mut largest = zero;
         let mut sums = [zero; 6];
         for &number in &self.batch.set.point {
             let Some(of) = self.plain.points.get(number as usize) else { continue };
             let to = [of[0] - px, of[1] - py, of[2] - pz];
-            let square = dot(to, to).larger(nearest);
-            let distance = square.sqrt();
+            let distance = dot(to, to).sqrt();
             let slope = distance.mul_add(px.splat(of[5]), px.splat(of[4]));
             let divisor = distance.mul_add(slope, px.splat(of[3]));
-            let both = one / (distance * divisor);
+            let product = distance * divisor;
+            largest = largest.larger(product);
+            let both = one / product;
             let (inverse, weight) = (both * divisor, both * distance);
             let facing = (dot(at.normal, to) * inverse).larger(zero);
             let base = (dot(at.mirrored, to) * inverse).larger(zero).smaller(one);
@@ -189,7 +196,7 @@ impl Fused<'_> {
             sums[4] = shine.mul_add(px.splat(of[10]), sums[4]);
             sums[5] = shine.mul_add(px.splat(of[11]), sums[5]);
         }
-        sums
+        (sums, largest)
     }
 }
 

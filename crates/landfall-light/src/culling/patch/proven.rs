@@ -18,7 +18,7 @@ pub(super) struct Taken {
 }
 
 /// The nodes a side of the grids of a patch.
-const SIDES: [u32; ORDERS] = [2, 4, 6, 8];
+pub(super) const SIDES: [u32; ORDERS] = [2, 4, 6, 8];
 
 /// The fragments a node, from which a grid is worth its nodes.
 const FEWEST: usize = 2;
@@ -26,7 +26,8 @@ const FEWEST: usize = 2;
 /// The fragments a node, beyond which a grid of more nodes costs no more worth mentioning.
 const MOST: usize = 300;
 
-/// The orders that are tried for groups of lamps; for others their bounds are too large.
+/// The orders, the lowest of a patch, that are tried for groups of lamps: others are better chosen for
+/// each.
 const FOR_GROUPS: usize = 2;
 
 /// Above the relative rounding of a sum of errors.
@@ -74,14 +75,14 @@ impl Patches<'_> {
     /// Returns the orders of the grids of so many fragments, the lowest first.
     fn orders(&self, fragments: usize) -> Vec<Order> {
         let most = self.interpolate.nodes;
-        let sides = SIDES.into_iter().filter(|side| *side <= most);
-        let highest = sides.clone().next_back();
-        let fits = |side: &u32| {
-            let nodes = side.pow(2) as usize;
-            let many = nodes * MOST >= fragments || Some(*side) == highest;
+        let orders = self.orders.iter().filter(|order| order.side() <= most);
+        let highest = orders.clone().next_back().map(Order::side);
+        let fits = |order: &&Order| {
+            let nodes = order.side().pow(2) as usize;
+            let many = nodes * MOST >= fragments || Some(order.side()) == highest;
             nodes * FEWEST <= fragments && many
         };
-        sides.filter(fits).map(|side| self.orders[side as usize - 2]).collect()
+        orders.filter(fits).copied().collect()
     }
 
     /// Divides lamps, or groups of `each`, into those whose errors together fit into `share`, by order,
@@ -144,7 +145,7 @@ impl Patches<'_> {
                 saved[*order] = (beside - nodes(*order)) as f32;
             }
             let errors = &self.errors.of[..orders.len()];
-            let share = (share * (1.0 - ROUNDING)) as f32;
+            let share = (share * (1.0 - 3.0 * ROUNDING)) as f32;
             self.selected.find(&Select { errors, saved, share });
             match self.wasted(orders, &used, each, (fragments, inner)) {
                 // Its lamps go into the next.
@@ -166,7 +167,8 @@ impl Patches<'_> {
         let costs = &self.job.options.costs;
         let nodes = |order: usize| f64::from(orders[order].side().pow(2));
         let count = |order: usize| each * self.selected.counts[order];
-        let pays = |at: usize, order: usize| match used.get(at + 1) {
+        let higher = |at: usize| used[at + 1..].iter().find(|higher| count(**higher) > 0);
+        let pays = |at: usize, order: usize| match higher(at) {
             Some(&next) => {
                 let saved = count(order) as f64 * (nodes(next) - nodes(order)) * costs.evaluation;
                 saved > costs.draw + costs.interpolation * nodes(next)
