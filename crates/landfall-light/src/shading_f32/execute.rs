@@ -1,5 +1,7 @@
 //! Lights a frame: with all lights, or by a plan.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 
 use super::fused::{Fused, PlainLights};
@@ -58,91 +60,82 @@ pub fn execute<T: Tally + Default>(
     model: &Model,
     form: Form,
 ) -> Shaded<T> {
-    let all = Lights::new(upload, model);
-    let finite = all.emissions().all(Emission::is_finite);
-    let plain = (!plan.grids.is_empty()).then(|| PlainLights::new(&all));
-    let mut run = Run {
-        plain,
-        eye: upload.camera.as_vec3(),
-        all,
-        finite,
-        some: Lights::default(),
-        model,
-        form,
-        tally: T::default(),
+    if let (Form::Robust(gates), false) = (form, T::COUNTS) {
+        let colors = several(plan, upload, surfaces, model, gates);
+        return Shaded { colors, tally: T::default() };
+    }
+    let (all, eye) = (Lights::new(upload, model), upload.camera.as_vec3());
+    let (mut tally, mut some) = (T::default(), Lights::default());
+    let colors = each(plan, upload, (surfaces, model), |surfaces, _, numbers, set, colors| {
+        all.select(set, &mut some);
+        for &number in numbers {
+            let surface = &surfaces[number as usize];
+            colors[number as usize] = match form {
+                Form::Seed => seed::shade(surface, eye, &some, model, &mut tally),
+                Form::Robust(gates) => robust::shade(surface, eye, &some, model, gates, &mut tally),
+            };
+        }
+    });
+    Shaded { colors, tally }
+}
+
+/// Lights the fragments by a plan, several at once.
+fn several(
+    plan: &Plan,
+    upload: &Upload,
+    surfaces: &[Surface],
+    model: &Model,
+    gates: Gates,
+) -> Vec<Vec3> {
+    let (lights, eye) = (&Lights::new(upload, model), upload.camera.as_vec3());
+    let all_finite = lights.emissions().all(Emission::is_finite);
+    let plain = (!plan.grids.is_empty()).then(|| PlainLights::new(lights));
+    each(plan, upload, (surfaces, model), |surfaces, power, numbers, set, colors| {
+        let finite = all_finite || lights.are_finite(set);
+        let batch = Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates };
+        match plain.as_ref().and_then(|plain| Fused::of(&batch, plain)) {
+            Some(fused) => {
+                let numbers = &*fused.shade(colors);
+                Batch { numbers, ..batch }.shade(colors);
+            }
+            None => batch.shade(colors),
+        }
+    })
+}
+
+/// Lights the nodes of all grids of a plan and the fragments of its draws by `light`, which gets
+/// surfaces, the evaluation of their power if it is that of all, the indices of those to be lit, and
+/// the lights; returns the colours of the fragments.
+fn each(
+    plan: &Plan,
+    upload: &Upload,
+    (surfaces, model): (&[Surface], &Model),
+    mut light: impl FnMut(&[Surface], Option<Power>, &[u32], &LightSet, &mut [Vec3]),
+) -> Vec<Vec3> {
+    let mut at_nodes = |grid: &Grid| {
+        let Some(first) = grid.nodes.first() else { return Vec::new() };
+        // Nodes differ in their places alone.
+        let first = surface(first, upload, model);
+        let node = |node: &Fragment| Surface { position: Vec3::from(node.position), ..first };
+        let nodes: Vec<Surface> = grid.nodes.iter().map(node).collect();
+        let numbers: Vec<u32> = (0..nodes.len() as u32).collect();
+        let mut colors = vec![Vec3::ZERO; nodes.len()];
+        light(&nodes, Some(first.power), &numbers, &grid.lights, &mut colors);
+        colors
     };
-    let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(|grid| run.grid(grid, upload)).collect();
+    let nodes: Vec<Vec<Vec3>> = plan.grids.iter().map(&mut at_nodes).collect();
     let far = Interpolation::new(plan, &nodes);
     let position = |number: u32| surfaces.get(number as usize).map(|surface| surface.position);
     let mut colors = vec![Vec3::ZERO; surfaces.len()];
     let power = common_power(surfaces);
     for draw in &plan.draws {
-        run.draw((surfaces, power), &draw.fragments, &draw.lights, &mut colors);
+        let is_known = |number: &u32| (*number as usize) < surfaces.len();
+        let numbers = match draw.fragments.iter().all(is_known) {
+            true => Cow::Borrowed(&draw.fragments[..]),
+            false => draw.fragments.iter().copied().filter(is_known).collect(),
+        };
+        light(surfaces, power, &numbers, &draw.lights, &mut colors);
         far.add(draw, &position, &mut colors);
     }
-    Shaded { colors, tally: run.tally }
-}
-
-struct Run<'a, T> {
-    /// The plain lights, if the plan is not exact anyway.
-    plain: Option<PlainLights>,
-    eye: Vec3,
-    all: Lights,
-    /// Whether no colour is infinite or NaN.
-    finite: bool,
-    some: Lights,
-    model: &'a Model,
-    form: Form,
-    tally: T,
-}
-
-impl<T: Tally> Run<'_, T> {
-    fn draw(
-        &mut self,
-        (surfaces, power): (&[Surface], Option<Power>),
-        numbers: &[u32],
-        set: &LightSet,
-        colors: &mut [Vec3],
-    ) {
-        let within = numbers.iter().all(|number| (*number as usize) < surfaces.len());
-        if let (Form::Robust(gates), false, true) = (self.form, T::COUNTS, within) {
-            let Run { plain, eye, finite, all: lights, model, .. } = self;
-            let (eye, finite) = (*eye, *finite || lights.are_finite(set));
-            let batch = Batch { surfaces, power, numbers, eye, lights, set, finite, model, gates };
-            match plain.as_ref().and_then(|plain| Fused::of(&batch, plain)) {
-                Some(fused) => {
-                    let numbers = &*fused.shade(colors);
-                    Batch { numbers, ..batch }.shade(colors);
-                }
-                None => batch.shade(colors),
-            }
-            return;
-        }
-        self.all.select(set, &mut self.some);
-        for &number in numbers {
-            if let Some(surface) = surfaces.get(number as usize) {
-                colors[number as usize] = self.shade(surface);
-            }
-        }
-    }
-
-    fn grid(&mut self, grid: &Grid, upload: &Upload) -> Vec<Vec3> {
-        let Some(first) = grid.nodes.first() else { return Vec::new() };
-        // Nodes differ in their places alone.
-        let first = surface(first, upload, self.model);
-        let node = |node: &Fragment| Surface { position: Vec3::from(node.position), ..first };
-        let nodes: Vec<Surface> = grid.nodes.iter().map(node).collect();
-        let numbers: Vec<u32> = (0..nodes.len() as u32).collect();
-        let mut colors = vec![Vec3::ZERO; nodes.len()];
-        self.draw((&nodes, Some(first.power)), &numbers, &grid.lights, &mut colors);
-        colors
-    }
-
-    fn shade(&mut self, surface: &Surface) -> Vec3 {
-        let Run { eye, some, model, form, tally, .. } = self;
-        match form {
-            Form::Seed => seed::shade(surface, *eye, some, model, tally),
-            Form::Robust(gates) => robust::shade(surface, *eye, some, model, *gates, tally),
-        }
-    }
+    colors
 }
