@@ -312,15 +312,18 @@ impl Patches<'_> {
     ) -> Option<u32> {
         let Rectangle { center, half, .. } = *rectangle;
         let center = plane.origin + plane.axes[0] * center[0] + plane.axes[1] * center[1];
-        let places = places(side);
+        let places = &places(side);
         let first = &self.job.frame.fragments[items[0].number as usize];
         let node = |x: f64, y: f64| {
             let at = center + plane.axes[0] * (x * half[0]) + plane.axes[1] * (y * half[1]);
             Fragment { position: at.as_vec3().to_array(), ..*first }
         };
-        let row = |y: &f64| places.iter().map(|x| node(*x, *y)).collect::<Vec<_>>();
+        let mut nodes = Vec::with_capacity(places.len() * places.len());
+        for y in places {
+            nodes.extend(places.iter().map(|x| node(*x, *y)));
+        }
         self.plan.grids.push(Grid {
-            nodes: places.iter().flat_map(row).collect(),
+            nodes,
             side,
             lights: self.job.sets.set(taken, false),
             parent,

@@ -44,7 +44,7 @@ impl Errors {
         let last = &of[orders.len() - 1];
         let both = last.iter().zip(highlights.iter()).enumerate();
         let wants = |(error, highlight): (&f32, &f32)| {
-            *highlight > most * 1e-3 && *error - *highlight <= most
+            *highlight > most * 3e-3 && *error - *highlight <= most
         };
         indices.extend(both.filter(|(_, both)| wants(*both)).map(|(at, _)| at as u32));
         if !indices.is_empty() {
