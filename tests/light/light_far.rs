@@ -118,6 +118,10 @@ impl Random {
     }
 }
 
+fn truth(specular_gate: SpecularGate) -> reference::Model {
+    reference::Model { window: Window::None, specular_gate, ..reference::Model::default() }
+}
+
 fn base() -> Scene {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/scenes");
     let reading = landfall_light::scene::read_file(folder.join("lights_1024.json"));
@@ -145,11 +149,7 @@ fn far_lights_err_by_no_more_than_proven_on_20_scenes() {
         }
         let uploaded = Upload::new(&scene);
         let gate = [SpecularGate::None, SpecularGate::Facing][number % 2];
-        let truth = reference::Model {
-            window: Window::None,
-            specular_gate: gate,
-            ..reference::Model::default()
-        };
+        let truth = truth(gate);
         let model = Model::of(&truth).expect("known");
         let steps = [0.5, 0.05, 2.0][number % 3];
         let nodes = [4, 6, 8][number % 3];
@@ -212,11 +212,7 @@ fn fused_operations_differ_by_rounding() {
         }
         let upload = Upload::new(&scene);
         let gate = [SpecularGate::None, SpecularGate::Facing][round % 2];
-        let truth = reference::Model {
-            window: Window::None,
-            specular_gate: gate,
-            ..reference::Model::default()
-        };
+        let truth = truth(gate);
         let model = Model::of(&truth).expect("known");
         let options = culling::parse("far=0.5,always").expect("good");
         let plan = culling::plan(&upload, &frame, &model, &options);

@@ -103,6 +103,11 @@ impl Order {
         self.m
     }
 
+    /// The nodes of a grid.
+    pub fn nodes(&self) -> usize {
+        self.m.pow(2) as usize
+    }
+
     /// Returns the error over both sides.
     #[inline(always)]
     fn both<S: Simd>(&self, [x, y]: [Lanes<S>; 2]) -> Lanes<S> {

@@ -78,9 +78,8 @@ impl Patches<'_> {
         let orders = self.orders.iter().filter(|order| order.side() <= most);
         let highest = orders.clone().next_back().map(Order::side);
         let fits = |order: &&Order| {
-            let nodes = order.side().pow(2) as usize;
-            let many = nodes * MOST >= fragments || Some(order.side()) == highest;
-            nodes * FEWEST <= fragments && many
+            let many = order.nodes() * MOST >= fragments || Some(order.side()) == highest;
+            order.nodes() * FEWEST <= fragments && many
         };
         orders.filter(fits).copied().collect()
     }
@@ -134,7 +133,7 @@ impl Patches<'_> {
         fragments: usize,
         (share, inner): (f64, bool),
     ) -> bool {
-        let nodes = |order: usize| f64::from(orders[order].side().pow(2));
+        let nodes = |order: usize| orders[order].nodes() as f64;
         let mut used: Vec<usize> = (0..orders.len()).collect();
         while !used.is_empty() {
             let mut saved = [0.0; ORDERS];
@@ -165,7 +164,7 @@ impl Patches<'_> {
         (fragments, inner): (usize, bool),
     ) -> Option<usize> {
         let costs = &self.job.options.costs;
-        let nodes = |order: usize| f64::from(orders[order].side().pow(2));
+        let nodes = |order: usize| orders[order].nodes() as f64;
         let count = |order: usize| each * self.selected.counts[order];
         let higher = |at: usize| used[at + 1..].iter().find(|higher| count(**higher) > 0);
         let pays = |at: usize, order: usize| match higher(at) {
