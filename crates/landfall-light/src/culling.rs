@@ -16,6 +16,7 @@ mod measure;
 mod near;
 mod options;
 mod patch;
+mod placed;
 mod plane;
 pub mod radius;
 pub mod region;

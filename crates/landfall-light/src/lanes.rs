@@ -157,18 +157,21 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
-    pub fn clamp(self, low: f32, high: f32) -> Lanes<S> {
-        self.max(self.splat(low)).min(self.splat(high))
-    }
-
-    #[inline(always)]
     pub fn powi(self, exponent: u32) -> Lanes<S> {
-        let (mut power, mut square, mut left) = (self.splat(1.0), self, exponent);
+        if exponent == 0 {
+            return self.splat(1.0);
+        }
+        let mut square = self;
+        for _ in 0..exponent.trailing_zeros() {
+            square = square * square;
+        }
+        let mut power = square;
+        let mut left = exponent >> exponent.trailing_zeros() >> 1;
         while left > 0 {
+            square = square * square;
             if left & 1 == 1 {
                 power = power * square;
             }
-            square = square * square;
             left >>= 1;
         }
         power

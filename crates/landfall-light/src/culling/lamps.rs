@@ -19,6 +19,12 @@ pub(super) struct Lamp {
     pub terms: [f32; 3],
 }
 
+/// The lamps of a group.
+pub(super) const GROUP: usize = 16;
+
+/// A value of each lamp of a group. Loops over them are compiled for whole registers.
+pub(super) type Each<T> = [T; GROUP];
+
 /// The numbers of a lamp: position along the plane's axes and normal, attenuation, terms, radius.
 pub(super) const COMPONENTS: usize = 10;
 
@@ -49,16 +55,38 @@ impl Lamps {
         &self.places
     }
 
-    /// Adds lamps at these coordinates, for which there is room.
-    pub fn extend(&mut self, lamps: &[(&Lamp, [f32; 3])]) {
+    /// Adds lamps, for which there is room, with their positions as coordinates.
+    pub fn extend(&mut self, lamps: &[Lamp]) {
         for axis in 0..3 {
-            self.fill(axis, lamps, |(_, at)| at[axis]);
-            self.fill(3 + axis, lamps, |(lamp, _)| lamp.attenuation[axis]);
-            self.fill(6 + axis, lamps, |(lamp, _)| lamp.terms[axis]);
+            self.fill(axis, lamps, |lamp| lamp.position[axis] as f32);
+            self.fill(3 + axis, lamps, |lamp| lamp.attenuation[axis]);
+            self.fill(6 + axis, lamps, |lamp| lamp.terms[axis]);
         }
-        self.fill(9, lamps, |(lamp, _)| lamp.radius);
-        self.places.extend(lamps.iter().map(|(lamp, _)| lamp.place));
-        self.ambient |= lamps.iter().any(|(lamp, _)| lamp.terms[0] != 0.0);
+        self.fill(9, lamps, |lamp| lamp.radius);
+        self.places.extend(lamps.iter().map(|lamp| lamp.place));
+        self.ambient |= lamps.iter().any(|lamp| lamp.terms[0] != 0.0);
+    }
+
+    /// Adds those of others, for which there is room, at these indices behind the first, with coordinates
+    /// by axis.
+    #[inline(always)]
+    pub fn extend_from(
+        &mut self,
+        others: &Lamps,
+        first: usize,
+        indices: &[u32],
+        at: &[Each<f64>; 3],
+    ) {
+        for (axis, at) in at.iter().enumerate() {
+            self.fill(axis, indices, |index| at[*index as usize] as f32);
+        }
+        for component in 3..COMPONENTS {
+            let all = &others.component(component)[first..];
+            self.fill(component, indices, |index| all[*index as usize]);
+        }
+        let all = &others.places[first..];
+        self.places.extend(indices.iter().map(|index| all[*index as usize]));
+        self.ambient |= others.ambient;
     }
 
     /// Whether one of them may have an ambient term.
@@ -77,29 +105,18 @@ impl Lamps {
 
     /// Returns those at these indices.
     pub fn some(&self, indices: &[u32]) -> Lamps {
-        let mut some = Lamps::default();
-        self.copy(indices, &mut some);
-        some
+        let mut values = Vec::with_capacity(indices.len() * COMPONENTS);
+        for component in 0..COMPONENTS {
+            let all = self.component(component);
+            values.extend(indices.iter().map(|at| all[*at as usize]));
+        }
+        Lamps { values, stride: indices.len(), ambient: self.ambient, ..self.some_places(indices) }
     }
 
     /// Returns the places of those at these indices, without their numbers.
     pub fn some_places(&self, indices: &[u32]) -> Lamps {
         let places = indices.iter().map(|at| self.places[*at as usize]).collect();
         Lamps { places, ..Lamps::default() }
-    }
-
-    /// Copies those at these indices.
-    pub fn copy(&self, indices: &[u32], into: &mut Lamps) {
-        into.values.clear();
-        into.values.reserve(indices.len() * COMPONENTS);
-        for component in 0..COMPONENTS {
-            let all = self.component(component);
-            into.values.extend(indices.iter().map(|at| all[*at as usize]));
-        }
-        into.places.clear();
-        into.places.extend(indices.iter().map(|at| self.places[*at as usize]));
-        into.stride = indices.len();
-        into.ambient = self.ambient;
     }
 
     #[inline(always)]

@@ -1,9 +1,11 @@
 //! The lights near a plane, and groups of neighbouring lamps, which are tested in one.
 
 use glam::DVec3;
+use pulp::NullaryFnOnce;
 
-use super::bound::{AWAY, Bounded, Shape};
-use super::lamps::{Lamp, Lamps};
+use super::bound::{Bounded, Shape};
+use super::lamps::{GROUP, Lamp, Lamps};
+use super::placed::Placed;
 use super::plane::Plane;
 use super::region::Region;
 
@@ -19,15 +21,12 @@ pub(super) struct Near {
 const LARGEST: f64 = 1e15;
 const SMALLEST: f64 = 1e-20;
 
-/// The lamps of a group.
-pub(super) const GROUP: usize = 16;
-
 /// The lights of a material.
 pub(super) struct Prepared {
     /// Neighbours follow each other.
-    lamps: Vec<Lamp>,
+    lamps: Placed,
     /// The bounds of each [`GROUP`] lamps.
-    groups: Vec<Lamp>,
+    groups: Placed,
     /// Lights without a bound of the error of interpolating them.
     pub others: Vec<u32>,
 }
@@ -43,115 +42,129 @@ impl Prepared {
             }
         }
         let lamps = by_place(lamps);
-        let groups = lamps.chunks(GROUP).enumerate().map(|(at, lamps)| group(at as u32, lamps));
-        Prepared { groups: groups.collect(), others, lamps }
+        let groups = (0..).zip(lamps.chunks(GROUP)).map(|(at, lamps)| group(at, lamps));
+        let groups: Vec<Lamp> = groups.collect();
+        Prepared { groups: Placed::new(&groups), others, lamps: Placed::new(&lamps) }
     }
 
     /// Prepares lights of which no error is to be bounded.
     pub fn unbounded(lights: &[Bounded]) -> Prepared {
         let others = (0..lights.len() as u32).collect();
-        Prepared { lamps: Vec::new(), groups: Vec::new(), others }
+        Prepared { lamps: Placed::new(&[]), groups: Placed::new(&[]), others }
     }
 
     /// Returns the groups of lamps that may contribute to a plane; `back` if surfaces that face away
     /// have highlights.
     pub fn groups(&self, plane: &Plane, back: bool) -> Lamps {
-        let mut near = Lamps::for_many(self.groups.len());
-        push(&self.groups, plane, back, &mut near);
-        near
+        let all: Vec<_> = (0..self.groups.groups.len() as u32).map(|at| (at, u16::MAX)).collect();
+        pulp::Arch::new().dispatch(Finding { from: &self.groups, groups: &all, plane, back })
     }
 
-    /// Returns the lamps of these groups, and these, that may contribute to a plane.
-    pub fn lamps(&self, groups: &[u32], some: &[Lamp], plane: &Plane, back: bool) -> Lamps {
-        let mut near = Lamps::for_many(groups.len() * GROUP + some.len());
-        for &group in groups {
-            push(self.group(group), plane, back, &mut near);
-        }
-        push(some, plane, back, &mut near);
-        near
+    /// Returns the lamps of those bits of groups that may contribute to a plane.
+    pub fn lamps(&self, groups: &[(u32, u16)], plane: &Plane, back: bool) -> Lamps {
+        pulp::Arch::new().dispatch(Finding { from: &self.lamps, groups, plane, back })
     }
 
-    /// Returns the places of those lamps of these groups that may contribute to a plane; adds those whose
-    /// side of it is not the same everywhere to `between`.
+    /// Returns the places of those lamps of these groups that may contribute to a plane; adds the bits of
+    /// those whose side of it is not the same everywhere to `between`.
     pub fn far(
         &self,
         groups: &[u32],
         plane: &Plane,
         back: bool,
-        between: &mut Vec<Lamp>,
+        between: &mut Vec<(u32, u16)>,
     ) -> Vec<u32> {
-        let mut far = Vec::with_capacity(groups.len() * GROUP);
+        let prepared = self;
+        pulp::Arch::new().dispatch(FindingFar { prepared, groups, plane, back, between })
+    }
+}
+
+struct FindingFar<'a> {
+    prepared: &'a Prepared,
+    groups: &'a [u32],
+    plane: &'a Plane,
+    back: bool,
+    between: &'a mut Vec<(u32, u16)>,
+}
+
+impl NullaryFnOnce for FindingFar<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<u32> {
+        let FindingFar { prepared, groups, plane, back, between } = self;
+        let fronts = fronts(&prepared.groups, plane);
+        let mut far = vec![0; groups.len() * GROUP];
+        let mut len = 0;
         for &number in groups {
-            let lamps = self.group(number);
-            if side(&self.groups[number as usize], plane) == Side::Front {
-                far.extend(lamps.iter().map(|lamp| lamp.place));
+            let at = number as usize;
+            let places = prepared.lamps.places(at);
+            if fronts[at] {
+                far[len..len + places.len()].copy_from_slice(places);
+                len += places.len();
                 continue;
             }
-            for lamp in lamps {
-                match side(lamp, plane) {
-                    Side::Back if is_dark_behind(lamp, back) => {}
-                    Side::Front | Side::Back => far.push(lamp.place),
-                    Side::Between => between.push(*lamp),
-                }
+            let group = &prepared.lamps.groups[at];
+            let [above, known] = group.sides(&group.along(plane), plane);
+            let dark = group.dark_behind(back);
+            let mut bits = 0;
+            for (lamp, place) in places.iter().enumerate() {
+                // Written without a branch, which would be taken at random.
+                far[len] = *place;
+                len += usize::from(known[lamp] & (above[lamp] | !dark[lamp]));
+                bits |= u16::from(!known[lamp]) << lamp;
+            }
+            if bits != 0 {
+                between.push((number, bits));
             }
         }
+        far.truncate(len);
         far
     }
-
-    fn group(&self, group: u32) -> &[Lamp] {
-        let first = group as usize * GROUP;
-        &self.lamps[first..self.lamps.len().min(first + GROUP)]
-    }
 }
 
-/// The side of a plane.
-#[derive(Clone, Copy, PartialEq)]
-enum Side {
-    Front,
-    Back,
-    /// Not the same for all fragments, or unknown.
-    Between,
-}
-
-/// Returns the side of a plane that a lamp, or several, are on, as all fragments compute it.
-fn side(lamp: &Lamp, plane: &Plane) -> Side {
-    let from = lamp.position - plane.origin;
-    let height = from.dot(plane.normal);
-    let radius = f64::from(lamp.radius);
-    let far = from.abs().element_sum() + radius + plane.diameter;
-    // Fragments are off the plane, their normals off its own, and distances rounded.
-    let off = 2.0 * (plane.off + plane.moved + plane.rounding) + (plane.tilt + 2e-5) * far;
-    match height.abs() > radius + off {
-        true if height > 0.0 => Side::Front,
-        true => Side::Back,
-        false => Side::Between,
-    }
-}
-
-/// Whether a lamp adds nothing to surfaces that face away; `back` if those have highlights.
-fn is_dark_behind(lamp: &Lamp, back: bool) -> bool {
-    let [ambient, _, specular] = lamp.terms;
-    ambient == 0.0 && !(back && specular != 0.0)
-}
-
-/// Adds the lamps that may contribute to a plane.
-fn push(lamps: &[Lamp], plane: &Plane, back: bool, near: &mut Lamps) {
-    for lamps in lamps.chunks(GROUP) {
-        let mut kept = [(&lamps[0], [0.0; 3]); GROUP];
-        let mut len = 0;
-        for lamp in lamps {
-            let at = plane.coordinates(lamp.position);
-            let behind = at.z < 0.0 && is_dark_behind(lamp, back) && {
-                let radius = f64::from(lamp.radius);
-                let far = at.length() + radius + plane.diameter;
-                at.z + radius + plane.off + plane.rounding + plane.tilt * far < -AWAY * far
-            };
-            if !behind {
-                kept[len] = (lamp, at.as_vec3().to_array());
-                len += 1;
-            }
+/// Returns for each of several lamps whether it is above a plane for all fragments.
+#[inline(always)]
+fn fronts(lamps: &Placed, plane: &Plane) -> Vec<bool> {
+    let mut fronts = Vec::with_capacity(lamps.groups.len() * GROUP);
+    for group in &lamps.groups {
+        let [mut above, known] = group.sides(&group.along(plane), plane);
+        for at in 0..GROUP {
+            above[at] &= known[at];
         }
-        near.extend(&kept[..len]);
+        fronts.extend_from_slice(&above);
+    }
+    fronts
+}
+
+struct Finding<'a> {
+    from: &'a Placed,
+    groups: &'a [(u32, u16)],
+    plane: &'a Plane,
+    back: bool,
+}
+
+impl NullaryFnOnce for Finding<'_> {
+    type Output = Lamps;
+
+    #[inline(always)]
+    fn call(self) -> Lamps {
+        let Finding { from, groups, plane, back } = self;
+        let mut near = Lamps::for_many(groups.len() * GROUP);
+        for &(number, bits) in groups {
+            let group = &from.groups[number as usize];
+            let at = group.along(plane);
+            let behind = group.behind(&at, plane);
+            let dark = group.dark_behind(back);
+            let mut kept = [0; GROUP];
+            let mut len = 0;
+            for lamp in 0..from.places(number as usize).len() {
+                kept[len] = lamp as u32;
+                len += usize::from(!(behind[lamp] & dark[lamp]) & (bits >> lamp & 1 == 1));
+            }
+            near.extend_from(&from.lamps, number as usize * GROUP, &kept[..len], &at);
+        }
+        near
     }
 }
 

@@ -11,8 +11,8 @@ use glam::{DVec3, Vec4, Vec4Swizzles};
 use rustc_hash::FxHashMap;
 
 use super::bound::{Bounded, Shape};
-use super::lamps::Lamps;
-use super::near::{GROUP, Near, Prepared};
+use super::lamps::{GROUP, Lamps};
+use super::near::{Near, Prepared};
 use super::options::Interpolate;
 use super::plane::{Group, Plane, planes};
 use super::region::{Points, Region};
@@ -163,7 +163,8 @@ impl Patches<'_> {
         };
         let far = far.into_iter().map(&mut far_of);
         let far = far.filter(|far| !far.places.is_empty()).collect();
-        let lamps = prepared.lamps(kept.places(), &between, plane, back);
+        between.extend(kept.places().iter().map(|group| (*group, u16::MAX)));
+        let lamps = prepared.lamps(&between, plane, back);
         self.tests += lamps.len() as u64;
         (Near { lamps, others }, far)
     }

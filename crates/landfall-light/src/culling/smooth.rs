@@ -142,10 +142,13 @@ struct Bound {
     exponent: u32,
     /// Whether `shininess` is `exponent`.
     whole: bool,
-    /// The turn of the highlight by its discs.
-    turn: f32,
+    /// The turn of the highlight by its discs, inverted.
+    inverse_turn: f32,
     everywhere: bool,
+    /// The largest error of a lamp that is taken.
     most: f32,
+    /// The highlight from which discs are worth their time.
+    shines: f32,
 }
 
 impl Bound {
@@ -195,9 +198,10 @@ impl Bound {
             shininess: shading.shininess as f32,
             exponent: exponent as u32,
             whole,
-            turn: (best * 0.8).min(0.95) as f32,
+            inverse_turn: (1.0 / (best * 0.8).min(0.95)) as f32,
             everywhere: shading.everywhere,
             most,
+            shines: most * 3e-3,
         })
     }
 
@@ -209,19 +213,10 @@ impl Bound {
         cosines: [Lanes<S>; 2],
     ) -> [[Lanes<S>; 2]; ORDERS] {
         let sides = [inverse * (0.5 * self.half[0]), inverse * (0.5 * self.half[1])];
-        let squares = [sides[0] * sides[0], sides[1] * sides[1]];
-        let mut powers = [inverse.splat(2.0); 2];
-        let mut factors = 0;
-        let mut bodies = [[powers[0]; 2]; ORDERS];
+        let mut powers = Powers::new(sides, [inverse.splat(2.0); 2]);
+        let mut bodies = [[inverse; 2]; ORDERS];
         for (bodies, order) in bodies.iter_mut().zip(&self.orders[..self.count]) {
-            while factors < order.m / 2 {
-                powers = [powers[0] * squares[0], powers[1] * squares[1]];
-                factors += 1;
-            }
-            let powers = match order.m % 2 {
-                0 => powers,
-                _ => [powers[0] * sides[0], powers[1] * sides[1]],
-            };
+            let powers = powers.upto(order.m);
             for (at, body) in bodies.iter_mut().enumerate().skip(usize::from(!self.ambient)) {
                 let terms = &order.terms[at];
                 let [x, y] = cosines;
@@ -231,12 +226,9 @@ impl Bound {
         bodies
     }
 
+    /// Returns the errors of lamps, by order.
     #[inline(always)]
-    fn of<S: Simd>(
-        &self,
-        light: [Lanes<S>; COMPONENTS],
-        discs: bool,
-    ) -> ([Lanes<S>; ORDERS], Lanes<S>) {
+    fn of<S: Simd>(&self, light: [Lanes<S>; COMPONENTS]) -> [Lanes<S>; ORDERS] {
         let [x, y, height, c, l, q, ambient, diffuse, specular, radius] = light;
         let lamp = [c, l, q];
         let (zero, unknown) = (x.splat(0.0), x.splat(f32::INFINITY));
@@ -251,7 +243,7 @@ impl Bound {
         let sided = (slack + d * 1e-5).less(height.abs() * (1.0 - FARTHER));
         let known = zero.less(d).and(d.less(d.splat(FARTHEST))).and(zero.less(radius).or(sided));
         let inverse = 1.0 / d;
-        let weight = weight(lamp, d);
+        let weight = 1.0 / divisor(lamp, d);
         let ends = [x.abs() + self.half[0], y.abs() + self.half[1]];
         let within = radius + self.margin;
         let across = [beyond_y.mul_add(beyond_y, above), beyond_x.mul_add(beyond_x, above)];
@@ -276,8 +268,9 @@ impl Bound {
             }
             *error = known.select(body * weight, unknown);
         }
-        if !errors[self.count - 1].less(zero + self.most).any() {
-            return ([unknown; ORDERS], zero);
+        let taken = errors[self.count - 1].less(zero + self.most);
+        if !taken.any() {
+            return [unknown; ORDERS];
         }
         let [mx, my, mz] = self.mirrored;
         let along = x * mx + y * my + height * mz;
@@ -295,13 +288,16 @@ impl Bound {
         let most = least.less(zero + std::f32::consts::FRAC_PI_2).select(most, zero);
         let by_size = most.powi(self.exponent) * weight * 0.5;
         let specular = if self.everywhere { specular } else { faces.select(specular, zero) };
-        let mut highlight = zero;
-        if !discs {
-            for (error, order) in errors.iter_mut().zip(&self.orders[..self.count]) {
-                highlight = specular * by_size * order.twice;
+        let orders = &self.orders[..self.count];
+        let highlight = specular * by_size * self.orders[self.count - 1].twice;
+        // Discs take longest: where one that might be taken has a highlight worth it.
+        let shines = taken.and((zero + self.shines).less(highlight));
+        if !(self.whole && shines.any()) {
+            for (error, order) in errors.iter_mut().zip(orders) {
+                let highlight = specular * by_size * order.twice;
                 *error = (*error + highlight) * MORE + f32::MIN_POSITIVE;
             }
-            return (errors, highlight * MORE);
+            return errors;
         }
         let sines =
             [sine(beyond_x, (ends[1], height), within), sine(beyond_y, (ends[0], height), within)];
@@ -313,15 +309,15 @@ impl Bound {
         ];
         // Where it is not clamped, a whole power is a polynomial of the cosine.
         let smooth = (angle + turn).less(zero + 1.57);
-        for (error, order) in errors.iter_mut().zip(&self.orders[..self.count]) {
-            let [x, y] = sides;
-            let sides = [x.0.powi(order.m) * x.1, y.0.powi(order.m) * y.1];
-            let by_discs = order.both(sides) + flat * order.twice;
+        let [x, y] = sides;
+        let mut powers = Powers::new([x.0, y.0], [x.1, y.1]);
+        for (error, order) in errors.iter_mut().zip(orders) {
+            let by_discs = order.both(powers.upto(order.m)) + flat * order.twice;
             let by_size = by_size * order.twice;
             let shine = smooth.select(by_discs, by_size).min(by_size);
             *error = (*error + specular * shine) * MORE + f32::MIN_POSITIVE;
         }
-        (errors, highlight)
+        errors
     }
 
     /// Returns half of a side over the radius of discs that turn the angle so far at most, and twice the
@@ -336,17 +332,53 @@ impl Bound {
     ) -> (Lanes<S>, Lanes<S>) {
         let one = d.splat(1.0);
         let eye = self.eye_sines[axis];
-        let nearer = inverse.max(d.splat(self.eye));
-        let turn = self.turn;
-        let radius = (turn / (sine * inverse + eye * self.eye + nearer * turn)).min(d * 0.8);
+        let nearer = inverse.larger(d.splat(self.eye));
+        let turned = (sine * inverse + eye * self.eye) * self.inverse_turn;
+        let inverse_radius = (turned + nearer).larger(inverse * 1.25);
+        let radius = 1.0 / inverse_radius;
         let (a, b) = (radius * inverse, radius * self.eye);
-        let q = sine * a / (1.0 - a) + b * eye / (1.0 - b);
+        let (rest_a, rest_b) = (1.0 - a, 1.0 - b);
+        let q = (sine * a * rest_b + b * eye * rest_a) / (rest_a * rest_b);
         let known = b.less(one).and(q.less(one));
-        let weight = weight(lamp, d * (1.0 - a)) / (1.0 - a * a).sqrt();
-        let power = cosine(least, q).sqrt().powi(self.exponent);
-        let bound = power * weight * 2.0;
-        let (part, unknown) = (0.5 * self.half[axis] / radius, d.splat(f32::INFINITY));
+        let weight = 2.0 / (divisor(lamp, d * rest_a) * (1.0 - a * a).sqrt());
+        let square = cosine(least, q);
+        let power = match self.exponent % 2 {
+            0 => square.powi(self.exponent / 2),
+            _ => square.sqrt().powi(self.exponent),
+        };
+        let bound = power * weight;
+        let (part, unknown) = (inverse_radius * (0.5 * self.half[axis]), d.splat(f32::INFINITY));
         (known.select(part, unknown), known.select(bound, unknown))
+    }
+}
+
+/// Powers of a part of each side, times factors.
+struct Powers<S: Simd> {
+    sides: [Lanes<S>; 2],
+    squares: [Lanes<S>; 2],
+    powers: [Lanes<S>; 2],
+    /// How many squares there are in the powers.
+    count: u32,
+}
+
+impl<S: Simd> Powers<S> {
+    #[inline(always)]
+    fn new([x, y]: [Lanes<S>; 2], factors: [Lanes<S>; 2]) -> Powers<S> {
+        Powers { sides: [x, y], squares: [x * x, y * y], powers: factors, count: 0 }
+    }
+
+    /// Returns the powers of `m`, which does not fall from one call to the next.
+    #[inline(always)]
+    fn upto(&mut self, m: u32) -> [Lanes<S>; 2] {
+        let Powers { sides, squares, powers: [x, y], count } = self;
+        while *count < m / 2 {
+            (*x, *y) = (*x * squares[0], *y * squares[1]);
+            *count += 1;
+        }
+        match m % 2 {
+            0 => [*x, *y],
+            _ => [*x * sides[0], *y * sides[1]],
+        }
     }
 }
 
@@ -380,10 +412,10 @@ fn sine<S: Simd>(
     across / (across * across + along * along).sqrt()
 }
 
-/// Returns the attenuation at a distance.
+/// Returns the inverse of the attenuation at a distance.
 #[inline(always)]
-fn weight<S: Simd>([c, l, q]: [Lanes<S>; 3], d: Lanes<S>) -> Lanes<S> {
-    1.0 / (c + d * (l + q * d))
+fn divisor<S: Simd>([c, l, q]: [Lanes<S>; 3], d: Lanes<S>) -> Lanes<S> {
+    c + d * (l + q * d)
 }
 
 /// Returns the angle of a cosine, 7e-5 off at most (Abramowitz and Stegun, 4.4.45).
@@ -402,20 +434,19 @@ fn angle<S: Simd>(cosine: Lanes<S>) -> Lanes<S> {
 /// above them.
 #[inline(always)]
 fn cosine<S: Simd>(least: Lanes<S>, q: Lanes<S>) -> Lanes<S> {
-    let first = cosine_part(least, q, 0.0);
-    let second = cosine_part(least, q, 1.0 / 3.0);
-    first.max(second).max(cosine_part(least, q, 2.0 / 3.0))
+    let first = cosine_part(least, q, [1.0 / 3.0, 1.0]);
+    let second = cosine_part(least, q, [2.0 / 3.0, 0.942_81]);
+    first.larger(second).larger(cosine_part(least, q, [1.0, 0.745_36]))
 }
 
-/// Returns the bound for `Y` between that part of `q` and a third more.
+/// Returns the bound for `Y` up to a part of `q`, and `X` up to another.
 #[inline(always)]
-fn cosine_part<S: Simd>(least: Lanes<S>, q: Lanes<S>, part: f32) -> Lanes<S> {
-    let zero = q.splat(0.0);
-    let low = q * part;
-    let high = q * (part + 1.0 / 3.0);
-    let real = (least - (q * q - low * low).max(zero).sqrt()).max(zero);
+fn cosine_part<S: Simd>(least: Lanes<S>, q: Lanes<S>, [most_y, most_x]: [f32; 2]) -> Lanes<S> {
+    let (zero, one) = (q.splat(0.0), q.splat(1.0));
+    let high = q * most_y;
+    let real = (least - q * most_x).max(zero);
     let square = real * real;
-    let real = (1.0 - square * (0.5 - square * (1.0 / 24.0))).clamp(0.0, 1.0);
+    let real = (1.0 - square * (0.5 - square * (1.0 / 24.0))).larger(zero).smaller(one);
     // The rest of the series is less than Y^4 / 600 up to 1.
     let square = high * high;
     let above = square * (square * (1.0 / 23.0) + 0.5);

@@ -33,6 +33,10 @@ const FOR_GROUPS: usize = 2;
 /// Above the relative rounding of a sum of errors.
 const ROUNDING: f64 = 1e-4;
 
+/// The bits of a count of lamps of an order, in a register with those of all orders.
+const BITS: u32 = 64 / (ORDERS as u32 + 1);
+const MASK: u64 = (1 << BITS) - 1;
+
 impl Patches<'_> {
     /// Moves lamps into a grid as long as their errors stay within this patch's share, with those that
     /// are `far` already; returns the innermost grid, and the lights left if they are others.
@@ -185,27 +189,40 @@ impl Patches<'_> {
 /// Returns the lamps of each order, and the indices of those of none.
 fn by_order(orders: &[Order], lamps: &Lamps, selected: &Selected) -> (Vec<Taken>, Vec<u32>) {
     let none = orders.len();
-    let mut lists: [Vec<u32>; ORDERS + 1] = Default::default();
-    for (list, count) in lists.iter_mut().zip(&selected.counts[..none]) {
-        list.resize(*count, 0);
+    let mut ends = [0; ORDERS + 1];
+    let mut last = 0;
+    for (end, count) in ends.iter_mut().zip(&selected.counts[..none]) {
+        *end = last;
+        last += count;
     }
-    lists[none].resize(lamps.len() - selected.counts.iter().sum::<usize>(), 0);
-    // Written without a branch, which would be taken at random.
-    let mut lengths = [0; ORDERS + 1];
-    for ((lamp, place), order) in (0u32..).zip(lamps.places()).zip(&selected.orders) {
-        let order = (*order as usize).min(none);
-        if let Some(to) = lists[order].get_mut(lengths[order]) {
-            *to = if order == none { lamp } else { *place };
+    ends[none] = last;
+    let starts = ends;
+    let mut sorted = vec![0; lamps.len()];
+    let all = (0..).zip(lamps.places()).zip(&selected.orders);
+    // The counts of a block are in one register, as a chain of writes to memory would take longer.
+    let mut all = all.map(|((lamp, place), order)| (lamp, *place, *order as u32));
+    for _ in (0..lamps.len()).step_by(MASK as usize) {
+        let mut counts = 0u64;
+        for (lamp, place, order) in all.by_ref().take(MASK as usize) {
+            let shift = order * BITS;
+            let at = ends[order as usize] + (counts >> shift & MASK) as usize;
+            sorted[at] = if order as usize == none { lamp } else { place };
+            counts += 1 << shift;
         }
-        lengths[order] += 1;
+        for (order, end) in (0..).zip(&mut ends) {
+            *end += (counts >> (order * BITS) & MASK) as usize;
+        }
     }
-    let kept = std::mem::take(&mut lists[none]);
-    let taken = orders.iter().zip(lists).filter(|(_, places)| !places.is_empty());
-    let mut taken: Vec<Taken> =
-        taken.map(|(order, places)| Taken { side: order.side(), places, spent: 0.0 }).collect();
+    let mut taken = Vec::with_capacity(none);
+    for (order, (start, end)) in orders.iter().zip(starts.into_iter().zip(ends)) {
+        if start < end {
+            let places = sorted[start..end].to_vec();
+            taken.push(Taken { side: order.side(), places, spent: 0.0 });
+        }
+    }
     // Which of them spends it is all the same.
     if let Some(first) = taken.first_mut() {
         first.spent = selected.spent * (1.0 + ROUNDING);
     }
-    (taken, kept)
+    (taken, sorted.split_off(last))
 }

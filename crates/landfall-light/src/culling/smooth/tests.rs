@@ -2,7 +2,6 @@
 
 use pulp::WithSimd;
 
-use super::errors::Finding;
 use super::*;
 use crate::culling::lamps::{Lamp, Lamps};
 
@@ -66,14 +65,12 @@ fn several_lamps_err_by_no_more_than_the_bounds_of_all() {
         // By discs, where they are known, as the bounds by size are not always the nearer ones.
         let sum_of = |lamps: &[Lamp]| {
             let mut near = Lamps::for_many(lamps.len());
-            lamps.iter().for_each(|l| near.extend(&[(l, l.position.as_vec3().to_array())]));
+            near.extend(lamps);
             let given = (1e3, near.is_ambient());
-            let bound = &Bound::new(&order, &at, &shading, given).expect("the camera is above");
-            let (mut found, mut sizes) = (Default::default(), Vec::new());
-            let highlights = (!bound.whole).then_some(&mut sizes);
-            let errors = &mut found;
-            pulp::Arch::new().dispatch(Finding { bound, lamps: &near, errors, highlights });
-            found[0].iter().sum::<f32>()
+            let bound = Bound::new(&order, &at, &shading, given).expect("the camera is above");
+            let mut found = Errors::default();
+            found.find_by(&Bound { shines: 0.0, ..bound }, &near);
+            found.of[0].iter().sum::<f32>()
         };
         let group = sum_of(&[crate::culling::near::group(0, &lamps)]);
         let each = sum_of(&lamps);
@@ -160,17 +157,20 @@ fn no_lamp_errs_by_more_than_its_bound() {
             everywhere: round % 7 == 0,
         };
         let mut lamps = Lamps::for_many(1);
-        lamps.extend(&[(&lamp, lamp.position.as_vec3().to_array())]);
-        let mut errors = Errors::default();
-        if !errors.find(&[*order], &lamps, &at, &shading, 0.05) {
+        lamps.extend(&[lamp]);
+        let (mut errors, mut by_size) = (Errors::default(), Errors::default());
+        let given = (0.05, lamps.is_ambient());
+        let Some(bound) = Bound::new(&[*order], &at, &shading, given) else { continue };
+        if !errors.find_by(&bound, &lamps) {
             continue;
         }
+        by_size.find_by(&Bound { whole: false, ..bound }, &lamps);
         let bound = f64::from(errors.of[0][0]);
         let [body, shine] = sampled(order, &at, &shading, &lamp);
         assert!(body + shine <= bound * (1.0 + 1e-5) + 1e-9, "{round}: {body} {shine} {bound}");
         bounded += 1;
         near += usize::from(lamp.terms[2] == 0.0 && bound < 8.0 * body);
-        by_discs += usize::from(!errors.indices.is_empty() && shine > 0.0);
+        by_discs += usize::from(errors.of[0][0] < by_size.of[0][0] && shine > 0.0);
     }
     assert!(bounded > 1500 && near > 100 && by_discs > 300, "{bounded} {near} {by_discs}");
 }
