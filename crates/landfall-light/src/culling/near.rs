@@ -216,3 +216,79 @@ fn by_place(mut lamps: Vec<Lamp>) -> Vec<Lamp> {
     });
     lamps
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of far groups those lamps are near whose side of a plane is not the same for all fragments, and
+    /// those are left out that light none.
+    #[test]
+    fn lamps_on_both_sides_of_a_plane_stay_near() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+        let [mut are_far, mut are_near, mut are_out] = [0; 3];
+        for round in 0..20 {
+            let lamps: Vec<Lamp> = (0..100u32)
+                .map(|place| Lamp {
+                    place,
+                    position: DVec3::new(
+                        between(-5.0, 5.0),
+                        between(-5.0, 5.0),
+                        between(-0.1, 0.1),
+                    ),
+                    radius: 0.0,
+                    attenuation: [1.0, 0.0, 0.1],
+                    terms: [0.0, 1.0, (place % 2) as f32],
+                })
+                .collect();
+            let groups: Vec<Lamp> =
+                (0..).zip(lamps.chunks(GROUP)).map(|(at, lamps)| group(at, lamps)).collect();
+            let all: Vec<u32> = groups.iter().map(|group| group.place).collect();
+            let (groups, placed) = (Placed::new(&groups), Placed::new(&lamps));
+            let prepared = Prepared { lamps: placed, groups, others: Vec::new() };
+            let normal = DVec3::new(between(-0.02, 0.02), 0.0, 1.0).normalize();
+            let (first, second) = normal.any_orthonormal_pair();
+            let plane = Plane {
+                material: 0,
+                region: Region::EMPTY,
+                origin: DVec3::new(0.0, 1.0, between(-0.05, 0.05)),
+                axes: [first, second],
+                normal,
+                off: 0.005,
+                tilt: 1e-3,
+                diameter: 3.0,
+                rounding: 1e-6,
+                moved: 1e-6,
+            };
+            let back = round % 2 == 0;
+            let mut some = Vec::new();
+            let far = prepared.far(&all, &plane, back, &mut some);
+            let near = prepared.lamps(&some, &plane, back);
+            for lamp in &lamps {
+                let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+                for corner in 0..8 {
+                    let sign = |bit: u32| f64::from(corner >> bit & 1) * 2.0 - 1.0;
+                    let along = (first * sign(0) + second * sign(1)) * 1.06;
+                    let point = plane.origin + along + normal * (plane.off * sign(2));
+                    let normal = (normal - along / along.length() * plane.tilt).normalize();
+                    let height = (lamp.position - point).dot(normal);
+                    (low, high) = (low.min(height), high.max(height));
+                }
+                let lights = high >= 0.0 || (back && lamp.terms[2] != 0.0);
+                match (far.contains(&lamp.place), near.places().contains(&lamp.place)) {
+                    (true, near) => {
+                        assert!(!near && lights && (low > 0.0 || high < 0.0), "{low} {high}");
+                        are_far += 1;
+                    }
+                    (false, true) => are_near += 1,
+                    (false, false) => {
+                        assert!(!lights, "{low} {high}");
+                        are_out += 1;
+                    }
+                }
+            }
+        }
+        assert!(are_far > 500 && are_near > 100 && are_out > 200, "{are_far} {are_near} {are_out}");
+    }
+}

@@ -31,6 +31,43 @@ fn angles_are_as_near_as_bounds_expect() {
     }
 }
 
+struct Cosines<'a>(&'a [f32], &'a [f32], &'a mut [f32]);
+
+impl WithSimd for Cosines<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let angles = self.0.chunks(S::F32_LANES).zip(self.1.chunks(S::F32_LANES));
+        for ((least, q), squares) in angles.zip(self.2.chunks_mut(S::F32_LANES)) {
+            cosine(Lanes::load(simd, least), Lanes::load(simd, q)).store(squares);
+        }
+    }
+}
+
+/// The bound of a turned angle's cosine beside its maximum over the turns, sampled.
+#[test]
+fn cosines_of_turned_angles_are_below_their_bound() {
+    let steps = || (0..=40).map(|step| step as f32 / 40.0);
+    let both = || steps().flat_map(|least| steps().map(move |q| (least * std::f32::consts::FRAC_PI_2, q)));
+    let (least, q): (Vec<f32>, Vec<f32>) = both().unzip();
+    let mut bounds = vec![0.0; least.len()];
+    pulp::Arch::new().dispatch(Cosines(&least, &q, &mut bounds));
+    for ((least, q), bound) in both().zip(bounds) {
+        let (least, q, bound) = (f64::from(least), f64::from(q), f64::from(bound));
+        let square = |turn: f64| {
+            let (x, y) = (q * turn.cos(), q * turn.sin());
+            let b = (least - x).max(0.0).cos();
+            let grown = b * y.cosh() + (1.0 - b) * (y.cosh() - 1.0) / 2.0;
+            grown * grown + (1.0 - b * b) * y.sinh().powi(2)
+        };
+        let turns = (0..=200).map(|step| f64::from(step) / 200.0 * std::f64::consts::FRAC_PI_2);
+        let most = turns.map(square).fold(0.0, f64::max);
+        assert!(most <= bound * (1.0 + 1e-5), "{least} {q}: {most} {bound}");
+        assert!(least > 1.0 || bound <= most * 1.3, "{least} {q}: {most} {bound}");
+    }
+}
+
 /// What is taken as a group has no more error than its bound says.
 #[test]
 fn several_lamps_err_by_no_more_than_the_bounds_of_all() {
