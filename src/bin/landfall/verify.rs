@@ -4,6 +4,7 @@ use landfall_exec::backend::BackendKind;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::OnceLock;
+use std::thread;
 
 use landfall::report::verify as print;
 use landfall::report::verify::Counts;
@@ -68,7 +69,19 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // One browser serves all of a command.
     let browser = VerifierName::Web;
     let has_browser = args.backends.contains(&browser) || args.require.contains(&browser);
-    let jobs = if has_browser { Some(NonZeroUsize::MIN) } else { args.jobs };
+    let mut inputs = Inputs::new(args.files.clone());
+    let mut first = Vec::new();
+    let jobs = match args.jobs {
+        _ if has_browser => Some(NonZeroUsize::MIN),
+        None if has_opengl(&args.backends) => {
+            let cores = thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+            let many = cores.saturating_mul(FOR_ONE_MORE);
+            first.extend(inputs.by_ref().take(many.get()));
+            Some(cores.saturating_add(usize::from(first.len() == many.get())))
+        }
+        jobs => jobs,
+    };
+    let first = first.into_iter().take_while(|_| !watch::is_stopped());
     let open = || backends::open(&args.backends, &args.require, args.adapter.as_deref());
     let own = || {
         let _known = KnownAtEnd(&statuses);
@@ -90,13 +103,21 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         is_alike.then_some(backends)
     };
     work::ordered_with(
-        Inputs::new(args.files.clone()),
+        first.chain(inputs),
         jobs,
         (own, other),
         |backends, input| job.one(input, backends),
         |done| run.take(done?),
     )?;
     run.finish()
+}
+
+/// The shaders for each core from which one more process of an OpenGL driver pays for its start: it works
+/// while others wait for theirs.
+const FOR_ONE_MORE: NonZeroUsize = NonZeroUsize::new(128).unwrap();
+
+fn has_opengl(backends: &[VerifierName]) -> bool {
+    backends.is_empty() || backends.contains(&VerifierName::Gl)
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command ends

@@ -75,7 +75,7 @@ pub struct VerifyArgs {
     )]
     pub limit: Duration,
     /// Shaders verified in parallel, each with its own driver processes; one with a browser
-    /// [default: one per core]
+    /// [default: one per core, and one more for many with gl]
     #[arg(help_heading = "Backends", short, long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]

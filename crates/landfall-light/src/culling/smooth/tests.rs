@@ -49,7 +49,8 @@ impl WithSimd for Cosines<'_> {
 #[test]
 fn cosines_of_turned_angles_are_below_their_bound() {
     let steps = || (0..=40).map(|step| step as f32 / 40.0);
-    let both = || steps().flat_map(|least| steps().map(move |q| (least * std::f32::consts::FRAC_PI_2, q)));
+    let both =
+        || steps().flat_map(|least| steps().map(move |q| (least * std::f32::consts::FRAC_PI_2, q)));
     let (least, q): (Vec<f32>, Vec<f32>) = both().unzip();
     let mut bounds = vec![0.0; least.len()];
     pulp::Arch::new().dispatch(Cosines(&least, &q, &mut bounds));
