@@ -58,7 +58,7 @@ fn shaders_verified_in_parallel_are_reported_in_order() {
     assert_eq!((one.code, &one.out, &one.err), (2, &three.out, &three.err));
 }
 
-/// More shaders than are counted for the number of processes, where that is not given.
+/// On four cores or fewer more shaders than are counted for the number of processes.
 #[test]
 fn many_shaders_are_reported_in_order() {
     let folder = Place::new("verify-many");

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::thread;
+use std::time::{Duration, Instant};
 
 use landfall::report::verify as print;
 use landfall::report::verify::Counts;
@@ -75,9 +76,8 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         _ if has_browser => Some(NonZeroUsize::MIN),
         None if has_opengl(&args.backends) => {
             let cores = thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-            let many = cores.saturating_mul(FOR_ONE_MORE);
-            first.extend(inputs.by_ref().take(many.get()));
-            Some(cores.saturating_add(usize::from(first.len() == many.get())))
+            first = some_of(&mut inputs, FOR_ONE_MORE.saturating_mul(cores.get()));
+            Some(in_parallel(cores, first.len()))
         }
         jobs => jobs,
     };
@@ -114,10 +114,33 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
 
 /// The shaders for each core from which one more process of an OpenGL driver pays for its start: it works
 /// while others wait for theirs.
-const FOR_ONE_MORE: NonZeroUsize = NonZeroUsize::new(128).unwrap();
+const FOR_ONE_MORE: usize = 128;
+
+/// The time for finding so many.
+const SEARCH: Duration = Duration::from_millis(20);
 
 fn has_opengl(backends: &[VerifierName]) -> bool {
-    backends.is_empty() || backends.contains(&VerifierName::Gl)
+    cfg!(feature = "gl") && (backends.is_empty() || backends.contains(&VerifierName::Gl))
+}
+
+/// Returns the first inputs, at most so many and those found in a short time.
+fn some_of<I>(inputs: &mut impl Iterator<Item = I>, most: usize) -> Vec<I> {
+    let start = Instant::now();
+    let mut first = Vec::new();
+    while first.len() < most && start.elapsed() < SEARCH {
+        match inputs.next() {
+            Some(input) => first.push(input),
+            None => break,
+        }
+    }
+    first
+}
+
+/// Returns how many of at least so many shaders are verified in parallel where OpenGL is among the
+/// backends.
+fn in_parallel(cores: NonZeroUsize, shaders: usize) -> NonZeroUsize {
+    let is_many = shaders >= FOR_ONE_MORE.saturating_mul(cores.get());
+    cores.saturating_add(usize::from(is_many))
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command ends
@@ -410,5 +433,26 @@ impl Run<'_> {
         } else {
             Outcome::Clean
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_shaders_have_one_process_more_than_cores() {
+        let jobs = |cores, shaders| in_parallel(NonZeroUsize::new(cores).unwrap(), shaders).get();
+        assert_eq!([jobs(1, 127), jobs(1, 128), jobs(2, 255), jobs(2, 256)], [1, 2, 2, 3]);
+    }
+
+    #[test]
+    fn no_input_is_lost_while_they_are_counted() {
+        for (pause, most) in [(0, 5), (0, 100), (5, 100)] {
+            let mut inputs = (0..30).inspect(|_| thread::sleep(Duration::from_millis(pause)));
+            let first = some_of(&mut inputs, most);
+            assert!(first.len() <= most && (pause == 0 || first.len() < 10));
+            assert!(first.into_iter().chain(inputs).eq(0..30));
+        }
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct Lamps {
     /// The numbers of a component follow each other, and components so many numbers apart.
     values: Vec<f32>,
     stride: usize,
-    /// Whether one has an ambient term.
+    /// Whether one may have an ambient term.
     ambient: bool,
 }
 

@@ -4,14 +4,14 @@ use super::bound::AWAY;
 use super::lamps::{Each, GROUP, Lamp, Lamps};
 use super::plane::Plane;
 
-/// A group of neighbouring lamps. The last one of all repeats its first lamp.
+/// A group of neighbouring lamps. The last group, if it has fewer, is filled up with its first lamp.
 pub(super) struct Group {
     position: [Each<f64>; 3],
-    pub radius: Each<f64>,
-    /// Whether they have no ambient term.
-    body: Each<bool>,
-    /// Whether they have no ambient term and no highlight.
-    all: Each<bool>,
+    radius: Each<f64>,
+    /// Whether they add nothing to surfaces that face away, if those have no highlights.
+    dark: Each<bool>,
+    /// The same if they have.
+    dark_and_dull: Each<bool>,
 }
 
 impl Group {
@@ -21,14 +21,17 @@ impl Group {
         Group {
             position: [0, 1, 2].map(position),
             radius: std::array::from_fn(|at| f64::from(lamp(at).radius)),
-            body: std::array::from_fn(|at| lamp(at).terms[0] == 0.0),
-            all: std::array::from_fn(|at| [0, 2].iter().all(|term| lamp(at).terms[*term] == 0.0)),
+            dark: std::array::from_fn(|at| lamp(at).terms[0] == 0.0),
+            dark_and_dull: std::array::from_fn(|at| {
+                let [ambient, _, specular] = lamp(at).terms;
+                ambient == 0.0 && specular == 0.0
+            }),
         }
     }
 
     /// Whether lamps add nothing to surfaces that face away; `back` if those have highlights.
     pub fn dark_behind(&self, back: bool) -> &Each<bool> {
-        if back { &self.all } else { &self.body }
+        if back { &self.dark_and_dull } else { &self.dark }
     }
 
     /// Returns the coordinates of each along the axes and the normal of a plane.

@@ -226,7 +226,8 @@ impl Bound {
         bodies
     }
 
-    /// Returns the errors of lamps, by order.
+    /// Returns the errors of lamps, by order. Which bound a lamp has depends on those beside it: discs bound
+    /// all of a register if one is worth it.
     #[inline(always)]
     fn of<S: Simd>(&self, light: [Lanes<S>; COMPONENTS]) -> [Lanes<S>; ORDERS] {
         let [x, y, height, c, l, q, ambient, diffuse, specular, radius] = light;
@@ -334,7 +335,8 @@ impl Bound {
         let eye = self.eye_sines[axis];
         let nearer = inverse.larger(d.splat(self.eye));
         let turned = (sine * inverse + eye * self.eye) * self.inverse_turn;
-        let inverse_radius = (turned + nearer).larger(inverse * 1.25);
+        // So that neither `1 - a` nor `1 - b` loses its digits.
+        let inverse_radius = (turned + nearer * 1.001).larger(inverse * 1.25);
         let radius = 1.0 / inverse_radius;
         let (a, b) = (radius * inverse, radius * self.eye);
         let (rest_a, rest_b) = (1.0 - a, 1.0 - b);

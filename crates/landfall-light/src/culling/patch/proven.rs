@@ -226,3 +226,50 @@ fn by_order(orders: &[Order], lamps: &Lamps, selected: &Selected) -> (Vec<Taken>
     }
     (taken, sorted.split_off(last))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::culling::lamps::Lamp;
+
+    /// Each lamp is in the list of its order, in the order of all, also where there are more than one count
+    /// holds.
+    #[test]
+    fn lamps_are_sorted_by_order() {
+        let mut random = fastrand::Rng::with_seed(8);
+        for len in [0, 1, 4094, 4095, 4096, 8191, 10_000] {
+            for sides in [&[8][..], &[2, 4, 6, 8]] {
+                let orders: Vec<Order> = sides.iter().map(|side| Order::new(*side)).collect();
+                let lamp = |place: u32| Lamp {
+                    place: place + 7,
+                    position: DVec3::ZERO,
+                    radius: 0.0,
+                    attenuation: [1.0; 3],
+                    terms: [1.0; 3],
+                };
+                let mut lamps = Lamps::for_many(len);
+                lamps.extend(&(0..len as u32).map(lamp).collect::<Vec<_>>());
+                let of: Vec<usize> = (0..len).map(|_| random.usize(0..=orders.len())).collect();
+                let given = of.iter().map(|order| *order as f32).collect();
+                let mut selected = Selected { orders: given, ..Selected::default() };
+                let of_order = |order: usize| {
+                    let lamps = (0..).zip(&of).filter(move |(_, of)| **of == order);
+                    lamps.map(|(lamp, _)| lamp).collect::<Vec<u32>>()
+                };
+                for order in 0..orders.len() {
+                    selected.counts[order] = of_order(order).len();
+                }
+                let (taken, kept) = by_order(&orders, &lamps, &selected);
+                assert_eq!(kept, of_order(orders.len()));
+                for (order, side) in sides.iter().enumerate() {
+                    let places = taken.iter().find(|taken| taken.side == *side);
+                    let places = places.map_or(Vec::new(), |taken| taken.places.clone());
+                    let expected = of_order(order).iter().map(|lamp| lamp + 7).collect::<Vec<_>>();
+                    assert_eq!(places, expected, "{len} lamps, order {side}");
+                }
+            }
+        }
+    }
+}

@@ -13,8 +13,8 @@ pub(in crate::culling) struct Errors {
 
 impl Errors {
     /// Finds the largest error of any channel for each lamp by each of the orders, the lowest first:
-    /// infinite or NaN if unknown, and infinite if by the last order it is more than `most` without a
-    /// highlight. Returns whether one of the last order is at most `most`.
+    /// infinite or NaN if unknown, and perhaps infinite if by the last order it is more than `most` without
+    /// a highlight. Returns whether one of the last order is at most `most`.
     pub fn find(
         &mut self,
         orders: &[Order],
