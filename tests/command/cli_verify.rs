@@ -58,24 +58,6 @@ fn shaders_verified_in_parallel_are_reported_in_order() {
     assert_eq!((one.code, &one.out, &one.err), (2, &three.out, &three.err));
 }
 
-/// On four cores or fewer more shaders than are counted for the number of processes.
-#[test]
-fn many_shaders_are_reported_in_order() {
-    let folder = Place::new("verify-many");
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    let many = 128 * cores.min(4) + 3;
-    for at in 0..many {
-        let text = format!("#version 450\nuniform B{at} {{ float x; }};\nvoid main() {{}}\n");
-        folder.write(&format!("{at:04}.frag"), text);
-    }
-    let ran = folder.run(&["verify", ".", "--backend", "gl", "--format", "json"]);
-    let report: Value = serde_json::from_str(&ran.out).expect("JSON");
-    let shaders = report["shaders"].as_array().expect("shaders");
-    let files: Vec<&str> = shaders.iter().filter_map(|shader| shader["path"].as_str()).collect();
-    let expected: Vec<String> = (0..many).map(|at| format!("{at:04}.frag")).collect();
-    assert_eq!((ran.code, files), (0, expected.iter().map(String::as_str).collect()));
-}
-
 #[test]
 fn a_stale_lock_is_proven_wrong_and_the_leaf_named() {
     let folder = Place::new("verify-stale");

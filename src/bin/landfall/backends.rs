@@ -151,7 +151,7 @@ fn remote(
     })?;
     let launch = Launch::new(program, driver_kind);
     let launch = match purpose {
-        Purpose::FewInvocations => launch.without_optimization(),
+        Purpose::FewInvocations => launch.for_few_invocations(),
         Purpose::Results => launch,
         Purpose::Times => Launch { timed: true, ..launch },
     };

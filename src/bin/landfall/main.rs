@@ -19,6 +19,8 @@ mod child;
 mod completions;
 mod config;
 #[cfg(feature = "exec")]
+mod cores;
+#[cfg(feature = "exec")]
 mod data;
 mod decode;
 #[cfg(feature = "exec")]

@@ -4,8 +4,6 @@ use landfall_exec::backend::BackendKind;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::OnceLock;
-use std::thread;
-use std::time::{Duration, Instant};
 
 use landfall::report::verify as print;
 use landfall::report::verify::Counts;
@@ -70,18 +68,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // One browser serves all of a command.
     let browser = VerifierName::Web;
     let has_browser = args.backends.contains(&browser) || args.require.contains(&browser);
-    let mut inputs = Inputs::new(args.files.clone());
-    let mut first = Vec::new();
-    let jobs = match args.jobs {
-        _ if has_browser => Some(NonZeroUsize::MIN),
-        None if has_opengl(&args.backends) => {
-            let cores = thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-            first = some_of(&mut inputs, FOR_ONE_MORE.saturating_mul(cores.get()));
-            Some(in_parallel(cores, first.len()))
-        }
-        jobs => jobs,
-    };
-    let first = first.into_iter().take_while(|_| !watch::is_stopped());
+    let jobs = if has_browser { Some(NonZeroUsize::MIN) } else { args.jobs };
     let open = || backends::open(&args.backends, &args.require, args.adapter.as_deref());
     let own = || {
         let _known = KnownAtEnd(&statuses);
@@ -103,44 +90,13 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         is_alike.then_some(backends)
     };
     work::ordered_with(
-        first.chain(inputs),
+        Inputs::new(args.files.clone()),
         jobs,
         (own, other),
         |backends, input| job.one(input, backends),
         |done| run.take(done?),
     )?;
     run.finish()
-}
-
-/// The shaders for each core from which one more process of an OpenGL driver pays for its start: it works
-/// while others wait for theirs.
-const FOR_ONE_MORE: usize = 128;
-
-/// The time for finding so many.
-const SEARCH: Duration = Duration::from_millis(20);
-
-fn has_opengl(backends: &[VerifierName]) -> bool {
-    cfg!(feature = "gl") && (backends.is_empty() || backends.contains(&VerifierName::Gl))
-}
-
-/// Returns the first inputs, at most so many and those found in a short time.
-fn some_of<I>(inputs: &mut impl Iterator<Item = I>, most: usize) -> Vec<I> {
-    let start = Instant::now();
-    let mut first = Vec::new();
-    while first.len() < most && start.elapsed() < SEARCH {
-        match inputs.next() {
-            Some(input) => first.push(input),
-            None => break,
-        }
-    }
-    first
-}
-
-/// Returns how many of at least so many shaders are verified in parallel where OpenGL is among the
-/// backends.
-fn in_parallel(cores: NonZeroUsize, shaders: usize) -> NonZeroUsize {
-    let is_many = shaders >= FOR_ONE_MORE.saturating_mul(cores.get());
-    cores.saturating_add(usize::from(is_many))
 }
 
 /// The status of every requested backend, as the calling thread found it; `None` if the command ends
@@ -433,26 +389,5 @@ impl Run<'_> {
         } else {
             Outcome::Clean
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn many_shaders_have_one_process_more_than_cores() {
-        let jobs = |cores, shaders| in_parallel(NonZeroUsize::new(cores).unwrap(), shaders).get();
-        assert_eq!([jobs(1, 127), jobs(1, 128), jobs(2, 255), jobs(2, 256)], [1, 2, 2, 3]);
-    }
-
-    #[test]
-    fn no_input_is_lost_while_they_are_counted() {
-        for (pause, most) in [(0, 5), (0, 100), (5, 100)] {
-            let mut inputs = (0..30).inspect(|_| thread::sleep(Duration::from_millis(pause)));
-            let first = some_of(&mut inputs, most);
-            assert!(first.len() <= most && (pause == 0 || first.len() < 10));
-            assert!(first.into_iter().chain(inputs).eq(0..30));
-        }
     }
 }

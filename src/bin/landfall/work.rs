@@ -3,12 +3,17 @@
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+#[cfg(feature = "exec")]
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use landfall_ir::stack::spawn_alike;
+
+#[cfg(feature = "exec")]
+use crate::cores::Cores;
 
 /// Maximum number of waiting results per thread.
 const WAITING: usize = 512;
@@ -37,7 +42,8 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
     job: impl Fn(I) -> O + Sync,
     take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
-    run(items, threads, LARGEST_CLAIM, (|| Ok(()), || Some(())), |(), item| job(item), take)
+    let states = (|| Ok(()), || Some(()));
+    run(items, threads, (LARGEST_CLAIM, |_, _| ()), states, |(), item| job(item), take)
 }
 
 /// The same for items that take long, with a state for each thread: what `own` returns on the calling
@@ -50,13 +56,15 @@ pub fn ordered_with<S, I: Send, O: Weighed + Send, E>(
     job: impl Fn(&mut S, I) -> O + Sync,
     take: impl FnMut(O) -> Result<(), E>,
 ) -> Result<(), E> {
-    run(items, threads, 1, (own, open), job, take)
+    let cores = OnceLock::new();
+    let keep = |number, threads| cores.get_or_init(|| Cores::of(threads)).keep(number);
+    run(items, threads, (1, keep), (own, open), job, take)
 }
 
 fn run<S, I: Send, O: Weighed + Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
-    largest_claim: usize,
+    (largest_claim, keep): (usize, impl Fn(usize, usize) + Sync),
     (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
     mut take: impl FnMut(O) -> Result<(), E>,
@@ -89,13 +97,19 @@ fn run<S, I: Send, O: Weighed + Send, E>(
         largest_claim,
     };
     thread::scope(|scope| {
-        for _ in 1..threads {
-            if spawn_alike(scope, || queue.work(&open, &job)).is_err() {
+        let (shared, keep, open, job) = (&queue, &keep, &open, &job);
+        for number in 1..threads {
+            let work = move || {
+                keep(number, threads);
+                shared.work(open, job);
+            };
+            if spawn_alike(scope, work).is_err() {
                 // The others do its work.
                 drop(LeaveAtEnd(&queue));
             }
         }
         let _stop = StopAtEnd(&queue);
+        keep(0, threads);
         let mut own = own()?;
         queue.work_and_take(&mut |item| job(&mut own, item), &mut take)
     })

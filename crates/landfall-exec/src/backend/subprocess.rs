@@ -61,13 +61,15 @@ impl Launch {
         }
     }
 
-    /// Has Mesa's software drivers leave out LLVM's optimisations, which take longer than a shader
-    /// that runs for a few invocations; an environment that sets `GALLIVM_PERF` keeps its value.
+    /// Has Mesa's software drivers leave out what takes longer than a shader that runs for a few
+    /// invocations: LLVM's optimisations and threads that rasterize. A variable that the environment
+    /// sets keeps its value.
     #[must_use]
-    pub fn without_optimization(mut self) -> Launch {
-        const FLAGS: &str = "GALLIVM_PERF";
-        if std::env::var_os(FLAGS).is_none() {
-            self.environment.push((FLAGS.into(), "nopt".into()));
+    pub fn for_few_invocations(mut self) -> Launch {
+        for (name, value) in [("GALLIVM_PERF", "nopt"), ("LP_NUM_THREADS", "0")] {
+            if std::env::var_os(name).is_none() {
+                self.environment.push((name.into(), value.into()));
+            }
         }
         self
     }

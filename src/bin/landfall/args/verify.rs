@@ -75,7 +75,7 @@ pub struct VerifyArgs {
     )]
     pub limit: Duration,
     /// Shaders verified in parallel, each with its own driver processes; one with a browser
-    /// [default: one per core, and one more for many with gl]
+    /// [default: one per core]
     #[arg(help_heading = "Backends", short, long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     #[command(flatten)]
