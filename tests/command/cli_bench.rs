@@ -87,8 +87,10 @@ fn lights_of_a_shader_that_counts_them_cost_a_slope() {
     let found = bench(&[scene, "--backend", "cpu", "--variant", variant]);
     let shader = found.rows.iter().find(|row| row.runner.backend == "cpu");
     let shader = shader.unwrap_or_else(|| panic!("{:?}", found.failed));
-    // Its sign is that of a difference of times, which a busy machine can turn.
+    // One slope a round, of any sign: it is a difference of times, which a busy machine can turn.
     assert!(shader.light.is_some_and(|spread| spread.median.is_finite()), "{shader:?}");
+    assert_eq!(shader.light_rounds.as_ref().map(Vec::len), Some(3), "{shader:?}");
+    assert!(shader.light_gross.is_some_and(|time| time > 0.0), "{shader:?}");
     // Far below 128 slots: only lights in use are evaluated.
     assert!(shader.work.evaluations.is_some_and(|n| n < 10.0), "{:?}", shader.work);
 }
