@@ -9,8 +9,11 @@ mod vertices;
 
 use std::borrow::Cow;
 
-use super::Scene;
+use super::{Scene, threads};
 use vertices::Corners;
+
+/// The indices that a thread writes at a time.
+const NUMBERS: usize = 1 << 16;
 
 /// The fragments of a picture.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -94,7 +97,11 @@ impl<'a> Chosen<'a> {
 impl Frame {
     /// Returns the indices of all fragments.
     pub fn numbers(&self) -> Vec<u32> {
-        (0..self.fragments.len() as u32).collect()
+        let mut numbers = bytemuck::zeroed_vec(self.fragments.len());
+        threads::each(numbers.chunks_mut(NUMBERS).zip(0..), |(part, nth)| {
+            part.iter_mut().zip(nth * NUMBERS as u32..).for_each(|(to, number)| *to = number);
+        });
+        numbers
     }
 
     /// Rasterises a scene.

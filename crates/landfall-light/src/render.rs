@@ -240,8 +240,9 @@ impl Renderer {
         notes
     }
 
-    /// Lights fragments of one material. `take` receives the backend, the colours of each job's
-    /// fragments and which of them were discarded. Returns the bytes of blocks uploaded.
+    /// Lights fragments of one material. `take` receives the colours of each job's fragments and
+    /// which of them were discarded, maybe on another thread; `after` the backend and the number of
+    /// fragments after each job. Returns the bytes of blocks uploaded.
     ///
     /// # Errors
     /// More lights than slots, or a failure of the backend.
@@ -251,7 +252,8 @@ impl Renderer {
         work: &Work<'_>,
         fragments: Chosen<'_>,
         draw: &Draw<'_>,
-        take: impl FnMut(&mut R, &[[f32; 4]], &[bool]),
+        take: impl FnMut(&[[f32; 4]], &[bool]) + Send,
+        after: impl FnMut(&mut R, usize),
     ) -> Result<u64, RenderError> {
         let Some(first) = fragments.iter().next() else { return Ok(0) };
         let material = work.upload.materials.get(first.material as usize);
@@ -267,7 +269,7 @@ impl Renderer {
             count: fragments.numbers.len(),
             limit: work.limit,
         };
-        self.shader.run_into(backend, &batch, take)?;
+        self.shader.run_into(backend, &batch, take, after)?;
         Ok(blocks.iter().map(|bytes| bytes.len() as u64).sum())
     }
 
@@ -316,19 +318,17 @@ impl Renderer {
                 let same = Chosen { numbers, ..chosen };
                 let Rendered { picture, discarded: left_out, .. } = &mut rendered;
                 let mut lit = same.iter();
-                let bytes =
-                    self.light(backend, work, same, draw, |backend, colors, discarded| {
-                        for (at, (color, fragment)) in colors.iter().zip(lit.by_ref()).enumerate() {
-                            if discarded.get(at) == Some(&true) {
-                                *left_out += 1;
-                            } else if let Some(pixel) =
-                                picture.pixels.get_mut(fragment.pixel as usize)
-                            {
-                                *pixel = *color;
-                            }
+                let take = |colors: &[[f32; 4]], discarded: &[bool]| {
+                    for (at, (color, fragment)) in colors.iter().zip(lit.by_ref()).enumerate() {
+                        if discarded.get(at) == Some(&true) {
+                            *left_out += 1;
+                        } else if let Some(pixel) = picture.pixels.get_mut(fragment.pixel as usize)
+                        {
+                            *pixel = *color;
                         }
-                        after(backend, colors.len());
-                    })?;
+                    }
+                };
+                let bytes = self.light(backend, work, same, draw, take, &mut *after)?;
                 rendered.fragments += numbers.len() as u64;
                 rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
                 rendered.uploaded += bytes;

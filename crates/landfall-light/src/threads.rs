@@ -3,8 +3,9 @@
 //! The results do not depend on the number of threads. Used where pictures are lit and functions
 //! are proved and stressed.
 
-use std::sync::Mutex;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, mpsc};
 use std::thread::{self, Builder, ScopedJoinHandle};
 
 /// The stack of a thread: as much as that of a process.
@@ -55,6 +56,51 @@ pub(crate) fn run<S: Send, R: Send>(
     done.into_iter().map(|(_, result)| result).collect()
 }
 
+/// Passes the results of the jobs numbered from 0 to `take` in their order, while later ones run on
+/// all threads of the machine; the calling thread runs those that none has begun.
+///
+/// # Errors
+/// That of `take`, after which no more jobs begin.
+pub(crate) fn in_order<R: Send, E>(
+    jobs: usize,
+    job: impl Fn(usize) -> R + Sync,
+    mut take: impl FnMut(R) -> Result<(), E>,
+) -> Result<(), E> {
+    let next = AtomicUsize::new(0);
+    let claim = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|nth| *nth < jobs);
+    thread::scope(|scope| {
+        let (sender, results) = mpsc::channel();
+        let (job, claim) = (&job, &claim);
+        for _ in 1..number(0).min(jobs) {
+            let sender = sender.clone();
+            let work = move || {
+                // Until the receiver has failed.
+                let sent = |nth: &usize| sender.send((*nth, job(*nth))).is_ok();
+                std::iter::from_fn(claim).take_while(sent).for_each(drop);
+            };
+            // Where no thread can be started, the others do its work.
+            let _ = Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+        }
+        drop(sender);
+        let mut early = BTreeMap::new();
+        for nth in 0..jobs {
+            let result = loop {
+                early.extend(results.try_iter());
+                if let Some(result) = early.remove(&nth) {
+                    break result;
+                }
+                let (nth, result) = match claim() {
+                    Some(own) => (own, job(own)),
+                    None => results.recv().expect("a job does not panic"),
+                };
+                early.insert(nth, result);
+            };
+            take(result)?;
+        }
+        Ok(())
+    })
+}
+
 /// Runs one job on the calling thread, and another one beside it if there is more than one thread.
 /// The other one may itself use as many threads.
 pub(crate) fn both<A, B: Send>(
@@ -103,6 +149,8 @@ pub(crate) fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Syn
 
 #[cfg(test)]
 mod tests {
+    use std::hint::black_box;
+
     use super::*;
 
     #[test]
@@ -126,6 +174,18 @@ mod tests {
         );
         for threads in [1, 2] {
             assert_eq!(both(threads, || items.len(), || items[7]), (1000, 7));
+        }
+        for jobs in [0, 1, 2, 1000] {
+            let mut taken = Vec::new();
+            // Later jobs are shorter, so that they are done first.
+            let job = |nth: usize| (nth..jobs).fold(nth, |nth, _| black_box(nth));
+            let all = in_order(jobs, job, |nth| {
+                taken.push(nth);
+                if nth == 700 { Err(nth) } else { Ok(()) }
+            });
+            let last = jobs.min(701);
+            assert_eq!(taken, (0..last).collect::<Vec<_>>());
+            assert_eq!(all, if jobs > 700 { Err(700) } else { Ok(()) });
         }
         let mut squares = vec![0; 1000];
         each(squares.chunks_mut(7).enumerate(), |(nth, part)| {

@@ -4,7 +4,7 @@
 
 use crate::backend::BackendKind;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::code::{Class, LANES, Reg};
 use super::drive::Outcome;
@@ -35,9 +35,6 @@ pub struct Cpu {
     /// The compiled modules.
     compiled: Vec<(Arc<Module>, Arc<Program>)>,
 }
-
-/// Output 0 of a batch, and the mask of lanes that have one.
-type Tile = (Box<[[u32; 4]; LANES]>, u64);
 
 /// The number of compiled modules kept.
 const KEPT: usize = 8;
@@ -201,9 +198,8 @@ fn pixel(numbers: &Numbers, lane: usize) -> [u32; 4] {
     pixel
 }
 
-/// Returns the words of a fragment's output in all lanes.
-fn words_of_pixels<R: Real>(m: &mut Machine<R>, regs: &[Reg]) -> Box<[[u32; 4]; LANES]> {
-    let mut pixels = Box::new([[0; 4]; LANES]);
+/// Writes the words of a fragment's output in all lanes.
+fn words_of_pixels<R: Real>(m: &mut Machine<R>, regs: &[Reg], pixels: &mut [[u32; 4]]) {
     for (i, &reg) in regs.iter().take(4).enumerate() {
         let to = pixels.iter_mut().map(|pixel| &mut pixel[i]);
         match reg.class() {
@@ -214,7 +210,6 @@ fn words_of_pixels<R: Real>(m: &mut Machine<R>, regs: &[Reg]) -> Box<[[u32; 4]; 
             Class::Wide => to.zip(&*m.wides_of(reg)).for_each(|(to, x)| *to = *x as u32),
         }
     }
-    pixels
 }
 
 /// Runs workgroups one after the other.
@@ -295,7 +290,7 @@ fn image<R: Real>(
     triangle: Option<&Triangle>,
     job: &Job,
     settings: &Settings,
-) -> Result<(Outcome<Tile>, Vec<[u32; 4]>), Failure> {
+) -> Result<(Outcome<()>, Vec<[u32; 4]>), Failure> {
     let number = program.entry(entry)?;
     let code = &program.functions[number as usize];
     let interface = code.interface.as_ref().expect("an entry point has an interface");
@@ -315,7 +310,10 @@ fn image<R: Real>(
         return Err(failure(FailureKind::Refused, message));
     };
     let first = interface.outputs.iter().find(|plug| plug.port == Port::Location(0));
-    let outcome = program.drive::<R, Tile>(&bound, batches, settings, |m, batch| {
+    // Batch by batch; zeros where nothing is written.
+    let mut all = vec![[0; 4]; batches * LANES];
+    let parts: Vec<Mutex<&mut [[u32; 4]]>> = all.chunks_exact_mut(LANES).map(Mutex::new).collect();
+    let outcome = program.drive::<R, ()>(&bound, batches, settings, |m, batch| {
         let places = places(batch);
         let mut inside = 0u64;
         for (lane, [x, y]) in places.iter().enumerate() {
@@ -331,23 +329,29 @@ fn image<R: Real>(
         // Helper invocations beside the edge, so that derivatives have both sides of a quad.
         let run = if helpers && covered != 0 { u64::MAX } else { covered };
         m.invoke(number, program.starts[number as usize], run)?;
-        let pixels = words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs));
-        Ok((pixels, covered & !m.killed))
-    })?;
-    let mut all = vec![[0; 4]; pixels];
-    for (batch, (colors, written)) in outcome.results.iter().enumerate() {
-        let row = all.get_mut(batch * LANES..(batch + 1) * LANES);
-        if let (true, u64::MAX, Some(row)) = (rows, *written, row) {
-            row.copy_from_slice(&**colors);
-            continue;
+        let mut pixels = parts[batch].lock().expect("the machine does not panic");
+        words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
+        let written = covered & !m.killed;
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            if written >> lane & 1 == 0 {
+                *pixel = [0; 4];
+            }
         }
-        for (lane, ([x, y], color)) in places(batch).into_iter().zip(colors.iter()).enumerate() {
-            if written >> lane & 1 == 1 {
-                all[y as usize * width as usize + x as usize] = *color;
+        Ok(())
+    })?;
+    if rows {
+        all.truncate(pixels);
+        return Ok((outcome, all));
+    }
+    let mut image = vec![[0; 4]; pixels];
+    for (batch, colors) in all.chunks_exact(LANES).enumerate() {
+        for ([x, y], color) in places(batch).into_iter().zip(colors) {
+            if x < width && y < height {
+                image[y as usize * width as usize + x as usize] = *color;
             }
         }
     }
-    Ok((outcome, all))
+    Ok((outcome, image))
 }
 
 /// Sets the inputs of fragments without a vertex stage: their position only.

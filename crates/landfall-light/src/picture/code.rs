@@ -93,16 +93,21 @@ pub fn codes(picture: &Picture, transfer: Transfer) -> Codes {
     let parts = picture.pixels.chunks(PIXELS).zip(pixels.chunks_mut(PIXELS));
     threads::each(parts, |(linear, encoded)| {
         let mut count = 0;
-        for (&[r, g, b, a], encoded) in linear.iter().zip(encoded) {
-            let code_of = |value| code(value, transfer);
-            *encoded = [code_of(r), code_of(g), code_of(b), code(a, Transfer::Linear)];
-            count += [r, g, b, a].iter().filter(|value| !value.is_finite()).count() as u64;
+        for (linear, encoded) in linear.iter().zip(encoded) {
+            *encoded = pixel(linear, transfer);
+            count += linear.iter().filter(|value| !value.is_finite()).count() as u64;
         }
         non_finite.fetch_add(count, Ordering::Relaxed);
     });
     let non_finite = non_finite.into_inner();
     let Picture { width, height, .. } = *picture;
     Codes { width, height, pixels, transfer: Some(transfer), non_finite }
+}
+
+/// Returns the codes of one pixel, by the rule of [`codes`].
+pub(super) fn pixel(&[r, g, b, a]: &[f32; 4], transfer: Transfer) -> [u8; 4] {
+    let code_of = |value| code(value, transfer);
+    [code_of(r), code_of(g), code_of(b), code(a, Transfer::Linear)]
 }
 
 /// Returns the code of one value, by the rule of [`codes`].

@@ -17,9 +17,6 @@ use crate::threads;
 
 const FORMAT: &str = "EXR";
 
-/// The blocks that are compressed before they are written: lines of pixels.
-const BLOCKS: usize = 128;
-
 /// Returns the file of a picture.
 ///
 /// # Errors
@@ -37,16 +34,12 @@ pub fn write(picture: &Picture) -> Result<Vec<u8>, PictureError> {
     let writer = image.layer_data.create_writer(&headers);
     block::write(&mut bytes, headers, true, |meta, chunks| {
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
-        for some in blocks.chunks(BLOCKS) {
-            let compressed = threads::map(some, 1, |&(_, index)| {
-                let data = writer.extract_uncompressed_block(&meta.headers, index);
-                UncompressedBlock { index, data }.compress_to_chunk(&meta.headers)
-            });
-            for ((nth, _), chunk) in some.iter().zip(compressed) {
-                chunks.write_chunk(*nth, chunk?)?;
-            }
-        }
-        Ok(())
+        let compressed = |at: usize| {
+            let (nth, index) = blocks[at];
+            let data = writer.extract_uncompressed_block(&meta.headers, index);
+            (nth, UncompressedBlock { index, data }.compress_to_chunk(&meta.headers))
+        };
+        threads::in_order(blocks.len(), compressed, |(nth, chunk)| chunks.write_chunk(nth, chunk?))
     })
     .map_err(broken)?;
     Ok(bytes.into_inner())

@@ -1,6 +1,6 @@
 //! Picture files by format; the caller reads and writes the bytes.
 
-use super::code::{Transfer, codes};
+use super::code::Transfer;
 use super::error::PictureError;
 use super::{Picture, exr, pfm, png};
 
@@ -41,7 +41,7 @@ pub fn write(
     transfer: Transfer,
 ) -> Result<Vec<u8>, PictureError> {
     match format {
-        Format::Png => png::write(&codes(picture.checked()?, transfer)),
+        Format::Png => png::write(picture, transfer),
         Format::Exr => exr::write(picture),
         Format::Pfm => pfm::write(picture),
     }

@@ -1,18 +1,18 @@
 //! PNG: 8 bits per channel, tagged with the transfer function.
 //!
-//! Writes and reads the [`Codes`] of [`code`](super::code). sRGB codes get the chunk `sRGB`, linear
-//! ones `gAMA` 1; for a file with neither the caller decides.
+//! Writes pictures in the codes of [`code`](mod@super::code), and reads [`Codes`]. sRGB codes get the
+//! chunk `sRGB`, linear ones `gAMA` 1; for a file with neither the caller decides.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 use ::png::{
     BitDepth, ColorType, Compression, Decoder, Encoder, Limits, ScaledFloat, SrgbRenderingIntent,
 };
 use ::png::{Info, Transformations};
 
-use super::code::{Codes, Transfer};
+use super::code::{self, Codes, Transfer};
 use super::error::PictureError;
-use super::{MOST_PIXELS, PIXELS, size};
+use super::{MOST_PIXELS, PIXELS, Picture, size};
 use crate::threads;
 
 const FORMAT: &str = "PNG";
@@ -21,44 +21,75 @@ const OLD_SRGB: u32 = 45_455;
 /// The keyword of the text that names the program.
 const SOFTWARE: &str = "Software";
 const LINEAR: u32 = 100_000;
+/// The bytes of a chunk.
+const CHUNK: usize = 1 << 20;
 
-/// Returns the file of codes.
+/// Returns the file of a picture, rounded as by [`codes`](super::code::codes).
 ///
 /// # Errors
-/// No pixels, or more or fewer than the size requires.
-pub fn write(codes: &Codes) -> Result<Vec<u8>, PictureError> {
-    let wanted = size(codes.width, codes.height)? as u64;
-    let given = codes.pixels.len() as u64;
-    if given != wanted {
-        return Err(PictureError::WrongCount { wanted, given });
-    }
+/// An [incomplete](Picture::checked) picture.
+pub fn write(picture: &Picture, transfer: Transfer) -> Result<Vec<u8>, PictureError> {
+    let pixels = picture.checked()?.pixels.len();
+    let of = |channels, compression| encoded(picture, transfer, channels, compression);
+    // Most pictures are opaque.
+    let (channels, bytes) = match of(3, Compression::Fast)? {
+        Some(bytes) => (3, bytes),
+        None => (4, of(4, Compression::Fast)?.unwrap_or_default()),
+    };
+    // Noise may take more bytes compressed so fast than not at all.
+    let stored = match bytes.len() > channels * pixels {
+        true => of(channels, Compression::NoCompression)?,
+        false => None,
+    };
+    Ok(stored.filter(|stored| stored.len() < bytes.len()).unwrap_or(bytes))
+}
+
+/// Returns the file of three or four channels; `None` if three leave out an alpha.
+fn encoded(
+    picture: &Picture,
+    transfer: Transfer,
+    channels: usize,
+    compression: Compression,
+) -> Result<Option<Vec<u8>>, PictureError> {
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, codes.width, codes.height);
+    let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Fast);
-    match codes.transfer {
-        Some(Transfer::Srgb) => encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric),
-        Some(Transfer::Linear) => encoder.set_source_gamma(ScaledFloat::from_scaled(LINEAR)),
-        None => {}
+    encoder.set_compression(compression);
+    encoder.set_color(if channels == 3 { ColorType::Rgb } else { ColorType::Rgba });
+    match transfer {
+        Transfer::Srgb => encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric),
+        Transfer::Linear => encoder.set_source_gamma(ScaledFloat::from_scaled(LINEAR)),
     }
-    // An opaque picture is written without alpha.
-    let opaque = codes.pixels.iter().all(|pixel| pixel[3] == 255);
-    encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
-    let channels = if opaque { 3 } else { 4 };
-    let mut data = vec![0; channels * codes.pixels.len()];
-    threads::each(
-        codes.pixels.chunks(PIXELS).zip(data.chunks_mut(channels * PIXELS)),
-        |(pixels, data)| {
-            for (pixel, to) in pixels.iter().zip(data.chunks_exact_mut(channels)) {
-                to.copy_from_slice(&pixel[..channels]);
-            }
-        },
-    );
     encoder.add_text_chunk(SOFTWARE.to_string(), "landfall".to_string()).map_err(broken)?;
     let mut writer = encoder.write_header().map_err(broken)?;
-    writer.write_image_data(&data).map_err(broken)?;
+    let mut data = writer.stream_writer_with_size(CHUNK).map_err(broken)?;
+    let parts: Vec<&[[f32; 4]]> = picture.pixels.chunks(PIXELS).collect();
+    let written = threads::in_order(
+        parts.len(),
+        |nth| coded(parts[nth], transfer, channels),
+        |codes| match codes {
+            Some(codes) => data.write_all(&codes).map_err(|error| Some(broken(error))),
+            None => Err(None),
+        },
+    );
+    if let Err(error) = written {
+        return error.map_or(Ok(None), Err);
+    }
+    data.finish().map_err(broken)?;
     writer.finish().map_err(broken)?;
-    Ok(bytes)
+    Ok(Some(bytes))
+}
+
+/// Returns three or four channels of pixels; `None` if three leave out an alpha.
+fn coded(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec<u8>> {
+    let mut codes = vec![0; channels * pixels.len()];
+    let mut alphas = u8::MAX;
+    for (pixel, to) in pixels.iter().zip(codes.chunks_exact_mut(channels)) {
+        let code = code::pixel(pixel, transfer);
+        alphas &= code[3];
+        to.copy_from_slice(&code[..channels]);
+    }
+    (channels == 4 || alphas == u8::MAX).then_some(codes)
 }
 
 /// Whether a file was written by [`write()`].

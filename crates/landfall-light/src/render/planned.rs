@@ -291,11 +291,10 @@ impl Renderer {
             let nodes = Chosen { all: &grid.nodes, numbers: &numbers };
             let draw = Draw { fragments: &[], lights: lit(&grid.lights), tiles: None };
             let mut lit = Vec::with_capacity(numbers.len());
-            rendered.uploaded +=
-                self.light(backend, work, nodes, &draw, |backend, colors, _| {
-                    lit.extend(colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)));
-                    after(backend, colors.len());
-                })?;
+            let take = |colors: &[[f32; 4]], _: &[bool]| {
+                lit.extend(colors.iter().map(|[r, g, b, _]| Vec3::new(*r, *g, *b)));
+            };
+            rendered.uploaded += self.light(backend, work, nodes, &draw, take, &mut *after)?;
             rendered.evaluations += numbers.len() as u64 * self.evaluated(&draw.lights);
             colors.push(lit);
         }

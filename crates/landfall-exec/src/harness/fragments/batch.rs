@@ -95,20 +95,21 @@ impl FragmentShader {
         &self,
         backend: &mut R,
         batch: &Batch<'_>,
-        mut after: impl FnMut(&mut R, usize),
+        after: impl FnMut(&mut R, usize),
     ) -> Result<Shaded, Failure> {
         let mut shaded = Shaded::default();
         shaded.colors.reserve(batch.count);
-        self.run_into(backend, batch, |backend, colors, discarded| {
+        let take = |colors: &[[f32; 4]], discarded: &[bool]| {
             shaded.colors.extend_from_slice(colors);
             shaded.discarded.extend_from_slice(discarded);
-            after(backend, colors.len());
-        })?;
+        };
+        self.run_into(backend, batch, take, after)?;
         Ok(shaded)
     }
 
-    /// Runs the shader over fragments. `take` is called after each job with the backend, the colours
-    /// of the job's fragments and which of them were discarded, as in [`Shaded`].
+    /// Runs the shader over fragments. `take` receives the colours of each job's fragments and which
+    /// of them were discarded, as in [`Shaded`], on another thread while the next job runs; `after`
+    /// is called after each job with the backend and the job's number of fragments.
     ///
     /// # Errors
     /// As [`FragmentShader::run`].
@@ -116,7 +117,8 @@ impl FragmentShader {
         &self,
         backend: &mut R,
         batch: &Batch<'_>,
-        mut take: impl FnMut(&mut R, &[[f32; 4]], &[bool]),
+        mut take: impl FnMut(&[[f32; 4]], &[bool]) + Send,
+        mut after: impl FnMut(&mut R, usize),
     ) -> Result<(), Failure> {
         let is_gl = backend.device().backend == BackendKind::Gl;
         let whole = backend.device().backend == BackendKind::Cpu;
@@ -132,33 +134,31 @@ impl FragmentShader {
         let counts = |from: usize| most.min(batch.count - from);
         let mut from = 0;
         let mut packed = (batch.count > 0).then(|| pack(0, counts(0)));
+        let mut done: Option<Done> = None;
         while let Some(image) = packed.take() {
             let count = counts(from);
             jobs.put(self, image);
-            // The next job is packed while this one runs.
+            let then = from + count;
+            // The results of the last job are taken and the next one is packed while this one runs.
+            let beside = || {
+                if let Some(done) = done.take() {
+                    take(done.colors(), &done.discarded);
+                }
+                (then < batch.count).then(|| pack(then, counts(then)))
+            };
+            let is_only = count == batch.count;
             let answer = thread::scope(|scope| {
-                let then = from + count;
-                let next =
-                    (then < batch.count).then(|| scope.spawn(move || pack(then, counts(then))));
-                let answer = backend.run(&jobs.shading);
-                packed = next.map(|next| next.join().expect("packing does not panic"));
+                let other = (!is_only).then(|| scope.spawn(beside));
+                let answer = jobs.run(backend, count);
+                packed = other.and_then(|other| other.join().expect("packing does not panic"));
                 answer
             });
-            let mut colors = answer?.pixels;
-            colors.truncate(count);
-            let mut discarded = Vec::new();
-            if let Some(covering) = &mut jobs.covering {
-                covering.resources = std::mem::take(&mut jobs.shading.resources);
-                covering.grid = jobs.shading.grid;
-                let answer = backend.run(covering);
-                jobs.shading.resources = std::mem::take(&mut covering.resources);
-                discarded.extend(answer?.pixels[..count].iter().map(|pixel| pixel[0] == 0));
-            }
-            for (color, _) in colors.iter_mut().zip(&discarded).filter(|(_, is)| **is) {
-                *color = [0; 4];
-            }
-            from += count;
-            take(backend, bytemuck::cast_slice(&colors), &discarded);
+            done = Some(answer?);
+            after(backend, count);
+            from = then;
+        }
+        if let Some(done) = done {
+            take(done.colors(), &done.discarded);
         }
         Ok(())
     }
@@ -262,6 +262,19 @@ fn loose(block: &BlockLayout, bytes: &[u8]) -> Vec<LooseUniform> {
     uniforms
 }
 
+/// The results of a job.
+struct Done {
+    pixels: Vec<[u32; 4]>,
+    /// As in [`Shaded`].
+    discarded: Vec<bool>,
+}
+
+impl Done {
+    fn colors(&self) -> &[[f32; 4]] {
+        bytemuck::cast_slice(&self.pixels)
+    }
+}
+
 /// The jobs of a batch, which differ in the texture of inputs and its size alone.
 struct Jobs {
     shading: Job,
@@ -325,5 +338,23 @@ impl Jobs {
             uniforms.push(LooseUniform { name: SIZE.to_string(), words });
         }
         resources[self.atlas].kind = ResourceKind::Texture { width, height, texels };
+    }
+
+    /// Runs the job for `count` fragments.
+    fn run<R: Backend + ?Sized>(&mut self, backend: &mut R, count: usize) -> Result<Done, Failure> {
+        let mut pixels = backend.run(&self.shading)?.pixels;
+        pixels.truncate(count);
+        let mut discarded = Vec::new();
+        if let Some(covering) = &mut self.covering {
+            covering.resources = std::mem::take(&mut self.shading.resources);
+            covering.grid = self.shading.grid;
+            let answer = backend.run(covering);
+            self.shading.resources = std::mem::take(&mut covering.resources);
+            discarded.extend(answer?.pixels[..count].iter().map(|pixel| pixel[0] == 0));
+        }
+        for (pixel, _) in pixels.iter_mut().zip(&discarded).filter(|(_, is)| **is) {
+            *pixel = [0; 4];
+        }
+        Ok(Done { pixels, discarded })
     }
 }
