@@ -27,7 +27,6 @@ fn main() {
     tree::write(&many, 16000);
     let text = |path: &Path| path.to_str().expect("a plain name").to_string();
     let (few, many) = (text(&few), text(&many));
-    let locks = text(&dir.join("locks"));
     let shaders: Vec<String> = verified().iter().map(|path| text(path)).collect();
     let shaders: Vec<&str> = shaders.iter().map(String::as_str).collect();
     let layout = ["layout", &many, "--format", "json"];
@@ -37,7 +36,7 @@ fn main() {
     row("layout, 16,000 files, JSON", &layout);
     row("check, 2,000 files", &["check", "--no-cache", &few]);
     row("check, 16,000 files", &["check", "--no-cache", &many]);
-    row("lock, 16,000 files", &["lock", "--locks", &locks, &many]);
+    row_in(&dir, "lock, 16,000 files", &["lock", "--locks", "locks", "many"]);
     for backends in ["cpu", "gl", "gpu", "cpu,gl,gpu"] {
         let what = format!("verify, {} shaders, {backends}", shaders.len());
         row(&what, &[&["verify", "--backend", backends], &shaders[..]].concat());
@@ -59,8 +58,13 @@ fn verified() -> Vec<PathBuf> {
 }
 
 fn row(what: &str, arguments: &[&str]) {
-    let one = || end(start(Command::new("taskset").args(["-c", "0", LANDFALL]).args(arguments)));
-    let two = || end(start(Command::new(LANDFALL).args(arguments)));
+    row_in(Path::new("."), what, arguments);
+}
+
+fn row_in(dir: &Path, what: &str, arguments: &[&str]) {
+    let run = |command: &mut Command| end(start(command.args(arguments).current_dir(dir)));
+    let one = || run(Command::new("taskset").args(["-c", "0", LANDFALL]));
+    let two = || run(&mut Command::new(LANDFALL));
     println!("{what:44} {}", interleaved(ROUNDS, two, one));
 }
 

@@ -35,12 +35,13 @@ pub trait Weighed {
 }
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
-/// fails. A single item runs on the calling thread.
-pub fn ordered<I: Send, O: Weighed + Send, E>(
+/// fails. What `take` returns is dropped on the thread of the job: to free memory of another thread
+/// takes that thread's lock. A single item runs on the calling thread.
+pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
     job: impl Fn(I) -> O + Sync,
-    take: impl FnMut(O) -> Result<(), E>,
+    take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
     let states = (|| Ok(()), || Some(()));
     run(items, threads, (LARGEST_CLAIM, |_, _| ()), states, |(), item| job(item), take)
@@ -49,25 +50,25 @@ pub fn ordered<I: Send, O: Weighed + Send, E>(
 /// The same for items that take long, with a state for each thread: what `own` returns on the calling
 /// thread, and meanwhile `open` on each other one. A thread that opens none does no work.
 #[cfg(feature = "exec")]
-pub fn ordered_with<S, I: Send, O: Weighed + Send, E>(
+pub fn ordered_with<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
     (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
-    take: impl FnMut(O) -> Result<(), E>,
+    take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
     let cores = OnceLock::new();
     let keep = |number, threads| cores.get_or_init(|| Cores::of(threads)).keep(number);
     run(items, threads, (1, keep), (own, open), job, take)
 }
 
-fn run<S, I: Send, O: Weighed + Send, E>(
+fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
     (largest_claim, keep): (usize, impl Fn(usize, usize) + Sync),
     (own, open): (impl FnOnce() -> Result<S, E>, impl Fn() -> Option<S> + Sync),
     job: impl Fn(&mut S, I) -> O + Sync,
-    mut take: impl FnMut(O) -> Result<(), E>,
+    mut take: impl FnMut(O) -> Result<R, E>,
 ) -> Result<(), E> {
     let mut items = items;
     let (first, second) = (items.next(), items.next());
@@ -79,7 +80,7 @@ fn run<S, I: Send, O: Weighed + Send, E>(
     let mut items = first.into_iter().chain(second).chain(items);
     if threads == 1 {
         let mut own = own()?;
-        return items.try_for_each(|item| take(job(&mut own, item)));
+        return items.try_for_each(|item| take(job(&mut own, item)).map(drop));
     }
     let queue = Queue {
         items: Mutex::new(items),
@@ -88,6 +89,7 @@ fn run<S, I: Send, O: Weighed + Send, E>(
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
+            left: (0..threads).map(|_| Vec::new()).collect(),
             working: threads - 1,
             stop: false,
         }),
@@ -101,7 +103,7 @@ fn run<S, I: Send, O: Weighed + Send, E>(
         for number in 1..threads {
             let work = move || {
                 keep(number, threads);
-                shared.work(open, job);
+                shared.work(number, open, job);
             };
             if spawn_alike(scope, work).is_err() {
                 // The others do its work.
@@ -115,11 +117,11 @@ fn run<S, I: Send, O: Weighed + Send, E>(
     })
 }
 
-struct Queue<T, O> {
+struct Queue<T, O, R> {
     items: Mutex<T>,
     /// Items that threads have claimed.
     claimed: AtomicUsize,
-    state: Mutex<State<O>>,
+    state: Mutex<State<O, R>>,
     /// Signals that the next result has arrived or that the last thread has ended.
     ready: Condvar,
     /// Signals that results were taken, so that work may continue.
@@ -129,21 +131,29 @@ struct Queue<T, O> {
     largest_claim: usize,
 }
 
-struct State<O> {
+struct State<O, R> {
     /// Number of results taken.
     taken: usize,
-    /// Waiting results and their total size.
-    done: BTreeMap<usize, O>,
+    /// Waiting results with the thread of each, and their total size.
+    done: BTreeMap<usize, (usize, O)>,
     bytes: usize,
+    /// What is left of the results of each thread, for it to drop.
+    left: Vec<Vec<R>>,
     /// Threads that are still working.
     working: usize,
     stop: bool,
 }
 
-/// Signals on drop that a thread has ended, also after a panic of a job.
-struct LeaveAtEnd<'a, T, O>(&'a Queue<T, O>);
+/// The results of a thread that it has not handed over, with their numbers.
+struct Kept<O> {
+    thread: usize,
+    results: Vec<(usize, O)>,
+}
 
-impl<T, O> Drop for LeaveAtEnd<'_, T, O> {
+/// Signals on drop that a thread has ended, also after a panic of a job.
+struct LeaveAtEnd<'a, T, O, R>(&'a Queue<T, O, R>);
+
+impl<T, O, R> Drop for LeaveAtEnd<'_, T, O, R> {
     fn drop(&mut self) {
         self.0.lock().working -= 1;
         self.0.ready.notify_one();
@@ -151,28 +161,28 @@ impl<T, O> Drop for LeaveAtEnd<'_, T, O> {
 }
 
 /// Stops the other threads on drop, when the thread that takes results is done or has failed.
-struct StopAtEnd<'a, T, O>(&'a Queue<T, O>);
+struct StopAtEnd<'a, T, O, R>(&'a Queue<T, O, R>);
 
-impl<T, O> Drop for StopAtEnd<'_, T, O> {
+impl<T, O, R> Drop for StopAtEnd<'_, T, O, R> {
     fn drop(&mut self) {
         self.0.lock().stop = true;
         self.0.room.notify_all();
     }
 }
 
-impl<T, O> Queue<T, O> {
-    fn lock(&self) -> MutexGuard<'_, State<O>> {
+impl<T, O, R> Queue<T, O, R> {
+    fn lock(&self) -> MutexGuard<'_, State<O, R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
+impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     /// Works until no item is left.
-    fn work<S>(&self, open: &impl Fn() -> Option<S>, job: &impl Fn(&mut S, I) -> O) {
+    fn work<S>(&self, number: usize, open: &impl Fn() -> Option<S>, job: &impl Fn(&mut S, I) -> O) {
         let _leave = LeaveAtEnd(self);
         let Some(mut state) = open() else { return };
         let mut job = |item| job(&mut state, item);
-        let mut kept: Vec<(usize, O)> = Vec::new();
+        let mut kept = Kept { thread: number, results: Vec::new() };
         while self.wait_for_room(&mut kept) && self.work_on_claim(&mut job, &mut kept) {}
         self.bring(&mut self.lock(), &mut kept);
     }
@@ -181,13 +191,15 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     fn work_and_take<E>(
         &self,
         job: &mut impl FnMut(I) -> O,
-        take: &mut impl FnMut(O) -> Result<(), E>,
+        take: &mut impl FnMut(O) -> Result<R, E>,
     ) -> Result<(), E> {
-        let mut kept: Vec<(usize, O)> = Vec::new();
+        let mut kept = Kept { thread: 0, results: Vec::new() };
+        let mut left: Vec<(usize, R)> = Vec::new();
         let mut items_left = true;
         loop {
             let mut state = self.lock();
             self.bring(&mut state, &mut kept);
+            left.drain(..).for_each(|(thread, left)| state.left[thread].push(left));
             while state.done.first_key_value().is_none_or(|(number, _)| *number != state.taken) {
                 if items_left && !self.is_full(&state) {
                     break;
@@ -201,19 +213,24 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
             drop(state);
             if !results.is_empty() {
                 self.room.notify_all();
-                results.into_iter().try_for_each(&mut *take)?;
+                for (thread, result) in results {
+                    let rest = take(result)?;
+                    if thread != 0 {
+                        left.push((thread, rest));
+                    }
+                }
             }
             items_left = items_left && self.work_on_claim(job, &mut kept);
         }
     }
 
     /// Claims some items and works on them; `false` if none are left.
-    fn work_on_claim(&self, job: &mut impl FnMut(I) -> O, kept: &mut Vec<(usize, O)>) -> bool {
+    fn work_on_claim(&self, job: &mut impl FnMut(I) -> O, kept: &mut Kept<O>) -> bool {
         let claim = self.claim();
         let some = !claim.is_empty();
         let mut since = Instant::now();
         for (number, item) in claim {
-            kept.push((number, job(item)));
+            kept.results.push((number, job(item)));
             if since.elapsed() >= PATIENCE {
                 self.bring(&mut self.lock(), kept);
                 since = Instant::now();
@@ -223,21 +240,25 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     }
 
     /// Whether work is as far ahead as permitted.
-    fn is_full(&self, state: &State<O>) -> bool {
+    fn is_full(&self, state: &State<O, R>) -> bool {
         let ahead = self.claimed.load(Ordering::Relaxed) - state.taken;
         !state.stop && (ahead >= self.window || state.bytes >= WAITING_BYTES)
     }
 
     /// Waits until work may continue; `false` if it must stop.
-    fn wait_for_room(&self, kept: &mut Vec<(usize, O)>) -> bool {
+    fn wait_for_room(&self, kept: &mut Kept<O>) -> bool {
         let mut state = self.lock();
+        let left = std::mem::take(&mut state.left[kept.thread]);
         if self.is_full(&state) {
             self.bring(&mut state, kept);
             while self.is_full(&state) {
                 state = self.room.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         }
-        !state.stop
+        let goes_on = !state.stop;
+        drop(state);
+        drop(left);
+        goes_on
     }
 
     /// Claims the next items with their numbers: single ones at first, to spread a few large jobs,
@@ -252,10 +273,10 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     }
 
     /// Hands over the collected results of a thread.
-    fn bring(&self, state: &mut State<O>, kept: &mut Vec<(usize, O)>) {
-        for (number, result) in kept.drain(..) {
+    fn bring(&self, state: &mut State<O, R>, kept: &mut Kept<O>) {
+        for (number, result) in kept.results.drain(..) {
             state.bytes += result.bytes();
-            state.done.insert(number, result);
+            state.done.insert(number, (kept.thread, result));
         }
         if state.done.first_key_value().is_some_and(|(number, _)| *number == state.taken) {
             self.ready.notify_one();
@@ -263,12 +284,12 @@ impl<I, T: Iterator<Item = I>, O: Weighed> Queue<T, O> {
     }
 
     /// Removes the waiting results that are next in order.
-    fn results(state: &mut State<O>) -> Vec<O> {
+    fn results(state: &mut State<O, R>) -> Vec<(usize, O)> {
         let mut results = Vec::new();
-        while let Some(result) = state.done.remove(&state.taken) {
+        while let Some((thread, result)) = state.done.remove(&state.taken) {
             state.taken += 1;
             state.bytes -= result.bytes();
-            results.push(result);
+            results.push((thread, result));
         }
         results
     }
@@ -307,6 +328,31 @@ mod tests {
                 assert_eq!(seen, (0..n).collect::<Vec<_>>());
             }
         }
+    }
+
+    #[test]
+    fn what_is_left_is_dropped_on_the_thread_of_its_job() {
+        struct Left<'a>(thread::ThreadId, &'a AtomicUsize);
+
+        impl Drop for Left<'_> {
+            fn drop(&mut self) {
+                self.1.fetch_add(usize::from(thread::current().id() != self.0), Ordering::Relaxed);
+            }
+        }
+
+        impl Weighed for Left<'_> {
+            fn bytes(&self) -> usize {
+                1
+            }
+        }
+
+        let elsewhere = AtomicUsize::new(0);
+        let job = |_| Left(thread::current().id(), &elsewhere);
+        let done: Result<(), ()> = ordered(0..20_000, threads(2), job, Ok);
+        assert!(done.is_ok());
+        // The last ones, whose thread has ended.
+        let elsewhere = elsewhere.into_inner();
+        assert!(elsewhere <= 2 * (2 * WAITING) + 4 * LARGEST_CLAIM, "{elsewhere}");
     }
 
     #[test]

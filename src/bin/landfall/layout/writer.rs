@@ -64,8 +64,8 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the layouts of the next shader.
-    pub fn take(&mut self, done: Done) -> Result<(), Failure> {
+    /// Writes the layouts of the next shader, and returns their text.
+    pub fn take(&mut self, done: Done) -> Result<Option<String>, Failure> {
         self.shaders += 1;
         if done.failed {
             self.outcome = Outcome::CouldNot;
@@ -84,7 +84,7 @@ impl<'a> Writer<'a> {
         }
         self.last = done.path;
         self.show_progress();
-        Ok(())
+        Ok(done.product)
     }
 
     fn print(&mut self, text: &str) -> Result<(), Failure> {
