@@ -38,7 +38,7 @@ pub fn run(args: &LayoutArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Inputs::new(args.files.clone()),
         args.jobs,
         |input| job.one(input),
-        |done| writer.take(done),
+        |done| writer.take(&done).map(|()| done),
     )?;
     writer.finish()
 }

@@ -53,7 +53,7 @@ pub fn run(args: &LockArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Inputs::new(paths).filter(|input| job.takes(input)),
         args.jobs,
         |input| job.one(input),
-        |done| tally.take(done, &job, streams),
+        |done| tally.take(&done, &job, streams).map(|()| done),
     )?;
     let excluded = job.excluded.load(Ordering::Relaxed);
     if tally.is_empty() && excluded > 0 && !watch::is_stopped() {
@@ -240,21 +240,21 @@ impl Tally {
         self.targets.is_empty() && !self.failed
     }
 
-    fn take(&mut self, done: Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
+    fn take(&mut self, done: &Done, job: &Job<'_>, streams: &Streams) -> Result<(), Failure> {
         let style = job.style;
         streams.report(&done.findings);
         let say = |found: Diagnostic| streams.report(&style.text(&[found], &Files::default()));
         if let Some(target) = &done.target {
             self.targets.insert(target.clone());
         }
-        let (Some(target), Some(text)) = (done.target, done.text) else {
+        let (Some(target), Some(text)) = (&done.target, &done.text) else {
             self.failed = true;
             return Ok(());
         };
         if done.forbidden {
             self.kept += 1;
         } else if job.args.check {
-            let stale = match read::file(&target) {
+            let stale = match read::file(target) {
                 Some(there) if there == text.as_bytes() => {
                     self.unchanged += 1;
                     return Ok(());
@@ -267,10 +267,10 @@ impl Tally {
                 .with_help("run the same command without `--check`, and commit what it writes");
             say(Diagnostic { code: Code::StaleLock, ..error.into() });
         } else {
-            match job.writer.write(&target, &text) {
+            match job.writer.write(target, text) {
                 Ok(Written::Changed) => {
                     self.changed += 1;
-                    self.approved.extend(done.approved);
+                    self.approved.extend_from_slice(&done.approved);
                 }
                 Ok(Written::Unchanged) => self.unchanged += 1,
                 Err(error) => {

@@ -15,7 +15,7 @@ use landfall_lint::digest;
 
 use super::against::Against;
 use super::basis::Basis;
-use super::check_shader::{Checked, Done, Job, Known};
+use super::check_shader::{Checked, Done, Fresh, Job, Known};
 use super::policies::Policies;
 use crate::args::Shard;
 use crate::config::{Exclude, Root};
@@ -143,6 +143,7 @@ impl Run<'_> {
                 done
             },
             |done| {
+                let mut left = None;
                 match done {
                     // Moved out of `known` once the threads no longer use it.
                     Done::Same(path, stamps) => {
@@ -151,13 +152,16 @@ impl Run<'_> {
                         pass.checked.push(blank());
                     }
                     Done::NoInput(found) => pass.no_input.push(*found),
-                    Done::Fresh(fresh) => pass.take(*fresh, &self.locks),
+                    Done::Fresh(mut fresh) => {
+                        pass.take(&mut fresh, &self.locks);
+                        left = Some(fresh);
+                    }
                 }
                 if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
                     *last = Instant::now();
                     streams.progress(&format!("{} shaders checked", pass.checked.len()));
                 }
-                Ok::<(), Failure>(())
+                Ok::<_, Failure>(left)
             },
         )?;
         for (number, path, stamps) in same {
@@ -201,20 +205,20 @@ fn blank() -> Checked {
 }
 
 impl Pass {
-    fn take(&mut self, fresh: super::check_shader::Fresh, locks: &FileWriter) {
+    fn take(&mut self, fresh: &mut Fresh, locks: &FileWriter) {
         let weight = fresh.weight();
         let number = self.checked.len();
         self.fresh += 1;
         self.kept_locks += usize::from(fresh.is_kept);
-        self.checked.push(fresh.checked);
-        if let Some(laid_out) = fresh.laid_out {
+        self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
+        if let Some(laid_out) = fresh.laid_out.take() {
             self.kept += weight;
             if self.kept <= MOST_KEPT {
                 self.laid_out.insert(number, laid_out);
             }
         }
-        if let Some((path, text)) = fresh.lock {
-            match locks.write(&path, text) {
+        if let Some((path, text)) = &fresh.lock {
+            match locks.write(path, text) {
                 Ok(_) => self.accepted += 1,
                 Err(error) => self.fail(number, error),
             }

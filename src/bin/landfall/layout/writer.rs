@@ -64,8 +64,8 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the layouts of the next shader, and returns their text.
-    pub fn take(&mut self, done: Done) -> Result<Option<String>, Failure> {
+    /// Writes the layouts of the next shader.
+    pub fn take(&mut self, done: &Done) -> Result<(), Failure> {
         self.shaders += 1;
         if done.failed {
             self.outcome = Outcome::CouldNot;
@@ -79,12 +79,12 @@ impl<'a> Writer<'a> {
         }
         match (&done.product, &self.args.out) {
             (Some(text), None) => self.print(text)?,
-            (Some(text), Some(out)) => self.write(text, out, &done)?,
+            (Some(text), Some(out)) => self.write(text, out, done)?,
             (None, _) => {}
         }
-        self.last = done.path;
+        self.last.clone_from(&done.path);
         self.show_progress();
-        Ok(done.product)
+        Ok(())
     }
 
     fn print(&mut self, text: &str) -> Result<(), Failure> {
