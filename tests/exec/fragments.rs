@@ -9,7 +9,7 @@ use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Inputs, Shaded};
-use landfall_exec::interp::Cpu;
+use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::buffer::{Buffer, decode};
 use landfall_layout::{Options, Source};
 
@@ -193,6 +193,27 @@ fn discarded_fragments_are_marked() {
             let shaded = run(backend.as_mut(), &shader, &[], &inputs);
             assert_eq!(shaded.discarded, expected, "{name} on {who}");
         }
+    }
+}
+
+#[test]
+fn fragments_of_several_jobs_are_in_their_order() {
+    let text =
+        "#version 330\nin float x; out vec4 c;\nvoid main() { if (x < 0.0) discard; c = vec4(x); }";
+    let (shader, inputs) = (shader("d.frag", text), vec![values(150_001, 3)]);
+    let is_out = |value: &[f32; 4]| value[0] < 0.0;
+    let discarded: Vec<bool> = inputs[0].iter().map(is_out).collect();
+    let shown = |value: &[f32; 4]| if is_out(value) { [0.0; 4] } else { [value[0]; 4] };
+    let colors: Vec<[f32; 4]> = inputs[0].iter().map(shown).collect();
+    for threads in [1, 2, 3] {
+        let mut cpu = Cpu::new(Settings { threads, ..Settings::default() });
+        let shaded = run(&mut cpu, &shader, &[], &inputs);
+        assert!(shaded.colors == colors && shaded.discarded == discarded, "{threads} threads");
+    }
+    for mut backend in backends() {
+        let who = backend.device().backend.name();
+        let shaded = run(backend.as_mut(), &shader, &[], &inputs);
+        assert!(shaded.colors == colors && shaded.discarded == discarded, "{who}");
     }
 }
 

@@ -24,6 +24,7 @@ pub use runs::{executable, single_run};
 
 use std::fmt;
 use std::sync::Arc;
+use std::thread;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -310,6 +311,23 @@ pub trait Backend {
     /// # Errors
     /// Fails if there is no result. The backend stays usable unless it died.
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure>;
+
+    /// Runs a job, and `other` meanwhile on another thread, once.
+    ///
+    /// # Errors
+    /// Those of [`run`](Backend::run).
+    fn run_beside(
+        &mut self,
+        job: &Job,
+        other: &mut (dyn FnMut() + Send),
+    ) -> Result<JobOutput, Failure> {
+        thread::scope(|scope| {
+            let other = scope.spawn(other);
+            let answer = self.run(job);
+            other.join().expect("what runs beside a job does not panic");
+            answer
+        })
+    }
 
     /// Returns the device's time for the last job by its own timestamps; `None` if it has none or
     /// is not a separate device.

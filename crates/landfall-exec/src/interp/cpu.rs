@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use super::code::{Class, LANES, Reg};
-use super::drive::Outcome;
+use super::drive::{Beside, Outcome, run_beside};
 use super::interface::{InterfaceVariable, Port};
 use super::lanes::Lanes;
 use super::machine::Machine;
@@ -72,7 +72,7 @@ impl Cpu {
         Ok(program)
     }
 
-    fn run_in<R: Real>(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+    fn run_in<R: Real>(&mut self, job: &Job, beside: &Beside) -> Result<JobOutput, Failure> {
         let deadline = crate::processor::deadline(job.limit);
         let settings = Settings { deadline, ..self.settings.clone() };
         let stage = |kind: Stage| job.stages.iter().find(|s| s.stage == kind);
@@ -95,9 +95,8 @@ impl Cpu {
                     None => None,
                 };
                 let size = [width, height];
-                let entry = &code.entry;
-                let (outcome, pixels) =
-                    image::<R>(&program, entry, size, triangle.as_ref(), job, &settings)?;
+                let drawn = Drawn { entry: &code.entry, size, triangle: triangle.as_ref() };
+                let (outcome, pixels) = image::<R>(&program, &drawn, job, &settings, beside)?;
                 (outcome.notes, outcome.left, pixels)
             }
             Grid::Points { count, .. } => {
@@ -130,6 +129,16 @@ impl Cpu {
         };
         self.notes = notes;
         Ok(JobOutput { buffers, pixels })
+    }
+
+    fn run_with(&mut self, job: &Job, beside: &Beside) -> Result<JobOutput, Failure> {
+        match self.settings.precision {
+            Precision::Single => self.run_in::<f32>(job, beside),
+            Precision::Double => self.run_in::<f64>(job, beside),
+            Precision::Both => self.run_in::<Shadow>(job, beside),
+            // The output has room for the `f32` only.
+            Precision::Permitted => self.run_in::<f32>(job, beside),
+        }
     }
 
     fn vertices(
@@ -179,13 +188,19 @@ impl Backend for Cpu {
     }
 
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
-        match self.settings.precision {
-            Precision::Single => self.run_in::<f32>(job),
-            Precision::Double => self.run_in::<f64>(job),
-            Precision::Both => self.run_in::<Shadow>(job),
-            // The output has room for the `f32` only.
-            Precision::Permitted => self.run_in::<f32>(job),
-        }
+        self.run_with(job, &Beside::default())
+    }
+
+    fn run_beside(
+        &mut self,
+        job: &Job,
+        other: &mut (dyn FnMut() + Send),
+    ) -> Result<JobOutput, Failure> {
+        let beside = Mutex::new(Some(other));
+        let answer = self.run_with(job, &beside);
+        // Where no batch ran.
+        run_beside(&beside);
+        answer
     }
 }
 
@@ -282,14 +297,23 @@ fn split(number: usize, size: [u32; 3]) -> [u32; 3] {
     [(number % x) as u32, (number / x % y) as u32, (number / x / y) as u32]
 }
 
+/// What is drawn in an image.
+struct Drawn<'a> {
+    /// The fragment stage's entry point.
+    entry: &'a str,
+    /// Width and height.
+    size: [u32; 2],
+    /// What covers the image; all of it is covered otherwise.
+    triangle: Option<&'a Triangle>,
+}
+
 /// Renders an image in tiles of eight by eight, or row by row if it is low.
 fn image<R: Real>(
     program: &Program,
-    entry: &str,
-    [width, height]: [u32; 2],
-    triangle: Option<&Triangle>,
+    &Drawn { entry, size: [width, height], triangle }: &Drawn<'_>,
     job: &Job,
     settings: &Settings,
+    beside: &Beside,
 ) -> Result<(Outcome<()>, Vec<[u32; 4]>), Failure> {
     let number = program.entry(entry)?;
     let code = &program.functions[number as usize];
@@ -313,32 +337,33 @@ fn image<R: Real>(
     // Batch by batch; zeros where nothing is written.
     let mut all = vec![[0; 4]; batches * LANES];
     let parts: Vec<Mutex<&mut [[u32; 4]]>> = all.chunks_exact_mut(LANES).map(Mutex::new).collect();
-    let outcome = program.drive::<R, ()>(&bound, batches, settings, |m, batch| {
-        let places = places(batch);
-        let mut inside = 0u64;
-        for (lane, [x, y]) in places.iter().enumerate() {
-            inside |= u64::from(*x < width && *y < height) << lane;
-        }
-        let mut covered = inside;
-        match triangle {
-            Some(triangle) => {
-                covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
+    let outcome =
+        program.drive_beside::<R, ()>(&bound, batches, settings, beside, |m, batch| {
+            let places = places(batch);
+            let mut inside = 0u64;
+            for (lane, [x, y]) in places.iter().enumerate() {
+                inside |= u64::from(*x < width && *y < height) << lane;
             }
-            None => set_positions(m, &interface.inputs, &places),
-        }
-        // Helper invocations beside the edge, so that derivatives have both sides of a quad.
-        let run = if helpers && covered != 0 { u64::MAX } else { covered };
-        m.invoke(number, program.starts[number as usize], run)?;
-        let mut pixels = parts[batch].lock().expect("the machine does not panic");
-        words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
-        let written = covered & !m.killed;
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            if written >> lane & 1 == 0 {
-                *pixel = [0; 4];
+            let mut covered = inside;
+            match triangle {
+                Some(triangle) => {
+                    covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
+                }
+                None => set_positions(m, &interface.inputs, &places),
             }
-        }
-        Ok(())
-    })?;
+            // Helper invocations beside the edge, so that derivatives have both sides of a quad.
+            let run = if helpers && covered != 0 { u64::MAX } else { covered };
+            m.invoke(number, program.starts[number as usize], run)?;
+            let mut pixels = parts[batch].lock().expect("the machine does not panic");
+            words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
+            let written = covered & !m.killed;
+            for (lane, pixel) in pixels.iter_mut().enumerate() {
+                if written >> lane & 1 == 0 {
+                    *pixel = [0; 4];
+                }
+            }
+            Ok(())
+        })?;
     if rows {
         all.truncate(pixels);
         return Ok((outcome, all));

@@ -4,6 +4,7 @@
 //! and [`cpu`](super::cpu).
 
 use std::borrow::Cow;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::ScopedJoinHandle;
 use std::time::Instant;
@@ -34,6 +35,20 @@ impl<'j> BoundResources<'j> {
         (self.buffers.iter().map(|(bytes, _)| *bytes).collect(), self.images.clone())
     }
 }
+
+/// What a thread runs before its first batch, if it is still there.
+pub(super) type Beside<'a> = Mutex<Option<&'a mut (dyn FnMut() + Send)>>;
+
+/// Runs it, if it has not run.
+pub(super) fn run_beside(beside: &Beside) {
+    let other = beside.lock().ok().and_then(|mut other| other.take());
+    if let Some(other) = other {
+        other();
+    }
+}
+
+/// The results of a thread by batch and its machine, or the failure of a batch.
+type Done<'p, 'j, R, T> = Result<(Vec<(usize, T)>, Machine<'p, 'j, R>), (usize, Stopped)>;
 
 /// The combined results of all batches.
 pub(super) struct Outcome<T> {
@@ -118,6 +133,19 @@ impl Program {
         settings: &Settings,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
+        self.drive_beside(bound, batches, settings, &Beside::default(), each)
+    }
+
+    /// The same; the second thread, or the only one, begins with what runs beside. With a thread more
+    /// a system would put two of them on one processor for a time.
+    pub(super) fn drive_beside<R: Real, T: Send>(
+        &self,
+        bound: &BoundResources,
+        batches: usize,
+        settings: &Settings,
+        beside: &Beside,
+        each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
+    ) -> Result<Outcome<T>, Failure> {
         let wanted = match settings.threads {
             0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
             given => given,
@@ -126,6 +154,9 @@ impl Program {
         let share = batches.div_ceil(threads);
         let next = AtomicUsize::new(0);
         let work = |thread: usize| {
+            if thread == 1 || threads == 1 {
+                run_beside(beside);
+            }
             let mut machine = self.machine::<R>(bound, settings);
             // With a watch, each thread runs one contiguous share, so that notes are in the order of
             // lanes. Without one, threads claim batches until none is left: one may be slower.
@@ -155,7 +186,7 @@ impl Program {
             Ok((results, machine))
         };
         // Most calls are of one batch.
-        let done: Vec<Result<_, _>> = if threads == 1 {
+        let done: Vec<Done<'_, '_, R, T>> = if threads == 1 {
             vec![work(0)]
         } else {
             std::thread::scope(|scope| {
@@ -167,12 +198,21 @@ impl Program {
                 std::iter::once(own).chain(others).collect()
             })
         };
+        self.outcome(bound, done)
+    }
+
+    /// Combines what the threads did.
+    fn outcome<R: Real, T>(
+        &self,
+        bound: &BoundResources,
+        done: Vec<Done<'_, '_, R, T>>,
+    ) -> Result<Outcome<T>, Failure> {
         // Of several failures, that of the first batch.
         let failures = done.iter().filter_map(|done| done.as_ref().err());
         if let Some((_, stopped)) = failures.min_by_key(|(batch, _)| *batch) {
             return Err(self.stopped(stopped.clone()));
         }
-        let mut numbered = Vec::with_capacity(batches);
+        let mut numbered = Vec::new();
         let mut outcome = Outcome {
             results: Vec::new(),
             left: vec![None; bound.resources],

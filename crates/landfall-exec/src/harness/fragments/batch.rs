@@ -4,7 +4,6 @@ use crate::backend::BackendKind;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
-use std::thread;
 use std::time::Duration;
 
 use super::{ATLAS, FragmentShader, SIZE};
@@ -140,20 +139,15 @@ impl FragmentShader {
             jobs.put(self, image);
             let then = from + count;
             // The results of the last job are taken and the next one is packed while this one runs.
-            let beside = || {
-                if let Some(done) = done.take() {
-                    take(done.colors(), &done.discarded);
+            let last = done.take();
+            let mut beside = || {
+                if let Some(last) = &last {
+                    take(last.colors(), &last.discarded);
                 }
-                (then < batch.count).then(|| pack(then, counts(then)))
+                packed = (then < batch.count).then(|| pack(then, counts(then)));
             };
             let is_only = count == batch.count;
-            let answer = thread::scope(|scope| {
-                let other = (!is_only).then(|| scope.spawn(beside));
-                let answer = jobs.run(backend, count);
-                packed = other.and_then(|other| other.join().expect("packing does not panic"));
-                answer
-            });
-            done = Some(answer?);
+            done = Some(jobs.run(backend, count, (!is_only).then_some(&mut beside))?);
             after(backend, count);
             from = then;
         }
@@ -340,9 +334,17 @@ impl Jobs {
         resources[self.atlas].kind = ResourceKind::Texture { width, height, texels };
     }
 
-    /// Runs the job for `count` fragments.
-    fn run<R: Backend + ?Sized>(&mut self, backend: &mut R, count: usize) -> Result<Done, Failure> {
-        let mut pixels = backend.run(&self.shading)?.pixels;
+    /// Runs the job for `count` fragments, and something else beside it.
+    fn run<R: Backend + ?Sized>(
+        &mut self,
+        backend: &mut R,
+        count: usize,
+        beside: Option<&mut (dyn FnMut() + Send)>,
+    ) -> Result<Done, Failure> {
+        let mut pixels = match beside {
+            Some(beside) => backend.run_beside(&self.shading, beside)?.pixels,
+            None => backend.run(&self.shading)?.pixels,
+        };
         pixels.truncate(count);
         let mut discarded = Vec::new();
         if let Some(covering) = &mut self.covering {

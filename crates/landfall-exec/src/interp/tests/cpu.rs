@@ -71,6 +71,27 @@ fn of_several_failures_the_first_is_reported_on_any_number_of_threads() {
 }
 
 #[test]
+fn what_runs_beside_a_job_runs_once_also_where_the_job_is_refused() {
+    let m = Arc::new(module(
+        "@group(0) @binding(0) var<uniform> u: vec4<f32>;
+        @fragment fn main() -> @location(0) vec4<f32> { return u; }",
+    ));
+    let grid = Grid::Image { width: 500, height: 3, texel: Texel::Float };
+    let bound = resource(0, ResourceKind::Uniform(vec![0; 16]));
+    for (resources, works) in [(vec![bound], true), (Vec::new(), false)] {
+        let stages = vec![stage(Stage::Fragment, "main", &m)];
+        let job = Job { stages, resources, grid, limit: Duration::from_secs(60) };
+        for threads in [1, 2, 3] {
+            let mut cpu = Cpu::new(Settings { threads, ..single() });
+            let mut count = 0;
+            let answer = cpu.run_beside(&job, &mut || count += 1);
+            assert_eq!((count, answer.is_ok()), (1, works), "{threads} threads");
+            assert!(answer.is_err() || answer == cpu.run(&job));
+        }
+    }
+}
+
+#[test]
 fn a_triangle_interpolates_in_perspective_and_carries_flat_values() {
     let m = Arc::new(module(
         "struct V { @builtin(position) p: vec4<f32>, @location(0) uv: vec2<f32>, @location(1) @interpolate(flat) n: u32 }
