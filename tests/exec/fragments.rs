@@ -5,9 +5,9 @@ use snapbox::str;
 use crate::support::command::golden;
 use std::time::Duration;
 
-use landfall_exec::backend::Backend;
 use landfall_exec::backend::gl::Gl;
 use landfall_exec::backend::wgpu::{AdapterChoice, Gpu};
+use landfall_exec::backend::{Backend, Device, Failure, Job, JobOutput};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image, Inputs, Shaded};
 use landfall_exec::interp::{Cpu, Settings};
 use landfall_layout::buffer::{Buffer, decode};
@@ -196,24 +196,71 @@ fn discarded_fragments_are_marked() {
     }
 }
 
+/// Writes its input to all channels; negative ones are discarded.
+const DISCARDS: &str =
+    "#version 330\nin float x; out vec4 c;\nvoid main() { if (x < 0.0) discard; c = vec4(x); }";
+
 #[test]
 fn fragments_of_several_jobs_are_in_their_order() {
-    let text =
-        "#version 330\nin float x; out vec4 c;\nvoid main() { if (x < 0.0) discard; c = vec4(x); }";
-    let (shader, inputs) = (shader("d.frag", text), vec![values(150_001, 3)]);
-    let is_out = |value: &[f32; 4]| value[0] < 0.0;
-    let discarded: Vec<bool> = inputs[0].iter().map(is_out).collect();
-    let shown = |value: &[f32; 4]| if is_out(value) { [0.0; 4] } else { [value[0]; 4] };
-    let colors: Vec<[f32; 4]> = inputs[0].iter().map(shown).collect();
+    let shader = shader("d.frag", DISCARDS);
+    let check = |backend: &mut dyn Backend, count: usize, who: &str| {
+        let inputs = vec![values(count, 3)];
+        let is_out = |value: &[f32; 4]| value[0] < 0.0;
+        let shown = |value: &[f32; 4]| if is_out(value) { [0.0; 4] } else { [value[0]; 4] };
+        let colors: Vec<[f32; 4]> = inputs[0].iter().map(shown).collect();
+        let discarded: Vec<bool> = inputs[0].iter().map(is_out).collect();
+        let batch = Batch { blocks: &[], textures: &[], inputs: &inputs, count, limit: LIMIT };
+        let mut counted = 0;
+        let shaded = shader.run(backend, &batch, |_, count| counted += count);
+        let shaded = shaded.unwrap_or_else(|failure| panic!("{who}: {failure}"));
+        assert_eq!(counted, count, "{who}");
+        assert!(shaded.colors == colors && shaded.discarded == discarded, "{who}, {count}");
+    };
     for threads in [1, 2, 3] {
-        let mut cpu = Cpu::new(Settings { threads, ..Settings::default() });
-        let shaded = run(&mut cpu, &shader, &[], &inputs);
-        assert!(shaded.colors == colors && shaded.discarded == discarded, "{threads} threads");
+        for count in [0, 65_536, 65_537, 131_072, 150_001] {
+            let mut cpu = Cpu::new(Settings { threads, ..Settings::default() });
+            check(&mut cpu, count, &format!("{threads} threads"));
+        }
     }
     for mut backend in backends() {
         let who = backend.device().backend.name();
-        let shaded = run(backend.as_mut(), &shader, &[], &inputs);
-        assert!(shaded.colors == colors && shaded.discarded == discarded, "{who}");
+        check(backend.as_mut(), 150_001, who);
+    }
+}
+
+/// The interpreter, which fails at a job.
+struct Failing {
+    cpu: Cpu,
+    /// The jobs before it.
+    works: usize,
+}
+
+impl Backend for Failing {
+    fn device(&self) -> &Device {
+        self.cpu.device()
+    }
+
+    fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        // Each job runs once for the colours and once for what is discarded.
+        let left = self.works.checked_sub(1).ok_or_else(|| Failure::refused("as planned", ""))?;
+        self.works = left;
+        self.cpu.run(job)
+    }
+}
+
+#[test]
+fn colours_of_jobs_before_a_failure_are_taken_once() {
+    let shader = shader("d.frag", DISCARDS);
+    let inputs = vec![values(150_001, 3)];
+    let batch = Batch { blocks: &[], textures: &[], inputs: &inputs, count: 150_001, limit: LIMIT };
+    // The colours of the second and of the third job fail, and what the second one discards.
+    for (works, taken) in [(0, 0), (1, 0), (2, 65_536), (3, 65_536), (4, 131_072)] {
+        let mut backend = Failing { cpu: Cpu::default(), works };
+        let mut count = 0;
+        let failed =
+            shader.run_into(&mut backend, &batch, |colors, _| count += colors.len(), |_, _| {});
+        assert_eq!(failed.map_err(|failure| failure.message), Err("as planned".to_string()));
+        assert_eq!(count, taken, "{works}");
     }
 }
 

@@ -133,6 +133,24 @@ fn png_keeps_codes_and_what_they_mean() {
 }
 
 #[test]
+fn png_of_several_strips_is_compressed_and_keeps_an_alpha_wherever_it_is() {
+    let (width, height) = (301, 200);
+    for alpha_at in [None, Some(0), Some(301 * 100), Some(301 * 200 - 1)] {
+        let shade = |at: u32| [(at % width / 2) as u8, (at / width) as u8, 7, 255];
+        let mut pixels: Vec<[u8; 4]> = (0..width * height).map(shade).collect();
+        if let Some(at) = alpha_at {
+            pixels[at][3] = 254;
+        }
+        let transfer = Some(Transfer::Srgb);
+        let codes = Codes { width, height, pixels, transfer, non_finite: 0 };
+        let picture = codes.picture(Transfer::Srgb);
+        let bytes = landfall_light::picture::png::write(&picture, Transfer::Srgb).unwrap();
+        assert_eq!(landfall_light::picture::png::read(&bytes).unwrap(), codes);
+        assert!(bytes.len() < 301 * 200, "{}", bytes.len());
+    }
+}
+
+#[test]
 fn grey_and_indexed_png_are_read_and_deeper_ones_refused() {
     let encode = |color, depth, palette: Option<&[u8]>, data: &[u8], gamma: Option<u32>| {
         let mut bytes = Vec::new();

@@ -312,21 +312,33 @@ pub trait Backend {
     /// Fails if there is no result. The backend stays usable unless it died.
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure>;
 
-    /// Runs a job, and `other` meanwhile on another thread, once.
+    /// Runs a job and calls `other` once: meanwhile on another thread, if there is one, and also if the
+    /// job fails. On the interpreter its time counts towards the job's limit.
     ///
     /// # Errors
     /// Those of [`run`](Backend::run).
-    fn run_beside(
+    ///
+    /// # Panics
+    /// If `other` does.
+    fn run_concurrently(
         &mut self,
         job: &Job,
         other: &mut (dyn FnMut() + Send),
     ) -> Result<JobOutput, Failure> {
-        thread::scope(|scope| {
-            let other = scope.spawn(other);
+        let mut has_thread = true;
+        let answer = thread::scope(|scope| {
+            let thread = thread::Builder::new().spawn_scoped(scope, &mut *other);
             let answer = self.run(job);
-            other.join().expect("what runs beside a job does not panic");
+            match thread {
+                Ok(thread) => thread.join().expect("`other` does not panic"),
+                Err(_) => has_thread = false,
+            }
             answer
-        })
+        });
+        if !has_thread {
+            other();
+        }
+        answer
     }
 
     /// Returns the device's time for the last job by its own timestamps; `None` if it has none or

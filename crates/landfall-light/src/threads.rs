@@ -11,6 +11,9 @@ use std::thread::{self, Builder, ScopedJoinHandle};
 /// The stack of a thread: as much as that of a process.
 const STACK: usize = 8 << 20;
 
+/// The results of [`in_order`] that wait for each thread.
+const WAITING: usize = 8;
+
 /// The fragments that a thread lights at a time.
 pub(crate) const FRAGMENTS: usize = 2048;
 
@@ -57,10 +60,11 @@ pub(crate) fn run<S: Send, R: Send>(
 }
 
 /// Passes the results of the jobs numbered from 0 to `take` in their order, while later ones run on
-/// all threads of the machine; the calling thread runs those that none has begun.
+/// all threads of the machine; the calling thread runs those that none has begun. A few results wait
+/// at most for each thread.
 ///
 /// # Errors
-/// That of `take`, after which no more jobs begin.
+/// That of `take`, after which each thread ends with its next result.
 pub(crate) fn in_order<R: Send, E>(
     jobs: usize,
     job: impl Fn(usize) -> R + Sync,
@@ -69,9 +73,10 @@ pub(crate) fn in_order<R: Send, E>(
     let next = AtomicUsize::new(0);
     let claim = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|nth| *nth < jobs);
     thread::scope(|scope| {
-        let (sender, results) = mpsc::channel();
+        let threads = number(0).min(jobs);
+        let (sender, results) = mpsc::sync_channel(WAITING * threads);
         let (job, claim) = (&job, &claim);
-        for _ in 1..number(0).min(jobs) {
+        for _ in 1..threads {
             let sender = sender.clone();
             let work = move || {
                 // Until the receiver has failed.
@@ -85,15 +90,13 @@ pub(crate) fn in_order<R: Send, E>(
         let mut early = BTreeMap::new();
         for nth in 0..jobs {
             let result = loop {
-                early.extend(results.try_iter());
                 if let Some(result) = early.remove(&nth) {
                     break result;
                 }
-                let (nth, result) = match claim() {
-                    Some(own) => (own, job(own)),
-                    None => results.recv().expect("a job does not panic"),
-                };
-                early.insert(nth, result);
+                let done = results.try_recv().ok();
+                let own = || claim().map(|own| (own, job(own)));
+                let done = done.or_else(own).or_else(|| results.recv().ok());
+                early.extend([done.expect("a job does not panic")]);
             };
             take(result)?;
         }

@@ -35,8 +35,8 @@ pub trait Weighed {
 }
 
 /// Runs `job` on every item and hands the results to `take` in the items' order, until `take`
-/// fails. What `take` returns is dropped on the thread of the job: to free memory of another thread
-/// takes that thread's lock. A single item runs on the calling thread.
+/// fails. What `take` returns is dropped on the thread of the job while that thread runs: to free memory
+/// of another thread takes the lock of its allocator. A single item runs on the calling thread.
 pub fn ordered<I: Send, O: Weighed + Send, R: Send, E>(
     items: impl Iterator<Item = I> + Send,
     threads: Option<NonZeroUsize>,
@@ -89,7 +89,7 @@ fn run<S, I: Send, O: Weighed + Send, R: Send, E>(
             taken: 0,
             done: BTreeMap::new(),
             bytes: 0,
-            left: (0..threads).map(|_| Vec::new()).collect(),
+            to_drop: (0..threads).map(|_| Vec::new()).collect(),
             working: threads - 1,
             stop: false,
         }),
@@ -137,8 +137,8 @@ struct State<O, R> {
     /// Waiting results with the thread of each, and their total size.
     done: BTreeMap<usize, (usize, O)>,
     bytes: usize,
-    /// What is left of the results of each thread, for it to drop.
-    left: Vec<Vec<R>>,
+    /// What each thread has to drop of its results.
+    to_drop: Vec<Vec<R>>,
     /// Threads that are still working.
     working: usize,
     stop: bool,
@@ -194,12 +194,12 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
         take: &mut impl FnMut(O) -> Result<R, E>,
     ) -> Result<(), E> {
         let mut kept = Kept { thread: 0, results: Vec::new() };
-        let mut left: Vec<(usize, R)> = Vec::new();
+        let mut to_drop: Vec<(usize, R)> = Vec::new();
         let mut items_left = true;
         loop {
             let mut state = self.lock();
             self.bring(&mut state, &mut kept);
-            left.drain(..).for_each(|(thread, left)| state.left[thread].push(left));
+            to_drop.drain(..).for_each(|(thread, rest)| state.to_drop[thread].push(rest));
             while state.done.first_key_value().is_none_or(|(number, _)| *number != state.taken) {
                 if items_left && !self.is_full(&state) {
                     break;
@@ -216,7 +216,7 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
                 for (thread, result) in results {
                     let rest = take(result)?;
                     if thread != 0 {
-                        left.push((thread, rest));
+                        to_drop.push((thread, rest));
                     }
                 }
             }
@@ -248,17 +248,19 @@ impl<I, T: Iterator<Item = I>, O: Weighed, R> Queue<T, O, R> {
     /// Waits until work may continue; `false` if it must stop.
     fn wait_for_room(&self, kept: &mut Kept<O>) -> bool {
         let mut state = self.lock();
-        let left = std::mem::take(&mut state.left[kept.thread]);
+        let to_drop = std::mem::take(&mut state.to_drop[kept.thread]);
+        if !to_drop.is_empty() {
+            drop(state);
+            drop(to_drop);
+            state = self.lock();
+        }
         if self.is_full(&state) {
             self.bring(&mut state, kept);
             while self.is_full(&state) {
                 state = self.room.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         }
-        let goes_on = !state.stop;
-        drop(state);
-        drop(left);
-        goes_on
+        !state.stop
     }
 
     /// Claims the next items with their numbers: single ones at first, to spread a few large jobs,
@@ -331,27 +333,37 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_is_dropped_on_the_thread_of_its_job() {
-        struct Left<'a>(thread::ThreadId, &'a AtomicUsize);
+    fn what_is_taken_is_dropped_on_the_thread_of_its_job() {
+        struct Made<'a>(thread::ThreadId, &'a AtomicUsize);
 
-        impl Drop for Left<'_> {
+        impl Drop for Made<'_> {
             fn drop(&mut self) {
                 self.1.fetch_add(usize::from(thread::current().id() != self.0), Ordering::Relaxed);
             }
         }
 
-        impl Weighed for Left<'_> {
+        impl Weighed for Made<'_> {
             fn bytes(&self) -> usize {
                 1
             }
         }
 
-        let elsewhere = AtomicUsize::new(0);
-        let job = |_| Left(thread::current().id(), &elsewhere);
+        let (elsewhere, others) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let own = thread::current().id();
+        let job = |_| {
+            let id = thread::current().id();
+            match id == own {
+                // So that the other thread does most.
+                true => thread::sleep(Duration::from_micros(50)),
+                false => drop(others.fetch_add(1, Ordering::Relaxed)),
+            }
+            Made(id, &elsewhere)
+        };
         let done: Result<(), ()> = ordered(0..20_000, threads(2), job, Ok);
         assert!(done.is_ok());
+        let (elsewhere, others) = (elsewhere.into_inner(), others.into_inner());
+        assert!(others > 5_000, "{others}");
         // The last ones, whose thread has ended.
-        let elsewhere = elsewhere.into_inner();
         assert!(elsewhere <= 2 * (2 * WAITING) + 4 * LARGEST_CLAIM, "{elsewhere}");
     }
 

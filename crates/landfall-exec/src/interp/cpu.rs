@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use super::code::{Class, LANES, Reg};
-use super::drive::{Beside, Outcome, run_beside};
+use super::drive::{Other, Outcome, run_other};
 use super::interface::{InterfaceVariable, Port};
 use super::lanes::Lanes;
 use super::machine::Machine;
@@ -72,7 +72,7 @@ impl Cpu {
         Ok(program)
     }
 
-    fn run_in<R: Real>(&mut self, job: &Job, beside: &Beside) -> Result<JobOutput, Failure> {
+    fn run_in<R: Real>(&mut self, job: &Job, other: &Other) -> Result<JobOutput, Failure> {
         let deadline = crate::processor::deadline(job.limit);
         let settings = Settings { deadline, ..self.settings.clone() };
         let stage = |kind: Stage| job.stages.iter().find(|s| s.stage == kind);
@@ -96,7 +96,7 @@ impl Cpu {
                 };
                 let size = [width, height];
                 let drawn = Drawn { entry: &code.entry, size, triangle: triangle.as_ref() };
-                let (outcome, pixels) = image::<R>(&program, &drawn, job, &settings, beside)?;
+                let (outcome, pixels) = image::<R>(&program, &drawn, job, &settings, other)?;
                 (outcome.notes, outcome.left, pixels)
             }
             Grid::Points { count, .. } => {
@@ -131,13 +131,13 @@ impl Cpu {
         Ok(JobOutput { buffers, pixels })
     }
 
-    fn run_with(&mut self, job: &Job, beside: &Beside) -> Result<JobOutput, Failure> {
+    fn run_with(&mut self, job: &Job, other: &Other) -> Result<JobOutput, Failure> {
         match self.settings.precision {
-            Precision::Single => self.run_in::<f32>(job, beside),
-            Precision::Double => self.run_in::<f64>(job, beside),
-            Precision::Both => self.run_in::<Shadow>(job, beside),
+            Precision::Single => self.run_in::<f32>(job, other),
+            Precision::Double => self.run_in::<f64>(job, other),
+            Precision::Both => self.run_in::<Shadow>(job, other),
             // The output has room for the `f32` only.
-            Precision::Permitted => self.run_in::<f32>(job, beside),
+            Precision::Permitted => self.run_in::<f32>(job, other),
         }
     }
 
@@ -188,18 +188,18 @@ impl Backend for Cpu {
     }
 
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
-        self.run_with(job, &Beside::default())
+        self.run_with(job, &Other::default())
     }
 
-    fn run_beside(
+    fn run_concurrently(
         &mut self,
         job: &Job,
         other: &mut (dyn FnMut() + Send),
     ) -> Result<JobOutput, Failure> {
-        let beside = Mutex::new(Some(other));
-        let answer = self.run_with(job, &beside);
+        let other = Mutex::new(Some(other));
+        let answer = self.run_with(job, &other);
         // Where no batch ran.
-        run_beside(&beside);
+        run_other(&other);
         answer
     }
 }
@@ -313,7 +313,7 @@ fn image<R: Real>(
     &Drawn { entry, size: [width, height], triangle }: &Drawn<'_>,
     job: &Job,
     settings: &Settings,
-    beside: &Beside,
+    other: &Other,
 ) -> Result<(Outcome<()>, Vec<[u32; 4]>), Failure> {
     let number = program.entry(entry)?;
     let code = &program.functions[number as usize];
@@ -337,33 +337,32 @@ fn image<R: Real>(
     // Batch by batch; zeros where nothing is written.
     let mut all = vec![[0; 4]; batches * LANES];
     let parts: Vec<Mutex<&mut [[u32; 4]]>> = all.chunks_exact_mut(LANES).map(Mutex::new).collect();
-    let outcome =
-        program.drive_beside::<R, ()>(&bound, batches, settings, beside, |m, batch| {
-            let places = places(batch);
-            let mut inside = 0u64;
-            for (lane, [x, y]) in places.iter().enumerate() {
-                inside |= u64::from(*x < width && *y < height) << lane;
+    let outcome = program.drive_with::<R, ()>(&bound, batches, settings, other, |m, batch| {
+        let places = places(batch);
+        let mut inside = 0u64;
+        for (lane, [x, y]) in places.iter().enumerate() {
+            inside |= u64::from(*x < width && *y < height) << lane;
+        }
+        let mut covered = inside;
+        match triangle {
+            Some(triangle) => {
+                covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
             }
-            let mut covered = inside;
-            match triangle {
-                Some(triangle) => {
-                    covered &= triangle.fill(m, &interface.inputs, &places, [width, height]);
-                }
-                None => set_positions(m, &interface.inputs, &places),
+            None => set_positions(m, &interface.inputs, &places),
+        }
+        // Helper invocations beside the edge, so that derivatives have both sides of a quad.
+        let run = if helpers && covered != 0 { u64::MAX } else { covered };
+        m.invoke(number, program.starts[number as usize], run)?;
+        let mut pixels = parts[batch].lock().expect("the machine does not panic");
+        words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
+        let written = covered & !m.killed;
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            if written >> lane & 1 == 0 {
+                *pixel = [0; 4];
             }
-            // Helper invocations beside the edge, so that derivatives have both sides of a quad.
-            let run = if helpers && covered != 0 { u64::MAX } else { covered };
-            m.invoke(number, program.starts[number as usize], run)?;
-            let mut pixels = parts[batch].lock().expect("the machine does not panic");
-            words_of_pixels(m, first.map_or(&[][..], |plug| &plug.regs), &mut pixels);
-            let written = covered & !m.killed;
-            for (lane, pixel) in pixels.iter_mut().enumerate() {
-                if written >> lane & 1 == 0 {
-                    *pixel = [0; 4];
-                }
-            }
-            Ok(())
-        })?;
+        }
+        Ok(())
+    })?;
     if rows {
         all.truncate(pixels);
         return Ok((outcome, all));

@@ -36,12 +36,12 @@ impl<'j> BoundResources<'j> {
     }
 }
 
-/// What a thread runs before its first batch, if it is still there.
-pub(super) type Beside<'a> = Mutex<Option<&'a mut (dyn FnMut() + Send)>>;
+/// Work that one thread does before its first batch; `None` once it has begun.
+pub(super) type Other<'a> = Mutex<Option<&'a mut (dyn FnMut() + Send)>>;
 
-/// Runs it, if it has not run.
-pub(super) fn run_beside(beside: &Beside) {
-    let other = beside.lock().ok().and_then(|mut other| other.take());
+/// Does it, if it has not begun.
+pub(super) fn run_other(other: &Other) {
+    let other = other.lock().ok().and_then(|mut other| other.take());
     if let Some(other) = other {
         other();
     }
@@ -133,17 +133,17 @@ impl Program {
         settings: &Settings,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
-        self.drive_beside(bound, batches, settings, &Beside::default(), each)
+        self.drive_with(bound, batches, settings, &Other::default(), each)
     }
 
-    /// The same; the second thread, or the only one, begins with what runs beside. With a thread more
-    /// a system would put two of them on one processor for a time.
-    pub(super) fn drive_beside<R: Real, T: Send>(
+    /// The same; the second thread, or the only one, first does `other`: a thread of its own would
+    /// compete with one of these for a processor.
+    pub(super) fn drive_with<R: Real, T: Send>(
         &self,
         bound: &BoundResources,
         batches: usize,
         settings: &Settings,
-        beside: &Beside,
+        other: &Other,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
         let wanted = match settings.threads {
@@ -155,7 +155,7 @@ impl Program {
         let next = AtomicUsize::new(0);
         let work = |thread: usize| {
             if thread == 1 || threads == 1 {
-                run_beside(beside);
+                run_other(other);
             }
             let mut machine = self.machine::<R>(bound, settings);
             // With a watch, each thread runs one contiguous share, so that notes are in the order of

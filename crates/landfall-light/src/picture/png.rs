@@ -30,7 +30,7 @@ const CHUNK: usize = 1 << 20;
 /// An [incomplete](Picture::checked) picture.
 pub fn write(picture: &Picture, transfer: Transfer) -> Result<Vec<u8>, PictureError> {
     let pixels = picture.checked()?.pixels.len();
-    let of = |channels, compression| encoded(picture, transfer, channels, compression);
+    let of = |channels, compression| file(picture, transfer, channels, compression);
     // Most pictures are opaque.
     let (channels, bytes) = match of(3, Compression::Fast)? {
         Some(bytes) => (3, bytes),
@@ -44,8 +44,8 @@ pub fn write(picture: &Picture, transfer: Transfer) -> Result<Vec<u8>, PictureEr
     Ok(stored.filter(|stored| stored.len() < bytes.len()).unwrap_or(bytes))
 }
 
-/// Returns the file of three or four channels; `None` if three leave out an alpha.
-fn encoded(
+/// Returns the file of three or four channels; `None` if three would lose an alpha.
+fn file(
     picture: &Picture,
     transfer: Transfer,
     channels: usize,
@@ -66,7 +66,7 @@ fn encoded(
     let parts: Vec<&[[f32; 4]]> = picture.pixels.chunks(PIXELS).collect();
     let written = threads::in_order(
         parts.len(),
-        |nth| coded(parts[nth], transfer, channels),
+        |nth| strip(parts[nth], transfer, channels),
         |codes| match codes {
             Some(codes) => data.write_all(&codes).map_err(|error| Some(broken(error))),
             None => Err(None),
@@ -80,8 +80,8 @@ fn encoded(
     Ok(Some(bytes))
 }
 
-/// Returns three or four channels of pixels; `None` if three leave out an alpha.
-fn coded(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec<u8>> {
+/// Returns the codes of three or four channels of pixels; `None` if three would lose an alpha.
+fn strip(pixels: &[[f32; 4]], transfer: Transfer, channels: usize) -> Option<Vec<u8>> {
     let mut codes = vec![0; channels * pixels.len()];
     let mut alphas = u8::MAX;
     for (pixel, to) in pixels.iter().zip(codes.chunks_exact_mut(channels)) {

@@ -143,7 +143,7 @@ impl Run<'_> {
                 done
             },
             |done| {
-                let mut left = None;
+                let mut to_drop = None;
                 match done {
                     // Moved out of `known` once the threads no longer use it.
                     Done::Same(path, stamps) => {
@@ -154,14 +154,14 @@ impl Run<'_> {
                     Done::NoInput(found) => pass.no_input.push(*found),
                     Done::Fresh(mut fresh) => {
                         pass.take(&mut fresh, &self.locks);
-                        left = Some(fresh);
+                        to_drop = Some(fresh);
                     }
                 }
                 if let Some(last) = since.as_mut().filter(|last| last.elapsed() >= PROGRESS) {
                     *last = Instant::now();
                     streams.progress(&format!("{} shaders checked", pass.checked.len()));
                 }
-                Ok::<_, Failure>(left)
+                Ok::<_, Failure>(to_drop)
             },
         )?;
         for (number, path, stamps) in same {
@@ -211,10 +211,10 @@ impl Pass {
         self.fresh += 1;
         self.kept_locks += usize::from(fresh.is_kept);
         self.checked.push(std::mem::replace(&mut fresh.checked, blank()));
-        if let Some(laid_out) = fresh.laid_out.take() {
+        if fresh.laid_out.is_some() {
             self.kept += weight;
             if self.kept <= MOST_KEPT {
-                self.laid_out.insert(number, laid_out);
+                self.laid_out.extend(fresh.laid_out.take().map(|laid_out| (number, laid_out)));
             }
         }
         if let Some((path, text)) = &fresh.lock {

@@ -106,9 +106,10 @@ impl FragmentShader {
         Ok(shaded)
     }
 
-    /// Runs the shader over fragments. `take` receives the colours of each job's fragments and which
-    /// of them were discarded, as in [`Shaded`], on another thread while the next job runs; `after`
-    /// is called after each job with the backend and the job's number of fragments.
+    /// Runs the shader over fragments. `take` receives in order the colours of each job's fragments and
+    /// which of them were discarded, as in [`Shaded`], while the next job runs, maybe on another thread;
+    /// `after` is called after each job with the backend and the job's number of fragments, before its
+    /// colours are taken.
     ///
     /// # Errors
     /// As [`FragmentShader::run`].
@@ -140,14 +141,14 @@ impl FragmentShader {
             let then = from + count;
             // The results of the last job are taken and the next one is packed while this one runs.
             let last = done.take();
-            let mut beside = || {
+            let mut other = || {
                 if let Some(last) = &last {
                     take(last.colors(), &last.discarded);
                 }
                 packed = (then < batch.count).then(|| pack(then, counts(then)));
             };
             let is_only = count == batch.count;
-            done = Some(jobs.run(backend, count, (!is_only).then_some(&mut beside))?);
+            done = Some(jobs.run(backend, count, (!is_only).then_some(&mut other))?);
             after(backend, count);
             from = then;
         }
@@ -334,15 +335,15 @@ impl Jobs {
         resources[self.atlas].kind = ResourceKind::Texture { width, height, texels };
     }
 
-    /// Runs the job for `count` fragments, and something else beside it.
+    /// Runs the job for `count` fragments, and `other` concurrently.
     fn run<R: Backend + ?Sized>(
         &mut self,
         backend: &mut R,
         count: usize,
-        beside: Option<&mut (dyn FnMut() + Send)>,
+        other: Option<&mut (dyn FnMut() + Send)>,
     ) -> Result<Done, Failure> {
-        let mut pixels = match beside {
-            Some(beside) => backend.run_beside(&self.shading, beside)?.pixels,
+        let mut pixels = match other {
+            Some(other) => backend.run_concurrently(&self.shading, other)?.pixels,
             None => backend.run(&self.shading)?.pixels,
         };
         pixels.truncate(count);

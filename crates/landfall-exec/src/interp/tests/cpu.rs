@@ -71,7 +71,7 @@ fn of_several_failures_the_first_is_reported_on_any_number_of_threads() {
 }
 
 #[test]
-fn what_runs_beside_a_job_runs_once_also_where_the_job_is_refused() {
+fn what_runs_concurrently_runs_once_also_where_the_job_is_refused() {
     let m = Arc::new(module(
         "@group(0) @binding(0) var<uniform> u: vec4<f32>;
         @fragment fn main() -> @location(0) vec4<f32> { return u; }",
@@ -84,7 +84,7 @@ fn what_runs_beside_a_job_runs_once_also_where_the_job_is_refused() {
         for threads in [1, 2, 3] {
             let mut cpu = Cpu::new(Settings { threads, ..single() });
             let mut count = 0;
-            let answer = cpu.run_beside(&job, &mut || count += 1);
+            let answer = cpu.run_concurrently(&job, &mut || count += 1);
             assert_eq!((count, answer.is_ok()), (1, works), "{threads} threads");
             assert!(answer.is_err() || answer == cpu.run(&job));
         }

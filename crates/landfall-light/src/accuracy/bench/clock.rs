@@ -67,10 +67,27 @@ impl Backend for Stopwatch<'_> {
         self.backend.device()
     }
 
-    /// A software device is not asked for timestamps: processor time is more precise.
     fn run(&mut self, job: &Job) -> Result<JobOutput, Failure> {
+        self.timed(|backend| backend.run(job))
+    }
+
+    fn run_concurrently(
+        &mut self,
+        job: &Job,
+        other: &mut (dyn FnMut() + Send),
+    ) -> Result<JobOutput, Failure> {
+        self.timed(|backend| backend.run_concurrently(job, other))
+    }
+}
+
+impl Stopwatch<'_> {
+    /// A software device is not asked for timestamps: processor time is more precise.
+    fn timed(
+        &mut self,
+        run: impl FnOnce(&mut dyn Backend) -> Result<JobOutput, Failure>,
+    ) -> Result<JobOutput, Failure> {
         let began = Instant::now();
-        let answer = self.backend.run(job)?;
+        let answer = run(self.backend)?;
         let own = match (self.backend.device().software, self.backend.device_time()) {
             (true, _) => {
                 let time = self.backend.processor_time();
