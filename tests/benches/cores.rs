@@ -43,6 +43,11 @@ fn main() {
     }
     let scene = "shaders/scenes/six_lights.json";
     row("render, six lights, cpu", &["render", scene, "--size", "1280x720"]);
+    let picture = text(&dir.join("picture.png"));
+    row(
+        "render, six lights, 3840x2160, a PNG",
+        &["render", scene, "--size", "3840x2160", "-o", &picture],
+    );
     row("render, six lights, f64", &["render", scene, "--size", "1280x720", "--reference"]);
     let stress = ["stress", "shaders/six_lights/phong_450.frag", "--fn", "CalcPointLight"];
     row(
