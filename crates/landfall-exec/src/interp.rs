@@ -45,7 +45,7 @@ mod tests;
 
 pub use call::{Call, Called};
 pub use counts::Counts;
-pub use cpu::Cpu;
+pub use cpu::{Cpu, Programs};
 pub use interface::Port;
 pub use numbers::{Numbers, Words};
 pub use program::{Floats, FunctionSignature, Parameter, Program};

@@ -8,6 +8,7 @@ mod raster;
 mod vertices;
 
 use std::borrow::Cow;
+use std::convert::Infallible;
 
 use super::{Scene, threads};
 use vertices::Corners;
@@ -111,10 +112,23 @@ impl Frame {
     /// its right or below it has the centres on it. Attributes are interpolated with perspective.
     /// All of it is in `f64` and the same on any number of threads.
     pub fn new(scene: &Scene, options: &FrameOptions) -> Frame {
+        let Ok((frame, ())) = Frame::beside(scene, options, || Ok::<(), Infallible>(()));
+        frame
+    }
+
+    /// Rasterises a scene; the calling thread does something else before it takes part.
+    ///
+    /// # Errors
+    /// That of `other`, after which nothing more is rasterised.
+    pub fn beside<O, E>(
+        scene: &Scene,
+        options: &FrameOptions,
+        other: impl FnOnce() -> Result<O, E>,
+    ) -> Result<(Frame, O), E> {
         let [width, height] = scene.size;
         let corners = Corners::new(scene, options.normals);
-        let fragments = raster::fragments(scene, &corners);
-        Frame { width, height, fragments }
+        let (fragments, other) = raster::fragments(scene, &corners, other)?;
+        Ok((Frame { width, height, fragments }, other))
     }
 }
 

@@ -30,6 +30,7 @@ use super::{Chosen, Frame, Upload};
 use crate::picture::Picture;
 use landfall_exec::backend::{Backend, Failure};
 use landfall_exec::harness::fragments::{Batch, FragmentShader, Image};
+use landfall_exec::interp::{Cpu, Programs, Settings};
 use landfall_layout::source::Source;
 use landfall_layout::{Diagnostic, Options};
 
@@ -41,6 +42,8 @@ pub struct Renderer {
     /// The binding map.
     pub map: BindingMap,
     filler: BlockWriter,
+    /// What the interpreter has compiled of the shader.
+    programs: Programs,
 }
 
 /// The options of a renderer.
@@ -167,13 +170,19 @@ impl Renderer {
             map = overridden(map, given)?;
         }
         let given = |key: &str| options.bind.iter().any(|given| given.contains_key(key));
-        let map = decide(&shader, map, &given)?;
+        let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
+        let map = decide(&shader, map, &given, &mut cpu)?;
         // A missing inference does not matter if all lights are bound explicitly.
         if let Some(error) = no_lights.filter(|_| !map.lights()) {
             return Err(error.into());
         }
         let filler = BlockWriter::new(&shader, &map)?;
-        Ok(Renderer { shader, map, filler })
+        Ok(Renderer { shader, map, filler, programs: cpu.programs() })
+    }
+
+    /// Returns an interpreter that has compiled the shader, if the binding was decided by running it.
+    pub fn cpu(&self, settings: Settings) -> Cpu {
+        Cpu::with_programs(settings, &self.programs)
     }
 
     /// Returns the indices of the lights of each kind for which the shader has slots.

@@ -31,10 +31,24 @@ pub(crate) fn run<S: Send, R: Send>(
     jobs: usize,
     job: impl Fn(&mut S, usize) -> R + Sync,
 ) -> Vec<R> {
+    run_beside(states, jobs, job, || ()).0
+}
+
+/// The same; the calling thread first does `other`, while the others begin with the jobs: a thread of
+/// its own would compete with one of these for a processor.
+pub(crate) fn run_beside<S: Send, R: Send, O>(
+    states: &mut [S],
+    jobs: usize,
+    job: impl Fn(&mut S, usize) -> R + Sync,
+    other: impl FnOnce() -> O,
+) -> (Vec<R>, O) {
     let used = states.len().min(jobs);
-    let Some((own, others)) = states[..used].split_first_mut() else { return Vec::new() };
+    let Some((own, others)) = states[..used].split_first_mut() else {
+        return (Vec::new(), other());
+    };
     if others.is_empty() {
-        return (0..jobs).map(|nth| job(own, nth)).collect();
+        let other = other();
+        return ((0..jobs).map(|nth| job(own, nth)).collect(), other);
     }
     // A thread takes the next job when it has done one: jobs may differ in length.
     let next = AtomicUsize::new(0);
@@ -45,18 +59,19 @@ pub(crate) fn run<S: Send, R: Send>(
         });
         claims.map(|nth| (nth, job(state, nth))).collect::<Vec<_>>()
     };
-    let mut done = thread::scope(|scope| {
+    let (mut done, other) = thread::scope(|scope| {
         let work = &work;
         let spawn = |state| Builder::new().stack_size(STACK).spawn_scoped(scope, || work(state));
         // Where no thread can be started, the others do its work.
         let running: Vec<_> = others.iter_mut().flat_map(spawn).collect();
+        let other = other();
         let mut done = work(own);
         let joined = running.into_iter().map(ScopedJoinHandle::join);
         done.extend(joined.flat_map(|part| part.expect("a job does not panic")));
-        done
+        (done, other)
     });
     done.sort_unstable_by_key(|(nth, _)| *nth);
-    done.into_iter().map(|(_, result)| result).collect()
+    (done.into_iter().map(|(_, result)| result).collect(), other)
 }
 
 /// Passes the results of the jobs numbered from 0 to `take` in their order, while later ones run on
@@ -169,6 +184,13 @@ mod tests {
                 assert_eq!(results, (0..ran).map(|nth| nth * 3).collect::<Vec<_>>());
                 assert_eq!(counts.iter().sum::<usize>(), ran);
             }
+        }
+        for (threads, jobs) in [(0, 3), (1, 3), (2, 0), (2, 1), (2, 1000)] {
+            let own = thread::current().id();
+            let other = || (thread::current().id() == own).then_some(threads);
+            let (results, other) = run_beside(&mut vec![(); threads], jobs, |(), nth| nth, other);
+            let ran = if threads == 0 { 0 } else { jobs };
+            assert_eq!((results, other), ((0..ran).collect(), Some(threads)));
         }
         let items: Vec<usize> = (0..1000).collect();
         assert_eq!(

@@ -150,11 +150,8 @@ fn picture(
         compare::refuse_foreign(out, &args.compare)?;
     }
     plan::allows_shader(&writer, args, request)?;
-    let renderer = match args.reference && !compare::needs_shader(&args.compare) {
-        true => None,
-        false => Some(request.renderer()?.ok_or_else(|| request.no_shader())?),
-    };
     let scene = &request.scene;
+    let (frame, renderer) = frame_and_renderer(args, request)?;
     let mut upload = Upload::new(scene);
     if let Some(renderer) = &renderer {
         let excess = if args.leave_out { OverflowPolicy::LeaveOut } else { OverflowPolicy::Refuse };
@@ -166,7 +163,6 @@ fn picture(
     }
     let likely = || renderer.as_ref().map(|renderer| (truth::likely_model(&renderer.map), false));
     let model = request.model.map(|model| (model, true)).or_else(likely);
-    let frame = Frame::new(scene, &request.frame);
     let limit = args.limit;
     let model = match (model, &request.shader) {
         (None, Some(_)) => own_model(request, &upload, &frame, limit)?,
@@ -212,7 +208,6 @@ fn picture(
         report.uploaded = lighted.rendered.uploaded;
         lighted.rendered.picture
     };
-    report.non_finite = picture.non_finite();
     let transfer = transfer(args);
     for what in &args.compare {
         let done = compare::compare(&made, what, &picture, args, streams)?;
@@ -228,11 +223,29 @@ fn picture(
         writer.write(path, text.as_bytes())?;
         report.written.push(path.display().to_string());
     }
-    if let Some(out) = &args.out {
-        save_last(&writer, out, &picture, transfer, made.frame)?;
-        report.written.insert(0, out.display().to_string());
-    }
+    thread::scope(|scope| -> Result<(), Error> {
+        // It takes as long as the rest.
+        let _ = thread::Builder::new().spawn_scoped(scope, || drop(made.frame));
+        report.non_finite = picture.non_finite();
+        if let Some(out) = &args.out {
+            save(&writer, out, &picture, transfer)?;
+            report.written.insert(0, out.display().to_string());
+        }
+        Ok(())
+    })?;
     Ok(report)
+}
+
+/// Rasterises the scene and compiles its shader meanwhile, if it is needed.
+fn frame_and_renderer(
+    args: &RenderArgs,
+    request: &RenderRequest,
+) -> Result<(Frame, Option<Renderer>), Stop> {
+    let is_needed = !args.reference || compare::needs_shader(&args.compare);
+    Frame::beside(&request.scene, &request.frame, || match is_needed {
+        true => Ok(Some(request.renderer()?.ok_or_else(|| request.no_shader())?)),
+        false => Ok(None),
+    })
 }
 
 /// The model of the scene's shader, as a comparison with the reference takes it: the one nearest to
@@ -251,7 +264,7 @@ fn own_model(
     let fragments = truth::sampled(frame);
     let draws = [Draw { fragments: &fragments, lights, tiles: None }];
     let work = Work { upload, frame, background: request.scene.background, limit };
-    let mut cpu = Cpu::new(Settings::default());
+    let mut cpu = renderer.cpu(Settings::default());
     let rendered = renderer.render(&mut cpu, &work, &draws, &mut |_: &mut Cpu, _| {})?;
     let likely = truth::likely_model(&renderer.map);
     Ok(Some((truth::nearest(&likely, upload, frame, &rendered.picture), false)))
@@ -274,20 +287,6 @@ fn save(
     let bytes = file::Format::of(&shown).and_then(|format| file::write(picture, format, transfer));
     let bytes = bytes.map_err(|error| Error::new(&shown, error.to_string()))?;
     writer.write(path, bytes).map(|_| ())
-}
-
-/// Saves a picture, and frees its frame meanwhile, which takes as long.
-fn save_last(
-    writer: &FileWriter,
-    path: &Path,
-    picture: &Picture,
-    transfer: Transfer,
-    frame: Frame,
-) -> Result<(), Error> {
-    thread::scope(|scope| {
-        let _ = thread::Builder::new().spawn_scoped(scope, || drop(frame));
-        save(writer, path, picture, transfer)
-    })
 }
 
 impl PreparedScene<'_> {
@@ -400,7 +399,7 @@ impl PreparedScene<'_> {
         let (rendered, device, tally, time, checked) = match name {
             BackendName::Cpu => {
                 let settings = Settings { watch: args.watch, ..Settings::default() };
-                let mut cpu = Cpu::new(settings);
+                let mut cpu = renderer.cpu(settings);
                 let mut tally = Tally::default();
                 let begun = Instant::now();
                 let after = &mut |cpu: &mut Cpu, n: usize| {

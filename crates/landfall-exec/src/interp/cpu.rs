@@ -32,8 +32,20 @@ pub struct Cpu {
     pub notes: Notes,
     device: Device,
     floats: Floats,
-    /// The compiled modules.
-    compiled: Vec<(Arc<Module>, Arc<Program>)>,
+    compiled: Programs,
+}
+
+/// Modules that an interpreter has compiled, the last [`KEPT`] of them.
+#[derive(Clone, Debug, Default)]
+pub struct Programs(Vec<(Arc<Module>, Arc<Program>)>);
+
+#[cfg(test)]
+impl Programs {
+    /// Whether these are the same programs, not others of the same modules.
+    pub(super) fn is_same(&self, other: &Programs) -> bool {
+        let same = |((_, a), (_, b)): (&(_, Arc<Program>), &(_, Arc<Program>))| Arc::ptr_eq(a, b);
+        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+    }
 }
 
 /// The number of compiled modules kept.
@@ -54,21 +66,33 @@ impl Cpu {
             version: env!("CARGO_PKG_VERSION").into(),
             software: true,
         };
-        Cpu { settings, notes: Notes::default(), device, floats, compiled: Vec::new() }
+        Cpu { settings, notes: Notes::default(), device, floats, compiled: Programs::default() }
+    }
+
+    /// Returns an interpreter with the given settings that need not compile what another one has
+    /// compiled: the [`programs`](Cpu::programs) of one whose floats are as written.
+    pub fn with_programs(settings: Settings, programs: &Programs) -> Cpu {
+        Cpu { compiled: programs.clone(), ..Cpu::new(settings) }
+    }
+
+    /// Returns the modules that the interpreter has compiled.
+    pub fn programs(&self) -> Programs {
+        self.compiled.clone()
     }
 
     fn program(&mut self, stage: &StageCode) -> Result<Arc<Program>, Failure> {
         let Some(module) = &stage.module else {
             return Err(refused_for("a stage without a module"));
         };
-        if let Some((_, program)) = self.compiled.iter().find(|(m, _)| Arc::ptr_eq(m, module)) {
+        let Programs(compiled) = &mut self.compiled;
+        if let Some((_, program)) = compiled.iter().find(|(m, _)| Arc::ptr_eq(m, module)) {
             return Ok(program.clone());
         }
         let program = Arc::new(Program::rounded(module, &[], self.floats));
-        if self.compiled.len() == KEPT {
-            self.compiled.remove(0);
+        if compiled.len() == KEPT {
+            compiled.remove(0);
         }
-        self.compiled.push((module.clone(), program.clone()));
+        compiled.push((module.clone(), program.clone()));
         Ok(program)
     }
 

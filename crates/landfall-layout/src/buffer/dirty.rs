@@ -26,20 +26,22 @@ pub(crate) struct Tracked {
     len: usize,
 }
 
-/// Where a value is in buffers of one length. No block is larger than 2^32 bytes.
+/// Where a value is in buffers of one length: in the lower half the offset, as no block is larger than
+/// 2^32 bytes, in the upper half where the entry of its bits starts, or [`NOWHERE`] if they span two
+/// entries. Loads are what limits how fast values are set.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    offset: u32,
-    /// Where the entry of its bits starts; [`NOWHERE`] if they span two entries.
-    entry: usize,
-}
+pub(crate) struct Place(u64);
 
-/// Past the end of any map.
-const NOWHERE: usize = usize::MAX - ENTRY;
+/// Past the end of any map that has [places](Tracked::has_places).
+const NOWHERE: usize = u32::MAX as usize - ENTRY;
 
 impl Place {
     pub fn offset(self) -> u32 {
-        self.offset
+        self.0 as u32
+    }
+
+    fn entry(self) -> usize {
+        (self.0 >> 32) as usize
     }
 }
 
@@ -63,7 +65,12 @@ impl Tracked {
         let (first, last) = (offset / WORD, (offset + size.max(1) - 1) / WORD);
         let entry = self.data.len().checked_sub((first / BITS + 1) * ENTRY);
         let entry = entry.filter(|_| first / BITS == last / BITS).unwrap_or(NOWHERE);
-        Place { offset: offset as u32, entry }
+        Place(u64::from(offset as u32) | (entry as u64) << 32)
+    }
+
+    /// Whether values can be stored [at places](Tracked::store_at): not in buffers of nearly 4 GiB.
+    pub fn has_places(&self) -> bool {
+        self.data.len() <= NOWHERE
     }
 
     #[inline]
@@ -110,12 +117,12 @@ impl Tracked {
     /// as many words in a buffer of this length.
     #[inline]
     pub fn store_at<T: Value>(&mut self, place: Place, value: T) -> bool {
-        let (data, offset) = (&mut self.data[..], place.offset as usize);
+        let (data, offset) = (&mut self.data[..], place.offset() as usize);
         debug_assert!(offset + T::BYTES <= self.len, "past the end");
         let Some(to) = data.get_mut(offset..offset + T::BYTES) else { return false };
         value.store(to);
         let entry =
-            data.get_mut(place.entry..place.entry + ENTRY).and_then(<[u8]>::first_chunk_mut);
+            data.get_mut(place.entry()..place.entry() + ENTRY).and_then(<[u8]>::first_chunk_mut);
         if !mark_bits(entry, mask(offset / WORD % BITS, T::BYTES / WORD)) {
             mark_two(data, offset, T::BYTES);
         }

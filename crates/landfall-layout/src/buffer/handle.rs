@@ -61,6 +61,7 @@ impl<T: Value> Handle<T> {
         let is_plain = fit == ScalarMatch::Same
             && grid.is_plain()
             && end <= buffer.bytes().len()
+            && buffer.data.has_places()
             && (dims.len() as u64) < NOT_PLAIN;
         let first = dims.first().copied().unwrap_or(Dim { len: Some(1), stride: 0 });
         Ok(Handle {

@@ -79,7 +79,7 @@ fn heading(block: &BlockLayout, language: Language) -> String {
 }
 
 fn leaf_row(leaf: &Leaf, language: Language) -> String {
-    let mut strides = phrases::spaced(&leaf.strides);
+    let mut strides = phrases::Spaced(&leaf.strides).to_string();
     if let (Type::Matrix { .. }, Some(stride)) = (&leaf.ty, leaf.matrix_stride) {
         let vectors = if leaf.row_major { "rows" } else { "columns" };
         let comma = if strides.is_empty() { "" } else { ", " };

@@ -1,5 +1,7 @@
 //! Phrases shared by the formats: block names, byte counts, differences from naga.
 
+use std::fmt;
+
 use crate::ShaderLayout;
 use crate::layout::padding::{PaddingKind, PaddingOwner};
 use crate::layout::{BlockLayout, Leaf, MemberLayout};
@@ -118,14 +120,17 @@ pub(super) fn dims(dims: &[ArrayLen]) -> String {
     dims.iter().map(ArrayLen::to_string).collect()
 }
 
-/// Numbers separated by spaces.
-pub(super) fn spaced(numbers: &[u64]) -> String {
-    let mut text = String::new();
-    for number in numbers {
-        text.push_str(if text.is_empty() { "" } else { " " });
-        text.push_str(&number.to_string());
+/// Displays numbers separated by spaces.
+pub(super) struct Spaced<'a>(pub(super) &'a [u64]);
+
+impl fmt::Display for Spaced<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (nth, number) in self.0.iter().enumerate() {
+            f.write_str(if nth == 0 { "" } else { " " })?;
+            number.fmt(f)?;
+        }
+        Ok(())
     }
-    text
 }
 
 /// A type's name, or `struct` for a nameless structure.
@@ -173,7 +178,7 @@ pub(super) fn naga(leaf: &Leaf) -> Option<String> {
     let naga = leaf.naga.as_ref()?;
     let mut text = format!("naga reads {}", naga.offset);
     if naga.strides != leaf.strides && !naga.strides.is_empty() {
-        text.push_str(&format!(" stride {}", spaced(&naga.strides)));
+        text.push_str(&format!(" stride {}", Spaced(&naga.strides)));
     }
     Some(text)
 }

@@ -4,6 +4,9 @@
 //! Offsets are from the start of the block; those in an array are of its first element, with the
 //! strides beside them.
 
+use std::fmt;
+use std::fmt::Write as _;
+
 use anstyle::Style;
 use unicode_width::UnicodeWidthStr;
 
@@ -21,9 +24,15 @@ const COLUMNS: usize = 7;
 const TITLES: [&str; COLUMNS] = ["offset", "size", "align", "stride", "matrix", "type", "name"];
 const NAME: usize = COLUMNS - 1;
 
+/// Bytes that a row takes, and all that is no row: most tables fit, and none is moved as it grows.
+const ROW: usize = 64;
+const ROOM: usize = 512;
+
 pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
     let paint = options.paint;
-    let mut text = paint.text(STRONG, &name(&shader.path));
+    let leaves: usize = shader.blocks.iter().map(|block| block.leaves.len()).sum();
+    let mut text = String::with_capacity(ROOM + 2 * ROW * leaves + 2 * ROW * shader.blocks.len());
+    text.push_str(&paint.text(STRONG, &name(&shader.path)));
     if let Some(stage) = shader.stage {
         text.push_str(&paint.text(FAINT, &format!(" ({})", stage.name())));
     }
@@ -43,7 +52,7 @@ pub(super) fn shader(shader: &ShaderLayout, options: &EmitOptions) -> String {
         } else {
             rows(block, shader.language)
         };
-        write_rows(&rows, paint, &mut text);
+        rows.write(paint, &mut text);
         footer(shader, block, &rows, paint, &mut text);
     }
     text
@@ -82,7 +91,7 @@ pub(super) fn heading(block: &BlockLayout, language: Language, paint: Paint) -> 
 fn footer(
     shader: &ShaderLayout,
     block: &BlockLayout,
-    rows: &[Row],
+    rows: &Rows,
     paint: Paint,
     text: &mut String,
 ) {
@@ -95,7 +104,7 @@ fn footer(
     };
     line(STRONG, &phrases::summary(block));
     line(FAINT, phrases::reported_size(shader, block).unwrap_or_default());
-    if rows.iter().any(|row| row.inherited > 0) {
+    if rows.rows.iter().any(|row| row.inherited > 0) {
         line(FAINT, "offsets are those of element 0; element i lies i × stride further");
     }
     let opaque = phrases::opaque(block);
@@ -104,10 +113,19 @@ fn footer(
     }
 }
 
-/// One line of the table.
+/// The lines of the table. Their cells are in one text: a string each would take as long as the rest.
 #[derive(Default)]
+struct Rows {
+    text: String,
+    rows: Vec<Row>,
+}
+
+/// One line of the table.
+#[derive(Clone, Default)]
 struct Row {
-    cells: [String; COLUMNS],
+    /// Where the first cell starts, and each ends.
+    start: usize,
+    ends: [usize; COLUMNS],
     /// The characters of the stride cell that repeat the strides of enclosing arrays.
     inherited: usize,
     padding: bool,
@@ -115,10 +133,11 @@ struct Row {
     caution: Option<String>,
 }
 
-fn rows(block: &BlockLayout, language: Language) -> Vec<Row> {
-    let mut table =
-        Table { rules: block.rules, language, leaves: block.leaves.iter(), rows: vec![] };
-    let scope = Scope { base: 0, depth: 0, strides: &[] };
+fn rows(block: &BlockLayout, language: Language) -> Rows {
+    let count = 2 * block.leaves.len();
+    let rows = Rows { text: String::with_capacity(ROW * count), rows: Vec::with_capacity(count) };
+    let mut table = Table { rules: block.rules, language, leaves: block.leaves.iter(), rows };
+    let scope = Scope { base: 0, depth: 0, strides: &[], inherited: 0 };
     let gaps = block.size.map(|size| gaps(&block.members, size)).unwrap_or_default();
     table.members(&block.members, gaps, (PaddingOwner::Block, None), &scope);
     table.rows
@@ -129,6 +148,8 @@ struct Scope<'a> {
     base: u64,
     depth: usize,
     strides: &'a [u64],
+    /// The length of the strides in a cell.
+    inherited: usize,
 }
 
 struct Table<'a> {
@@ -136,7 +157,7 @@ struct Table<'a> {
     language: Language,
     /// The remaining leaves, in the order in which the walk meets them.
     leaves: std::slice::Iter<'a, Leaf>,
-    rows: Vec<Row>,
+    rows: Rows,
 }
 
 impl Table<'_> {
@@ -152,7 +173,7 @@ impl Table<'_> {
             while let Some(gap) = gaps.next_if(|gap| gap.after.map_or(0, |after| after + 1) == i) {
                 let words = phrases::padding(gap.kind, owner.0, owner.1);
                 let offset = scope.base + gap.offset;
-                self.padding(offset, gap.size, &words, scope.strides, scope.depth);
+                self.padding(offset, gap.size, &words, scope, scope.depth);
             }
             if let Some(member) = members.get(i) {
                 self.member(member, scope);
@@ -160,54 +181,54 @@ impl Table<'_> {
         }
     }
 
-    fn padding(&mut self, offset: u64, size: u64, words: &str, strides: &[u64], depth: usize) {
-        let mut row = Row { padding: true, ..Row::default() };
-        row.cells[0] = offset.to_string();
-        row.cells[1] = size.to_string();
-        row.cells[3] = phrases::spaced(strides);
-        row.cells[NAME] = format!("{}-- {words}", "  ".repeat(depth));
-        row.inherited = row.cells[3].len();
-        self.rows.push(row);
+    /// Adds a row of padding in an array of the strides of `within`.
+    fn padding(&mut self, offset: u64, size: u64, words: &str, within: &Scope<'_>, depth: usize) {
+        let row = Row { padding: true, inherited: within.inherited, ..Row::default() };
+        self.rows.push(row, |column, text| match column {
+            0 => write!(text, "{offset}"),
+            1 => write!(text, "{size}"),
+            3 => write!(text, "{}", phrases::Spaced(within.strides)),
+            NAME => {
+                fill_up(text, 2 * depth);
+                write!(text, "-- {words}")
+            }
+            _ => Ok(()),
+        });
     }
 
     fn member(&mut self, member: &MemberLayout, scope: &Scope<'_>) {
-        let number = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
+        let number = |text: &mut String, n: Option<u64>| n.map_or(Ok(()), |n| write!(text, "{n}"));
         let mut strides = scope.strides.to_vec();
         strides.extend(&member.strides);
         let base = scope.base + member.offset.unwrap_or(0);
         let is_struct = matches!(member.ty.innermost(), Type::Struct(_));
         let leaf = if is_struct { None } else { self.leaves.next() };
-        let mut row = Row {
-            cells: [
-                number(member.offset.map(|_| base)),
-                number(member.size),
-                number(member.align),
-                phrases::spaced(&strides),
-                matrix(member),
-                phrases::type_name(&member.ty, self.language),
-                format!(
-                    "{}{}{}",
-                    "  ".repeat(scope.depth),
-                    member.name,
-                    phrases::dims(&member.dims)
-                ),
-            ],
-            caution: leaf.and_then(phrases::naga),
-            ..Row::default()
-        };
-        row.inherited = phrases::spaced(scope.strides).len();
-        self.rows.push(row);
-        let inner = Scope { base, depth: scope.depth + 1, strides: &strides };
+        let caution = leaf.and_then(phrases::naga);
+        let row = Row { inherited: scope.inherited, caution, ..Row::default() };
+        let inherited = self.rows.push(row, |column, text| match column {
+            0 => number(text, member.offset.map(|_| base)),
+            1 => number(text, member.size),
+            2 => number(text, member.align),
+            3 => write!(text, "{}", phrases::Spaced(&strides)),
+            4 => write_matrix(member, text),
+            5 => write!(text, "{}", member.ty.innermost().spelled(self.language)),
+            _ => {
+                fill_up(text, 2 * scope.depth);
+                text.push_str(&member.name);
+                member.dims.iter().try_for_each(|len| write!(text, "{len}"))
+            }
+        });
+        let inner = Scope { base, depth: scope.depth + 1, strides: &strides, inherited };
         for tail in member.offset.map(|_| tails(member, self.rules)).unwrap_or_default() {
             let words = match tail.owner {
                 PaddingOwner::Member => format!("tail padding of {}", member.name),
                 owner => phrases::padding(PaddingKind::Tail, owner, None),
             };
-            let strides = match tail.owner {
-                PaddingOwner::Member => scope.strides,
-                _ => inner.strides,
+            let within = match tail.owner {
+                PaddingOwner::Member => scope,
+                _ => &inner,
             };
-            self.padding(base + tail.offset, tail.size, &words, strides, inner.depth);
+            self.padding(base + tail.offset, tail.size, &words, within, inner.depth);
         }
         if is_struct {
             let gaps = match member.offset {
@@ -220,61 +241,102 @@ impl Table<'_> {
     }
 }
 
-/// The matrix stride: `16`, or `16 rows` when the matrix is stored by rows.
-fn matrix(member: &MemberLayout) -> String {
+/// Writes the matrix stride: `16`, or `16 rows` when the matrix is stored by rows.
+fn write_matrix(member: &MemberLayout, text: &mut String) -> fmt::Result {
     let rows = if member.row_major { "rows" } else { "" };
     match member.matrix_stride {
-        Some(stride) if member.row_major => format!("{stride} {rows}"),
-        Some(stride) => stride.to_string(),
-        None => rows.to_string(),
+        Some(stride) if member.row_major => write!(text, "{stride} {rows}"),
+        Some(stride) => write!(text, "{stride}"),
+        None => text.write_str(rows),
     }
 }
 
-fn expanded_rows(block: &BlockLayout, language: Language) -> Vec<Row> {
-    let mut rows = Vec::new();
+fn expanded_rows(block: &BlockLayout, language: Language) -> Rows {
+    let mut rows = Rows::default();
     expand::for_each(block, |element| {
-        let mut row = Row::default();
-        row.cells[0] = element.offset.to_string();
-        row.cells[1] = element_size(element.member, block.rules).to_string();
-        row.cells[4] = matrix(element.member);
-        row.cells[5] = phrases::type_name(&element.member.ty, language);
-        row.cells[NAME] = element.path.to_string();
-        rows.push(row);
+        rows.push(Row::default(), |column, text| match column {
+            0 => write!(text, "{}", element.offset),
+            1 => write!(text, "{}", element_size(element.member, block.rules)),
+            4 => write_matrix(element.member, text),
+            5 => write!(text, "{}", element.member.ty.innermost().spelled(language)),
+            NAME => write!(text, "{}", element.path),
+            _ => Ok(()),
+        });
     });
     rows
 }
 
-fn write_rows(rows: &[Row], paint: Paint, text: &mut String) {
-    let mut widths = [0; COLUMNS];
-    for row in rows {
-        for (width, cell) in widths.iter_mut().zip(&row.cells) {
-            *width = (*width).max(columns(cell));
+impl Rows {
+    /// Adds a row, each of whose cells `write` appends to the text; returns the length of the strides.
+    fn push(&mut self, row: Row, write: impl Fn(usize, &mut String) -> fmt::Result) -> usize {
+        let mut row = Row { start: self.text.len(), ..row };
+        for (column, end) in row.ends.iter_mut().enumerate() {
+            write(column, &mut self.text).expect("a text takes all");
+            *end = self.text.len();
         }
+        let strides = row.ends[3] - row.ends[2];
+        self.rows.push(row);
+        strides
     }
-    // Empty columns are left out, with their titles.
-    let shown: Vec<usize> = (0..COLUMNS).filter(|&i| widths[i] > 0).collect();
-    for &i in &shown {
-        widths[i] = widths[i].max(TITLES[i].width());
+
+    fn cell(&self, row: &Row, column: usize) -> &str {
+        let start = column.checked_sub(1).map_or(row.start, |before| row.ends[before]);
+        &self.text[start..row.ends[column]]
     }
-    let titles = Row { cells: TITLES.map(str::to_string), padding: true, ..Row::default() };
-    for row in std::iter::once(&titles).chain(rows) {
-        let start = text.len();
-        for &i in &shown {
-            text.push_str("  ");
-            write_cell(row, i, widths[i], paint, text);
+
+    fn write(&self, paint: Paint, text: &mut String) {
+        let mut widths = [0; COLUMNS];
+        for row in &self.rows {
+            for (column, width) in widths.iter_mut().enumerate() {
+                *width = (*width).max(columns(self.cell(row, column)));
+            }
         }
-        if let Some(caution) = &row.caution {
-            text.push_str("  ");
-            text.push_str(&paint.text(CAUTION, &format!("<- {caution}")));
+        // Empty columns are left out, with their titles.
+        let shown = widths.map(|width| width > 0);
+        let shown = || (0..COLUMNS).filter(|&column| shown[column]);
+        for column in shown() {
+            widths[column] = widths[column].max(TITLES[column].len());
         }
-        text.truncate(start + text[start..].trim_end().len());
-        text.push('\n');
+        let heading = Row { padding: true, ..Row::default() };
+        let heading = shown().map(|column| (&heading, column, TITLES[column]));
+        write_row(heading, &widths, paint, text);
+        for row in &self.rows {
+            let cells = shown().map(|column| (row, column, self.cell(row, column)));
+            write_row(cells, &widths, paint, text);
+        }
     }
 }
 
+/// Appends a line of the cells of a row.
+fn write_row<'a>(
+    cells: impl Iterator<Item = (&'a Row, usize, &'a str)>,
+    widths: &[usize; COLUMNS],
+    paint: Paint,
+    text: &mut String,
+) {
+    let start = text.len();
+    let mut caution = None;
+    for (row, column, content) in cells {
+        text.push_str("  ");
+        write_cell(row, (column, widths[column]), content, paint, text);
+        caution = row.caution.as_ref();
+    }
+    if let Some(caution) = caution {
+        text.push_str("  ");
+        text.push_str(&paint.text(CAUTION, &format!("<- {caution}")));
+    }
+    text.truncate(start + text[start..].trim_end().len());
+    text.push('\n');
+}
+
 /// Appends a cell padded to its column's width: numbers aligned right, text left.
-fn write_cell(row: &Row, column: usize, width: usize, paint: Paint, line: &mut String) {
-    let content = &row.cells[column];
+fn write_cell(
+    row: &Row,
+    (column, width): (usize, usize),
+    content: &str,
+    paint: Paint,
+    line: &mut String,
+) {
     let fill = width - columns(content);
     let is_word = column >= 5;
     if !is_word {

@@ -7,7 +7,7 @@ use crate::shape::{ArrayLen, Type};
 
 /// Returns the leaves of the members of a block.
 pub(crate) fn leaves_of(members: &[MemberLayout]) -> Vec<Leaf> {
-    let mut leaves = Vec::new();
+    let mut leaves = Vec::with_capacity(members.len());
     for member in members {
         let start = Pattern { path: String::new(), offset: Some(0), dims: vec![], strides: vec![] };
         collect_leaves(member, start, &mut leaves);

@@ -12,7 +12,7 @@ mod probe;
 mod reading;
 
 use landfall_exec::harness::fragments::FragmentShader;
-use landfall_exec::interp::{Cpu, Settings};
+use landfall_exec::interp::Cpu;
 
 use super::{BindError, BindingMap, BlockWriter, Kind, Member, Quantity, Source};
 use comparison::{ReadingComparison, compare};
@@ -48,8 +48,8 @@ pub enum Outcome {
     NotRun(String),
 }
 
-/// Returns the map with the signs and units that agree with the reference. Members whose keys
-/// `given` accepts keep their sources.
+/// Returns the map with the signs and units that agree with the reference, as the interpreter `cpu`
+/// finds. Members whose keys `given` accepts keep their sources.
 ///
 /// # Errors
 /// No reading of a direction or a cone agrees with the reference, or several do that differ.
@@ -57,10 +57,10 @@ pub fn decide(
     shader: &FragmentShader,
     mut map: BindingMap,
     given: &dyn Fn(&str) -> bool,
+    cpu: &mut Cpu,
 ) -> Result<BindingMap, BindError> {
-    let mut cpu = Cpu::new(Settings { threads: 1, ..Settings::default() });
     for group in binding_groups(&map, given) {
-        let decided = choose_reading(shader, &map, &group, &mut cpu)?;
+        let decided = choose_reading(shader, &map, &group, cpu)?;
         if let (Some(reading), Outcome::Agrees) = (decided.0, &decided.1) {
             put(&mut map, &group, &group.readings[reading]);
         }
@@ -74,7 +74,7 @@ pub fn decide(
             outcome: decided.1,
         });
     }
-    map.camera_at_origin = is_at_origin(shader, &map, &mut cpu);
+    map.camera_at_origin = is_at_origin(shader, &map, cpu);
     Ok(map)
 }
 

@@ -9,6 +9,7 @@
 //! them.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::DVec3;
 
@@ -24,23 +25,37 @@ const BAND: usize = 64;
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// Returns the visible fragments in pixel order.
-pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
+/// Returns the visible fragments in pixel order, and what the calling thread does before it takes part.
+///
+/// # Errors
+/// That of `other`, after which nothing more is drawn.
+pub(super) fn fragments<O, E>(
+    scene: &Scene,
+    corners: &Corners,
+    other: impl FnOnce() -> Result<O, E>,
+) -> Result<(Vec<Fragment>, O), E> {
     let [width, height] = scene.size.map(|size| size as usize);
     let Some(pixels) = width.checked_mul(height).filter(|pixels| *pixels < NONE as usize) else {
-        return Vec::new();
+        return Ok((Vec::new(), other()?));
     };
     if pixels == 0 {
-        return Vec::new();
+        return Ok((Vec::new(), other()?));
     }
     let screen = Screen::new(&scene.camera, width, height);
     let triangles = triangles(scene, corners, &screen);
     let bands: Vec<Range<usize>> =
         (0..height).step_by(BAND).map(|first| first..(first + BAND).min(height)).collect();
     let mut threads = vec![(); threads::number(0)];
-    let drawn = threads::run(&mut threads, bands.len(), |(), number| {
-        Band::new(&screen, bands[number].clone()).draw(&triangles)
+    let failed = AtomicBool::new(false);
+    let draw = |(): &mut (), number: usize| {
+        let band = || Band::new(&screen, bands[number].clone()).draw(&triangles);
+        (!failed.load(Ordering::Relaxed)).then(band)
+    };
+    let (drawn, other) = threads::run_beside(&mut threads, bands.len(), draw, || {
+        other().inspect_err(|_| failed.store(true, Ordering::Relaxed))
     });
+    let other = other?;
+    let drawn: Vec<_> = drawn.into_iter().flatten().collect();
     // Each thread fills its bands' part of the list, which has no pages before.
     let mut fragments: Vec<Fragment> =
         bytemuck::zeroed_vec(drawn.iter().map(|band| band.covered).sum());
@@ -51,7 +66,7 @@ pub(super) fn fragments(scene: &Scene, corners: &Corners) -> Vec<Fragment> {
         (band, part)
     });
     threads::each(parts, |(band, part)| band.fill(part, scene, corners, &triangles));
-    fragments
+    Ok((fragments, other))
 }
 
 /// The directions of the pixel centres' rays: `(x[column], y[row], -1)`.

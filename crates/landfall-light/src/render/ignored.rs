@@ -82,7 +82,7 @@ impl Renderer {
                 .map(|count| (0..count as u32).collect::<Vec<u32>>());
         let lights =
             FragmentLights { ambient: true, directional: &directional, point: &point, spot: &spot };
-        let mut cpu = Cpu::new(Settings::default());
+        let mut cpu = self.cpu(Settings::default());
         let mut run = |upload: &Upload| {
             let work = Work { upload, ..*work };
             let draw = Draw { fragments, lights, tiles: None };

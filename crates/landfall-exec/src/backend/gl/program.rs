@@ -147,11 +147,12 @@ fn build(context: &Context, texts: &[(Stage, &str)], partner: Partner) -> Result
             let log = gl.get_program_info_log(id);
             return Err(Failure::refused("the program does not link", log));
         }
+        let uniform_blocks = reflect::uniform_blocks(context, id)?;
         let program = Program {
             id,
-            uniform_blocks: reflect::uniform_blocks(context, id)?,
+            outside: reflect::Outside::of(context, id, &uniform_blocks)?,
+            uniform_blocks,
             storage_blocks: reflect::storage_blocks(context, id)?,
-            outside: reflect::Outside::of(context, id)?,
             takes_corners,
             reflection: OnceCell::new(),
         };

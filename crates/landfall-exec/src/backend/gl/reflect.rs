@@ -19,6 +19,8 @@ pub(super) struct ActiveBlock {
     pub(super) size: u64,
     /// The binding in the text.
     pub(super) binding: u32,
+    /// The number of its active uniforms; 0 of a storage block.
+    pub(super) uniforms: usize,
 }
 
 /// A uniform outside blocks.
@@ -37,7 +39,7 @@ pub(super) fn reflect(context: &Context, program: glow::Program) -> Result<Refle
     let mut storage_blocks: Vec<ReflectedBlock> =
         storage_blocks(context, program)?.into_iter().map(empty).collect();
     let mut uniforms = Vec::new();
-    for uniform in active_uniforms(context, program, |_| true)? {
+    for uniform in active_uniforms(context, program, |_| true, usize::MAX)? {
         let Some(block) = uniform.block else {
             uniforms.push(ReflectedUniform {
                 name: uniform.name,
@@ -78,6 +80,7 @@ pub(super) fn uniform_blocks(
                     name: gl.get_active_uniform_block_name(program, index),
                     size: number(fact(glow::UNIFORM_BLOCK_DATA_SIZE))?,
                     binding: small(fact(glow::UNIFORM_BLOCK_BINDING))?,
+                    uniforms: small(fact(glow::UNIFORM_BLOCK_ACTIVE_UNIFORMS))? as usize,
                 })
             })
             .collect()
@@ -101,6 +104,7 @@ pub(super) fn storage_blocks(
                 name: interface.name(program, glow::SHADER_STORAGE_BLOCK, index, longest),
                 size: number(size)?,
                 binding: small(binding)?,
+                uniforms: 0,
             })
         })
         .collect()
@@ -114,10 +118,20 @@ pub(super) struct Outside {
 }
 
 impl Outside {
-    pub(super) fn of(context: &Context, program: glow::Program) -> Result<Outside, Failure> {
+    /// Returns those of a program with these blocks.
+    pub(super) fn of(
+        context: &Context,
+        program: glow::Program,
+        blocks: &[ActiveBlock],
+    ) -> Result<Outside, Failure> {
         let mut outside = Outside::default();
-        let is_named = |uniform: &Uniform| uniform.block.is_none() || is_sampler(uniform.ty);
-        let active = active_uniforms(context, program, is_named)?;
+        // SAFETY: the program is linked.
+        let all = unsafe { context.gl.get_active_uniforms(program) } as usize;
+        // The blocks of an array have the same uniforms.
+        let is_shared = blocks.iter().any(|block| block.name.ends_with(']'));
+        let inside = if is_shared { 0 } else { blocks.iter().map(|block| block.uniforms).sum() };
+        let is_named = |uniform: &Uniform| uniform.block.is_none();
+        let active = active_uniforms(context, program, is_named, all.saturating_sub(inside))?;
         for Uniform { name, ty, size, .. } in active.into_iter().filter(is_named) {
             let names: Vec<String> = match name.strip_suffix("[0]") {
                 Some(array) => (0..size).map(|at| format!("{array}[{at}]")).collect(),
@@ -152,14 +166,18 @@ struct Uniform {
     row_major: i32,
 }
 
-/// Returns the active uniforms, those in blocks too. Mesa looks for a uniform in a list of all, so that
-/// each query of a program takes time by the square of their number: they are few, names those that
-/// are needed.
+/// Returns the active uniforms, those in blocks too, until as many as are wanted have names. Mesa looks
+/// for a uniform in a list of all, so that each query of a program takes time by the square of their
+/// number: they are few, names those that are needed.
 fn active_uniforms(
     context: &Context,
     program: glow::Program,
     is_named: impl Fn(&Uniform) -> bool,
+    wanted: usize,
 ) -> Result<Vec<Uniform>, Failure> {
+    if wanted == 0 {
+        return Ok(Vec::new());
+    }
     let Some(interface) = &context.interface else { return by_index(context, program) };
     let asked = [
         glow::TYPE,
@@ -171,26 +189,30 @@ fn active_uniforms(
         glow::IS_ROW_MAJOR,
     ];
     let longest = interface.longest(program, glow::UNIFORM);
-    (0..interface.count(program, glow::UNIFORM))
-        .map(|index| {
-            let [ty, size, block, offset, array_stride, matrix_stride, row_major] =
-                interface.values(program, glow::UNIFORM, index, asked).map_err(incomplete)?;
-            let mut uniform = Uniform {
-                name: String::new(),
-                ty: ty.cast_unsigned(),
-                size,
-                block: usize::try_from(block).ok(),
-                offset,
-                array_stride,
-                matrix_stride,
-                row_major,
-            };
-            if is_named(&uniform) {
-                uniform.name = interface.name(program, glow::UNIFORM, index, longest);
-            }
-            Ok(uniform)
-        })
-        .collect()
+    let (mut uniforms, mut named) = (Vec::new(), 0);
+    for index in 0..interface.count(program, glow::UNIFORM) {
+        let [ty, size, block, offset, array_stride, matrix_stride, row_major] =
+            interface.values(program, glow::UNIFORM, index, asked).map_err(incomplete)?;
+        let mut uniform = Uniform {
+            name: String::new(),
+            ty: ty.cast_unsigned(),
+            size,
+            block: usize::try_from(block).ok(),
+            offset,
+            array_stride,
+            matrix_stride,
+            row_major,
+        };
+        if is_named(&uniform) {
+            uniform.name = interface.name(program, glow::UNIFORM, index, longest);
+            named += 1;
+        }
+        uniforms.push(uniform);
+        if named == wanted {
+            break;
+        }
+    }
+    Ok(uniforms)
 }
 
 /// The same by the queries of contexts before OpenGL 4.3, with all names.
@@ -269,7 +291,7 @@ fn storage_members(
 }
 
 fn empty(block: ActiveBlock) -> ReflectedBlock {
-    let ActiveBlock { name, size, binding } = block;
+    let ActiveBlock { name, size, binding, uniforms: _ } = block;
     ReflectedBlock { name, binding, size, members: Vec::new() }
 }
 

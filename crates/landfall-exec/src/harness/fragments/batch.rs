@@ -78,6 +78,9 @@ pub struct Shaded {
 /// Maximum number of fragments in one job: keeps a backend busy and still shows progress.
 const MOST: usize = 1 << 16;
 
+/// The part of [`MOST`] in the first of several jobs, as a divisor.
+const FIRST: usize = 4;
+
 /// Width of the image in pixels, on drivers.
 const ROW: usize = 256;
 
@@ -131,7 +134,9 @@ impl FragmentShader {
         let pack = |from: usize, count: usize| {
             self.pack(batch, from, count, if whole { count } else { ROW.min(count) })
         };
-        let counts = |from: usize| most.min(batch.count - from);
+        // Nothing runs while the first job is packed.
+        let first = if whole && batch.count > most { most / FIRST } else { most };
+        let counts = |from: usize| if from == 0 { first } else { most }.min(batch.count - from);
         let mut from = 0;
         let mut packed = (batch.count > 0).then(|| pack(0, counts(0)));
         let mut done: Option<Done> = None;

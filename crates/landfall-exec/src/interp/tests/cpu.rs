@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Cpu, Invocations, Port, Settings};
+use super::super::{Cpu, Invocations, Port, Programs, Settings};
 use super::memory::resource;
 use super::support::{module, program, single};
 use crate::backend::{Backend, Grid, Job, JobOutput, Resource, ResourceKind, StageCode, Texel};
@@ -47,6 +47,23 @@ fn a_fragment_is_at_the_middle_of_its_pixel() {
         };
         assert_eq!(floats(*pixel), expected, "{x}, {y}");
     }
+}
+
+#[test]
+fn an_interpreter_need_not_compile_what_another_has_compiled() {
+    let text = "@fragment fn main() -> @location(0) vec4<f32> { return vec4<f32>(3.0); }";
+    let m = Arc::new(module(text));
+    let stages = vec![stage(Stage::Fragment, "main", &m)];
+    let grid = Grid::Image { width: 1, height: 1, texel: Texel::Float };
+    let job = Job { stages, resources: Vec::new(), grid, limit: Duration::from_secs(60) };
+    let mut first = Cpu::new(single());
+    let pixels = first.run(&job).map(|output| output.pixels);
+    let mut second = Cpu::with_programs(Settings { threads: 2, ..single() }, &first.programs());
+    assert_eq!(second.run(&job).map(|output| output.pixels), pixels);
+    assert_eq!(pixels, Ok(vec![[3f32.to_bits(); 4]]));
+    // The other one's, not a copy.
+    assert!(first.programs().is_same(&second.programs()));
+    assert!(!first.programs().is_same(&Programs::default()));
 }
 
 #[test]
