@@ -217,7 +217,7 @@ fn fragments_of_several_jobs_are_in_their_order() {
         assert!(shaded.colors == colors && shaded.discarded == discarded, "{who}, {count}");
     };
     for threads in [1, 2, 3] {
-        for count in [0, 65_536, 65_537, 131_072, 150_001] {
+        for count in [0, 65_536, 65_537, 81_920, 81_921, 150_001] {
             let mut cpu = Cpu::new(Settings { threads, ..Settings::default() });
             check(&mut cpu, count, &format!("{threads} threads"));
         }
@@ -254,7 +254,7 @@ fn colours_of_jobs_before_a_failure_are_taken_once() {
     let inputs = vec![values(150_001, 3)];
     let batch = Batch { blocks: &[], textures: &[], inputs: &inputs, count: 150_001, limit: LIMIT };
     // The colours of the second and of the third job fail, and what the second one discards.
-    for (works, taken) in [(0, 0), (1, 0), (2, 65_536), (3, 65_536), (4, 131_072)] {
+    for (works, taken) in [(0, 0), (1, 0), (2, 16_384), (3, 16_384), (4, 81_920)] {
         let mut backend = Failing { cpu: Cpu::default(), works };
         let mut count = 0;
         let failed =

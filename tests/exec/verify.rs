@@ -364,3 +364,30 @@ void main() { o = vec4(a[7] + a[2]) + last + vec4(s.b[3], 0.0, 0.0) + s.c; }
         assert!(backend.reads.len() >= 12, "{block}: {} reads", backend.reads.len());
     }
 }
+
+/// OpenGL lists uniforms of blocks and others in one list, which is read until the others are found.
+#[test]
+fn uniforms_outside_blocks_are_set_wherever_they_are_listed() {
+    for (array, b) in [("", "b"), ("[2]", "b[1]")] {
+        let text = format!(
+            "#version 330
+uniform vec3 first;
+layout(std140) uniform B {{ vec4 a; float k[5]; }} b{array};
+uniform vec4 middle[3];
+layout(std140) uniform C {{ vec3 c; mat3 m; }};
+uniform sampler2D image;
+uniform float last;
+out vec4 o;
+void main() {{
+    o = vec4(first * c * m, last) + {b}.a * {b}.k[3] + middle[1] + texture(image, middle[2].xy);
+}}
+"
+        );
+        let report = verified(&Source::new("mixed.frag", text), &VerifyOptions::default());
+        let blocks: Vec<&str> = report.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!(blocks, ["default uniforms", "B", "C"]);
+        for (block, backend) in each(&report) {
+            assert_eq!(backend.outcome, Outcome::Confirmed, "{block}{array}: {backend:?}");
+        }
+    }
+}

@@ -116,10 +116,10 @@ impl Frame {
         frame
     }
 
-    /// Rasterises a scene; the calling thread does something else before it takes part.
+    /// The same, and the result of `other`, which the calling thread runs while others rasterise.
     ///
     /// # Errors
-    /// That of `other`, after which nothing more is rasterised.
+    /// That of `other`; rasterising ends early.
     pub fn beside<O, E>(
         scene: &Scene,
         options: &FrameOptions,

@@ -168,8 +168,12 @@ pub(crate) fn each<P: Send>(parts: impl Iterator<Item = P>, of: impl Fn(P) + Syn
 #[cfg(test)]
 mod tests {
     use std::hint::black_box;
+    use std::time::Duration;
 
     use super::*;
+
+    /// The longest that threads wait for each other.
+    const MOST: Duration = Duration::from_secs(60);
 
     #[test]
     fn results_are_in_the_order_of_the_jobs() {
@@ -192,6 +196,15 @@ mod tests {
             let ran = if threads == 0 { 0 } else { jobs };
             assert_eq!((results, other), ((0..ran).collect(), Some(threads)));
         }
+        // Another thread runs a job while this one runs `other`: each waits for the other.
+        let ((job, job_begun), (other, other_begun)) = (mpsc::channel(), mpsc::channel());
+        let other_begun = Mutex::new(other_begun);
+        let waits = |(): &mut (), nth: usize| {
+            let is_told = || other_begun.lock().is_ok_and(|told| told.recv_timeout(MOST).is_ok());
+            nth > 0 || job.send(()).is_ok() && is_told()
+        };
+        let other = || other.send(()).is_ok() && job_begun.recv_timeout(MOST).is_ok();
+        assert_eq!(run_beside(&mut [(), ()], 2, waits, other), (vec![true; 2], true));
         let items: Vec<usize> = (0..1000).collect();
         assert_eq!(
             map(&items, 7, |item| item + 1).collect::<Vec<_>>(),

@@ -478,3 +478,18 @@ fn a_picture_or_a_mesh_of_nothing_has_no_fragments() {
     scene.objects[0].mesh.triangles = vec![[0, 1, 99], [0, 0, 1]];
     assert!(frame(&scene).fragments.is_empty());
 }
+
+#[test]
+fn what_runs_beside_rasterizing_runs_once_and_its_error_is_returned() {
+    for size in [[0, 8], [8, 8], [8, 1000], [u32::MAX, u32::MAX]] {
+        let scene = scene_of(vec![bent(DVec3::ONE)], camera(), size);
+        let mut runs = 0;
+        let beside = Frame::beside(&scene, &FrameOptions::default(), || {
+            runs += 1;
+            Ok::<_, &str>("done")
+        });
+        assert_eq!((beside, runs), (Ok((frame(&scene), "done")), 1), "{size:?}");
+        let failed = Frame::beside(&scene, &FrameOptions::default(), || Err::<(), _>("failed"));
+        assert_eq!(failed, Err("failed"), "{size:?}");
+    }
+}

@@ -31,20 +31,23 @@ pub struct Cpu {
     /// The notes of the last run.
     pub notes: Notes,
     device: Device,
-    floats: Floats,
     compiled: Programs,
 }
 
 /// Modules that an interpreter has compiled, the last [`KEPT`] of them.
-#[derive(Clone, Debug, Default)]
-pub struct Programs(Vec<(Arc<Module>, Arc<Program>)>);
+#[derive(Clone, Debug)]
+pub struct Programs {
+    /// How their floats are rounded.
+    floats: Floats,
+    list: Vec<(Arc<Module>, Arc<Program>)>,
+}
 
 #[cfg(test)]
 impl Programs {
     /// Whether these are the same programs, not others of the same modules.
     pub(super) fn is_same(&self, other: &Programs) -> bool {
         let same = |((_, a), (_, b)): (&(_, Arc<Program>), &(_, Arc<Program>))| Arc::ptr_eq(a, b);
-        self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
+        self.list.len() == other.list.len() && self.list.iter().zip(&other.list).all(same)
     }
 }
 
@@ -66,11 +69,12 @@ impl Cpu {
             version: env!("CARGO_PKG_VERSION").into(),
             software: true,
         };
-        Cpu { settings, notes: Notes::default(), device, floats, compiled: Programs::default() }
+        let compiled = Programs { floats, list: Vec::new() };
+        Cpu { settings, notes: Notes::default(), device, compiled }
     }
 
     /// Returns an interpreter with the given settings that need not compile what another one has
-    /// compiled: the [`programs`](Cpu::programs) of one whose floats are as written.
+    /// compiled, its [`programs`](Cpu::programs). Its floats are rounded as theirs.
     pub fn with_programs(settings: Settings, programs: &Programs) -> Cpu {
         Cpu { compiled: programs.clone(), ..Cpu::new(settings) }
     }
@@ -84,11 +88,11 @@ impl Cpu {
         let Some(module) = &stage.module else {
             return Err(refused_for("a stage without a module"));
         };
-        let Programs(compiled) = &mut self.compiled;
+        let Programs { floats, list: compiled } = &mut self.compiled;
         if let Some((_, program)) = compiled.iter().find(|(m, _)| Arc::ptr_eq(m, module)) {
             return Ok(program.clone());
         }
-        let program = Arc::new(Program::rounded(module, &[], self.floats));
+        let program = Arc::new(Program::rounded(module, &[], *floats));
         if compiled.len() == KEPT {
             compiled.remove(0);
         }

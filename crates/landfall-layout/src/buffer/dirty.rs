@@ -28,7 +28,7 @@ pub(crate) struct Tracked {
 
 /// Where a value is in buffers of one length: in the lower half the offset, as no block is larger than
 /// 2^32 bytes, in the upper half where the entry of its bits starts, or [`NOWHERE`] if they span two
-/// entries. Loads are what limits how fast values are set.
+/// entries. One word, as the number of loads limits how fast values are set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place(u64);
 

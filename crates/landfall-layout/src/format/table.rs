@@ -24,7 +24,7 @@ const COLUMNS: usize = 7;
 const TITLES: [&str; COLUMNS] = ["offset", "size", "align", "stride", "matrix", "type", "name"];
 const NAME: usize = COLUMNS - 1;
 
-/// Bytes that a row takes, and all that is no row: most tables fit, and none is moved as it grows.
+/// About the bytes of a row, and of all that is no row: most tables are not moved as they grow.
 const ROW: usize = 64;
 const ROOM: usize = 512;
 
@@ -113,7 +113,7 @@ fn footer(
     }
 }
 
-/// The lines of the table. Their cells are in one text: a string each would take as long as the rest.
+/// The lines of the table. Their cells are in one text, as a string for each would double the time.
 #[derive(Default)]
 struct Rows {
     text: String,

@@ -25,10 +25,11 @@ const BAND: usize = 64;
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// Returns the visible fragments in pixel order, and what the calling thread does before it takes part.
+/// Returns the visible fragments in pixel order, and the result of `other`, which the calling thread runs
+/// before it draws.
 ///
 /// # Errors
-/// That of `other`, after which nothing more is drawn.
+/// That of `other`, after which no further band is drawn.
 pub(super) fn fragments<O, E>(
     scene: &Scene,
     corners: &Corners,

@@ -127,11 +127,14 @@ impl Outside {
         let mut outside = Outside::default();
         // SAFETY: the program is linked.
         let all = unsafe { context.gl.get_active_uniforms(program) } as usize;
-        // The blocks of an array have the same uniforms.
-        let is_shared = blocks.iter().any(|block| block.name.ends_with(']'));
-        let inside = if is_shared { 0 } else { blocks.iter().map(|block| block.uniforms).sum() };
+        // The blocks of an array have the same uniforms. Only Mesa is known to count them so, and to
+        // need much time for a uniform.
+        let is_counted = context.device.driver == "Mesa"
+            && !blocks.iter().any(|block| block.name.ends_with(']'));
+        let inside: usize = blocks.iter().map(|block| block.uniforms).sum();
+        let wanted = all.checked_sub(inside).filter(|_| is_counted).unwrap_or(usize::MAX);
         let is_named = |uniform: &Uniform| uniform.block.is_none();
-        let active = active_uniforms(context, program, is_named, all.saturating_sub(inside))?;
+        let active = active_uniforms(context, program, is_named, wanted)?;
         for Uniform { name, ty, size, .. } in active.into_iter().filter(is_named) {
             let names: Vec<String> = match name.strip_suffix("[0]") {
                 Some(array) => (0..size).map(|at| format!("{array}[{at}]")).collect(),
@@ -166,9 +169,9 @@ struct Uniform {
     row_major: i32,
 }
 
-/// Returns the active uniforms, those in blocks too, until as many as are wanted have names. Mesa looks
-/// for a uniform in a list of all, so that each query of a program takes time by the square of their
-/// number: they are few, names those that are needed.
+/// Returns the active uniforms, those in blocks too, up to the one that is the last of as many as are
+/// wanted with names. Mesa searches a list of all for each property of a uniform, so that reading them
+/// takes time by the square of their number: few properties are read, and only the names that are needed.
 fn active_uniforms(
     context: &Context,
     program: glow::Program,

@@ -78,8 +78,8 @@ pub struct Shaded {
 /// Maximum number of fragments in one job: keeps a backend busy and still shows progress.
 const MOST: usize = 1 << 16;
 
-/// The part of [`MOST`] in the first of several jobs, as a divisor.
-const FIRST: usize = 4;
+/// The interpreter's first of several jobs has [`MOST`] divided by this: nothing runs while it is packed.
+const FIRST_DIVISOR: usize = 4;
 
 /// Width of the image in pixels, on drivers.
 const ROW: usize = 256;
@@ -134,8 +134,7 @@ impl FragmentShader {
         let pack = |from: usize, count: usize| {
             self.pack(batch, from, count, if whole { count } else { ROW.min(count) })
         };
-        // Nothing runs while the first job is packed.
-        let first = if whole && batch.count > most { most / FIRST } else { most };
+        let first = if whole && batch.count > most { most / FIRST_DIVISOR } else { most };
         let counts = |from: usize| if from == 0 { first } else { most }.min(batch.count - from);
         let mut from = 0;
         let mut packed = (batch.count > 0).then(|| pack(0, counts(0)));
