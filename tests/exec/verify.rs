@@ -385,7 +385,7 @@ void main() {{
         );
         let report = verified(&Source::new("mixed.frag", text), &VerifyOptions::default());
         let blocks: Vec<&str> = report.blocks.iter().map(|block| &*block.name).collect();
-        assert_eq!(blocks, ["default uniforms", "B", "C"]);
+        assert_eq!(blocks, ["B", "C", "DefaultBlock"]);
         for (block, backend) in each(&report) {
             assert_eq!(backend.outcome, Outcome::Confirmed, "{block}{array}: {backend:?}");
         }

@@ -15,6 +15,7 @@ pub mod culling;
 pub mod frame;
 mod lanes;
 pub mod listed;
+mod memory;
 pub mod picture;
 pub mod plan;
 pub mod reference;
