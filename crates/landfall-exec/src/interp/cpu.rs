@@ -34,7 +34,7 @@ pub struct Cpu {
     compiled: Programs,
 }
 
-/// Modules that an interpreter has compiled, the last [`KEPT`] of them.
+/// Modules that an interpreter has compiled, the last eight of them.
 #[derive(Clone, Debug)]
 pub struct Programs {
     /// How their floats are rounded.
@@ -51,7 +51,7 @@ impl Programs {
     }
 }
 
-/// The number of compiled modules kept.
+/// The number of compiled modules kept, which [`Programs`] states.
 const KEPT: usize = 8;
 
 impl Cpu {
