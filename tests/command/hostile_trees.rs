@@ -1,8 +1,5 @@
 //! Hostile trees against every command that takes a path: links and loops, pipes and sockets in
 //! the places of locks and outputs, names, files that are no text, files that change meanwhile.
-//!
-//! `LANDFALL_CAMPAIGN=500 cargo test --features full --test command hostile_trees` runs it at
-//! length.
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};

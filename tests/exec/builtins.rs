@@ -26,7 +26,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use case::{Allowed, Dialect, Family, Off};
-use draw::COUNT;
+use draw::count;
 use jobs::{bound, bytes, output, words};
 use known::known_faults;
 use landfall_exec::backend::gl::Gl;
@@ -74,7 +74,7 @@ fn run(backend: &mut dyn Backend, family: &Family, module: &Arc<Module>) -> Opti
         spirv: None,
     };
     let given = ResourceKind::Storage { bytes: bytes(&family.given()), writable: false };
-    let invocations = family.cases.len() * COUNT;
+    let invocations = family.cases.len() * count();
     let got = output("Got", 1, invocations * family.result_stride());
     let grid = Grid::Groups([(invocations / 64) as u32, 1, 1]);
     let job = jobs::job(vec![stage], vec![bound("Given", 0, given), got], grid);
@@ -94,7 +94,7 @@ fn judge(verdict: &mut Verdict, family: &Family, got: &[u32], strict: bool) {
     for (i, case) in family.cases.iter().enumerate() {
         let mut largest = Off::default();
         for (k, input) in case.inputs.iter().enumerate() {
-            let at = (i * COUNT + k) * stride;
+            let at = (i * count() + k) * stride;
             let got = &got[at..at + case.result_words()];
             for (part, (allowed, got)) in (case.judge)(input).into_iter().zip(got).enumerate() {
                 match allowed.judge(*got, strict) {
@@ -175,12 +175,12 @@ fn hold(families: &[Family], measured: &[Measured]) {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/landfall-exec/src/interp/accuracy.md");
     if std::env::var_os("LANDFALL_WRITE_TABLES").is_some() {
-        let text = table::written(&rows, measured, COUNT);
+        let text = table::written(&rows, measured, count());
         std::fs::write(&path, text).expect("the repository is writable");
         return;
     }
     let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    let rotten = table::rotten(&committed, &rows, measured, COUNT);
+    let rotten = table::rotten(&committed, &rows, measured, count());
     assert!(
         rotten.is_empty(),
         "{}\n(`LANDFALL_WRITE_TABLES=1 cargo test --features full --test exec builtins` writes the table anew)",

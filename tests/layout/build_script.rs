@@ -20,6 +20,7 @@ fn cargo(dir: &Path, command: &str) -> Output {
         // Cargo's own variables for this test are not the example's.
         .env_remove("CARGO_MANIFEST_DIR")
         .env_remove("OUT_DIR")
+        .env_remove("RUSTC_BOOTSTRAP")
         .output()
         .expect("cargo runs this test")
 }

@@ -14,6 +14,7 @@ use support::glslang;
 use support::known::{Oracle, Subject, explains};
 use support::leaf::{OracleBlock, What, differences};
 use support::run::{Batch, ask_glslang};
+use support::sample::{everything, sample};
 
 pub fn lay_out(path: &str, text: &str) -> ShaderLayout {
     let read = ReadOptions::default().with_target(Target::Vulkan);
@@ -61,24 +62,25 @@ pub fn random_blocks_by(
 #[test]
 fn random_blocks_are_filled_where_glslang_reads_them() {
     let mut held = 0;
-    for seed in 0..5 {
+    for seed in sample(0..5, 5) {
         let (some, refused) = random_blocks("common", seed, 60, &COMMON);
         assert_eq!(refused, 0, "std140 and std430 fit C");
         held += some;
     }
-    assert!(held >= 250, "{held} held");
+    assert!(held >= if everything() { 250 } else { 40 }, "{held} held");
 }
 
 /// Scalar layout reuses the padding at the end of structures, which C cannot.
 #[test]
 fn random_vulkan_blocks_are_filled_where_glslang_reads_them() {
     let (mut held, mut refused) = (0, 0);
-    for seed in 0..3 {
+    for seed in sample(0..3, 3) {
         let (some, others) = random_blocks("vulkan", seed, 60, &VULKAN);
         held += some;
         refused += others;
     }
-    assert!(held >= 160 && refused <= 20, "{held} held, {refused} refused");
+    let least = if everything() { 160 } else { 40 };
+    assert!(held >= least && refused <= 20, "{held} held, {refused} refused");
 }
 
 /// Blocks C has trouble with: keywords, clashes, one structure under several rules, padding of

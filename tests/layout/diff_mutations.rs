@@ -17,6 +17,7 @@ use support::generate::{Diet, random};
 use support::glslang;
 use support::landfall::table;
 use support::leaf::{OracleBlock, differences};
+use support::sample::{self, everything};
 
 /// Vulkan's blocks without bool, which SPIR-V has none of.
 const DIET: Diet = Diet {
@@ -51,8 +52,10 @@ const BATCH: usize = 25;
 #[test]
 fn the_class_of_an_edit_is_the_one_the_oracle_shows() {
     let mut classes: BTreeMap<(Edit, &str), usize> = BTreeMap::new();
-    let (mut done, mut refused, mut seed) = (0, 0, 0);
-    while done < MUTATIONS {
+    let mutations = if everything() { MUTATIONS } else { MUTATIONS / 5 };
+    let (mut done, mut refused, mut seed) =
+        (0, 0, if everything() { 0 } else { 1000 * sample::seed() });
+    while done < mutations {
         seed += 1;
         let edits = edits(seed, &mut refused);
         let mut rng = fastrand::Rng::with_seed(seed);
@@ -95,11 +98,11 @@ fn the_class_of_an_edit_is_the_one_the_oracle_shows() {
         }
     }
     println!("{done} edits, {refused} refused: {classes:#?}");
-    assert!(refused < MUTATIONS / 5, "{refused} refused");
+    assert!(refused < mutations / 5, "{refused} refused");
     // None of the classes is there by chance only.
     for class in ["nothing", "cosmetic", "compatible", "breaking"] {
         let n: usize = classes.iter().filter(|((_, c), _)| *c == class).map(|(_, n)| n).sum();
-        assert!(n >= 40, "{class}: {n}");
+        assert!(n * 25 >= mutations, "{class}: {n}");
     }
 }
 

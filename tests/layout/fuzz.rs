@@ -1,20 +1,21 @@
 //! Seeded mutation of the shaders of this repository: whatever the text, no
 //! panic, no hang, no memory without bound.
 //!
-//! `LANDFALL_MUTANTS=N` sets how many; a failure names the seed, and
-//! `LANDFALL_SEED=N` runs that one alone.
+//! A failure names the mutant, and `LANDFALL_MUTANT=N` runs that one alone.
 
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use fastrand::Rng;
 use landfall_layout::{Language, Options, Rules, Source, Stage, layout};
 
-/// How many mutants a full run takes.
+use crate::support::sample::sample;
+
+/// How many mutants there are.
 const MUTANTS: u64 = 100_000;
 
 /// A mutant that takes this long hangs; the slowest legitimate one takes milliseconds.
@@ -90,28 +91,26 @@ const WORDS: &[&str] = &[
 fn mutants_neither_panic_nor_hang() {
     let corpus = corpus(Path::new("shaders"));
     assert!(corpus.len() > 50, "the shaders of this repository are the corpus");
-    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
-    if let Some(seed) = number("LANDFALL_SEED") {
+    let alone = std::env::var("LANDFALL_MUTANT").ok().and_then(|text| text.parse().ok());
+    if let Some(seed) = alone {
         let source = mutant(&corpus, seed);
         println!("{:?}\n{}", source.language, source.text);
         return lay_out(&source, seed);
     }
-    let mutants = number("LANDFALL_MUTANTS").unwrap_or(MUTANTS);
-    let next = AtomicU64::new(0);
+    let mutants: Vec<u64> = sample(0..MUTANTS, 10).collect();
+    let next = AtomicUsize::new(0);
     let running: Mutex<HashMap<u64, Instant>> = Mutex::default();
     std::thread::scope(|scope| {
         let workers: Vec<_> = (0..2)
             .map(|_| {
                 scope.spawn(|| {
                     loop {
-                        let seed = next.fetch_add(1, Ordering::Relaxed);
-                        if seed >= mutants {
-                            return;
-                        }
+                        let at = next.fetch_add(1, Ordering::Relaxed);
+                        let Some(&seed) = mutants.get(at) else { return };
                         running.lock().expect("no worker panics here").insert(seed, Instant::now());
                         let done =
                             std::panic::catch_unwind(|| lay_out(&mutant(&corpus, seed), seed));
-                        assert!(done.is_ok(), "mutant {seed} panics: LANDFALL_SEED={seed}");
+                        assert!(done.is_ok(), "mutant {seed} panics: LANDFALL_MUTANT={seed}");
                         running.lock().expect("no worker panics here").remove(&seed);
                     }
                 })
@@ -121,12 +120,12 @@ fn mutants_neither_panic_nor_hang() {
             std::thread::sleep(Duration::from_millis(50));
             let running = running.lock().expect("no worker panics here");
             if let Some((seed, _)) = running.iter().find(|(_, since)| since.elapsed() > HANG) {
-                eprintln!("mutant {seed} hangs: LANDFALL_SEED={seed}");
+                eprintln!("mutant {seed} hangs: LANDFALL_MUTANT={seed}");
                 std::process::abort(); // a hanging thread cannot be joined
             }
         }
     });
-    assert_eq!(next.load(Ordering::Relaxed).min(mutants), mutants);
+    assert!(next.load(Ordering::Relaxed) >= mutants.len());
     if let Some(peak) = peak_memory_kb() {
         assert!(peak < MOST_MEMORY_KB, "the run took {peak} KB at its peak");
     }
@@ -147,7 +146,7 @@ fn lay_out(source: &Source, seed: u64) {
     for block in &shader.blocks {
         for leaf in block.leaves.iter().filter(|leaf| leaf.dims.is_empty()) {
             let end = leaf.offset.zip(leaf.size).map(|(offset, size)| offset + size);
-            assert!(end <= block.size, "{} ends past its block: LANDFALL_SEED={seed}", leaf.path);
+            assert!(end <= block.size, "{} ends past its block: LANDFALL_MUTANT={seed}", leaf.path);
         }
     }
 }

@@ -23,6 +23,7 @@ use support::glslang;
 use support::image::{self, Truth};
 use support::leaf::{OracleBlock, OracleLeaf};
 use support::run::{Batch, ask_glslang};
+use support::sample::{everything, sampled};
 
 /// A generated file and the blocks in it.
 struct Case {
@@ -160,7 +161,7 @@ fn cases(language: OutputLanguage) -> Vec<Case> {
     }
     let diets: [(&str, &Diet, u64); 3] =
         [("common", &COMMON, 10), ("common", &COMMON, 11), ("vulkan", &VULKAN, 12)];
-    for (name, diet, seed) in diets {
+    for &(name, diet, seed) in sampled(&diets, 3) {
         let (standing, blocks) = random(seed, 60, diet);
         let batch = Batch { name: format!("{name} {seed}"), standing, blocks };
         let mut oracle = ask_glslang(&batch);
@@ -205,7 +206,7 @@ fn hold(language: OutputLanguage, refuses: bool, print: impl Fn(&Path, &Case) ->
             assert!(known, "{}", found.message);
         }
     }
-    assert!(held >= 170, "{held} held");
+    assert!(held >= if everything() { 170 } else { 50 }, "{held} held");
 }
 
 /// The bytes that landfall writes by the names of the leaves, element by element.

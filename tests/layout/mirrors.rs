@@ -21,6 +21,7 @@ use support::blocks::{Block, Type, declared};
 use support::generate::{COMMON, Diet, VULKAN, random};
 use support::leaf::OracleBlock;
 use support::run::{Batch, ask_glslang};
+use support::sample::{everything, sampled};
 
 /// Random blocks to a shader; four shaders.
 const BATCH: usize = 90;
@@ -47,15 +48,14 @@ fn every_leaf_of_random_vulkan_blocks_is_found_through_array_mirrors() {
 
 fn random_blocks_hold(seeds: &[u64], diet: &Diet, vectors: Vectors) {
     let mut held = 0;
-    for &seed in seeds {
+    for &seed in sampled(seeds, 2) {
         let (standing, mut blocks) = random(seed, BATCH, diet);
         blocks.retain(glslang_is_right);
         held += blocks.len();
         let batch = Batch { name: format!("mirrors seed {seed}"), standing, blocks };
         mirrors_hold(&batch, &ask_glslang(&batch), vectors);
     }
-    // Two diets make at least 300.
-    assert!(held >= 150, "{held} blocks");
+    assert!(held >= if everything() { 150 } else { 60 }, "{held} blocks");
 }
 
 /// glslang ignores `align` under a default-layout statement (`support::known`).

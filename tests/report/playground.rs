@@ -45,6 +45,7 @@ fn look(folder: &Path, newest: &mut (SystemTime, PathBuf)) {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn the_editor_is_what_its_sources_bundle_to() {
     let folder = Folder::new("editor");
     let built = folder.path().join("editor.js");
@@ -157,6 +158,7 @@ fn mutant(random: &mut fastrand::Rng, text: &str) -> String {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn results_are_those_of_the_command_byte_for_byte() {
     let browser = Browser::start("playground");
     browser.open(&page());
@@ -202,6 +204,7 @@ fn results_are_those_of_the_command_byte_for_byte() {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn calls_are_those_of_run() {
     let (browser, folder) = (Browser::start("calls"), Folder::new("calls"));
     browser.open(&page());
@@ -271,6 +274,7 @@ fn thread_time(browser: &Browser) -> f64 {
 
 /// The elapsed time, which a busy machine stretches, is printed.
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn the_map_follows_a_key_within_two_frames_of_processor_time() {
     let browser = Browser::start("keys");
     browser.open(&page());
@@ -314,6 +318,7 @@ fn the_map_follows_a_key_within_two_frames_of_processor_time() {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn the_page_can_be_used_without_a_mouse_and_has_no_barriers() {
     let browser = Browser::start("playground-access");
     browser.open(&page());
@@ -353,6 +358,7 @@ fn the_page_can_be_used_without_a_mouse_and_has_no_barriers() {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn a_link_holds_the_state() {
     let browser = Browser::start("link");
     browser.open(&page());
@@ -382,6 +388,7 @@ fn a_link_holds_the_state() {
 }
 
 #[test]
+#[ignore = "needs the page as it is shipped: ./tests/run pages"]
 fn injections_in_texts_and_links_stay_text_and_nothing_is_loaded() {
     let browser = Browser::start("playground-hostile");
     browser.log("performance");

@@ -34,6 +34,7 @@ pub mod pairs;
 pub mod picture;
 pub mod run;
 pub mod rustc;
+pub mod sample;
 pub mod spirv;
 pub mod tint;
 pub mod wgsl;

@@ -1,6 +1,5 @@
 //! Every block of two members, numbered. `blocks` prints them.
 
-use std::ops::Range;
 use std::rc::Rc;
 
 use super::blocks::{
@@ -12,11 +11,12 @@ use super::blocks::{
 /// one scalar, one vec3 and one dvec3; each alone, as `[1]` and as `[2]`; in
 /// both orders. std140 is uniform, std430 and scalar are buffers. They are
 /// numbered from 0 to `pair_count`.
-pub fn exhaustive_pairs(rules: Rules, numbers: Range<usize>) -> Vec<Block> {
+pub fn pairs(rules: Rules, numbers: &[u64]) -> Vec<Block> {
     let all = pair_members();
     numbers
-        .take_while(|number| *number < all.len() * all.len())
-        .map(|number| {
+        .iter()
+        .map(|&number| {
+            let number = number as usize;
             let mut first = all[number / all.len()].clone();
             let mut second = all[number % all.len()].clone();
             "m0".clone_into(&mut first.name);
@@ -36,8 +36,8 @@ pub fn exhaustive_pairs(rules: Rules, numbers: Range<usize>) -> Vec<Block> {
         .collect()
 }
 
-pub fn pair_count() -> usize {
-    pair_members().len().pow(2)
+pub fn pair_count() -> u64 {
+    pair_members().len().pow(2) as u64
 }
 
 fn pair_members() -> Vec<Member> {

@@ -95,17 +95,18 @@ fn pack<'b>(blocks: &[&'b Block], limits: Limits) -> Vec<Vec<&'b Block>> {
 
 /// Calls `judge` with every number below `batches`, two at a time, each
 /// thread with a driver of its own, and collects what it returns.
-pub fn spread<T: Send>(batches: usize, judge: impl Fn(&Driver, usize) -> Vec<T> + Sync) -> Vec<T> {
+pub fn spread<B: Sync, T: Send>(
+    batches: &[B],
+    judge: impl Fn(&Driver, &B) -> Vec<T> + Sync,
+) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let found = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         let work = || {
             let driver = Driver::open(Api::Gl);
             loop {
-                let batch = next.fetch_add(1, Ordering::Relaxed);
-                if batch >= batches {
-                    return;
-                }
+                let at = next.fetch_add(1, Ordering::Relaxed);
+                let Some(batch) = batches.get(at) else { return };
                 let some = judge(&driver, batch);
                 found.lock().expect("no other thread panicked").extend(some);
             }

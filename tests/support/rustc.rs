@@ -38,6 +38,8 @@ pub fn scratch(name: &str) -> PathBuf {
 fn build(math: Math) -> Crates {
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mirrors/fixture");
     let mut cargo = Command::new(env!("CARGO"));
+    // `tests/run` sets it for libtest.
+    cargo.env_remove("RUSTC_BOOTSTRAP");
     cargo.args(["build", "--locked", "--quiet", "--message-format", "json"]);
     cargo.arg("--manifest-path").arg(fixture.join("Cargo.toml"));
     // One directory for both would let them take turns in it.
@@ -108,6 +110,7 @@ pub fn run(crates: &Crates, root: &Path, edition: &str) -> Vec<u8> {
 
 fn command(compiler: &str, crates: &Crates, root: &Path, edition: &str) -> Command {
     let mut command = Command::new(compiler);
+    command.env_remove("RUSTC_BOOTSTRAP");
     command.arg(root).args(["--edition", edition, "--crate-name", "generated"]);
     command.args(["-D", "warnings"]);
     if compiler == "clippy-driver" {

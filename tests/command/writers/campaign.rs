@@ -1,7 +1,5 @@
 //! Writers that are killed, have no room, or run at the same time: a file is the old one or the
 //! new one, and nothing is left beside it once somebody writes there again.
-//!
-//! `LANDFALL_CAMPAIGN=1000 cargo test --features full --test command campaign` runs it at length.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -13,11 +11,11 @@ use snapbox::str;
 use super::{files, scene};
 use crate::cli_check::place::{CLEAN, idle};
 use crate::support::command::{Place, Ran, golden};
+use crate::support::sample::everything;
 
-/// How often each thing is tried.
+/// How often each thing is tried: as often as said, where everything is.
 pub fn rounds(usual: u32) -> u32 {
-    let said = std::env::var("LANDFALL_CAMPAIGN").ok().and_then(|text| text.parse().ok());
-    said.unwrap_or(usual)
+    if everything() { usual } else { usual.div_ceil(6) }
 }
 
 /// A project whose files of landfall's are all of an older layout.
@@ -114,7 +112,7 @@ fn a_writer_that_is_killed_leaves_old_files_or_new_ones() {
         let place = old(&format!("kill-{at}"));
         let before = outputs(&place, target);
         assert!(before != after, "{command:?} writes nothing");
-        for _ in 0..rounds(24) / 4 {
+        for _ in 0..rounds(6) {
             let mut child =
                 place.command(command).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
             sleep(Duration::from_micros(random.u64(0..=usual.as_micros() as u64)));
@@ -173,7 +171,7 @@ fn writers_at_the_same_time_leave_what_one_would() {
         let after = outputs(&finished, target);
         let place = old(&format!("race-{at}"));
         let before = outputs(&place, target);
-        for _ in 0..rounds(4) / 4 {
+        for _ in 0..rounds(1) {
             let start = || {
                 place.command(command).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
             };

@@ -69,7 +69,7 @@ fn a_writer_is_stopped_at_each_of_its_operations() {
         let after = outputs(&finished, target);
         let place = old(&format!("disk-{at}"));
         let (all, before) = (files(&place.0), outputs(&place, target));
-        let step = count.div_ceil(rounds(24) as usize / 4).max(1);
+        let step = count.div_ceil(rounds(6) as usize).max(1);
         for operation in (1..=count).step_by(step) {
             let stopped = |fate: &str| {
                 let mut command = interposed(&place, command);
@@ -126,7 +126,7 @@ fn a_writer_is_killed_beside_another_one() {
         let after = outputs(&finished, target);
         let place = old(&format!("beside-{at}"));
         let (all, before) = (files(&place.0), outputs(&place, target));
-        let step = count.div_ceil(rounds(12) as usize / 4).max(1);
+        let step = count.div_ceil(rounds(3) as usize).max(1);
         for operation in (1..=count).step_by(step) {
             let start = |mut command: Command| {
                 command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()

@@ -1,7 +1,7 @@
 //! A case: one builtin or operator, its inputs, and what may come out. Families of cases make
 //! one shader, each case a branch of its switch. Fed by the lists of cases, feeds the runs.
 
-use super::draw::{COUNT, Draw};
+use super::draw::{Draw, count};
 use super::interval::{Interval, ulp};
 
 /// What one word of the result may be.
@@ -92,7 +92,7 @@ impl Case {
         judge: impl Fn(&[u32]) -> Vec<Allowed> + 'static,
     ) -> Case {
         let mut random = Draw::new(name);
-        let inputs = (0..COUNT).map(|_| draw(&mut random)).collect();
+        let inputs = (0..count()).map(|_| draw(&mut random)).collect();
         Case { name, permitted, operands, before: "", results, inputs, judge: Box::new(judge) }
     }
 
@@ -167,7 +167,7 @@ void main() {
         let (let_, u) = if glsl { ("uint ", "") } else { ("let ", ": u32") };
         text += &format!("  {let_}first{u} = id * {}u;\n", self.stride());
         text += &format!("  {let_}into{u} = id * {}u;\n", self.result_stride());
-        text += &format!("  switch (id / {COUNT}u) {{\n");
+        text += &format!("  switch (id / {}u) {{\n", count());
         for (i, case) in self.cases.iter().enumerate() {
             text += &format!("  case {i}u: {{\n");
             let mut at = 0;

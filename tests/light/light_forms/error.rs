@@ -13,7 +13,12 @@ use landfall_exec::interp::{Call, Precision, Program, Settings, Words};
 use landfall_ir::Module;
 use landfall_layout::{Options, Source, Stage};
 
-const SAMPLES: usize = 100_032;
+use crate::support::sample::everything;
+
+/// Samples of a run, a multiple of the lanes of a workgroup.
+fn sample_count() -> usize {
+    if everything() { 100_032 } else { 10_048 }
+}
 
 /// Floats of one sample: the light's place, direction, colours, coefficients and cosines; the
 /// normal, the fragment, the eye; a direction to the light, a power, a distance.
@@ -206,7 +211,7 @@ fn sample(rng: &mut Rng, power: f32) -> [f32; INPUTS] {
 
 fn samples(seed: u64, power: f32) -> Vec<[f32; INPUTS]> {
     let mut rng = Rng::with_seed(seed);
-    (0..SAMPLES).map(|_| sample(&mut rng, power)).collect()
+    (0..sample_count()).map(|_| sample(&mut rng, power)).collect()
 }
 
 struct Form {

@@ -3,6 +3,7 @@
 //!
 //! Needs drivers; a missing one fails.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
@@ -18,6 +19,7 @@ use super::expression::grow;
 use super::soundness::{BRANCHES, Random};
 use super::{fragment, functions, programs};
 use crate::support::backends::with_readers;
+use crate::support::sample::{everything, sample};
 
 /// Lanes of a call; the notes of a run keep as many.
 const LANES: usize = 64;
@@ -278,17 +280,22 @@ fn none_is_outside(functions: &[Function], seed: u64, backends: &mut [Box<dyn Ba
 #[test]
 fn no_value_of_two_thousand_expressions_and_two_hundred_functions_lies_outside() {
     let mut random = Random(11);
-    let expressions: Vec<Function> =
-        (0..125).map(|nth| sixteen(&mut random, 2 + nth % 3)).collect();
+    let expressions: Vec<Function> = (0..if everything() { 125 } else { 12 })
+        .map(|nth| sixteen(&mut random, 2 + nth % 3))
+        .collect();
     let mut functions = written();
     functions.extend(of_shaders());
+    let tried: BTreeSet<u64> = sample(0..functions.len() as u64, 10).collect();
+    let mut number = 0..;
+    functions.retain(|_| number.next().is_some_and(|number| tried.contains(&number)));
     let on_drivers = functions.iter().filter(|known| known.whole.len() <= MOST_ON_DRIVERS).count();
     println!("{} functions, {on_drivers} of them on drivers", functions.len());
-    assert!(on_drivers >= 200, "{on_drivers} functions on drivers");
+    let share = if everything() { 1 } else { 20 };
+    assert!(on_drivers >= 200 / share, "{on_drivers} functions on drivers");
     with_readers(|backends| {
         let compared = none_is_outside(&expressions, 12, backends);
-        assert!(compared > 300_000, "{compared} values were compared");
+        assert!(compared > 300_000 / share, "{compared} values were compared");
         let compared = none_is_outside(&functions, 13, backends);
-        assert!(compared > 50_000, "{compared} values were compared");
+        assert!(compared > 50_000 / share, "{compared} values were compared");
     });
 }

@@ -76,6 +76,8 @@ fn run(file: &Path) -> (bool, String) {
         .arg(scratch("target"))
         .env("LANDFALL_GENERATED", file)
         .env("CARGO_INCREMENTAL", "0")
+        // `tests/run` sets it for libtest.
+        .env_remove("RUSTC_BOOTSTRAP")
         .output()
         .expect("cargo runs this test");
     assert!(!out.stdout.is_empty(), "{}", String::from_utf8_lossy(&out.stderr));
