@@ -20,6 +20,7 @@ use landfall_layout::{BlockLayout, Leaf, Source, Stage};
 use support::blocks::{Block, Rules as BlockRules, Space, print};
 use support::generate::{Diet, random};
 use support::known::UNREAD;
+use support::sample::{everything, sample};
 
 /// A browser keeps several processors busy: one at a time.
 static ONLY: Mutex<()> = Mutex::new(());
@@ -201,7 +202,7 @@ const DIET: Diet = Diet {
 fn random_blocks_are_read_where_they_are_laid_out() {
     let mut browser = Browser::start("random", &[]);
     let mut tally = Tally::default();
-    for seed in 0..60 {
+    for seed in sample(0..60, 6) {
         let (standing, made) = random(seed, 3, &DIET);
         let made: Vec<&Block> = made.iter().collect();
         let extension = ["vert", "frag"][seed as usize % 2];
@@ -212,7 +213,8 @@ fn random_blocks_are_read_where_they_are_laid_out() {
     }
     println!("{:?} {:?}", tally.confirmed, tally.skipped);
     let [blocks, _, reads] = tally.confirmed["webgl"];
-    assert!(blocks >= 50 && reads >= 2_000, "{blocks} blocks, {reads} reads");
+    let share = if everything() { 1 } else { 12 };
+    assert!(blocks >= 50 / share && reads >= 2_000 / share, "{blocks} blocks, {reads} reads");
 }
 
 /// The structures whose layout encase computes, too.

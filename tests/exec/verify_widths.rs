@@ -10,6 +10,7 @@ use landfall_layout::{BlockLayout, Source};
 use support::blocks::{Block, Rules as BlockRules, Scalar, Space, print};
 use support::generate::{Diet, random};
 use support::known::{Subject as Asked, within_the_driver};
+use support::sample::{everything, sample};
 
 const KINDS: &[(Space, BlockRules)] = &[
     (Space::Uniform, BlockRules::Std140),
@@ -44,7 +45,7 @@ fn verified(source: &Source, given: Option<Vec<BlockLayout>>) -> ShaderReport {
 /// Verifies random blocks; every backend in `lacking` skips them, the others read every leaf.
 fn confirmed(diet: &Diet, seeds: std::ops::Range<u64>, lacking: &[&str]) -> usize {
     let mut reads = 0;
-    for seed in seeds {
+    for seed in sample(seeds, 4) {
         let (standing, made) = random(seed, 3, diet);
         let whole = |block: &&Block| within_the_driver(Asked { block, standing: &standing });
         let made: Vec<&Block> = made.iter().filter(whole).collect();
@@ -83,14 +84,14 @@ fn confirmed(diet: &Diet, seeds: std::ops::Range<u64>, lacking: &[&str]) -> usiz
 fn blocks_of_64_bits_are_read_where_they_are_laid_out() {
     let reads = confirmed(&LONG, 0..16, &[]);
     println!("{reads} reads");
-    assert!(reads > 5_000, "{reads}");
+    assert!(reads > if everything() { 5_000 } else { 500 }, "{reads}");
 }
 
 #[test]
 fn blocks_of_16_bits_are_read_where_they_are_laid_out() {
     let reads = confirmed(&SHORT, 0..16, &["gl"]);
     println!("{reads} reads");
-    assert!(reads > 5_000, "{reads}");
+    assert!(reads > if everything() { 5_000 } else { 500 }, "{reads}");
 }
 
 const WIDTHS: [(&str, &str, &[&str]); 3] = [
