@@ -6,6 +6,7 @@ use landfall_light::scene::{Camera, Lights, Mesh, Object, Space, Vertex, plane, 
 use landfall_light::{Fragment, Frame, FrameOptions, Scene, VertexNormals};
 
 use crate::scene::{names, of_repository};
+use crate::support::sample::sampled;
 
 fn frame(scene: &Scene) -> Frame {
     Frame::new(scene, &FrameOptions::default())
@@ -147,8 +148,9 @@ fn same(found: &Fragment, hit: &Hit, scene: &Scene) {
 
 #[test]
 fn the_scenes_of_the_repository_are_what_rays_see() {
-    for name in names() {
-        let mut scene = of_repository(&name);
+    let names = names();
+    for name in sampled(&names, 4) {
+        let mut scene = of_repository(name);
         scene.space = Space::World;
         // Of 200 cubes and 2 balls each ray is held against each triangle.
         let many: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();

@@ -56,6 +56,7 @@ fn a_sum_is_as_far_off_as_its_additions_allow() {
 }
 
 #[test]
+#[ignore = "tries millions of inputs: ./tests/run light"]
 fn a_power_is_sampled_as_wrong_as_it_is() {
     // Five squarings of all 2^23 numbers from a half to 1, here in f32 against f64.
     let mut worst = 0.0f64;
@@ -127,6 +128,7 @@ fn last_place(x: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "tries millions of inputs: ./tests/run light"]
 fn the_built_in_power_of_all_inputs_is_as_sampled() {
     // The evaluator rounds a power of doubles once: half a unit at the most, which some input of
     // so many comes close to.

@@ -1,27 +1,21 @@
 //! Every hazard of the table, where it is and where it is not.
 
-use landfall_exec::processor::Stopwatch;
-
 use landfall_ir::analysis::hazard::Hazard;
 use snapbox::str;
 
-use super::{all, domain, line, request, run, shader};
+use super::{Request, all, domain, line, request, run, shader};
 use crate::support::command::golden;
 
 /// The hazards of a function: its number, and a part of the line it is in.
 fn meets(path: &str, function: &str, hazards: &[(&str, &str)]) {
-    let began = Stopwatch::start();
-    let report = run(&shader(path), &request(function));
-    let seconds = began.elapsed().as_secs_f64();
+    // Bounded by samples: how many fit into a time depends on the machine.
+    let report = run(&shader(path), &Request { time: None, ..request(function) });
     for (id, text) in hazards {
         let here = report.findings.iter().any(|found| {
             found.hazard.info().label == Some(id) && line(&report, found).contains(text)
         });
         assert!(here, "{path}, {function}: no {id} at `{text}` in\n{}", all(&report));
     }
-    // Ten seconds of samples, half as much again for what was found, on a machine that has
-    // something else to do too.
-    assert!(seconds < 40.0, "{path}, {function}: {seconds} s");
 }
 
 const POWER: &str = "return pow(max(dot(viewDir, mirrored), 0.0), shininess);";

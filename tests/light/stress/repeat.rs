@@ -8,6 +8,7 @@ use snapbox::str;
 
 use super::{request, run, shader};
 use crate::support::command::{self, golden};
+use crate::support::sample::sampled;
 
 #[test]
 fn one_seed_gives_one_report() {
@@ -42,11 +43,12 @@ fn without_time(report: &Report) -> serde_json::Value {
 
 #[test]
 fn threads_change_nothing() {
-    for (path, function) in [
+    let functions = [
         ("shaders/seed/caster_spot_soft_330.frag", "attenuation"),
         ("shaders/seed/caster_spot_soft_330.frag", "cone"),
         ("shaders/six_lights/phong_450.frag", "CalcPointLight"),
-    ] {
+    ];
+    for &(path, function) in sampled(&functions, 3) {
         let mut request = request(function);
         request.samples = 6_000;
         request.time = None;
