@@ -357,7 +357,7 @@ warning[override-sized-array]: `open` is sized by an override, which WGSL only a
 4 |          @group(0) @binding(0) var<storage> open: Open;
   |                                             ---- in this buffer
   |
-  = note: laid out with the override's current value
+  = note: laid out by the override's default, or by `-O` where it has none
   = help: use a `const` for its length, or omit the length
 
 error[not-mirrored]: block `Open` has no mirror: the size of `data` depends on `N`, which has no value

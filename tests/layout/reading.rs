@@ -4,10 +4,12 @@
 mod bounds;
 mod by_use;
 mod campaign;
+mod conditions;
 mod illegal;
 mod illegal_names;
 mod lines;
 mod refused;
+mod specialised;
 mod target;
 mod wgsl;
 

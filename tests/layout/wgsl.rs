@@ -234,7 +234,7 @@ fn what_is_not_evaluated_here_is_asked_of_naga() {
 }
 
 #[test]
-fn overrides_are_recorded_and_can_be_set_by_name_and_id() {
+fn overrides_are_recorded_and_their_defaults_lay_buffers_out() {
     let text = "@id(12) override COUNT: u32 = 4; override TWICE = COUNT * 2;
                 var<storage> a: array<f32, TWICE>;";
     let shader = laid_out(text);
@@ -244,9 +244,10 @@ fn overrides_are_recorded_and_can_be_set_by_name_and_id() {
     let known: Vec<_> = shader.overrides.iter().map(|o| (&*o.name, o.id, o.value)).collect();
     assert_eq!(known, [("COUNT", Some(12), Some(4)), ("TWICE", None, Some(8))]);
     for key in ["COUNT", "12"] {
-        assert_eq!(with_overrides(text, &[(key, "5")]).blocks[0].size, Some(40));
+        // The defaults lay buffers out: only workgroup memory has such lengths (WGSL §6.2.9).
+        assert_eq!(with_overrides(text, &[(key, "5")]).blocks[0].size, Some(32));
     }
-    assert_eq!(with_overrides(text, &[("TWICE", "3")]).blocks[0].size, Some(12));
+    assert_eq!(with_overrides(text, &[("TWICE", "3")]).blocks[0].size, Some(32));
     let shader = with_overrides(text, &[("COUNT", "many")]);
     assert_eq!(shader.diagnostics[0].code, "override-value");
 }

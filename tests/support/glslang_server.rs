@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::OnceLock;
 
+use super::glslang::Client;
 use super::leaf::OracleBlock;
 use super::spirv;
 
@@ -34,7 +35,11 @@ impl Server {
     pub fn start() -> Server {
         static BUILT: OnceLock<String> = OnceLock::new();
         let program = BUILT.get_or_init(|| {
-            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/support");
+            // Of the workspace, also where a crate's own test starts it.
+            let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+            let folders = [".", "../.."].map(|up| package.join(up).join("tests/support"));
+            let folder = folders.into_iter().find(|folder| folder.is_dir());
+            let folder = folder.expect("the workspace has the folder");
             let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("glslang_server");
             let mut compiler = Command::new("g++");
             compiler.args(["-O1", "-std=c++17"]).arg(folder.join("glslang_server.cpp"));
@@ -57,19 +62,33 @@ impl Server {
     /// The blocks of a text, in order of use; nothing if glslang refuses it. `stage` is `vert`,
     /// `frag` or `comp`.
     pub fn blocks(&mut self, text: &str, stage: &str) -> Option<Vec<OracleBlock>> {
+        let (words, _) = self.compile(text, stage, Client::Vulkan);
+        (!words.is_empty()).then(|| spirv::blocks(&words).expect("it is SPIR-V"))
+    }
+
+    /// Whether glslang takes a text; if not, its log.
+    pub fn verdict(&mut self, text: &str, stage: &str, client: Client) -> Result<(), String> {
+        let (words, log) = self.compile(text, stage, client);
+        if words.is_empty() { Err(log) } else { Ok(()) }
+    }
+
+    fn compile(&mut self, text: &str, stage: &str, client: Client) -> (Vec<u32>, String) {
         // EShLanguage.
         let stage: u32 = match stage {
             "vert" => 0,
             "frag" => 4,
             _ => 5,
         };
-        let head = [stage, text.len() as u32, 0].map(u32::to_le_bytes).concat();
+        let client = u32::from(client == Client::OpenGl);
+        let head = [stage, text.len() as u32, client].map(u32::to_le_bytes).concat();
         self.requests.write_all(&head).expect("the server reads");
         self.requests.write_all(text.as_bytes()).expect("the server reads");
         self.requests.flush().expect("the server reads");
         let count = self.word();
         let words: Vec<u32> = (0..count).map(|_| self.word()).collect();
-        (!words.is_empty()).then(|| spirv::blocks(&words).expect("it is SPIR-V"))
+        let mut log = vec![0; self.word() as usize];
+        self.answers.read_exact(&mut log).expect("the server answers");
+        (words, String::from_utf8_lossy(&log).into_owned())
     }
 
     fn word(&mut self) -> u32 {

@@ -157,6 +157,8 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         stage: source.stage,
         blocks,
         overrides: vec![],
+        specialised: vec![],
+        sized_by_use: vec![],
         files,
         diagnostics: vec![],
         assumed_target: None,

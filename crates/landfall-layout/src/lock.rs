@@ -68,6 +68,8 @@ impl Lock {
             stage: self.stage,
             blocks: self.blocks.clone(),
             overrides: Vec::new(),
+            specialised: Vec::new(),
+            sized_by_use: Vec::new(),
             files: self.files.clone(),
             diagnostics: Vec::new(),
             assumed_target: self.assumed_target,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::interface::Interface;
 use crate::layout::{BlockLayout, targets};
-use crate::shape::{Override, Rules};
-use crate::source::{Files, Language, ReadOptions, Source, Stage, Target};
+use crate::shape::{Override, Rules, SpecialisedLength};
+use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::Parsed;
 
 /// The options of laying out a shader.
@@ -71,6 +71,10 @@ pub struct ShaderLayout {
     pub blocks: Vec<BlockLayout>,
     /// The specialisation constants and overrides that sizes depend on.
     pub overrides: Vec<Override>,
+    /// The arrays of GLSL whose lengths depend on specialisation constants.
+    pub specialised: Vec<SpecialisedLength>,
+    /// The names of GLSL's members whose lengths are taken from their uses.
+    pub sized_by_use: Vec<Span>,
     /// The shader's file, then its includes.
     pub files: Files,
     /// Errors and warnings in the order they were found.
@@ -100,6 +104,8 @@ impl ShaderLayout {
             stage,
             blocks: Vec::new(),
             overrides: Vec::new(),
+            specialised: Vec::new(),
+            sized_by_use: Vec::new(),
             files: Files::default(),
             diagnostics: Vec::new(),
             assumed_target: None,
@@ -212,6 +218,8 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         stage: source.stage,
         blocks,
         overrides: parsed.shape.overrides,
+        specialised: parsed.shape.specialised,
+        sized_by_use: parsed.shape.sized_by_use,
         files: parsed.files,
         diagnostics,
         assumed_target: None,

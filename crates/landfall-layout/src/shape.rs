@@ -338,8 +338,21 @@ pub struct Override {
     pub name: Arc<str>,
     /// The number: `constant_id = N`, `@id(N)`.
     pub id: Option<u32>,
-    /// The value in effect: the default, or the one set with `-O`.
+    /// The default, by which blocks are laid out; the value set with `-O` where there is none.
     pub value: Option<i64>,
+}
+
+/// An array of a block whose length depends on specialisation constants. It is laid out by their
+/// defaults.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SpecialisedLength {
+    /// The span of the member's name.
+    pub member: Span,
+    /// The constants, in declaration order.
+    pub constants: Vec<Arc<str>>,
+    /// The length in a pipeline with the values set by `-O`, if they change it.
+    pub given: Option<u32>,
 }
 
 /// The blocks of a shader and the constants their sizes depend on.
@@ -349,6 +362,10 @@ pub struct Shape {
     pub blocks: Vec<Block>,
     /// The specialisation constants and overrides used as array sizes.
     pub overrides: Vec<Override>,
+    /// The arrays of GLSL whose lengths depend on specialisation constants.
+    pub specialised: Vec<SpecialisedLength>,
+    /// The names of GLSL's members whose lengths are taken from their uses.
+    pub sized_by_use: Vec<Span>,
 }
 
 impl Type {

@@ -3,6 +3,7 @@
 mod compare;
 mod mirrors;
 mod program;
+mod push_constants;
 
 use std::collections::BTreeMap;
 
@@ -23,7 +24,8 @@ pub(super) const LINT: Lint = Lint {
     why: "Both declarations read one buffer, so that one of them reads other members' bytes, or \
           the program does not link. Two declarations count as copies of one block in three cases. \
           Stages of one program (same directory, same file name except for the stage): blocks of \
-          one name, and uniform blocks of one group and binding that read a byte differently. \
+          one name, uniform blocks of one group and binding that read a byte differently, and push \
+          constants (WGSL: immediate data) that do, whatever their names: stages share one range. \
           Files that belong together (same directory and base name, or both include one file that \
           declares a block, or one includes the other): blocks of one name, slot and layout rules \
           that share at least three members and two thirds of all members, by name and type; with \
@@ -72,6 +74,7 @@ impl Copy<'_> {
 fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
     let mut found = by_program(subjects);
     found.extend(by_family(subjects));
+    found.extend(push_constants::check(subjects));
     found.extend(mirrors::check(subjects, settings));
     let mut kept: Vec<Finding> = Vec::new();
     for finding in found {
@@ -88,7 +91,7 @@ fn check(subjects: &[Subject<'_>], settings: &Settings) -> Vec<Finding> {
 fn copies<'a>(subjects: &'a [Subject<'a>]) -> impl Iterator<Item = Copy<'a>> {
     subjects.iter().flat_map(|subject| {
         let blocks = subject.shader.blocks.iter();
-        // Each stage has its own range of push constants; the others are not bound buffers.
+        // `push_constants` compares those; the others are not bound buffers.
         let bound = |block: &&BlockLayout| {
             matches!(block.space, AddressSpace::Uniform | AddressSpace::Storage) && !block.gathered
         };
@@ -112,7 +115,10 @@ pub(super) fn keys<'a>(
     let shared = program.zip(block.binding).filter(|_| block.space == AddressSpace::Uniform);
     let shared = shared
         .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
-    related.chain(linked).chain(shared).filter(move |_| bound)
+    let pushed = block.space == AddressSpace::PushConstant;
+    let range = pushed.then(|| push_constants::range(shader).unwrap_or_else(|| shader.path.clone()));
+    let range = range.map(|range| format!("push constants {range}"));
+    related.chain(linked).chain(shared).filter(move |_| bound).chain(range)
 }
 
 fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {

@@ -231,3 +231,94 @@ fn blocks_and_rules_that_the_version_does_not_have_are_warnings() {
     let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
     hold("version", Severity::Warning, &illegal, &legal);
 }
+
+/// glslang refuses them for OpenGL and for Vulkan; some drivers of OpenGL take offsets early.
+#[test]
+fn rules_and_offsets_without_their_extension_or_version_are_warned_of() {
+    let of = |version: &str, extension: &str, rest: &str| {
+        let extension = match extension {
+            "" => String::new(),
+            name => format!("#extension {name} : require\n"),
+        };
+        format!("#version {version}\n{extension}{rest}")
+    };
+    let scalar = "layout(scalar, binding = 0) uniform U { vec3 a; float b; } u;";
+    let by_default = "layout(scalar) uniform;\nlayout(binding = 0) uniform U { vec4 a; } u;";
+    let reference = "layout(buffer_reference, std430) buffer R { vec4 a; };";
+    let offset = "layout(std140) uniform U { layout(offset = 16) vec4 a; } u;";
+    let align = "layout(std140) uniform U { layout(align = 32) vec4 a; } u;";
+    let illegal = [
+        of("450", "", scalar),
+        of("310 es", "", &scalar.replace("vec3 a; float b;", "highp vec3 a;")),
+        of("450", "", by_default),
+        of("450", "", reference),
+    ];
+    let legal = [
+        of("450", "GL_EXT_scalar_block_layout", scalar),
+        of("450", "GL_EXT_scalar_block_layout", by_default),
+        of("450", "GL_EXT_buffer_reference", reference),
+        of("450", "GL_EXT_buffer_reference2", reference),
+        of("450", "GL_EXT_buffer_reference_uvec2", reference),
+        of("440", "", offset),
+        of("330", "GL_ARB_enhanced_layouts", offset),
+        of("330", "GL_ARB_enhanced_layouts", align),
+    ];
+    let illegal: Vec<&str> = illegal.iter().map(String::as_str).collect();
+    let legal: Vec<&str> = legal.iter().map(String::as_str).collect();
+    hold("version", Severity::Warning, &illegal, &legal);
+    // For Vulkan glslang takes them in any version.
+    for text in [offset, align] {
+        for version in ["140", "330", "420", "430"] {
+            let text = shader(&of(version, "", text));
+            assert!(!glslang::accepts(&text, "frag"), "{text}");
+            assert_eq!(severities(&text, "version"), [Severity::Warning], "{text}");
+            let vulkan = read(&text, Some(::landfall::Target::Vulkan));
+            assert!(!super::codes(&vulkan).contains(&"version"), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_stage_has_one_block_of_push_constants() {
+    let of = |name: &str| format!("layout(push_constant) uniform {name} {{ vec4 {name}_a; }};\n");
+    let two = format!("{}{}", of("P"), of("Q"));
+    let one = format!("{}layout(set = 0, binding = 0) uniform Q {{ vec4 b; }};", of("P"));
+    hold("layout-qualifier", Severity::Error, &[&two], &[&one]);
+    // glslang 12 knows ray tracing for SPIR-V 1.4 alone.
+    let of = |name: &str| format!("layout(shaderRecordEXT) buffer {name} {{ vec4 a; }} {name}_i;\n");
+    let text = format!(
+        "#version 460\n#extension GL_EXT_ray_tracing : require\n{}{}void main() {{}}\n",
+        of("P"),
+        of("Q")
+    );
+    let options = glslang::Options {
+        reflect: false,
+        target_env: Some("vulkan1.2"),
+        ..glslang::Options::default()
+    };
+    glslang::blocks(&text, "rchit", &options).expect_err("two records");
+    assert_eq!(severities(&text, "layout-qualifier"), [Severity::Error]);
+}
+
+#[test]
+fn no_driver_chooses_a_layout_in_vulkan() {
+    let vulkan = glslang::Options { reflect: false, ..glslang::Options::default() };
+    for text in [
+        "layout(shared, set = 0, binding = 0) uniform U { vec4 a; } u;",
+        "layout(packed, set = 1, binding = 0) buffer U { vec4 a; } u;",
+        "layout(shared) uniform;\nlayout(set = 0, binding = 0) uniform U { vec4 a; } u;",
+        "layout(shared, push_constant) uniform U { vec4 a; } u;",
+    ] {
+        let text = shader(text);
+        assert!(glslang::blocks(&text, "frag", &vulkan).is_err(), "{text}");
+        assert_eq!(severities(&text, "layout-qualifier"), [Severity::Error], "{text}");
+    }
+    for text in [
+        "layout(shared, binding = 0) uniform U { vec4 a; } u;",
+        "layout(std140, set = 0, binding = 0) uniform U { vec4 a; } u;",
+    ] {
+        let text = shader(text);
+        assert!(is_taken(&text), "{text}");
+        assert_eq!(severities(&text, "layout-qualifier"), [], "{text}");
+    }
+}

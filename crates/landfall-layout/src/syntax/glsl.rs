@@ -252,7 +252,12 @@ fn shape(reader: &mut DeclarationReader<'_>, source: &Source, gather: bool, empt
         false => (None, false),
     };
     Parsed {
-        shape: Shape { blocks, overrides },
+        shape: Shape {
+            blocks,
+            overrides,
+            specialised: std::mem::take(&mut reader.specialised),
+            sized_by_use: std::mem::take(&mut reader.sized_by_use),
+        },
         assumed,
         assumed_of_loose,
         opengl_es: preprocessor.version.es && preprocessor.target() != Some(Target::Vulkan),

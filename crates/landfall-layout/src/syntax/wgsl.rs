@@ -90,7 +90,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
         }
     }
     reader.reports.keep_syntax_errors(known);
-    let shape = Shape { blocks, overrides };
+    let shape = Shape { blocks, overrides, ..Shape::default() };
     let diagnostics = reader.reports.finish();
     let standard_uniforms = outline.standard_uniforms;
     let bodies = outline.bodies;

@@ -1,16 +1,17 @@
 //! Constants used in array sizes: `const` variables and specialisation constants.
 
 use crate::diagnostic::Code;
+use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
-use super::ast::{Declarator, LayoutId, Name, Qualifiers, Tokens};
+use super::ast::{Declarator, Dim, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;
 use super::evaluate::{Names, Problem, converted, evaluate_tokens, kind_of};
 use super::lexer::Token;
 use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::Override;
-use crate::shape::Scalar;
+use crate::shape::{Scalar, SpecialisedLength};
 use crate::source::Span;
 use crate::syntax::constant::{Kind, Value};
 
@@ -21,6 +22,8 @@ const DEEPEST_CHAIN: u32 = 64;
 #[derive(Clone, Debug)]
 pub(super) struct Constant<'a> {
     definition: Definition<'a>,
+    /// The value in a pipeline specialised with the values set by `-O`, where they matter.
+    specialised: Option<Value>,
     /// Its index in [`Constants::uses`].
     index: usize,
 }
@@ -54,6 +57,8 @@ pub(super) struct Constants<'a> {
     pub overrides: Vec<Override>,
     /// Whether an array size depends on each of them.
     pub used: Vec<bool>,
+    /// Whether `-O` sets one of them.
+    any_given: bool,
 }
 
 /// Resolves names during the evaluation of one expression.
@@ -61,6 +66,8 @@ struct Lookup<'c, 'a> {
     constants: &'c Constants<'a>,
     /// Indices of the constants that were used.
     used: Vec<usize>,
+    /// Whether the values set by `-O` count, instead of the defaults.
+    specialised: bool,
     depth: u32,
 }
 
@@ -75,6 +82,9 @@ impl Names for Lookup<'_, '_> {
             return Err(Problem::new(span, message));
         };
         self.used.push(constant.index);
+        if let (true, Some(value)) = (self.specialised, &constant.specialised) {
+            return Ok(value.clone());
+        }
         match &constant.definition {
             Definition::Value(value) => {
                 value.clone().map_err(|problem| Problem::new(span, problem.message))
@@ -98,15 +108,25 @@ impl Names for Lookup<'_, '_> {
 impl<'a> Constants<'a> {
     /// Returns the value of a name.
     pub(super) fn value(&self, name: &str, span: Span) -> Result<Value, Problem> {
-        Lookup { constants: self, used: Vec::new(), depth: 0 }.value(name, span)
+        self.lookup(false).value(name, span)
+    }
+
+    fn lookup(&self, specialised: bool) -> Lookup<'_, 'a> {
+        Lookup { constants: self, used: Vec::new(), specialised, depth: 0 }
     }
 
     fn evaluate(&self, tokens: &[Token<'a>], span: Span) -> (Result<Value, Problem>, Vec<usize>) {
-        let mut names = Lookup { constants: self, used: Vec::new(), depth: 0 };
+        let mut names = self.lookup(false);
         let value = evaluate_tokens(tokens, span, &mut names);
         names.used.sort_unstable();
         names.used.dedup();
         (value, names.used)
+    }
+
+    /// Evaluates with the values set by `-O`, if there are any.
+    fn specialised(&self, tokens: &[Token<'a>], span: Span) -> Option<Value> {
+        let names = &mut self.lookup(true);
+        self.any_given.then(|| evaluate_tokens(tokens, span, names).ok()).flatten()
     }
 
     /// Marks the specialisation constants that a size depends on.
@@ -122,6 +142,21 @@ impl<'a> Constants<'a> {
                 self.used[index] = true;
             }
         }
+    }
+
+    /// Returns the names of the specialisation constants among the constants and what those use.
+    fn overrides_among(&self, used: &[usize]) -> Vec<Arc<str>> {
+        let mut left = used.to_vec();
+        let (mut seen, mut found) = (vec![false; self.uses.len()], Vec::new());
+        while let Some(index) = left.pop() {
+            if std::mem::replace(&mut seen[index], true) {
+                continue;
+            }
+            left.extend(&self.uses[index].constants);
+            found.extend(self.uses[index].of_override);
+        }
+        found.sort_unstable();
+        found.into_iter().map(|index| Arc::clone(&self.overrides[index].name)).collect()
     }
 }
 
@@ -139,6 +174,23 @@ impl<'a> DeclarationReader<'a> {
         value?.integer().ok_or_else(|| Problem::new(first, "is not an integer"))
     }
 
+    /// Records a length that depends on specialisation constants.
+    pub(super) fn note_specialised(&mut self, member: &Token<'a>, dim: &Dim<'a>) {
+        if self.constants.overrides.is_empty() {
+            return;
+        }
+        let tokens = &self.parser.tokens()[dim.tokens.clone()];
+        let (value, used) = self.constants.evaluate(tokens, dim.span);
+        let constants = self.constants.overrides_among(&used);
+        if constants.is_empty() {
+            return;
+        }
+        let given = self.constants.specialised(tokens, dim.span).and_then(|value| value.integer());
+        let given = given.filter(|given| value.ok().and_then(|v| v.integer()) != Some(*given));
+        let given = given.and_then(|given| u32::try_from(given).ok());
+        self.specialised.push(SpecialisedLength { member: member.span, constants, given });
+    }
+
     /// Records a `const`; `scalar` is its type if it is a scalar.
     pub(super) fn add_constant(
         &mut self,
@@ -148,8 +200,8 @@ impl<'a> DeclarationReader<'a> {
     ) {
         let name = declarator.name;
         let initialiser = &self.parser.tokens()[declarator.tokens.clone()];
-        let (definition, uses) = match scalar {
-            None => (Definition::Later(initialiser.to_vec()), Uses::default()),
+        let (definition, uses, specialised) = match scalar {
+            None => (Definition::Later(initialiser.to_vec()), Uses::default(), None),
             Some(scalar) => {
                 let (value, used) = self.constants.evaluate(initialiser, name.span);
                 let mut uses = Uses { constants: used, ..Uses::default() };
@@ -158,17 +210,20 @@ impl<'a> DeclarationReader<'a> {
                     converted(&value, scalar).map_err(wrong)
                 };
                 let mut value = value.and_then(convert);
+                let mut specialised = self.constants.specialised(initialiser, name.span);
                 if qualifiers.find("constant_id").is_some() {
-                    value = self.specialise(name, kind_of(scalar), qualifiers, value);
+                    (value, specialised) =
+                        self.specialise(name, kind_of(scalar), qualifiers, value);
                     let of_override = Some(self.constants.overrides.len() - 1);
                     uses = Uses { of_override, ..Uses::default() };
                 }
-                (Definition::Value(value), uses)
+                let specialised = specialised.and_then(|value| converted(&value, scalar).ok());
+                (Definition::Value(value), uses, specialised)
             }
         };
         let index = self.constants.uses.len();
         self.constants.uses.push(uses);
-        self.constants.by_name.insert(name.text, Constant { definition, index });
+        self.constants.by_name.insert(name.text, Constant { definition, specialised, index });
     }
 
     /// Returns the value of a layout entry, a non-negative integer.
@@ -189,14 +244,16 @@ impl<'a> DeclarationReader<'a> {
         })
     }
 
-    /// Records a specialisation constant with the value set by `-O`, or its default.
+    /// Records a specialisation constant and returns its default, by which blocks are laid out:
+    /// "Changing the specialized size will not re-layout the block" (GL_KHR_vulkan_glsl). The value
+    /// set by `-O` is returned beside it.
     fn specialise(
         &mut self,
         name: Name<'a>,
         kind: Kind,
         qualifiers: &Qualifiers<'a>,
         default: Result<Value, Problem>,
-    ) -> Result<Value, Problem> {
+    ) -> (Result<Value, Problem>, Option<Value>) {
         let id = qualifiers.find("constant_id").and_then(|id| {
             let tokens = &self.parser.tokens()[id.tokens.clone()];
             let value = self.constants.evaluate(tokens, name.span).0.ok()?;
@@ -209,6 +266,7 @@ impl<'a> DeclarationReader<'a> {
             .iter()
             .rev()
             .find(|(key, _)| key == name.text || Some(key) == number.as_ref());
+        let mut specialised = None;
         let value = match given {
             None => default,
             Some((_, text)) => {
@@ -219,14 +277,21 @@ impl<'a> DeclarationReader<'a> {
                     _ => true,
                 };
                 let given = parse_given(text).filter(fits);
-                given.and_then(|value| value.convert(kind).ok()).ok_or_else(|| {
-                    let wanted = match kind {
-                        Kind::Bool => "true or false",
-                        Kind::Float => "a number",
-                        Kind::Int | Kind::Uint | Kind::Long | Kind::Ulong => "an integer",
-                    };
-                    Problem::new(name.span, format!("is set to `{text}`, which is not {wanted}"))
-                })
+                match given.and_then(|value| value.convert(kind).ok()) {
+                    Some(given) => {
+                        specialised = Some(given);
+                        default
+                    }
+                    None => {
+                        let wanted = match kind {
+                            Kind::Bool => "true or false",
+                            Kind::Float => "a number",
+                            Kind::Int | Kind::Uint | Kind::Long | Kind::Ulong => "an integer",
+                        };
+                        let message = format!("is set to `{text}`, which is not {wanted}");
+                        Err(Problem::new(name.span, message))
+                    }
+                }
             }
         };
         let integer = value.as_ref().ok().and_then(Value::integer);
@@ -236,7 +301,8 @@ impl<'a> DeclarationReader<'a> {
             value: integer.and_then(|v| i64::try_from(v).ok()),
         });
         self.constants.used.push(false);
-        value
+        self.constants.any_given |= specialised.is_some();
+        (value, specialised)
     }
 }
 

@@ -13,7 +13,9 @@ use super::members::TypeName;
 use super::parser::Parser;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{Block, MatrixLayout, Member, Rules, Struct, Type};
+use crate::shape::{
+    Block, MatrixLayout, Member, Rules, SpecialisedLength, Struct, Type,
+};
 use crate::source::{ReadOptions, Span};
 
 /// Collects the shape of a shader from its declarations.
@@ -35,6 +37,10 @@ pub(super) struct DeclarationReader<'a> {
     /// Lengths of such members, once the bodies were read for them.
     pub lengths: Lengths<'a>,
     pub globals: Globals<'a>,
+    /// The arrays whose lengths depend on specialisation constants.
+    pub specialised: Vec<SpecialisedLength>,
+    /// The members whose lengths were taken from their uses.
+    pub sized_by_use: Vec<Span>,
 }
 
 /// Defaults for later blocks, set by `layout(…) uniform;` and `layout(…) buffer;`.
@@ -99,6 +105,8 @@ impl<'a> DeclarationReader<'a> {
             instance: None,
             lengths: Lengths::default(),
             globals: Globals::default(),
+            specialised: Vec::new(),
+            sized_by_use: Vec::new(),
         }
     }
 

@@ -297,8 +297,13 @@ impl<'a> Preprocessor<'a> {
                 continue;
             }
             let message = format!("`{name}` is not defined and evaluates to 0");
-            let help =
-                format!("write `defined({name}) && {name}`, or define it with `--define {name}=N`");
+            let help = match name.as_str() {
+                "true" => "conditions have no `true`: write `1`".to_string(),
+                "false" => "conditions have no `false`: write `0`".to_string(),
+                _ => format!(
+                    "write `defined({name}) && {name}`, or define it with `--define {name}=N`"
+                ),
+            };
             let found = Diagnostic::warning(Code::UndefinedMacro, *span, message).with_help(help);
             if self.version.es {
                 let message = format!("`{name}` is not defined, which is an error in GLSL ES");

@@ -12,7 +12,8 @@ use crate::syntax::constant::{Fault, Kind, Value};
 
 /// Resolves names in an expression.
 pub trait Names {
-    /// Whether this is an `#if` condition, where booleans are the integers 0 and 1.
+    /// Whether this is an `#if` condition, where truth is the integers 0 and 1, and `true` and
+    /// `false` are names like others.
     const DIRECTIVE: bool = false;
 
     /// Returns the value of a name, or the reason it has none.
@@ -44,16 +45,18 @@ impl Problem {
 }
 
 /// Evaluates an expression that spans all of `tokens`.
-pub(crate) fn evaluate_tokens(
+pub(crate) fn evaluate_tokens<N: Names>(
     tokens: &[Token<'_>],
     whole: Span,
-    names: &mut impl Names,
+    names: &mut N,
 ) -> Result<Value, Problem> {
     // Most sizes are a single number or name.
     if let [token] = tokens {
         match token.kind {
             super::lexer::Kind::Number => return number(token.text, token.span),
-            super::lexer::Kind::Name if !matches!(token.text, "true" | "false") => {
+            super::lexer::Kind::Name
+                if N::DIRECTIVE || !matches!(token.text, "true" | "false") =>
+            {
                 return names.value(token.text, token.span);
             }
             _ => {}
@@ -90,8 +93,15 @@ fn unparsed(error: SyntaxError, whole: Span) -> Problem {
 /// Evaluates an expression.
 pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
     let fault = |fault, text: &str| problem(fault, text, e.mark);
+    if let (true, Some(message)) = (N::DIRECTIVE, no_condition(&e.kind)) {
+        return Err(Problem::new(e.mark, message));
+    }
     match &e.kind {
         ExprKind::Number(text) => number(text, e.mark),
+        // GLSL 4.60 §3.3: the preprocessor knows no keywords.
+        ExprKind::Bool(value) if N::DIRECTIVE => {
+            names.value(if *value { "true" } else { "false" }, e.mark)
+        }
         ExprKind::Bool(value) => Ok(Value::Bool(*value)),
         ExprKind::Name(name) => names.value(name, e.mark),
         ExprKind::Unary(op, inner) => {
@@ -182,6 +192,34 @@ pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem>
         }
         ExprKind::Comma(..) => Err(Problem::new(e.mark, "has an unexpected `,`")),
     }
+}
+
+/// Returns what is wrong with an expression that no `#if` may have: its operators are `defined`,
+/// those of one operand, and those of two on integers (GLSL 4.60 §3.3).
+fn no_condition(kind: &ExprKind<'_>) -> Option<String> {
+    let operator = match kind {
+        ExprKind::Choose(_) => "?:",
+        ExprKind::Binary(Binary::Xor, ..) => "^^",
+        ExprKind::Index(..) => "[]",
+        ExprKind::Member(..) | ExprKind::Length(_) => ".",
+        ExprKind::List(_) => "{}",
+        ExprKind::Call(name, _) => {
+            return Some(format!("calls `{}`, which is no macro with parameters", name.text));
+        }
+        ExprKind::Construct(ty, _) => {
+            let name = ty.base_name().unwrap_or("struct");
+            return Some(format!("calls `{name}`, which is no macro with parameters"));
+        }
+        ExprKind::Number(_)
+        | ExprKind::Bool(_)
+        | ExprKind::Name(_)
+        | ExprKind::Unary(..)
+        | ExprKind::Binary(..)
+        | ExprKind::Assign(..)
+        | ExprKind::Step(..)
+        | ExprKind::Comma(..) => return None,
+    };
+    Some(format!("has `{operator}`, which is no operator of conditions"))
 }
 
 fn list<N: Names>(items: &[Expr<'_>], names: &mut N) -> Result<Vec<Value>, Problem> {

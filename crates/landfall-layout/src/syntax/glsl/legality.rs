@@ -9,6 +9,7 @@ use super::report::diagnostic_at;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, Rules};
+use super::target::Decision;
 use crate::source::Target;
 
 /// Entries of `layout(…)` that no member of a block takes (GLSL 4.60 §4.4).
@@ -57,6 +58,8 @@ impl<'a> DeclarationReader<'a> {
             self.illegal_member(member, block.qualifiers.storage, &mut found);
         }
         found.extend(self.offset_without_rules(block, space, written));
+        found.extend(self.drivers_layout(block, written));
+        found.extend(self.second_of_a_stage(block, space));
         if let (true, Some(dim)) =
             (self.parser.is_es(), block.dims.iter().find(|dim| dim.tokens.is_empty()))
         {
@@ -212,6 +215,61 @@ impl<'a> DeclarationReader<'a> {
         })
     }
 
+    /// `shared` and `packed` in a text for Vulkan, whose compilers write the offsets into SPIR-V
+    /// (GL_KHR_vulkan_glsl).
+    fn drivers_layout(
+        &mut self,
+        block: &BlockDecl<'a>,
+        written: Option<Option<Rules>>,
+    ) -> Option<Diagnostic> {
+        let vulkan = Decision::Known(Target::Vulkan);
+        if written != Some(None) || self.parser.preprocessor().decision() != vulkan {
+            return None;
+        }
+        let own = block.qualifiers.layout.iter().rev().find(|id| id.is("shared") || id.is("packed"));
+        let token = self.parser.token_of(own.map_or(&block.name, |id| &id.name));
+        let message = match own {
+            Some(id) => format!("`{}` is not allowed in GLSL for Vulkan", id.name.text),
+            None => format!(
+                "block `{}` is `shared` or `packed` by default, which is not allowed in GLSL for \
+                 Vulkan",
+                block.name.text
+            ),
+        };
+        Some(
+            diagnostic_at(&token, Code::LayoutQualifier, message)
+                .with_note("GL_KHR_vulkan_glsl: no driver chooses the layout of a block")
+                .with_help("write `std140` or `std430`"),
+        )
+    }
+
+    /// A second block of push constants or second shader record: a stage has one
+    /// (GL_KHR_vulkan_glsl, GL_EXT_ray_tracing).
+    fn second_of_a_stage(
+        &self,
+        block: &BlockDecl<'a>,
+        space: AddressSpace,
+    ) -> Option<Diagnostic> {
+        let what = match space {
+            AddressSpace::PushConstant => "block of push constants",
+            AddressSpace::ShaderRecord => "shader record",
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::BufferReference
+            | AddressSpace::Default => return None,
+        };
+        let first = self.blocks.iter().find(|other| other.space == space)?;
+        let message = format!(
+            "`{}` is a second {what} beside `{}`: a stage has one",
+            block.name.text, first.name
+        );
+        Some(
+            diagnostic_at(&self.parser.token_of(&block.name), Code::LayoutQualifier, message)
+                .with_label(first.span, "the first one")
+                .with_help(format!("move its members into `{}`", first.name)),
+        )
+    }
+
     /// Reports a block or rules that the declared version does not have without an extension.
     /// Drivers may take them, so it is a warning.
     pub(super) fn check_version(
@@ -221,6 +279,7 @@ impl<'a> DeclarationReader<'a> {
         rules: Rules,
     ) {
         let name = self.parser.token_of(&block.name);
+        let early_offset = self.early_offset(block);
         let preprocessor = self.parser.preprocessor();
         let (version, declared) = (preprocessor.version, preprocessor.version_declared);
         let has = |extensions: &[&str]| {
@@ -241,14 +300,17 @@ impl<'a> DeclarationReader<'a> {
                 format!("`{kind}` blocks need `#version {needed}{es}`"),
                 format!("write `#version {needed}{es}`{}", or.unwrap_or_default()),
             ));
-        } else if space == AddressSpace::Uniform
-            && matches!(rules, Rules::Std430)
-            && !has(&["GL_EXT_scalar_block_layout"])
-        {
+        } else if let Some((what, extensions, or)) = extensions_of(space, rules) {
+            missing = (!has(extensions)).then(|| {
+                let extension = extensions[0];
+                let help = format!("write `#extension {extension} : require`{or}");
+                (format!("{what} needs {extension}"), help)
+            });
+        }
+        if let (None, Some(id)) = (&missing, early_offset) {
             missing = Some((
-                "a `uniform` block in std430 needs GL_EXT_scalar_block_layout".to_string(),
-                "write `#extension GL_EXT_scalar_block_layout : require`, or use std140"
-                    .to_string(),
+                format!("`{id}` on a member needs `#version 440`"),
+                "write `#version 440` or `#extension GL_ARB_enhanced_layouts : enable`".to_string(),
             ));
         }
         let binding = block.qualifiers.find("binding").is_some();
@@ -269,5 +331,56 @@ impl<'a> DeclarationReader<'a> {
             warning.severity = crate::Severity::Warning;
             self.report(warning);
         }
+    }
+
+    /// Returns `offset` or `align` of a block or its members in a version of OpenGL before 4.40
+    /// (GLSL 4.60 §4.4.5). Vulkan's compilers take them in every version.
+    fn early_offset(&mut self, block: &BlockDecl<'a>) -> Option<&'static str> {
+        let preprocessor = self.parser.preprocessor();
+        let version = preprocessor.version;
+        let early = preprocessor.version_declared && !version.es && version.number < 440;
+        let extended = |name: &&str| matches!(*name, "all" | "GL_ARB_enhanced_layouts");
+        if !early
+            || preprocessor.extensions.iter().any(extended)
+            || preprocessor.target() == Some(Target::Vulkan)
+        {
+            return None;
+        }
+        let members = block.members.iter().map(|member| &member.qualifiers);
+        let mut all = std::iter::once(&block.qualifiers).chain(members);
+        all.find_map(|q| ["offset", "align"].into_iter().find(|name| q.find(name).is_some()))
+    }
+}
+
+/// What a block needs an extension for, the extensions that have it, and what does without.
+fn extensions_of(
+    space: AddressSpace,
+    rules: Rules,
+) -> Option<(&'static str, &'static [&'static str], &'static str)> {
+    const SCALAR: &[&str] = &["GL_EXT_scalar_block_layout"];
+    match (space, rules) {
+        (_, Rules::Scalar) => Some(("`scalar`", SCALAR, ", or use std430")),
+        (AddressSpace::Uniform, Rules::Std430) => {
+            Some(("a `uniform` block in std430", SCALAR, ", or use std140"))
+        }
+        (AddressSpace::BufferReference, Rules::Std140 | Rules::Std430 | Rules::Wgsl) => Some((
+            "`buffer_reference`",
+            &[
+                "GL_EXT_buffer_reference",
+                "GL_EXT_buffer_reference2",
+                "GL_EXT_buffer_reference_uvec2",
+            ],
+            "",
+        )),
+        (AddressSpace::ShaderRecord, Rules::Std140 | Rules::Std430 | Rules::Wgsl) => {
+            Some(("a shader record", &["GL_EXT_ray_tracing", "GL_NV_ray_tracing"], ""))
+        }
+        (
+            AddressSpace::Uniform
+            | AddressSpace::Storage
+            | AddressSpace::PushConstant
+            | AddressSpace::Default,
+            Rules::Std140 | Rules::Std430 | Rules::Wgsl,
+        ) => None,
     }
 }

@@ -256,6 +256,7 @@ impl<'a> DeclarationReader<'a> {
                     _ => return Err(unsized_array(name, dim.span).with_note(ONLY_TAILS)),
                 }
             } else {
+                self.note_specialised(name, dim);
                 ArrayLen::Fixed(self.array_size(name, dim)?)
             };
             ty = Type::Array { element: Arc::new(ty), len };
@@ -270,7 +271,10 @@ impl<'a> DeclarationReader<'a> {
             return Err(error.with_note(ONLY_TAILS));
         }
         match self.lengths.get(&(self.instance, name.text)).copied() {
-            Some(Ok(length)) => Ok(length),
+            Some(Ok(length)) => {
+                self.sized_by_use.push(name.span);
+                Ok(length)
+            }
             Some(Err(Unknown::Unused)) => {
                 Err(error.with_note("no constant index says how long it is (GLSL 4.60 §4.1.9)"))
             }

@@ -93,7 +93,8 @@ fn constant(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refu
     Ok(typed(outcome, kind, at))
 }
 
-/// Parses `@id(N) override NAME: TYPE = VALUE;`, or takes the value set by `-O`.
+/// Parses `@id(N) override NAME: TYPE = VALUE;`. Buffers are laid out by the default; the value set
+/// by `-O` counts where there is none.
 fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome, Refused> {
     let outline = reader.outline;
     let item = &outline.items[index];
@@ -109,21 +110,24 @@ fn override_value(reader: &mut ModuleReader<'_>, index: usize) -> Result<Outcome
         .iter()
         .rev()
         .find(|(key, _)| key == item.name || id.is_some_and(|id| key.parse() == Ok(id)));
-    let outcome = if let Some((_, text)) = set {
-        match parse_setting(text) {
-            Some(value) => typed(Ok(value), kind, item.name_span),
-            None => {
-                let message = format!("`{}` is set to `{text}`, which is not a number", item.name);
-                let diagnostic = Diagnostic::error(Code::OverrideValue, item.name_span, message)
-                    .with_help(format!("pass a number, such as `-O {}=4`", item.name));
-                return Err(reader.reports.refuse(diagnostic));
-            }
+    let given = match set.map(|(_, text)| (text, parse_setting(text))) {
+        Some((text, None)) => {
+            let message = format!("`{}` is set to `{text}`, which is not a number", item.name);
+            let diagnostic = Diagnostic::error(Code::OverrideValue, item.name_span, message)
+                .with_help(format!("pass a number, such as `-O {}=4`", item.name));
+            return Err(reader.reports.refuse(diagnostic));
         }
-    } else if lexer.take(b'=') {
+        Some((_, given)) => given,
+        None => None,
+    };
+    let outcome = if lexer.take(b'=') {
         let (outcome, at) = expressions::read(reader, &mut lexer, ExpressionContext::Statement)?;
         typed(outcome, kind, at)
     } else {
-        Err(ConstantError::Valueless(index))
+        match given {
+            Some(value) => typed(Ok(value), kind, item.name_span),
+            None => Err(ConstantError::Valueless(index)),
+        }
     };
     let value = outcome.as_ref().ok().and_then(Value::integer).and_then(|v| i64::try_from(v).ok());
     reader.note_override(item.name, id, value);

@@ -193,7 +193,7 @@ fn override_sized(item: &Item<'_>, at: Span) -> Diagnostic {
     );
     Diagnostic::warning(Code::OverrideSizedArray, at, message)
         .with_label(item.name_span, "in this buffer")
-        .with_note("laid out with the override's current value")
+        .with_note("laid out by the override's default, or by `-O` where it has none")
         .with_help("use a `const` for its length, or omit the length")
 }
 
