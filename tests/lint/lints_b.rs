@@ -5,11 +5,9 @@
 
 mod advice;
 mod driver;
-mod lengths;
 #[cfg(feature = "cli")]
 mod mirror;
 mod naga;
-mod push_constants;
 mod reorder;
 #[cfg(feature = "cli")]
 use crate::support::rustc;

@@ -116,7 +116,8 @@ pub(super) fn keys<'a>(
     let shared = shared
         .map(|(program, binding)| format!("{program:?} {} {binding}", block.group.unwrap_or(0)));
     let pushed = block.space == AddressSpace::PushConstant;
-    let range = pushed.then(|| push_constants::range(shader).unwrap_or_else(|| shader.path.clone()));
+    let range =
+        pushed.then(|| push_constants::range(shader).unwrap_or_else(|| shader.path.clone()));
     let range = range.map(|range| format!("push constants {range}"));
     related.chain(linked).chain(shared).filter(move |_| bound).chain(range)
 }

@@ -22,7 +22,7 @@ pub(super) const LINT: Lint = Lint {
 layout(local_size_x = 1) in;
 layout(std430, set = 0, binding = 0) buffer Scene {
     vec3 heads[]; // 3 elements
-    float weight; // at 44; glslang writes 12
+    float weight; // at 48; glslang writes 16
 };
 void main() { weight = heads[2].x; }
 ",
@@ -57,7 +57,8 @@ fn first(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         theirs = there + size;
         if by_use(member) {
             array = Some(member);
-            theirs = there + size / length(member).max(1);
+            let behind = member.strides.first()? * length(member).saturating_sub(1);
+            theirs = there + size.saturating_sub(behind);
         }
     }
     None

@@ -103,7 +103,8 @@ impl Walk<'_> {
             Some((given, start + stride * u64::from(given)))
         });
         let past = given.filter(|(_, past)| *past > end);
-        let constants: Vec<String> = length.constants.iter().map(|name| format!("`{name}`")).collect();
+        let constants: Vec<String> =
+            length.constants.iter().map(|name| format!("`{name}`")).collect();
         let constants = constants.join(" and ");
         let about = format!("{}.{path}", self.block.name);
         let at = place(self.subject, member.span);

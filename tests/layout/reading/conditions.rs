@@ -97,7 +97,10 @@ fn a_macro_of_the_command_line_may_be_true() {
         options.read.defines = vec![("SHADOWS".to_string(), value.to_string())];
         let ours = layout(&Source::new("a.frag", text), &options);
         assert_eq!(leaves(&ours), super::theirs(&listed), "{value}");
-        assert_eq!(codes(&ours).contains(&"undefined-macro"), value.contains("true") || value == "false");
+        assert_eq!(
+            codes(&ours).contains(&"undefined-macro"),
+            value.contains("true") || value == "false"
+        );
     }
 }
 

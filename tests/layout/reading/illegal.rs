@@ -285,7 +285,8 @@ fn a_stage_has_one_block_of_push_constants() {
     let one = format!("{}layout(set = 0, binding = 0) uniform Q {{ vec4 b; }};", of("P"));
     hold("layout-qualifier", Severity::Error, &[&two], &[&one]);
     // glslang 12 knows ray tracing for SPIR-V 1.4 alone.
-    let of = |name: &str| format!("layout(shaderRecordEXT) buffer {name} {{ vec4 a; }} {name}_i;\n");
+    let of =
+        |name: &str| format!("layout(shaderRecordEXT) buffer {name} {{ vec4 a; }} {name}_i;\n");
     let text = format!(
         "#version 460\n#extension GL_EXT_ray_tracing : require\n{}{}void main() {{}}\n",
         of("P"),

@@ -11,6 +11,7 @@ mod constants;
 mod declarations;
 mod directive;
 pub mod evaluate;
+mod functions;
 mod globals;
 mod handles;
 mod implicit_size;
@@ -36,6 +37,7 @@ mod splice;
 mod target;
 mod texts;
 pub mod types;
+mod variables;
 mod walk;
 
 use std::borrow::Cow;
@@ -195,7 +197,8 @@ fn reader<'a>(
 ) -> DeclarationReader<'a> {
     let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
     preprocessor.note_foreign(0, source.foreign);
-    DeclarationReader::new(Parser::new(preprocessor, bodies))
+    let parser = Parser::new(preprocessor, bodies);
+    DeclarationReader { stage: source.stage, ..DeclarationReader::new(parser) }
 }
 
 /// Returns a new reader that knows the lengths of the members whose declarations leave them open,

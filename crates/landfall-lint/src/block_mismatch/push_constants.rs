@@ -35,7 +35,8 @@ pub(super) fn check(subjects: &[Subject<'_>]) -> Vec<Finding> {
     let mut ranges: BTreeMap<String, Vec<Copy<'_>>> = BTreeMap::new();
     let mut found = Vec::new();
     for subject in subjects {
-        let blocks: Vec<Copy<'_>> = pushed(subject.shader).map(|block| Copy { subject, block }).collect();
+        let blocks: Vec<Copy<'_>> =
+            pushed(subject.shader).map(|block| Copy { subject, block }).collect();
         if blocks.len() > 1 && subject.shader.language == Language::Wgsl {
             found.extend(between_entry_points(subject, &blocks));
         }
@@ -72,7 +73,8 @@ fn between_entry_points(subject: &Subject<'_>, blocks: &[Copy<'_>]) -> Vec<Findi
             })
         })
     };
-    let alone = |block: &BlockLayout, here: Stage, there: Stage| uses(block, here) && !uses(block, there);
+    let alone =
+        |block: &BlockLayout, here: Stage, there: Stage| uses(block, here) && !uses(block, there);
     let mut found = Vec::new();
     for one in blocks.iter().filter(|copy| alone(copy.block, Stage::Vertex, Stage::Fragment)) {
         let other = blocks.iter().filter(|copy| alone(copy.block, Stage::Fragment, Stage::Vertex));
@@ -124,7 +126,8 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
             first += 1;
         }
         let overlapping = theirs[first..].iter().take_while(|other| other.start < element.end);
-        let other = overlapping.filter(|other| other.end > element.start && !same(element, other)).next();
+        let other =
+            overlapping.filter(|other| other.end > element.start && !same(element, other)).next();
         differing.extend(other.map(|other| (element, other)));
     }
     let (element, other) = differing.first()?;
@@ -149,9 +152,12 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
     let at = place(here.subject, element.leaf.span);
     let mut finding = Finding::of(LINT.code, here.block.name.as_ref(), at, message)
         .with_label(place(there.subject, other.leaf.span), "the same bytes")
-        .with_note("the stages of a pipeline share one range of bytes, whatever their blocks' names");
+        .with_note(
+            "the stages of a pipeline share one range of bytes, whatever their blocks' names",
+        );
     for (element, other) in differing.iter().skip(1).take(MOST_NAMED) {
-        finding = finding.with_note(format!("{} and {}", shown(element, ours), shown(other, theirs)));
+        finding =
+            finding.with_note(format!("{} and {}", shown(element, ours), shown(other, theirs)));
     }
     if differing.len() > 1 + MOST_NAMED {
         finding = finding.with_note(counted(differing.len() - 1 - MOST_NAMED, "more overlap"));

@@ -1,8 +1,8 @@
 //! Constants used in array sizes: `const` variables and specialisation constants.
 
 use crate::diagnostic::Code;
-use std::sync::Arc;
 use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 use super::ast::{Declarator, Dim, LayoutId, Name, Qualifiers, Tokens};
 use super::declarations::DeclarationReader;

@@ -13,14 +13,14 @@ use super::members::TypeName;
 use super::parser::Parser;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::Diagnostic;
-use crate::shape::{
-    Block, MatrixLayout, Member, Rules, SpecialisedLength, Struct, Type,
-};
-use crate::source::{ReadOptions, Span};
+use crate::shape::{Block, MatrixLayout, Member, Rules, SpecialisedLength, Struct, Type};
+use crate::source::{ReadOptions, Span, Stage};
 
 /// Collects the shape of a shader from its declarations.
 pub(super) struct DeclarationReader<'a> {
     pub parser: Parser<'a>,
+    /// The stage, if the file's name or the caller tells.
+    pub stage: Option<Stage>,
     pub types: FxHashMap<&'a str, Named<'a>>,
     pub constants: Constants<'a>,
     pub uniform_defaults: Defaults,
@@ -94,6 +94,7 @@ impl<'a> DeclarationReader<'a> {
     pub fn new(parser: Parser<'a>) -> DeclarationReader<'a> {
         DeclarationReader {
             parser,
+            stage: None,
             types: FxHashMap::default(),
             constants: Constants::default(),
             uniform_defaults: Defaults::default(),
@@ -133,10 +134,15 @@ impl<'a> DeclarationReader<'a> {
         }
         self.check_names(item);
         match item {
-            Item::Defaults(qualifiers) => self.set_defaults(qualifiers),
+            Item::Defaults(qualifiers) => {
+                let errors = self.illegal_defaults(qualifiers);
+                errors.into_iter().for_each(|error| self.report(error));
+                self.set_defaults(qualifiers);
+            }
             Item::Block(block) => self.block(block),
             // `layout(buffer_reference) buffer NAME;`, a forward declaration.
             Item::Requalified(qualifiers, name) => {
+                self.check_requalified(qualifiers, name);
                 let buffer = qualifiers.storage == Storage::Buffer;
                 if buffer && qualifiers.find("buffer_reference").is_some() {
                     self.types.insert(name.text, Named::Reference);
@@ -144,7 +150,12 @@ impl<'a> DeclarationReader<'a> {
             }
             Item::Variables(declaration) => self.variables(declaration),
             Item::Interface(block) => self.interface(block),
-            Item::Function(_) | Item::Precision(_) | Item::Other(_) => {}
+            Item::Precision(tokens) => {
+                let error = self.illegal_precision(tokens);
+                error.into_iter().for_each(|error| self.report(error));
+            }
+            Item::Function(function) => self.check_function(function),
+            Item::Other(_) => {}
         }
     }
 
@@ -166,6 +177,8 @@ impl<'a> DeclarationReader<'a> {
         if *broken {
             return; // a syntax error, reported before
         }
+        let errors = self.illegal_variables(declaration);
+        errors.into_iter().for_each(|error| self.report(error));
         let type_name = match &ty.base {
             TypeBase::Struct(structure) => match self.structure(structure) {
                 Some(named) => TypeName::Declared(named),
@@ -173,6 +186,11 @@ impl<'a> DeclarationReader<'a> {
             },
             TypeBase::Name(_) => TypeName::Name(self.parser.tokens()[ty.at]),
         };
+        // `loose_uniforms` resolves the types of uniforms.
+        if let (TypeName::Name(token), true) = (&type_name, qualifiers.storage != Storage::Uniform)
+        {
+            self.check_declared_type(token);
+        }
         if qualifiers.subroutine {
             // A subroutine uniform is set by separate calls and has no bytes.
         } else if qualifiers.storage == Storage::Uniform {

@@ -54,9 +54,7 @@ pub(crate) fn evaluate_tokens<N: Names>(
     if let [token] = tokens {
         match token.kind {
             super::lexer::Kind::Number => return number(token.text, token.span),
-            super::lexer::Kind::Name
-                if N::DIRECTIVE || !matches!(token.text, "true" | "false") =>
-            {
+            super::lexer::Kind::Name if N::DIRECTIVE || !matches!(token.text, "true" | "false") => {
                 return names.value(token.text, token.span);
             }
             _ => {}

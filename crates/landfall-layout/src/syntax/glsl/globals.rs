@@ -63,6 +63,11 @@ impl<'a> Globals<'a> {
         errors
     }
 
+    /// Whether a name is declared so far.
+    pub fn has(&self, name: &str) -> bool {
+        self.0.contains_key(name)
+    }
+
     fn add(&mut self, token: &Token<'a>, as_: Declared) -> Option<Diagnostic> {
         if token.text.is_empty() || token.text == "struct" {
             return None;

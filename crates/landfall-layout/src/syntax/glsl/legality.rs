@@ -6,10 +6,10 @@ use super::declarations::DeclarationReader;
 use super::lexer::Token;
 use super::qualifiers::{INTERPOLATION, OTHER_STORAGE};
 use super::report::diagnostic_at;
+use super::target::Decision;
 use super::types::{Builtin, builtin};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::shape::{AddressSpace, Rules};
-use super::target::Decision;
 use crate::source::Target;
 
 /// Entries of `layout(…)` that no member of a block takes (GLSL 4.60 §4.4).
@@ -50,6 +50,7 @@ impl<'a> DeclarationReader<'a> {
         }
         found.extend(self.other_qualifiers(&block.qualifiers, "a block"));
         found.extend(self.two_storages(block));
+        found.extend(self.repeated(&block.qualifiers));
         found.extend(self.reserved_names(block));
         if space == AddressSpace::PushConstant {
             self.illegal_push_constants(block, &mut found);
@@ -104,7 +105,7 @@ impl<'a> DeclarationReader<'a> {
     }
 
     /// Returns the tokens of qualifiers that stand outside `layout(…)`.
-    fn words(&self, qualifiers: &Qualifiers<'a>) -> impl Iterator<Item = Token<'a>> {
+    pub(super) fn words(&self, qualifiers: &Qualifiers<'a>) -> impl Iterator<Item = Token<'a>> {
         let mut depth = 0u32;
         self.parser.tokens()[qualifiers.tokens.clone()].iter().copied().filter(move |token| {
             match token.text {
@@ -162,6 +163,8 @@ impl<'a> DeclarationReader<'a> {
         let wrong = |id: &&LayoutId<'a>| NOT_ON_INTERFACES.iter().any(|name| id.is(name));
         let ids = block.qualifiers.layout.iter().filter(wrong);
         let all: Vec<_> = ids.map(|id| self.parser.token_of(&id.name)).collect();
+        let repeated = self.repeated(&block.qualifiers);
+        repeated.into_iter().for_each(|error| self.report(error));
         for token in all {
             let found = self.not_allowed(&token, "a block of inputs or outputs");
             self.report(found);
@@ -182,7 +185,7 @@ impl<'a> DeclarationReader<'a> {
         Some(error.with_note(note).with_help("declare it before, and use its name here"))
     }
 
-    fn not_allowed(&self, token: &Token<'a>, on: &str) -> Diagnostic {
+    pub(super) fn not_allowed(&self, token: &Token<'a>, on: &str) -> Diagnostic {
         let message = format!("`{}` is not allowed on {on}", token.text);
         let help = format!("remove `{}`", token.text);
         diagnostic_at(token, Code::LayoutQualifier, message).with_help(help)
@@ -226,7 +229,8 @@ impl<'a> DeclarationReader<'a> {
         if written != Some(None) || self.parser.preprocessor().decision() != vulkan {
             return None;
         }
-        let own = block.qualifiers.layout.iter().rev().find(|id| id.is("shared") || id.is("packed"));
+        let own =
+            block.qualifiers.layout.iter().rev().find(|id| id.is("shared") || id.is("packed"));
         let token = self.parser.token_of(own.map_or(&block.name, |id| &id.name));
         let message = match own {
             Some(id) => format!("`{}` is not allowed in GLSL for Vulkan", id.name.text),
@@ -245,11 +249,7 @@ impl<'a> DeclarationReader<'a> {
 
     /// A second block of push constants or second shader record: a stage has one
     /// (GL_KHR_vulkan_glsl, GL_EXT_ray_tracing).
-    fn second_of_a_stage(
-        &self,
-        block: &BlockDecl<'a>,
-        space: AddressSpace,
-    ) -> Option<Diagnostic> {
+    fn second_of_a_stage(&self, block: &BlockDecl<'a>, space: AddressSpace) -> Option<Diagnostic> {
         let what = match space {
             AddressSpace::PushConstant => "block of push constants",
             AddressSpace::ShaderRecord => "shader record",

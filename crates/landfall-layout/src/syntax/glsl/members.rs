@@ -17,7 +17,7 @@ use super::report::diagnostic_at;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{ArrayLen, DEEPEST_NESTING, MatrixLayout, Member, Struct, Type, Written};
 use crate::source::Span;
-pub(super) use resolve::{Resolved, TypeName};
+pub(super) use resolve::{COMMON_TYPES, Resolved, TypeName};
 
 /// The members between two braces.
 #[derive(Default)]
@@ -138,6 +138,9 @@ impl<'a> DeclarationReader<'a> {
         }
         if *broken {
             return; // a syntax error, reported before
+        }
+        if place == MemberOwner::Struct {
+            result.problems.extend(self.illegal_in_structure(qualifiers));
         }
         if let TypeName::Name(token) = &ty {
             self.check_type(token);

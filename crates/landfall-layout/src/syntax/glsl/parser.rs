@@ -151,6 +151,11 @@ impl<'a> Parser<'a> {
         self.preprocessor.as_ref().map(|preprocessor| preprocessor.version)
     }
 
+    /// The extensions enabled so far.
+    pub(super) fn extensions(&self) -> &[&'a str] {
+        self.preprocessor.as_ref().map_or(&[], |preprocessor| &preprocessor.extensions)
+    }
+
     /// All tokens read so far; those of bodies are missing where they are skipped.
     pub fn tokens(&self) -> &[Token<'a>] {
         &self.tokens

@@ -100,7 +100,7 @@ fn of_struct(s: &Arc<Struct>) -> Resolved {
 }
 
 /// Suggestions for misspelt names of types.
-const COMMON_TYPES: &[&str] = &[
+pub(in crate::syntax::glsl) const COMMON_TYPES: &[&str] = &[
     "float",
     "int",
     "uint",
