@@ -283,7 +283,7 @@ fn a_stage_has_one_block_of_push_constants() {
     let of = |name: &str| format!("layout(push_constant) uniform {name} {{ vec4 {name}_a; }};\n");
     let two = format!("{}{}", of("P"), of("Q"));
     let one = format!("{}layout(set = 0, binding = 0) uniform Q {{ vec4 b; }};", of("P"));
-    hold("layout-qualifier", Severity::Error, &[&two], &[&one]);
+    hold("layout-qualifier", Severity::Error, &[two.as_str()], &[one.as_str()]);
     // glslang 12 knows ray tracing for SPIR-V 1.4 alone.
     let of =
         |name: &str| format!("layout(shaderRecordEXT) buffer {name} {{ vec4 a; }} {name}_i;\n");

@@ -41,13 +41,14 @@ mod variables;
 mod walk;
 
 use std::borrow::Cow;
+use std::path::Path;
 
 use rustc_hash::FxHashMap;
 
 use crate::diagnostic::Code;
 use crate::diagnostic::Diagnostic;
 use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder, Rules, Shape};
-use crate::source::{ReadOptions, Source, Span, Target};
+use crate::source::{ReadOptions, Source, Span, Target, kind_of_path};
 use crate::syntax::Parsed;
 use ast::Item;
 use declarations::DeclarationReader;
@@ -198,7 +199,10 @@ fn reader<'a>(
     let mut preprocessor = Preprocessor::new(&source.path, &source.text, texts, options);
     preprocessor.note_foreign(0, source.foreign);
     let parser = Parser::new(preprocessor, bodies);
-    DeclarationReader { stage: source.stage, ..DeclarationReader::new(parser) }
+    // Probes run a shader's declarations in other stages than its own.
+    let own = kind_of_path(Path::new(&source.path)).and_then(|(_, stage)| stage);
+    let stage = own.filter(|own| source.stage == Some(*own));
+    DeclarationReader { stage, ..DeclarationReader::new(parser) }
 }
 
 /// Returns a new reader that knows the lengths of the members whose declarations leave them open,
