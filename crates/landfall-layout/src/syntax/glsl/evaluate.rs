@@ -90,10 +90,14 @@ fn unparsed(error: SyntaxError, whole: Span) -> Problem {
 
 /// Evaluates an expression.
 pub fn evaluate<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
-    let fault = |fault, text: &str| problem(fault, text, e.mark);
-    if let (true, Some(message)) = (N::DIRECTIVE, no_condition(&e.kind)) {
-        return Err(Problem::new(e.mark, message));
+    match N::DIRECTIVE.then(|| no_condition(&e.kind)).flatten() {
+        Some(message) => Err(Problem::new(e.mark, message)),
+        None => value_of(e, names),
     }
+}
+
+fn value_of<N: Names>(e: &Expr<'_>, names: &mut N) -> Result<Value, Problem> {
+    let fault = |fault, text: &str| problem(fault, text, e.mark);
     match &e.kind {
         ExprKind::Number(text) => number(text, e.mark),
         // GLSL 4.60 §3.3: the preprocessor knows no keywords.
