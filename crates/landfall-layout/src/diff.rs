@@ -5,7 +5,7 @@
 //! `leaves` compares bytes, `describe` groups its facts into one line per change, `block`
 //! compares the rest. Input comes from shaders and [`locks`](crate::lock); output goes to
 //! [`format`](mod@crate::format) and the lint `layout-drift`. `policy` has the changes that a
-//! project may forbid.
+//! project may forbid, `variants` compares a shader under each set of macros.
 //!
 //! The classes follow from the bytes alone. Every array element of the old block has a path, an
 //! offset and a type (with matrix stride and majorness). It is *in place* if the new block has
@@ -21,12 +21,14 @@ mod elements;
 mod leaves;
 mod pair;
 mod policy;
+mod variants;
 
 use crate::layout::BlockLayout;
 use crate::shape::AddressSpace;
 use crate::source::Language;
 
 pub use policy::Policy;
+pub use variants::{VariantDiff, diff_variants};
 
 /// The effect of a change on bytes uploaded for the old layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

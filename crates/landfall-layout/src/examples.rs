@@ -164,5 +164,6 @@ pub fn shader(path: &str, language: Language, blocks: Vec<BlockLayout>) -> Shade
         assumed_target: None,
         opengl_es: false,
         interface: None,
+        variants: Vec::new(),
     }
 }

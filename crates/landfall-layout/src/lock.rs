@@ -13,15 +13,18 @@ mod write;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-use crate::ShaderLayout;
+use crate::{ShaderLayout, Variant};
 use crate::layout::BlockLayout;
 use crate::source::{Files, Language, Stage, Target};
 
 pub use read::{is_lock, is_newer, read, read_all};
 pub use write::{renew, write};
 
-/// The version of the lock format, raised by every incompatible change.
-pub const SCHEMA_VERSION: u32 = 1;
+/// The version of the lock format, raised by every incompatible change: 2 has variants.
+pub const SCHEMA_VERSION: u32 = 2;
+
+/// The version of a lock without variants, which it still has.
+pub const FIRST_SCHEMA_VERSION: u32 = 1;
 
 /// The JSON Schema (draft 2020-12) of a lock.
 pub const LOCK_SCHEMA: &str = include_str!("../schema/lock.json");
@@ -35,14 +38,25 @@ pub struct Lock {
     pub language: Language,
     /// The shader's stage, if the JSON holds it.
     pub stage: Option<Stage>,
-    /// The blocks, with spans in the JSON.
+    /// The blocks without macros of variants, with spans in the JSON.
     pub blocks: Vec<BlockLayout>,
+    /// The variants whose blocks are others.
+    pub variants: Vec<RecordedVariant>,
     /// The devices on which the layout was verified.
     pub verified: Vec<Verified>,
     /// The API assumed for the shader, if its blocks depend on it and the text does not declare it.
     pub assumed_target: Option<Target>,
     /// The JSON text, to resolve spans.
     pub files: Files,
+}
+
+/// The blocks of a shader under a set of macros.
+#[derive(Clone, Debug)]
+pub struct RecordedVariant {
+    /// The macros with their texts.
+    pub macros: Vec<(String, String)>,
+    /// The blocks, those that are as without the macros among them.
+    pub blocks: Vec<BlockLayout>,
 }
 
 /// A device on which the layout was verified.
@@ -61,12 +75,19 @@ pub struct Verified {
 impl Lock {
     /// The lock as a [`ShaderLayout`].
     pub fn layout(&self) -> ShaderLayout {
+        let variants = self.variants.iter();
+        let variants =
+            variants.map(|one| Variant::new(one.macros.clone(), self.layout_of(&one.blocks)));
+        ShaderLayout { variants: variants.collect(), ..self.layout_of(&self.blocks) }
+    }
+
+    fn layout_of(&self, blocks: &[BlockLayout]) -> ShaderLayout {
         let path = self.files.get(0).map(|file| file.path.clone()).unwrap_or_default();
         ShaderLayout {
             path: self.shader.clone().unwrap_or(path),
             language: self.language,
             stage: self.stage,
-            blocks: self.blocks.clone(),
+            blocks: blocks.to_vec(),
             overrides: Vec::new(),
             specialised: Vec::new(),
             sized_by_use: Vec::new(),
@@ -75,6 +96,7 @@ impl Lock {
             assumed_target: self.assumed_target,
             opengl_es: false,
             interface: None,
+            variants: Vec::new(),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Layout of one shader: parses its text, lays out its blocks, collects diagnostics.
 
+mod variants;
+
 use std::sync::Arc;
 
 use crate::diagnostic::{Diagnostic, Severity};
@@ -8,6 +10,10 @@ use crate::layout::{BlockLayout, targets};
 use crate::shape::{Override, Rules, SpecialisedLength};
 use crate::source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
 use crate::syntax::Parsed;
+
+pub use variants::{
+    Macros, UnreachedBlock, Variant, name as variant_name, unreached_blocks, variants,
+};
 
 /// The options of laying out a shader.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +93,8 @@ pub struct ShaderLayout {
     pub opengl_es: bool,
     /// What a program binds, if [`Options::interface`] asks for it.
     pub interface: Option<Arc<Interface>>,
+    /// The layouts under other macros; [`variants`] makes them.
+    pub variants: Vec<Variant>,
 }
 
 impl ShaderLayout {
@@ -111,6 +119,7 @@ impl ShaderLayout {
             assumed_target: None,
             opengl_es: false,
             interface: None,
+            variants: Vec::new(),
         }
     }
 
@@ -225,6 +234,7 @@ pub(crate) fn placed(source: &Source, options: &Options, parsed: Parsed) -> Shad
         assumed_target: None,
         opengl_es: parsed.opengl_es,
         interface: None,
+        variants: Vec::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `define-changes-layout`: a block whose layout changes with macros.
 //!
-//! The only lint that lays a shader out again: once for each permutation in the settings that names
-//! a macro occurring in its files.
+//! Looks at the variants of a shader: its layouts under each permutation in the settings that names a
+//! macro occurring in its files.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -45,22 +45,27 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         return Vec::new();
     }
     let mut findings: Vec<Finding> = Vec::new();
-    for macros in settings.permutations.iter().filter(|macros| mentioned(subject, macros)) {
-        let name = permutation_name(macros);
-        let mut options = subject.options.clone().with_naga(false);
-        // Of two definitions of one name the later holds, as with `-D`.
-        options.read.defines.retain(|(name, _)| macros.iter().all(|(other, _)| other != name));
-        options.read.defines.extend(macros.iter().cloned());
-        let other = landfall_layout::layout(subject.source, &options);
+    let laid_out;
+    let variants = match subject.shader.variants.as_slice() {
+        [] => {
+            let (source, sets) = (subject.source, &settings.permutations);
+            laid_out = landfall_layout::variants(source, subject.options, subject.shader, sets);
+            &laid_out
+        }
+        known => known,
+    };
+    for variant in variants {
+        let Some(other) = &variant.layout else { continue };
+        let name = variant.name();
         if other.has_errors() {
-            findings.push(refused(subject, &other, &name));
+            findings.push(refused(subject, other, &name));
             continue;
         }
         // Loose uniforms are set one by one: they have no layout.
         for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
             let copy = other.blocks.iter().find(|o| o.name == block.name && o.space == block.space);
             let known = findings.iter_mut().find(|finding| finding.about == *block.name);
-            let Some(change) = copy.and_then(|copy| change(subject, block, copy, &other)) else {
+            let Some(change) = copy.and_then(|copy| change(subject, block, copy, other)) else {
                 continue;
             };
             match known {
@@ -70,28 +75,6 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         }
     }
     findings
-}
-
-/// Returns whether any file of the shader contains one of the macros as a word.
-fn mentioned(subject: &Subject<'_>, macros: &[(String, String)]) -> bool {
-    let word = |c: char| c.is_alphanumeric() || c == '_';
-    let in_text = |text: &str, name: &str| {
-        text.match_indices(name).any(|(at, _)| {
-            !text[..at].ends_with(word) && !text[at + name.len()..].starts_with(word)
-        })
-    };
-    macros.iter().any(|(name, _)| {
-        !name.is_empty() && subject.shader.files.iter().any(|file| in_text(&file.text, name))
-    })
-}
-
-/// Returns a permutation as a message names it: `SHADOWS`, `LIGHTS=8 SHADOWS`.
-fn permutation_name(macros: &[(String, String)]) -> String {
-    let one = |(name, text): &(String, String)| match text.as_str() {
-        "" | "1" => name.clone(),
-        text => format!("{name}={text}"),
-    };
-    macros.iter().map(one).collect::<Vec<_>>().join(" ")
 }
 
 /// The first difference of two layouts of one block.

@@ -3,9 +3,9 @@
 //!
 //! Uses [`landfall_layout::diff`] with the lock as the old side.
 
-use landfall_layout::ShaderLayout;
+use landfall_layout::{ShaderLayout, variant_name};
 use landfall_layout::diagnostic::Severity;
-use landfall_layout::diff::{BlockDiff, Class, Side, diff};
+use landfall_layout::diff::{BlockDiff, Class, diff_variants};
 use landfall_layout::finding::{Finding, Place};
 use landfall_layout::format::Paint;
 use landfall_layout::format::diff::{Compared, Width};
@@ -24,13 +24,16 @@ const COLUMNS: Width = Width::Columns(96);
 /// A shader without blocks and loose uniforms needs no lock.
 pub fn drift(shader: &ShaderLayout, lock_path: &str, lock: Option<&Lock>) -> Vec<Finding> {
     let Some(lock) = lock else {
-        return if shader.blocks.is_empty() {
+        let has_none = |layout: &ShaderLayout| layout.blocks.is_empty();
+        let variants = shader.laid_out_variants().map(|(_, layout)| layout);
+        return if std::iter::once(shader).chain(variants).all(has_none) {
             Vec::new()
         } else {
             vec![missing(shader, lock_path)]
         };
     };
     let mut found = compare(shader, &lock.layout(), None);
+    found.extend(lost_variants(shader, lock_path, lock));
     if found.is_empty() && lock.text_without_devices() != write(shader) {
         let message = format!("`{lock_path}` records the same layout with other names");
         found.push(
@@ -47,16 +50,58 @@ pub fn since(shader: &ShaderLayout, revision: &str, old: &ShaderLayout) -> Vec<F
 }
 
 fn compare(shader: &ShaderLayout, old: &ShaderLayout, revision: Option<&str>) -> Vec<Finding> {
-    let changed = diff(Side::of(old), Side::of(shader));
-    let compared = Compared {
-        name: &shader.path,
-        old,
-        new: shader,
-        blocks: &changed,
-        judged: None,
-        rust_field: |_, _| None,
-    };
-    changed.iter().map(|block| of_block(&compared, block, revision)).collect()
+    let mut found = Vec::new();
+    for one in diff_variants(old, shader) {
+        let name = one.name();
+        let compared = Compared {
+            name: &shader.path,
+            variant: name.as_deref(),
+            old: one.old,
+            new: one.new,
+            blocks: &one.blocks,
+            judged: None,
+            rust_field: |_, _| None,
+        };
+        // A lock without the variant records that its macros change nothing.
+        let is_new = name.is_some() && old.variants.iter().all(|v| v.macros != one.macros);
+        for (block, also) in one.blocks.iter().zip(&one.also) {
+            let mut finding = of_block(&compared, block, revision);
+            if is_new && revision.is_none() {
+                finding = finding.with_note(
+                    "the lock has no such variant: it is compared with the shader without its macros",
+                );
+            }
+            for other in also {
+                finding = finding.with_note(format!("the same under `{other}`"));
+            }
+            found.push(finding);
+        }
+    }
+    found
+}
+
+/// Returns the findings about variants that the lock has, but that are not configured or cannot be
+/// laid out.
+fn lost_variants(shader: &ShaderLayout, lock_path: &str, lock: &Lock) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for recorded in &lock.variants {
+        let name = variant_name(&recorded.macros);
+        let now = shader.variants.iter().find(|variant| variant.macros == recorded.macros);
+        let (message, help) = match now.map(|variant| variant.layout.as_ref()) {
+            None => (
+                format!("`{lock_path}` records the variant `{name}`, which is not configured"),
+                "add its macros to `permutations`, or renew the lock with `landfall lock`",
+            ),
+            Some(Some(layout)) if layout.has_errors() => (
+                format!("`{lock_path}` records the variant `{name}`, which cannot be laid out"),
+                "`landfall layout` with `-D` for each macro tells why",
+            ),
+            Some(_) => continue,
+        };
+        let about = format!("{} under {name}", shader.path);
+        found.push(drifted(&about, Place::file(&shader.path), message).with_help(help));
+    }
+    found
 }
 
 /// Returns the finding of a lock whose shader does not exist.
@@ -84,10 +129,15 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
     let worst = &block.changes[0];
     let now = block.new.map(|at| &compared.new.blocks[at]);
     let was = block.old.map(|at| &compared.old.blocks[at]);
-    let differs = match revision {
+    let mut differs = match revision {
         None => "differs from its lock".to_string(),
         Some(revision) => format!("differs from `{revision}`"),
     };
+    let mut about = block.name.clone();
+    if let Some(name) = compared.variant {
+        differs = format!("under `{name}` {differs}");
+        about = format!("{about} under {name}");
+    }
     let (place, text) = match now {
         Some(new) => (Place::of(&compared.new.files, new.span), differs.as_str()),
         None => (Place::file(&compared.new.path), ""),
@@ -107,7 +157,7 @@ fn of_block(compared: &Compared<'_>, block: &BlockDiff, revision: Option<&str>) 
         (Class::Cosmetic, _) => format!("no byte changes{outdated}"),
     };
     let message = format!("`{}` {differs}: {}; {effect}", block.name, worst.message);
-    let mut found = drifted(&block.name, place, message).with_text(text);
+    let mut found = drifted(&about, place, message).with_text(text);
     if let Some(old) = was {
         let declaration = match revision {
             None => "locked declaration".to_string(),

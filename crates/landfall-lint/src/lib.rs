@@ -45,6 +45,7 @@ mod show;
 mod specialised_length;
 mod stale_comment;
 mod target_changes_layout;
+pub mod unreached_block;
 mod unused_allow;
 mod unused_block;
 mod unused_member;

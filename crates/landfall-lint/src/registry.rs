@@ -46,6 +46,7 @@ pub const LINTS: &[&Lint] = &[
     &hazards::unguarded_normalize::LINT,
     &hazards::uninitialised_accumulator::LINT,
     &hazards::unnormalised_normal::LINT,
+    &super::unreached_block::LINT,
     &super::unused_allow::LINT,
     &super::unused_block::LINT,
     &super::unused_member::LINT,

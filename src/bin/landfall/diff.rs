@@ -5,7 +5,7 @@ mod side;
 use std::path::{Path, PathBuf};
 
 use landfall::report::html::{Page, Part};
-use landfall_layout::diff::{BlockDiff, Class, Policy, Side as Blocks, diff, verdict};
+use landfall_layout::diff::{Class, Policy, VariantDiff, diff_variants, verdict};
 use landfall_layout::file::Written;
 use landfall_layout::format::diff::{Compared, Verdict, Width, human, json, markdown, summary};
 use landfall_layout::format::{Paint, escape_controls};
@@ -18,7 +18,7 @@ use crate::args::{DiffArgs, DiffFormat};
 use crate::config::{self, Config};
 use crate::output::{Failure, FindingForm, Outcome, Streams};
 use crate::{git, watch, write};
-use side::{Entry, Reading, Side, nothing};
+use side::{Entry, Reading, Side, nothing, with_variants_of};
 
 /// Width in columns without a terminal.
 const COLUMNS: usize = 100;
@@ -47,26 +47,30 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for (old, new) in &sides {
         pairs.extend(pair(old, new)?);
     }
-    let found: Vec<Vec<BlockDiff>> =
-        pairs.iter().map(|pair| diff(Blocks::of(&pair.old), Blocks::of(&pair.new))).collect();
-    let approvals = Approvals::open(&config.locks(None))?;
-    let judged: Vec<Option<(Policy, Vec<Vec<Verdict>>)>> = pairs
+    // Each shader as it is, then the variants that show more.
+    let found: Vec<(&Pair, VariantDiff<'_>)> = pairs
         .iter()
-        .zip(&found)
-        .map(|(pair, blocks)| {
+        .flat_map(|pair| diff_variants(&pair.old, &pair.new).into_iter().map(move |one| (pair, one)))
+        .collect();
+    let variants: Vec<Option<String>> = found.iter().map(|(_, one)| one.name()).collect();
+    let approvals = Approvals::open(&config.locks(None))?;
+    let judged: Vec<Option<(Policy, Vec<Vec<Verdict>>)>> = found
+        .iter()
+        .map(|(pair, one)| {
             let policy = args.policy.or_else(|| config.policy_of(&pair.file));
             let policy = policy.filter(|_| !args.breaking)?;
-            Some((policy, approvals.judge(policy, &pair.file, blocks)))
+            Some((policy, approvals.judge(policy, &pair.file, &one.blocks)))
         })
         .collect();
-    let compared: Vec<Compared<'_>> = pairs
+    let compared: Vec<Compared<'_>> = found
         .iter()
-        .zip(found.iter().zip(&judged))
-        .map(|(pair, (blocks, judged))| Compared {
+        .zip(variants.iter().zip(&judged))
+        .map(|((pair, one), (variant, judged))| Compared {
             name: &pair.name,
-            old: &pair.old,
-            new: &pair.new,
-            blocks,
+            variant: variant.as_deref(),
+            old: one.old,
+            new: one.new,
+            blocks: &one.blocks,
             judged: judged.as_ref().map(|(policy, verdicts)| (*policy, verdicts.as_slice())),
             rust_field: landfall_codegen::rust::field,
         })
@@ -74,9 +78,9 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let protected = pairs.iter().flat_map(|pair| [&pair.old.files, &pair.new.files]);
     print(args, &config, &compared, protected, streams)?;
     let mut forbidden = Vec::new();
-    for ((pair, blocks), policy) in pairs.iter().zip(&found).zip(&judged) {
+    for ((pair, one), policy) in found.iter().zip(&judged) {
         let Some((policy, _)) = policy.as_ref().filter(|_| args.accept) else { continue };
-        let changes = approvals.forbidden(*policy, &pair.file, blocks).into_iter();
+        let changes = approvals.forbidden(*policy, &pair.file, &one.blocks).into_iter();
         forbidden.extend(changes.map(|(block, c)| forbids(&pair.file, *policy, block, c)));
     }
     if args.accept && !forbidden.is_empty() {
@@ -147,6 +151,19 @@ impl Pair {
         let like = new.or(old)?;
         // Prefer the path of a shader to that of its lock.
         let shader = [new, old].into_iter().flatten().find(|entry| entry.lock.is_none());
+        let layout_of = |entry: Option<&Entry>| match entry {
+            Some(entry) => entry.layout.clone(),
+            None => nothing(&like.layout),
+        };
+        let (mut before, mut after) = (layout_of(old), layout_of(new));
+        if [old, new].into_iter().flatten().any(|entry| entry.is_output) {
+            before.variants.clear();
+            after.variants.clear();
+        }
+        // A lock has only the variants whose blocks are others.
+        if new.is_some_and(|entry| entry.lock.is_some()) {
+            with_variants_of(&mut after, &before);
+        }
         Some(Pair {
             name: shader.unwrap_or(like).layout.path.clone(),
             file: [new, old]
@@ -154,8 +171,8 @@ impl Pair {
                 .flatten()
                 .find_map(|entry| entry.shader.clone())
                 .unwrap_or_else(|| like.layout.path.clone()),
-            old: old.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
-            new: new.map_or_else(|| nothing(&like.layout), |entry| entry.layout.clone()),
+            old: before,
+            new: after,
         })
     }
 }

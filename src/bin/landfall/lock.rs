@@ -5,11 +5,15 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use landfall_layout::diff::{Side, diff};
+use landfall_layout::diff::diff_variants;
 use landfall_layout::file::{FileWriter, Written};
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
-use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock};
+use landfall_layout::finding::Level;
+use landfall_layout::{
+    Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks,
+};
+use landfall_lint::{levels, unreached_block};
 
 use crate::approvals::{Approval, Approvals, forbids};
 use crate::args::LockArgs;
@@ -142,13 +146,18 @@ impl Job<'_> {
             Ok(source) => source,
             Err(error) => return failed(Some(target), error.into()),
         };
-        let laid_out = || landfall_layout::layout(&source, &self.options);
+        let sets = &self.config.settings.permutations;
+        let laid_out = || {
+            let shader = landfall_layout::layout(&source, &self.options);
+            shader.with_variants(&source, &self.options, sets)
+        };
         let shader = match caught(&input.path.display().to_string(), laid_out) {
             Ok(shader) => shader,
             Err(found) => return failed(Some(target), found),
         };
         without_effect::record_of(&shader);
         let mut findings = self.style.text(&shader.diagnostics, &shader.files);
+        findings.push_str(&self.unlocked(&shader));
         let mut judged = Judged::default();
         let text = if shader.has_errors() {
             None
@@ -169,6 +178,31 @@ impl Job<'_> {
         Done { target: Some(target), text, findings, forbidden, approved }
     }
 
+    /// Warnings about variants and blocks of a shader that its lock cannot have.
+    fn unlocked(&self, shader: &ShaderLayout) -> String {
+        let is_quiet = |code| levels::level(code, &self.config.settings) == Level::Allow;
+        let mut text = String::new();
+        for variant in &shader.variants {
+            let Some(layout) = &variant.layout else { continue };
+            let mut errors = layout.diagnostics.iter().filter(|d| d.severity == Severity::Error);
+            let Some(error) = errors.next().filter(|_| !is_quiet("define-changes-layout")) else {
+                continue;
+            };
+            let (name, why) = (variant.name(), &error.message);
+            let message = format!("the lock lacks the variant `{name}`, which cannot be laid out: {why}");
+            let found = Diagnostic { severity: Severity::Warning, message, ..error.clone() };
+            text.push_str(&self.style.text(&[found], &layout.files));
+        }
+        if shader.has_errors() || is_quiet("unreached-block") {
+            return text;
+        }
+        for block in unreached_blocks(shader) {
+            let found = unreached_block::diagnostic(&block);
+            text.push_str(&self.style.text(&[found], block.files));
+        }
+        text
+    }
+
     /// Compares a shader with its lock under the policy that holds for it.
     fn judge(&self, path: &Path, old: Option<&lock::Lock>, shader: &ShaderLayout) -> Judged {
         let mut judged = Judged::default();
@@ -179,8 +213,10 @@ impl Job<'_> {
             return judged;
         };
         let old = old.layout();
-        let blocks = diff(Side::of(&old), Side::of(shader));
-        for (block, change) in self.approvals.forbidden(policy, &key, &blocks) {
+        let all = diff_variants(&old, shader);
+        let forbidden =
+            all.iter().flat_map(|one| self.approvals.forbidden(policy, &key, &one.blocks));
+        for (block, change) in forbidden {
             if let Some(reason) = &self.args.approve {
                 judged.approved.push(Approval::of(&key, block, change, reason));
                 continue;

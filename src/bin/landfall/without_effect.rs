@@ -198,10 +198,10 @@ pub fn include_dirs(folders: &[PathBuf], help: &str, streams: &Streams) {
 }
 
 /// The names given that a shader's text has.
-fn known(files: &Files) -> Vec<String> {
+fn known<'a>(files: impl Iterator<Item = &'a File>) -> Vec<String> {
     let given = names().given.clone();
     // Macros of the command line are files, too: `-D NAME`.
-    let files: Vec<&File> = files.iter().filter(|file| !file.path.starts_with("-D ")).collect();
+    let files: Vec<&File> = files.filter(|file| !file.path.starts_with("-D ")).collect();
     let known = |given: &&NamedOption| files.iter().any(|file| given.is_in(file));
     given.iter().filter(known).map(NamedOption::key).collect()
 }
@@ -209,13 +209,13 @@ fn known(files: &Files) -> Vec<String> {
 /// The names given that a shader has.
 pub fn known_of(shader: &ShaderLayout) -> Vec<String> {
     let gathered = shader.blocks.iter().any(|block| block.gathered);
-    known(&shader.files).into_iter().chain(gathered.then(|| GATHER.to_string())).collect()
+    known(shader.all_files()).into_iter().chain(gathered.then(|| GATHER.to_string())).collect()
 }
 
 /// Records the names of a shader's text.
 #[cfg(feature = "exec")]
 pub fn record(files: &Files) {
-    record_names(&known(files));
+    record_names(&known(files.iter()));
 }
 
 /// Records the names of a shader.

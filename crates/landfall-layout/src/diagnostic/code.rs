@@ -166,6 +166,7 @@ codes! {
     UnmatchedDirective = "unmatched-directive";
     UnreadableFile = "unreadable-file";
     UnreadableLock = "unreadable-lock";
+    UnreachedBlock = "unreached-block";
     UnsizedBlock = "unsized-block";
     UnusedOption = "unused-option";
     UpAlongFront = "up-along-front";

@@ -32,6 +32,8 @@ const MOST_NAMED: usize = 1 << 17;
 pub struct Compared<'a> {
     /// The shader's name in the report.
     pub name: &'a str,
+    /// The macros of the variant that is compared; `None` for the shader without them.
+    pub variant: Option<&'a str>,
     /// The old layout.
     pub old: &'a ShaderLayout,
     /// The new layout.
@@ -98,7 +100,11 @@ pub fn human(compared: &Compared<'_>, width: Width, paint: Paint) -> String {
         if !text.is_empty() {
             text.push('\n');
         }
-        let head = paint.text(STRONG, &format!("{}: {}", name(compared.name), diff.name));
+        let mut head = format!("{}: {}", name(compared.name), diff.name);
+        if let Some(variant) = compared.variant {
+            let _ = write!(head, " under `{}`", name(variant));
+        }
+        let head = paint.text(STRONG, &head);
         let _ = writeln!(text, "{head}: {}", class(diff.class(), paint).trim_end());
         if let Some(note) = compared.assumed() {
             let _ = writeln!(text, "  {}", paint.text(CAUTION, &note));
@@ -182,9 +188,10 @@ pub fn markdown(all: &[Compared<'_>]) -> String {
         for diff in compared.blocks {
             let _ = writeln!(
                 text,
-                "\n#### {} {}: {}\n",
+                "\n#### {} {}{}: {}\n",
                 markdown_name(compared.name),
                 markdown_code(&diff.name),
+                compared.variant.map_or(String::new(), |v| format!(" under {}", markdown_code(v))),
                 diff.class().name(),
             );
             if let Some(note) = compared.assumed() {
@@ -223,6 +230,8 @@ struct Document<'a> {
 #[derive(Serialize)]
 struct Shader<'a> {
     name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    variant: Option<&'a str>,
     old: &'a str,
     new: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -314,6 +323,7 @@ fn shader_object<'a>(compared: &Compared<'a>) -> Shader<'a> {
     };
     Shader {
         name: compared.name,
+        variant: compared.variant,
         old: &compared.old.path,
         new: &compared.new.path,
         policy: compared.judged.map(|(policy, _)| policy.name()),

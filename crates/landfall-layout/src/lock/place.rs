@@ -4,7 +4,7 @@
 
 use crate::error::Error;
 use crate::layout::LARGEST_BLOCK;
-use crate::lock::SCHEMA_VERSION;
+use crate::lock::FIRST_SCHEMA_VERSION;
 use crate::text::edit_distance::nearest;
 use crate::text::escape::is_bidi;
 use crate::text::json::{Fault, Node, Value};
@@ -154,20 +154,20 @@ impl JsonText<'_> {
     }
 
     /// Checks the schema version first, since a newer format may differ in anything.
-    pub(super) fn version(&self, root: &Object<'_>) -> Result<(), Error> {
+    pub(super) fn version(&self, root: &Object<'_>, newest: u32) -> Result<(), Error> {
         let Some(node) = root.get("schema_version") else {
             return Err(Error::new(self.path, "is not a lock: it has no `schema_version`")
                 .with_help("name a lock, or JSON that `landfall layout --format json` wrote"));
         };
         let version = self.number(node, "schema_version")?;
-        if version == u64::from(SCHEMA_VERSION) {
+        if (u64::from(FIRST_SCHEMA_VERSION)..=u64::from(newest)).contains(&version) {
             return Ok(());
         }
         let message = format!(
-            "has schema version {version}, but this landfall ({}) reads version {SCHEMA_VERSION}",
+            "has schema version {version}, but this landfall ({}) reads up to {newest}",
             env!("CARGO_PKG_VERSION")
         );
-        let help = if version > u64::from(SCHEMA_VERSION) {
+        let help = if version > u64::from(newest) {
             "update landfall: a newer one wrote this file"
         } else {
             "write it again with `landfall lock`"

@@ -4,11 +4,12 @@
 //! `blocks` reads the layout of one shader.
 
 mod blocks;
+mod variants;
 
 use std::sync::Arc;
 
 use super::place::{JsonText, Object};
-use super::{Lock, SCHEMA_VERSION};
+use super::{FIRST_SCHEMA_VERSION, Lock, SCHEMA_VERSION};
 use crate::error::Error;
 use crate::source::Files;
 use crate::text::json;
@@ -55,7 +56,9 @@ pub fn read_all(path: &str, text: &str) -> Result<Vec<Lock>, Error> {
     let mut files = Files::default();
     files.add(path, Arc::from(text));
     let root = place.object(&root, "the whole text")?;
-    place.version(&root)?;
+    // Only locks have variants, and so a second version.
+    let newest = if root.get("blocks").is_some() { SCHEMA_VERSION } else { FIRST_SCHEMA_VERSION };
+    place.version(&root, newest)?;
     let reader = |object: Object<'_>, shape: Shape| {
         BlockReader { place, shape, files: files.clone() }.lock(object)
     };

@@ -3,13 +3,16 @@
 //! [`super::read`] reads it back. The keys are those of the layout's JSON, without lines, tools
 //! and paths.
 
+mod variants;
+
 use std::fmt::Write as _;
 
-use super::{Lock, SCHEMA_VERSION, Verified};
+use super::{FIRST_SCHEMA_VERSION, Lock, SCHEMA_VERSION, Verified};
 use crate::ShaderLayout;
 use crate::layout::{BlockLayout, MemberLayout, targets};
 use crate::shape::{AddressSpace, ArrayLen, Type};
 use crate::source::Language;
+use variants::AllBlocks;
 
 /// The text of a shader's lock, without verified devices.
 pub fn write(shader: &ShaderLayout) -> String {
@@ -29,22 +32,29 @@ pub fn renew(shader: &ShaderLayout, old: Option<&Lock>) -> String {
 }
 
 pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
-    let (blocks, language) = (&shader.blocks, shader.language);
+    let (all, language) = (AllBlocks::of(shader), shader.language);
     let mut out = Text { text: String::new(), language };
     let name = language.name();
+    // A lock without variants is readable by every landfall.
+    let version = if all.sets.is_empty() { FIRST_SCHEMA_VERSION } else { SCHEMA_VERSION };
     let _ = write!(
         out.text,
-        "{{\n  \"schema_version\": {SCHEMA_VERSION},\n  \"language\": \"{name}\",\n"
+        "{{\n  \"schema_version\": {version},\n  \"language\": \"{name}\",\n"
     );
     if let Some(target) = shader.assumed_target {
         let _ = writeln!(out.text, "  \"assumed_target\": \"{}\",", targets::key(target));
     }
-    out.text.push_str("  \"blocks\": [");
-    for (i, block) in blocks.iter().enumerate() {
-        out.text.push_str(if i == 0 { "\n" } else { ",\n" });
-        out.block(block);
+    if !all.sets.is_empty() {
+        let sets = all.sets.iter().map(|macros| format!("    {}", variants::set(macros)));
+        let sets = sets.collect::<Vec<_>>().join(",\n");
+        let _ = write!(out.text, "  \"variants\": [\n{sets}\n  ],\n");
     }
-    out.text.push_str(if blocks.is_empty() { "]" } else { "\n  ]" });
+    out.text.push_str("  \"blocks\": [");
+    for (i, shared) in all.blocks.iter().enumerate() {
+        out.text.push_str(if i == 0 { "\n" } else { ",\n" });
+        out.block(shared.block, all.having(shared));
+    }
+    out.text.push_str(if all.blocks.is_empty() { "]" } else { "\n  ]" });
     if !verified.is_empty() {
         out.verified(verified);
     }
@@ -62,8 +72,10 @@ fn quoted(text: &str) -> String {
 }
 
 impl Text {
-    fn block(&mut self, block: &BlockLayout) {
+    /// Writes a block; `having` are the variants that have it, in JSON, unless all have it.
+    fn block(&mut self, block: &BlockLayout, having: Option<String>) {
         let mut lines = vec![("name", quoted(&block.name))];
+        lines.extend(having.map(|variants| ("variants", variants)));
         lines.extend(block.instance.as_ref().map(|name| ("instance", quoted(name))));
         lines.push(("address_space", quoted(block.space.name())));
         if block.space != AddressSpace::Default {

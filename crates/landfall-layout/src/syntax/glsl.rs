@@ -7,6 +7,7 @@
 
 pub mod ast;
 mod blocks;
+mod conditional_blocks;
 mod constants;
 mod declarations;
 mod directive;
@@ -51,6 +52,7 @@ use crate::shape::{AddressSpace, Block, DEFAULT_BLOCK, MatrixLayout, OffsetOrder
 use crate::source::{ReadOptions, Source, Span, Target, kind_of_path};
 use crate::syntax::Parsed;
 use ast::Item;
+pub(crate) use conditional_blocks::conditional_blocks;
 use declarations::DeclarationReader;
 pub use implicit_size::sized;
 use parser::{Bodies, Parser};

@@ -51,7 +51,9 @@ impl Against {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
-        let shader = landfall_layout::layout(&source, options);
+        let sets = &basis.settings.permutations;
+        let shader =
+            landfall_layout::layout(&source, options).with_variants(&source, options, sets);
         (!shader.has_errors()).then_some(shader)
     }
 

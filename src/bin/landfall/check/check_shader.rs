@@ -302,7 +302,9 @@ impl Job<'_> {
             Language::Glsl => &self.options[0],
             Language::Wgsl => &self.options[1],
         };
-        let shader = landfall_layout::layout(&source, options);
+        let sets = &self.basis.settings.permutations;
+        let mut shader =
+            landfall_layout::layout(&source, options).with_variants(&source, options, sets);
         let constants = without_effect::known_of(&shader);
         without_effect::record_names(&constants);
         let settings = &self.basis.settings;
@@ -353,21 +355,15 @@ impl Job<'_> {
         suppress(&mut findings, &mut allowed);
         let is_failed = !failed.is_empty();
         findings.extend(failed);
-        let includes: Vec<(String, Hash)> = shader
-            .files
-            .iter()
-            .skip(1)
-            // Macros of the command line are files of this name.
-            .filter(|file| !file.path.starts_with("-D "))
-            // A file that has vanished has no hash, so the shader is checked again next time.
-            .map(|file| (file.path.clone(), self.hash(&file.path).unwrap_or_default()))
-            .collect();
+        let includes = self.includes(&shader);
         let files = std::iter::once(&source.path).chain(includes.iter().map(|(path, _)| path));
         let stamps = match self.texts.contains_key(&source.path) || new_lock.is_some() {
             // What was checked is not, or not yet, what the files hold.
             true => Vec::new(),
             false => self.stamps(files, lock_path.as_deref().filter(|_| lock_hash.is_some())),
         };
+        // Lints over all shaders need no variants.
+        shader.variants = Vec::new();
         let checked = Checked {
             path: source.path.clone(),
             hash,
@@ -387,6 +383,20 @@ impl Job<'_> {
             lock: new_lock,
             is_kept,
         }
+    }
+
+    /// The includes of a shader and its variants, with the hashes of their bytes.
+    fn includes(&self, shader: &ShaderLayout) -> Vec<(String, Hash)> {
+        let mut includes: Vec<(String, Hash)> = Vec::new();
+        // Macros of the command line are files of this name.
+        let files = shader.all_files().skip(1).filter(|file| !file.path.starts_with("-D "));
+        for file in files {
+            if includes.iter().all(|(path, _)| *path != file.path) {
+                // A file that has vanished has no hash, so the shader is checked again next time.
+                includes.push((file.path.clone(), self.hash(&file.path).unwrap_or_default()));
+            }
+        }
+        includes
     }
 
     /// Compares a shader with its lock, or with its layout at a revision.

@@ -44,6 +44,7 @@ pub fn page(args: &CheckArgs, run: &Run<'_>, pass: &Pass, findings: &[Finding]) 
         let blocks = old.as_ref().map(|old| diff(Side::of(old), Side::of(&shader)));
         let compared = old.as_ref().zip(blocks.as_deref()).map(|(old, blocks)| Compared {
             name: &checked.path,
+            variant: None,
             old,
             new: &shader,
             blocks,

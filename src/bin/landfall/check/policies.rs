@@ -1,6 +1,6 @@
 //! The policies that `check --accept` obeys, as `lock` does.
 
-use landfall_layout::diff::{Side, diff};
+use landfall_layout::diff::{VariantDiff, diff_variants};
 use landfall_layout::lock::Lock;
 use landfall_layout::{Error, ShaderLayout};
 
@@ -30,7 +30,8 @@ impl<'a> Policies<'a> {
         let key = self.config.root.below(path.as_ref()).unwrap_or_else(|| path.to_string());
         let Some(policy) = self.config.policy_of(&key) else { return false };
         let old = old.layout();
-        let blocks = diff(Side::of(&old), Side::of(shader));
-        !approvals.forbidden(policy, &key, &blocks).is_empty()
+        let is_forbidden =
+            |one: &VariantDiff<'_>| !approvals.forbidden(policy, &key, &one.blocks).is_empty();
+        diff_variants(&old, shader).iter().any(is_forbidden)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use landfall_layout::{Error, Options, ShaderLayout, lock};
+use landfall_layout::{Error, Options, ShaderLayout, Variant, lock};
 
 use crate::args::ReadArgs;
 use crate::config::Config;
@@ -32,6 +32,8 @@ pub struct Entry {
     pub layout: ShaderLayout,
     /// The lock, and its path in the work tree.
     pub lock: Option<(Option<PathBuf>, lock::Lock)>,
+    /// Whether it is output of `layout`, which has no variants.
+    pub is_output: bool,
 }
 
 /// The settings for reading a side.
@@ -128,7 +130,9 @@ impl Reading<'_> {
             let dirs = &mut options.read.include_dirs;
             *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
         }
-        let layout = landfall_layout::layout(&source, &options);
+        let sets = &self.config.settings.permutations;
+        let layout =
+            landfall_layout::layout(&source, &options).with_variants(&source, &options, sets);
         without_effect::record_of(&layout);
         let findings = self.style.text(&layout.diagnostics, &layout.files);
         self.streams.report(&tree.map_or(findings.clone(), |tree| tree.shown(&findings)));
@@ -137,7 +141,7 @@ impl Reading<'_> {
             return Ok(None);
         }
         let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
-        Ok(Some(Entry { key, shader: self.config.root.below(&path), layout, lock: None }))
+        Ok(Some(Entry { key, shader: self.config.root.below(&path), layout, lock: None, is_output: false }))
     }
 
     /// The lock in a file, or the shaders in output of `layout`.
@@ -163,6 +167,7 @@ impl Reading<'_> {
             // An unnamed directory of locks also contains the tree from the root.
             shader: shader.clone().or_else(|| (!key.is_empty()).then(|| key.to_string())),
             layout: layout(&lock),
+            is_output: lock.shader.is_some(),
             // Only locks are updated, not output of `layout`.
             lock: lock.shader.is_none().then(|| (Some(path.to_path_buf()), lock)),
         };
@@ -172,5 +177,16 @@ impl Reading<'_> {
 
 /// The empty layout of a shader that one side lacks.
 pub fn nothing(like: &ShaderLayout) -> ShaderLayout {
-    ShaderLayout::empty(like.path.clone(), like.language, like.stage)
+    let mut nothing = ShaderLayout::empty(like.path.clone(), like.language, like.stage);
+    with_variants_of(&mut nothing, like);
+    nothing
+}
+
+/// Adds the variants of another layout that a layout lacks, which are then as without their macros.
+pub fn with_variants_of(layout: &mut ShaderLayout, other: &ShaderLayout) {
+    for Variant { macros, .. } in &other.variants {
+        if layout.variants.iter().all(|known| known.macros != *macros) {
+            layout.variants.push(Variant::unchanged(macros.clone()));
+        }
+    }
 }

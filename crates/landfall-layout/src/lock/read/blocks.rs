@@ -20,6 +20,7 @@ use crate::text::json::{Node, Value};
 /// The keys of a block.
 const BLOCK_KEYS: &[&str] = &[
     "name",
+    "variants",
     "instance",
     "address_space",
     "rules",
@@ -56,9 +57,14 @@ impl BlockReader<'_> {
         object.known(
             place,
             match self.shape {
-                Shape::Lock => {
-                    &["schema_version", "language", "assumed_target", "blocks", "verified"]
-                }
+                Shape::Lock => &[
+                    "schema_version",
+                    "language",
+                    "assumed_target",
+                    "variants",
+                    "blocks",
+                    "verified",
+                ],
                 Shape::Layout => &[
                     "path",
                     "language",
@@ -85,10 +91,10 @@ impl BlockReader<'_> {
         };
         let shader = object.get("path").map(|node| place.text(node, "path")).transpose()?;
         let blocks = self.required(object, "blocks")?;
-        let blocks = place.list(blocks, "blocks")?.iter();
-        let blocks: Vec<BlockLayout> =
-            blocks.map(|node| self.block(node, language)).collect::<Result<_, _>>()?;
-        check::blocks(place, &blocks)?;
+        let sets = self.sets(object)?;
+        let read = |node| Ok((self.block(node, language)?, self.having(node, &sets)?));
+        let blocks = place.list(blocks, "blocks")?.iter().map(read).collect::<Result<_, _>>()?;
+        let (blocks, variants) = self.divided(sets, blocks)?;
         let verified = match object.get("verified") {
             Some(node) => {
                 let list = place.list(node, "verified")?;
@@ -98,7 +104,7 @@ impl BlockReader<'_> {
         };
         let files = self.files.clone();
         let shader = shader.map(String::from);
-        Ok(Lock { shader, language, stage, blocks, verified, assumed_target, files })
+        Ok(Lock { shader, language, stage, blocks, variants, verified, assumed_target, files })
     }
 
     fn required<'n>(&self, object: Object<'n>, key: &str) -> Result<&'n Node, Error> {
