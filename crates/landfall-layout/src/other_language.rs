@@ -1,6 +1,8 @@
 //! Detection of shading languages other than GLSL and WGSL, by a file's extension or by tokens of
 //! its text.
 
+pub mod content;
+
 use std::path::Path;
 
 use crate::error::Error;

@@ -28,6 +28,7 @@ use landfall_lint::settings::Target as Limits;
 use landfall_lint::{LINTS, Settings, lint, renamed};
 
 use crate::args::{self, Api, ConfigArgs, TextArgs};
+use crate::inputs::Input;
 use crate::output::{Failure, FindingForm, Streams};
 use crate::walk::slashes;
 use crate::{read, without_effect, write};
@@ -226,6 +227,17 @@ impl Config {
             ([], configured) => configured.to_vec(),
             (named, _) => named.to_vec(),
         }
+    }
+
+    /// Whether a command reads an input that it was told of by these arguments: named files always,
+    /// those found in directories and by globs unless they are excluded.
+    pub fn takes(&self, input: &Result<Input, Error>, named: &[PathBuf]) -> bool {
+        let Ok(input) = input else { return true };
+        let is_excluded = || {
+            let below = self.root.below(&input.path);
+            below.is_some_and(|below| self.exclude.takes(&below))
+        };
+        named.contains(&input.path) || !is_excluded()
     }
 
     /// The directory of locks, if named or configured.

@@ -28,7 +28,7 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     let has_bindings = of_project || !args.bindings.is_empty();
     let mut shaders = Vec::new();
     let mut failed = false;
-    for input in Inputs::new(args.files.clone()) {
+    for input in Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)) {
         let source = input.and_then(|input| read::source(&input.path, &args.read));
         match source {
             Ok(source) => {

@@ -85,7 +85,7 @@ impl DirectoryContents {
                 continue;
             }
             let path = entry.path().strip_prefix(dir).unwrap_or(entry.path()).to_path_buf();
-            let kind = kind_of_path(&path);
+            let kind = kind_of_path(&path).filter(|_| read::holds_shader(entry.path()));
             if let Some(foreign) = foreign(&path) {
                 found.foreign.extend(kind.is_some().then_some(foreign));
                 continue;

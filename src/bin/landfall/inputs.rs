@@ -4,11 +4,12 @@
 use std::collections::{BTreeSet, HashSet};
 use std::path::{Component, Path, PathBuf};
 
+use landfall_layout::other_language::content;
 use landfall_layout::{Error, other_language, source};
 use landfall_lint::glob::Glob;
 use walkdir::DirEntry;
 
-use crate::read::is_stdin;
+use crate::read::{holds_shader, is_stdin};
 use crate::walk::{self, FilteredWalk, Listing, slashes, without_dot};
 use crate::watch;
 
@@ -164,6 +165,7 @@ impl Search {
             };
             if !self.takes(&path) {
                 self.others.extend(other_language::of_path(&path));
+                self.others.extend(content::usual_language(&path));
                 continue;
             }
             self.found = true;
@@ -178,12 +180,12 @@ impl Search {
 
     /// Whether a file is an input: a shader, or any match of a glob that names the extension.
     fn takes(&self, path: &Path) -> bool {
-        let known = source::kind_of_path(path).is_some();
+        let is_shader = || source::kind_of_path(path).is_some() && holds_shader(path);
         match &self.glob {
             Some(glob) => {
-                glob.matches(&slashes(path)) && (known || !ends_with_star(&self.argument))
+                glob.matches(&slashes(path)) && (!ends_with_star(&self.argument) || is_shader())
             }
-            None => known,
+            None => is_shader(),
         }
     }
 
@@ -198,7 +200,9 @@ impl Search {
                 let languages: Vec<&str> = self.others.into_iter().collect();
                 let message =
                     format!("contains no GLSL or WGSL shader, only {}", languages.join(", "));
-                Error::new(path, message).with_help("landfall reads GLSL and WGSL")
+                Error::new(path, message).with_help(
+                    "landfall reads GLSL and WGSL; a file that is named itself is read whatever it holds",
+                )
             }
             None => Error::new(path, "contains no shader file").with_help(
                 "shaders are recognised by their extension, such as .frag, .glsl or .wgsl; \

@@ -1,9 +1,11 @@
 //! Reads shaders and other input files, and converts arguments to layout options.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use landfall_layout::file::{MOST_BYTES, read_stream, read_whole};
 use landfall_layout::other_language;
+use landfall_layout::other_language::content;
 use landfall_layout::{Error, Language, Options, ReadOptions, Rules, Source, source};
 
 use crate::args::{Api, ReadArgs};
@@ -81,6 +83,25 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
 pub fn file(path: &Path) -> Option<Vec<u8>> {
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
     if is_file { std::fs::read(path).ok() } else { None }
+}
+
+/// Whether a search takes a file with the ending of a shader: one whose ending other programs use as
+/// well is looked into.
+pub fn holds_shader(path: &Path) -> bool {
+    if !content::has_shared_ending(path) {
+        return true;
+    }
+    // What cannot be read is reported where it is read as a shader.
+    head(path).is_none_or(|head| content::may_be_shader(&head))
+}
+
+/// The first bytes of a regular file.
+fn head(path: &Path) -> Option<Vec<u8>> {
+    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+    let file = if is_file { std::fs::File::open(path).ok() } else { None };
+    let mut head = Vec::new();
+    file?.take(content::HEAD_BYTES as u64).read_to_end(&mut head).ok()?;
+    Some(head)
 }
 
 /// Reads a text file other than a shader, without its byte-order mark.

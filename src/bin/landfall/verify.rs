@@ -90,7 +90,7 @@ pub fn run(args: &VerifyArgs, streams: &Streams) -> Result<Outcome, Failure> {
         is_alike.then_some(backends)
     };
     work::ordered_with(
-        Inputs::new(args.files.clone()),
+        Inputs::new(args.files.clone()).filter(|input| config.takes(input, &args.files)),
         jobs,
         (own, other),
         |backends, input| job.one(input, backends),

@@ -98,6 +98,10 @@ impl Reading<'_> {
         if matches!(shaders.peek(), Some(Ok(_))) {
             for input in shaders {
                 let input = input?;
+                let work = tree.map_or_else(|| input.path.clone(), |t| t.in_work_tree(&input.path));
+                if self.config.root.below(&work).is_some_and(|p| self.config.exclude.takes(&p)) {
+                    continue;
+                }
                 let key = input.relative.to_string_lossy().replace('\\', "/");
                 side.entries.extend(self.shader(&input.path, key, tree, &mut side.failed)?);
             }
