@@ -83,3 +83,26 @@ fn every_hook_succeeds_and_fails_when_a_layout_drifts() {
         assert_eq!(run(&project, hook).code, 1, "{hook}");
     }
 }
+
+/// Patterns of hooks have every ending of a shader; the book those of glslang.
+#[test]
+fn hooks_run_for_every_shader_lock_and_configuration() {
+    let page = include_str!("../../docs/src/languages.md");
+    let page = page.split_once("## Which files a search reads").expect("a section").1;
+    let table = page.split("\n\n").nth(2).expect("a table");
+    let endings = table.split("`.").skip(1).filter_map(|rest| rest.split_once('`'));
+    let endings: Vec<&str> =
+        endings.map(|(ending, _)| ending).filter(|e| !e.contains('.')).collect();
+    assert!(endings.len() > 30, "{endings:?}");
+    let words = |pattern: &str| -> Vec<String> {
+        pattern.split(['(', ')', '|']).map(str::to_string).collect()
+    };
+    for ending in &endings {
+        assert!(words(HOOKS).iter().any(|word| word == ending), "{ending}");
+    }
+    let book = CI.lines().find(|line| line.trim().starts_with("files: '")).expect("a pattern");
+    for word in ["vert", "tesc", "rmiss", "mesh", "glsl", "wgsl"] {
+        assert!(words(book).iter().any(|other| other == word), "{word}");
+    }
+    assert!(book.contains("landfall\\.toml$") && book.contains("layouts/"), "{book}");
+}

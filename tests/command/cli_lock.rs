@@ -351,11 +351,11 @@ error[unreadable-file]: `layouts/shaders/lights/point.frag.json` has the name of
 fn the_lock_of_a_newer_landfall_is_left_alone() {
     let tree = tree("newer");
     tree.run(&["lock", "shaders"]);
-    let newer = tree.read(POINT).replace("\"schema_version\": 1", "\"schema_version\": 2");
+    let newer = tree.read(POINT).replace("\"schema_version\": 1", "\"schema_version\": 3");
     tree.write(POINT, &newer);
     let ran = tree.run(&["lock", "shaders"]);
     ran.code(2).stdout_eq("").stderr_eq(str![[r#"
-error[unreadable-file]: `layouts/shaders/lights/point.frag.json` has schema version 2, but this landfall (0.2.0) reads version 1, at line 2
+error[unreadable-file]: `layouts/shaders/lights/point.frag.json` has schema version 3, but this landfall (0.2.0) reads up to 2, at line 2
   |
   = help: update landfall: a newer one wrote this file
 

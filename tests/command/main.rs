@@ -22,6 +22,7 @@ mod cli_render_claims;
 mod cli_rule;
 mod cli_run;
 mod cli_stress;
+mod cli_variants;
 mod cli_verify;
 mod cli_verify_web;
 mod completions;

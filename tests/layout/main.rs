@@ -24,6 +24,7 @@ mod port_tint;
 mod properties;
 mod reading;
 mod rules;
+mod variants;
 mod wgsl;
 mod wgsl_findings;
 mod wgsl_naga;

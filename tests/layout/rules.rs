@@ -45,7 +45,8 @@ fn beside(lint: &Lint) -> Beside {
             let block = "PointLightBlock".to_string();
             settings.tables = vec![Table { block, size: Some(size), ..Table::default() }];
         }
-        "define-changes-layout" => {
+        // FOG is not among them.
+        "define-changes-layout" | "unreached-block" => {
             settings.permutations = vec![vec![("SHADOWS".to_string(), "1".to_string())]];
         }
         "over-limit" => settings.targets = vec![Target::Gl33],

@@ -203,7 +203,7 @@ def the_hooks():
     for hook in HOOKS:
         assert not hook["pass_filenames"] and hook["entry"] == "landfall check", hook
         runs = re.compile(hook["files"]).search
-        for path in ("a.glsl", "x/b.frag", "c.wgsl", "layouts/a.frag.json", "landfall.toml", "p/.landfall.toml"):
+        for path in ("a.glsl", "x/b.frag", "c.wgsl", "d.rmiss", "e.fs", "f.vsh", "layouts/a.frag.json", "landfall.toml", "p/.landfall.toml"):
             assert runs(path), path
         for path in ("a.rs", "layouts.json", "xlandfall.toml", "glsl", "a.frag.txt"):
             assert not runs(path), path

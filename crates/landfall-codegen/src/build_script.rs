@@ -5,6 +5,7 @@
 
 mod c;
 mod hints;
+mod no_effect;
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -350,6 +351,9 @@ impl Build {
                 findings.add(&errors, &shader.files);
             }
             layouts.push(shader);
+        }
+        for found in no_effect::warnings(self, &layouts) {
+            findings.add(&[found], &Files::default());
         }
         layouts
     }

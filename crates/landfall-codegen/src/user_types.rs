@@ -64,7 +64,7 @@ impl UserTypes {
             let is_by_rows = matches!(ty, Type::Matrix { .. }) && member.row_major;
             let spelled = |language| ty.spelled(language).to_string();
             let (glsl, wgsl) = (spelled(Language::Glsl), spelled(Language::Wgsl));
-            self.find(|of| !is_by_rows && (of == glsl || of == wgsl))
+            self.find(|of| !is_by_rows && (of == glsl || whole_name(of) == wgsl))
         })
     }
 
@@ -85,6 +85,26 @@ impl UserTypes {
                     .with_help("write a type as the shader spells it, or `STRUCTURE.MEMBER`")
             })
             .collect()
+    }
+}
+
+/// A type of WGSL without its predeclared alias (WGSL §6.9): `vec3<f32>` for `vec3f`.
+fn whole_name(of: &str) -> String {
+    let of: String = of.split_whitespace().collect();
+    let scalar = match of.as_bytes().last() {
+        Some(b'f') => "f32",
+        Some(b'h') => "f16",
+        Some(b'i') => "i32",
+        Some(b'u') => "u32",
+        Some(_) | None => return of,
+    };
+    let dims = |count: &[u8]| count.iter().all(|digit| (b'2'..=b'4').contains(digit));
+    match of[..of.len() - 1].as_bytes() {
+        [b'v', b'e', b'c', n] if dims(&[*n]) => format!("vec{}<{scalar}>", char::from(*n)),
+        [b'm', b'a', b't', c, b'x', r] if dims(&[*c, *r]) && scalar.starts_with('f') => {
+            format!("mat{}x{}<{scalar}>", char::from(*c), char::from(*r))
+        }
+        _ => of,
     }
 }
 

@@ -13,9 +13,9 @@ mod write;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-use crate::{ShaderLayout, Variant};
 use crate::layout::BlockLayout;
 use crate::source::{Files, Language, Stage, Target};
+use crate::{ShaderLayout, Variant};
 
 pub use read::{is_lock, is_newer, read, read_all};
 pub use write::{renew, write};

@@ -3,7 +3,6 @@
 //!
 //! Uses [`landfall_layout::diff`] with the lock as the old side.
 
-use landfall_layout::{ShaderLayout, variant_name};
 use landfall_layout::diagnostic::Severity;
 use landfall_layout::diff::{BlockDiff, Class, diff_variants};
 use landfall_layout::finding::{Finding, Place};
@@ -11,6 +10,7 @@ use landfall_layout::format::Paint;
 use landfall_layout::format::diff::{Compared, Width};
 use landfall_layout::lock::{Lock, write};
 use landfall_layout::shape::AddressSpace;
+use landfall_layout::{ShaderLayout, variant_name};
 
 /// The number of changes that a finding lists after the most serious one.
 const MOST_NOTES: usize = 8;

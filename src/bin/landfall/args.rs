@@ -260,6 +260,9 @@ pub struct ExplainArgs {
     /// A member as the shader spells it, such as data[3].color; or a byte of the block: @172
     #[arg(value_name = "PATH|@BYTE")]
     pub place: String,
+    /// What is left of a path in two parts, for a message that says so.
+    #[arg(hide = true)]
+    pub rest: Option<String>,
     /// Search only the block with this name or instance name
     #[arg(short, long, value_name = "NAME")]
     pub block: Option<String>,

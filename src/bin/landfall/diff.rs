@@ -50,7 +50,9 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Each shader as it is, then the variants that show more.
     let found: Vec<(&Pair, VariantDiff<'_>)> = pairs
         .iter()
-        .flat_map(|pair| diff_variants(&pair.old, &pair.new).into_iter().map(move |one| (pair, one)))
+        .flat_map(|pair| {
+            diff_variants(&pair.old, &pair.new).into_iter().map(move |one| (pair, one))
+        })
         .collect();
     let variants: Vec<Option<String>> = found.iter().map(|(_, one)| one.name()).collect();
     let approvals = Approvals::open(&config.locks(None))?;
@@ -277,7 +279,7 @@ fn print<'a>(
         DiffFormat::Md | DiffFormat::Human => escape_controls(text, paint),
     };
     let named = args.sides.iter().chain(&config.file).map(PathBuf::as_path);
-    write::protecting(named, shaders).write(out, &text)?;
+    write::to(out, &text, &write::protecting(named, shaders), streams)?;
     Ok(())
 }
 

@@ -53,14 +53,14 @@ fn write(
     streams: &Streams,
 ) -> Result<(), Failure> {
     match (out, args.hex) {
-        (Some((path, writer)), false) => Ok(writer.write(path, bytes).map(|_| ())?),
+        (Some((path, writer)), false) => Ok(write::to(path, bytes, &writer, streams)?),
         (Some((path, writer)), true) => {
             let mut text = Vec::new();
             hex::dump(block, bytes, Paint::Plain, &mut text).map_err(|cause| {
                 let reason = landfall_layout::file::reason(&cause);
                 Error::new(path.display().to_string(), format!("cannot be written: {reason}"))
             })?;
-            Ok(writer.write(path, text).map(|_| ())?)
+            Ok(write::to(path, text, &writer, streams)?)
         }
         (None, false) => streams.bytes(bytes),
         (None, true) => streams.product_of(|out| hex::dump(block, bytes, streams.paint, out)),

@@ -5,7 +5,8 @@ use landfall_layout::format::explain::{Answer, json, text};
 use landfall_layout::layout::byte::{ByteOwner, owner_of_byte};
 use landfall_layout::layout::explain::explain;
 use landfall_layout::layout::path::{PathError, PathErrorKind};
-use landfall_layout::{BlockLayout, Diagnostic, ShaderLayout};
+use landfall_layout::source::Files;
+use landfall_layout::{BlockLayout, Diagnostic, Error, ShaderLayout};
 
 use crate::args::{self, ExplainArgs, ExplainFormat};
 use crate::layout::is_named;
@@ -18,6 +19,22 @@ pub fn run(args: &ExplainArgs, streams: &Streams) -> Result<Outcome, Failure> {
         ExplainFormat::Json => FindingForm::Json,
     };
     let style = streams.style(form);
+    if let Some(rest) = &args.rest {
+        let path = args.file.display().to_string();
+        let message = format!("`{}` and `{rest}` are two paths: one is explained", args.place);
+        let help = format!("write `{}.{rest}`", args.place);
+        let found = finding(&path, Code::MalformedPath, message, Some(help));
+        streams.report(&style.text(&[found], &Files::default()));
+        return Ok(Outcome::CouldNot);
+    }
+    if args.file.extension().is_none() && args.file.symlink_metadata().is_err() {
+        let (name, path) = (args.file.display(), &args.place);
+        let help = format!("the shader comes first: `landfall explain SHADER '{name}.{path}'`");
+        let error = Error::new(name.to_string(), "cannot be read: no such file or directory");
+        let found: Diagnostic = error.with_help(help).unreadable().into();
+        streams.report(&style.text(&[found], &Files::default()));
+        return Ok(Outcome::CouldNot);
+    }
     let Some(shader) = shader::laid_out(&args.file, &args.read, streams, style) else {
         return Ok(Outcome::CouldNot);
     };
@@ -119,10 +136,35 @@ fn of_path<'a>(
     match furthest {
         Some(error) if found.is_empty() => {
             let (code, message) = (error.kind.code(), error.kind.to_string());
-            Err(finding(&shader.path, code, message, error.kind.help()))
+            let help = meant(blocks, path).or_else(|| error.kind.help());
+            Err(finding(&shader.path, code, message, help))
         }
         _ => Ok(found),
     }
+}
+
+/// What a path may stand for that is none: a byte, or the end of a longer path.
+fn meant(blocks: &[&BlockLayout], path: &str) -> Option<String> {
+    if args::byte(path).is_ok() {
+        return Some(format!("a byte is written `@{path}`"));
+    }
+    let end = format!(".{}", without_indices(path));
+    let leaves = blocks.iter().flat_map(|block| &block.leaves);
+    let mut whole = leaves.filter(|leaf| without_indices(&leaf.path).ends_with(&end));
+    let whole = whole.next()?.path.replace("[]", "[0]");
+    Some(format!("there is a path `{whole}`"))
+}
+
+/// A path without what stands in its brackets, and without those.
+fn without_indices(path: &str) -> String {
+    let mut depth = 0u32;
+    let keep = |c: &char| {
+        depth += u32::from(*c == '[');
+        let is_outside = depth == 0;
+        depth = depth.saturating_sub(u32::from(*c == ']'));
+        is_outside
+    };
+    path.chars().filter(keep).collect()
 }
 
 /// The length of the path that was resolved before an error.

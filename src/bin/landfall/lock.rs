@@ -7,12 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use landfall_layout::diff::diff_variants;
 use landfall_layout::file::{FileWriter, Written};
+use landfall_layout::finding::Level;
 use landfall_layout::format::phrases::counted;
 use landfall_layout::source::Files;
-use landfall_layout::finding::Level;
-use landfall_layout::{
-    Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks,
-};
+use landfall_layout::{Diagnostic, Error, Options, Severity, ShaderLayout, lock, unreached_blocks};
 use landfall_lint::{levels, unreached_block};
 
 use crate::approvals::{Approval, Approvals, forbids};
@@ -189,7 +187,8 @@ impl Job<'_> {
                 continue;
             };
             let (name, why) = (variant.name(), &error.message);
-            let message = format!("the lock lacks the variant `{name}`, which cannot be laid out: {why}");
+            let message =
+                format!("the lock lacks the variant `{name}`, which cannot be laid out: {why}");
             let found = Diagnostic { severity: Severity::Warning, message, ..error.clone() };
             text.push_str(&self.style.text(&[found], &layout.files));
         }

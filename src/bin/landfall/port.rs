@@ -75,7 +75,8 @@ pub fn run(args: &PortArgs, streams: &Streams) -> Result<Outcome, Failure> {
         Some(out) => {
             let files = landfall_layout::layout(&source, &read::options(&args.read)).files;
             let named = std::iter::once(args.file.as_path()).chain(args.partner.as_deref());
-            write::protecting(named, [&files]).write(out, ported.source.text.as_bytes())?;
+            let writer = write::protecting(named, [&files]);
+            write::to(out, ported.source.text.as_bytes(), &writer, streams)?;
         }
         None => streams.source(&ported.source.text)?,
     }

@@ -208,10 +208,22 @@ pub fn begin(command: &Command, budget: &BudgetArgs, streams: &Streams) {
         }
         _ => (Duration::ZERO, || thread::sleep(PATIENCE)),
     };
+    let mut time = budget.max_time.unwrap_or(usual.max(own_time));
+    if let (Command::Serve(_), Some(end)) = (command, budget.max_time) {
+        // A server that has run for its time has done its work: it ends as by Ctrl-C.
+        let stop = Arc::clone(&stop);
+        let wait = move || {
+            thread::sleep(end);
+            stop.store(true, Ordering::SeqCst);
+        };
+        if thread::Builder::new().name("end".to_string()).spawn(wait).is_ok() {
+            time = Duration::MAX;
+        }
+    }
     let watch = Watch {
         stop,
         wait,
-        time: budget.max_time.unwrap_or(usual.max(own_time)),
+        time,
         memory: budget.max_memory.saturating_mul(1 << 20),
         style: streams.style(FindingForm::Human),
         output: streams.output(),

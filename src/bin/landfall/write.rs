@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use landfall_layout::Error;
 use landfall_layout::file::FileWriter;
 use landfall_layout::source::Files;
 #[cfg(feature = "exec")]
 use landfall_layout::{Options, Source, layout};
+
+use crate::output::Streams;
 
 /// A writer that does not overwrite these files, shaders or their includes.
 pub fn protecting<'a>(
@@ -18,6 +21,22 @@ pub fn protecting<'a>(
         protect(&mut writer, files);
     }
     writer
+}
+
+/// Writes the file of `--out`, and says which directory it made for it.
+pub fn to(
+    path: &Path,
+    bytes: impl AsRef<[u8]>,
+    writer: &FileWriter,
+    streams: &Streams,
+) -> Result<(), Error> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let is_new = folder.is_some_and(|folder| folder.symlink_metadata().is_err());
+    writer.write(path, bytes)?;
+    if let Some(folder) = folder.filter(|_| is_new) {
+        streams.notes(&format!("made the directory {}\n", folder.display()));
+    }
+    Ok(())
 }
 
 /// A writer that does not overwrite the file that standard input is redirected from.

@@ -37,10 +37,7 @@ pub(super) fn document(shader: &ShaderLayout, verified: &[Verified]) -> String {
     let name = language.name();
     // A lock without variants is readable by every landfall.
     let version = if all.sets.is_empty() { FIRST_SCHEMA_VERSION } else { SCHEMA_VERSION };
-    let _ = write!(
-        out.text,
-        "{{\n  \"schema_version\": {version},\n  \"language\": \"{name}\",\n"
-    );
+    let _ = write!(out.text, "{{\n  \"schema_version\": {version},\n  \"language\": \"{name}\",\n");
     if let Some(target) = shader.assumed_target {
         let _ = writeln!(out.text, "  \"assumed_target\": \"{}\",", targets::key(target));
     }

@@ -16,7 +16,6 @@ const SHARED_ENDINGS: &[(&str, Option<&str>)] = &[
     ("geom", None),
     ("gs", None),
     ("mesh", None),
-    ("miss", None),
     ("ps", None),
     ("shader", Some("ShaderLab")),
     ("task", None),
@@ -31,16 +30,35 @@ pub const HEAD_BYTES: usize = 16 << 10;
 
 /// Words that only a shader has.
 const GLSL: &[&str] = &[
-    "attribute", "discard", "highp", "layout", "lowp", "mediump", "precision", "uniform", "varying",
+    "attribute",
+    "discard",
+    "highp",
+    "layout",
+    "lowp",
+    "mediump",
+    "precision",
+    "uniform",
+    "varying",
 ];
 
 /// Words that GLSL reserves or does not have, which begin a declaration in C#, F# and others.
-const FOREIGN: &[&str] = &["class", "internal", "namespace", "private", "protected", "public", "using"];
+const FOREIGN: &[&str] =
+    &["class", "internal", "namespace", "private", "protected", "public", "using"];
 
 /// Words that begin a file of another language, but may be names in GLSL.
 const FIRST: &[&str] = &[
-    "Shader", "abstract", "function", "global", "import", "let", "module", "open", "sealed",
-    "shader_type", "type", "var",
+    "Shader",
+    "abstract",
+    "function",
+    "global",
+    "import",
+    "let",
+    "module",
+    "open",
+    "sealed",
+    "shader_type",
+    "type",
+    "var",
 ];
 
 fn ending(path: &Path) -> Option<&'static (&'static str, Option<&'static str>)> {
@@ -179,6 +197,8 @@ fn is_word(c: char) -> bool {
 mod tests {
     use super::*;
 
+    const BOOK: &str = include_str!("../../../../docs/src/languages.md");
+
     #[test]
     fn shaders_are_told_from_other_files_by_their_first_tokens() {
         let shaders = [
@@ -228,6 +248,7 @@ mod tests {
         for (ending, _) in SHARED_ENDINGS {
             let path = format!("a.{ending}");
             assert!(crate::source::kind_of_path(Path::new(&path)).is_some(), "{ending}");
+            assert!(BOOK.contains(&format!("`.{ending}`")), "{ending}");
         }
         assert!(has_shared_ending(Path::new("a/B.CS")) && !has_shared_ending(Path::new("a.frag")));
     }

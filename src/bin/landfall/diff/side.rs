@@ -145,7 +145,13 @@ impl Reading<'_> {
             return Ok(None);
         }
         let path = tree.map_or_else(|| path.to_path_buf(), |tree| tree.in_work_tree(path));
-        Ok(Some(Entry { key, shader: self.config.root.below(&path), layout, lock: None, is_output: false }))
+        Ok(Some(Entry {
+            key,
+            shader: self.config.root.below(&path),
+            layout,
+            lock: None,
+            is_output: false,
+        }))
     }
 
     /// The lock in a file, or the shaders in output of `layout`.

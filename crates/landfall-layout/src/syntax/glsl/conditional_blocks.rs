@@ -33,7 +33,8 @@ pub(crate) fn conditional_blocks(text: &str, file: u32) -> Vec<ConditionalBlock>
     let Scan { found, fixed, .. } = scan;
     let is_open = |name: &&&str| !is_predefined(name) && !fixed.contains(name);
     let open = |names: &[&str]| names.iter().filter(is_open).map(|n| n.to_string()).collect();
-    let found = found.into_iter().map(|(name, names)| ConditionalBlock { name, macros: open(&names) });
+    let found =
+        found.into_iter().map(|(name, names)| ConditionalBlock { name, macros: open(&names) });
     found.filter(|block| !block.macros.is_empty()).collect()
 }
 
