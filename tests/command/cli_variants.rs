@@ -42,7 +42,19 @@ fn git(place: &Place, arguments: &[&str]) {
 fn a_member_that_moves_in_a_variant_is_found_by_every_command() {
     let place = project("moved");
     git(&place, &["init", "-q"]);
-    place.run(&["lock"]).code(0).stdout_eq("").stderr_eq(str![]);
+    place.run(&["lock"]).code(0).stdout_eq("").stderr_eq(str![[r#"
+warning[unreached-block]: no variant has block `Fog`: no lock guards it
+ --> shaders/lit.frag:6:24
+  |
+6 | layout(std140) uniform Fog { vec3 color; };
+  |                        ^^^
+  |
+  = note: it depends on the macro `FOG`
+  = help: add a set of macros that gives it to `permutations` in landfall.toml
+
+2 locks written, 0 unchanged
+
+"#]]);
     git(&place, &["add", "."]);
     git(&place, &["commit", "-q", "-m", "lock"]);
     assert_eq!(place.read(LOCK).matches("\"name\": \"Shadow\"").count(), 1);
@@ -53,12 +65,54 @@ fn a_member_that_moves_in_a_variant_is_found_by_every_command() {
     place.run(&["diff", "layouts", "shaders"]).code(0);
     let moved = SHADER.replace("float bias; vec3 direction;", "vec3 direction; float bias;");
     place.write("shaders/lit.frag", moved);
-    place.run(&["check", "--format", "short", "-A", "unreached-block"]).code(1).stdout_eq(str![]);
-    place.run(&["check", "--against", "HEAD", "-A", "unreached-block"]).code(1).stdout_eq(str![]);
-    place.run(&["diff", "--rev", "HEAD"]).code(1).stdout_eq(str![]);
+    place.run(&["check", "--format", "short", "-A", "unreached-block"]).code(1).stdout_eq(str![[r#"
+shaders/lit.frag:3:24: error[layout-drift] `Shadow` under `SHADOWS` differs from its lock: `bias` moved from 64 to 76; buffers filled for the lock's layout are misread
+
+"#]]);
+    place.run(&["check", "--against", "HEAD", "-A", "unreached-block"]).code(1).stdout_eq(str![[r#"
+error[layout-drift]: `Shadow` under `SHADOWS` differs from `HEAD`: `bias` moved from 64 to 76; buffers filled for the old layout are misread
+ --> shaders/lit.frag:3:24
+  |
+3 | layout(std140) uniform Shadow { mat4 to_light; vec3 direction; float bias; };
+  |                        ^^^^^^ under `SHADOWS` differs from `HEAD`
+  |
+  = note: breaking: `direction` moved from 80 to 64
+  = note: compatible: shrank from 96 to 80 bytes
+  = note: the same under `SHADOWS=2`
+  = note: declaration in `HEAD`: HEAD:shaders/lit.frag:3:24
+  = note: the layout
+             96  uniform Shadow std140      |    80  uniform Shadow std140
+           0 64    mat4 to_light columns 16    0 64    mat4 to_light columns 16
+          64  4    float bias               <
+          68 12    -- hole                  <
+          80 12    vec3 direction           | 64 12    vec3 direction
+          92  4    -- tail padding          | 76  4    float bias
+  = help: undo it, or change what uploads the block
+
+2 shaders: 1 error
+
+"#]]);
+    place.run(&["diff", "--rev", "HEAD"]).code(1).stdout_eq(str![[r#"
+shaders/lit.frag: Shadow under `SHADOWS`: breaking
+  breaking   `bias` moved from 64 to 76  [Shadow::bias]
+  breaking   `direction` moved from 80 to 64  [Shadow::direction]
+  compatible shrank from 96 to 80 bytes
+
+     96  uniform Shadow std140      |    80  uniform Shadow std140
+   0 64    mat4 to_light columns 16    0 64    mat4 to_light columns 16
+  64  4    float bias               <
+  68 12    -- hole                  <
+  80 12    vec3 direction           | 64 12    vec3 direction
+  92  4    -- tail padding          | 76  4    float bias
+
+1 block changed: 1 breaking
+
+"#]]);
     place.run(&["diff", "layouts", "shaders"]).code(1);
     place.run(&["lock", "--check"]).code(1);
-    place.run(&["lock", "--policy", "superset"]).code(1);
+    let forbidden = place.run(&["lock", "--policy", "superset"]);
+    let said = "block `Shadow` under `SHADOWS` that policy `superset` forbids: `bias` moved from 64 to 76";
+    assert!(forbidden.code == 1 && forbidden.err.contains(said), "{}", forbidden.err);
     let json = place.run(&["diff", "--rev", "HEAD", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&json.out).expect("JSON");
     assert_eq!(json["shaders"][0]["variant"], "SHADOWS");
@@ -70,7 +124,10 @@ fn a_member_that_moves_in_a_variant_is_found_by_every_command() {
 fn a_block_that_no_variant_has_is_named_once() {
     let place = project("unreached");
     let ran = place.run(&["check", "--format", "short"]);
-    ran.code(0).stdout_eq(str![]);
+    ran.code(0).stdout_eq(str![[r#"
+shaders/lit.frag:6:24: warning[unreached-block] no variant has block `Fog`: no lock guards it
+
+"#]]);
     assert_eq!(place.run(&["lock"]).err.matches("no variant has block `Fog`").count(), 1);
     place.write("landfall.toml", "permutations = [[\"SHADOWS\"], [\"FOG\"]]\n");
     assert!(!place.run(&["check"]).out.contains("no variant has"));
@@ -82,15 +139,44 @@ fn a_variant_that_is_lost_is_said() {
     place.run(&["lock"]).code(0);
     place.write("landfall.toml", "paths = [\"shaders\"]\npermutations = [[\"OTHER\"]]\n");
     let ran = place.run(&["check", "--format", "short", "-A", "unreached-block"]);
-    ran.code(1).stdout_eq(str![]);
+    ran.code(1).stdout_eq(str![[r#"
+shaders/lit.frag: error[layout-drift] `layouts/shaders/lit.frag.json` records the variant `SHADOWS`, which is not configured
+shaders/lit.frag: error[layout-drift] `layouts/shaders/lit.frag.json` records the variant `SHADOWS=2`, which is not configured
+
+"#]]);
     place.write("landfall.toml", "paths = [\"shaders\"]\npermutations = [[\"SHADOWS\"]]\n");
     place.write(
         "shaders/lit.frag",
         SHADER.replace("#ifdef SHADOWS\n", "#ifdef SHADOWS\n#error no\n"),
     );
     let ran = place.run(&["check", "--format", "short", "-A", "unreached-block"]);
-    ran.code(1).stdout_eq(str![]);
-    place.run(&["lock"]).code(0).stdout_eq("").stderr_eq(str![]);
+    ran.code(1).stdout_eq(str![[r#"
+shaders/lit.frag: error[layout-drift] `layouts/shaders/lit.frag.json` records the variant `SHADOWS`, which cannot be laid out
+shaders/lit.frag: error[layout-drift] `layouts/shaders/lit.frag.json` records the variant `SHADOWS=2`, which is not configured
+shaders/lit.frag:3:2: warning[define-changes-layout] under `SHADOWS` the shader cannot be laid out: `#error no`
+
+"#]]);
+    place.run(&["lock"]).code(0).stdout_eq("").stderr_eq(str![[r#"
+warning[error-directive]: the lock lacks the variant `SHADOWS`, which cannot be laid out: `#error no`
+ --> shaders/lit.frag:3:2
+  |
+3 | #error no
+  |  ^^^^^
+  |
+  = help: define the required macro with `--define NAME` or `--define NAME=VALUE`
+
+warning[unreached-block]: no variant has block `Fog`: no lock guards it
+ --> shaders/lit.frag:7:24
+  |
+7 | layout(std140) uniform Fog { vec3 color; };
+  |                        ^^^
+  |
+  = note: it depends on the macro `FOG`
+  = help: add a set of macros that gives it to `permutations` in landfall.toml
+
+1 lock written, 1 unchanged
+
+"#]]);
 }
 
 #[test]
@@ -115,7 +201,10 @@ fn a_search_passes_over_what_is_no_shader() {
     place.write("src/Toon.shader", "Shader \"Custom/Toon\" { Properties { } }\n");
     place.write("src/cube.mesh", b"BAKED\0\x01\xff".as_slice());
     place.write("src/text.mesh", "MESH v1\n3 4 5\n");
-    place.run(&["check", "src"]).code(2).stdout_eq("").stderr_eq(str![]);
+    let ran = place.run(&["check", "src"]);
+    ran.code(2);
+    let only = "`src` contains no GLSL or WGSL shader, only C#, F#, ShaderLab";
+    assert!((ran.out.clone() + &ran.err).contains(only), "{} {}", ran.out, ran.err);
     place.write("game/a.frag", "#version 330 core\nlayout(std140) uniform U { vec3 a; };\n");
     let mirror = place.run(&["emit", "--lang", "csharp", "game/a.frag"]).out;
     place.write("game/Layouts.cs", mirror);

@@ -132,10 +132,16 @@ impl Approvals {
 }
 
 /// The error about a change that a policy forbids.
-pub fn forbids(shader: &str, policy: Policy, block: &BlockDiff, change: &Change) -> Diagnostic {
+pub fn forbids(
+    shader: &str,
+    policy: Policy,
+    (block, variant): (&BlockDiff, Option<String>),
+    change: &Change,
+) -> Diagnostic {
     let (block, policy) = (&block.name, policy.name());
+    let under = variant.map_or(String::new(), |name| format!(" under `{name}`"));
     let message = format!(
-        "has a change of block `{block}` that policy `{policy}` forbids: {}",
+        "has a change of block `{block}`{under} that policy `{policy}` forbids: {}",
         change.message
     );
     let found = Error::new(shader, message)

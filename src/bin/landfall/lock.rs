@@ -213,15 +213,17 @@ impl Job<'_> {
         };
         let old = old.layout();
         let all = diff_variants(&old, shader);
-        let forbidden =
-            all.iter().flat_map(|one| self.approvals.forbidden(policy, &key, &one.blocks));
-        for (block, change) in forbidden {
+        let forbidden = all.iter().flat_map(|one| {
+            let changes = self.approvals.forbidden(policy, &key, &one.blocks).into_iter();
+            changes.map(|(block, change)| (one.name(), block, change))
+        });
+        for (variant, block, change) in forbidden {
             if let Some(reason) = &self.args.approve {
                 judged.approved.push(Approval::of(&key, block, change, reason));
                 continue;
             }
             judged.forbidden = true;
-            let found = forbids(&path.display().to_string(), policy, block, change);
+            let found = forbids(&path.display().to_string(), policy, (block, variant), change);
             judged.findings.push_str(&self.style.text(&[found], &Files::default()));
         }
         judged
