@@ -9,8 +9,8 @@ const MEMORY: u64 = 8192;
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Time and memory")]
 pub struct BudgetArgs {
-    /// End with exit code 2 after this time, in seconds; `serve` ends with 0 [default: 3600; for
-    /// `stress` at least twice its --time, for `serve` none]
+    /// End with exit code 2 after this time, in seconds [default: 3600; for `stress` at least twice
+    /// its --time]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
     pub max_time: Option<Duration>,
     /// End with exit code 2 if this process and those it starts need more memory, in MiB (Linux; measured
