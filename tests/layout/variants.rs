@@ -357,7 +357,7 @@ fn every_block_of_every_variant_is_locked_once_and_guarded() {
 #[test]
 fn a_lock_of_version_1_has_no_variants_and_is_compared_with_the_shader_as_it_is() {
     let set = vec![("FOG".to_string(), "1".to_string())];
-    let text = "#version 330 core\n#ifdef FOG\nlayout(std140) uniform Fog { vec3 c; };\n#endif\n\
+    let text = "#version 330 core\n#ifdef FOG\nlayout(std140) uniform Fog { vec3 fog; };\n#endif\n\
                 layout(std140) uniform V { vec4 c; };\nvoid main() {}\n";
     let old = lock::write(&laid_out(text, &[]));
     assert!(old.contains("\"schema_version\": 1,"), "{old}");
@@ -376,7 +376,7 @@ fn a_lock_of_version_1_has_no_variants_and_is_compared_with_the_shader_as_it_is(
 #[test]
 fn variants_of_a_lock_are_consistent_or_refused() {
     let sets = [vec![("FOG".to_string(), "1".to_string())]];
-    let text = "#version 330 core\n#ifdef FOG\nlayout(std140) uniform Fog { vec3 c; };\n#endif\n\
+    let text = "#version 330 core\n#ifdef FOG\nlayout(std140) uniform Fog { vec3 fog; };\n#endif\n\
                 layout(std140) uniform V { vec4 c; };\nvoid main() {}\n";
     let sound = lock::write(&laid_out(text, &sets));
     assert!(sound.contains("\"schema_version\": 2,"), "{sound}");
@@ -387,7 +387,7 @@ fn variants_of_a_lock_are_consistent_or_refused() {
     };
     assert_eq!(
         refused("\"variants\": [[\"FOG\"]]", "\"variants\": [[\"FOGG\"]]"),
-        "has a block of a variant that `variants` of the lock does not list, at line 25"
+        "has a block of a variant that `variants` of the lock does not list, at line 22"
     );
     assert_eq!(
         refused("    [\"FOG\"]\n", "    [\"FOG\"], [\"FOG\"]\n"),
@@ -395,6 +395,6 @@ fn variants_of_a_lock_are_consistent_or_refused() {
     );
     assert_eq!(
         refused("\"name\": \"Fog\"", "\"name\": \"V\""),
-        "contradicts itself at line 24: the block `V` is listed twice"
+        "contradicts itself at line 21: the block `V` is listed twice"
     );
 }
