@@ -111,7 +111,8 @@ shaders/lit.frag: Shadow under `SHADOWS`: breaking
     place.run(&["diff", "layouts", "shaders"]).code(1);
     place.run(&["lock", "--check"]).code(1);
     let forbidden = place.run(&["lock", "--policy", "superset"]);
-    let said = "block `Shadow` under `SHADOWS` that policy `superset` forbids: `bias` moved from 64 to 76";
+    let said =
+        "block `Shadow` under `SHADOWS` that policy `superset` forbids: `bias` moved from 64 to 76";
     assert!(forbidden.code == 1 && forbidden.err.contains(said), "{}", forbidden.err);
     let json = place.run(&["diff", "--rev", "HEAD", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&json.out).expect("JSON");

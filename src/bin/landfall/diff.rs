@@ -83,9 +83,8 @@ pub fn run(args: &DiffArgs, streams: &Streams) -> Result<Outcome, Failure> {
     for ((pair, one), policy) in found.iter().zip(&judged) {
         let Some((policy, _)) = policy.as_ref().filter(|_| args.accept) else { continue };
         let changes = approvals.forbidden(*policy, &pair.file, &one.blocks).into_iter();
-        forbidden.extend(
-            changes.map(|(block, c)| forbids(&pair.file, *policy, (block, one.name()), c)),
-        );
+        forbidden
+            .extend(changes.map(|(block, c)| forbids(&pair.file, *policy, (block, one.name()), c)));
     }
     if args.accept && !forbidden.is_empty() {
         streams.report(&reading.style.text(&forbidden, &Files::default()));
