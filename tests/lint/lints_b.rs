@@ -7,6 +7,10 @@ mod advice;
 mod driver;
 #[cfg(feature = "cli")]
 mod mirror;
+#[cfg(feature = "cli")]
+mod mirror_helps;
+#[cfg(feature = "cli")]
+mod mirror_libraries;
 mod naga;
 mod reorder;
 #[cfg(feature = "cli")]

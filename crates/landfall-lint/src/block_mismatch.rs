@@ -15,6 +15,7 @@ use landfall_layout::ShaderLayout;
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::AddressSpace;
+use landfall_layout::source::Language;
 use program::{Program, base_name, program};
 
 pub(super) const LINT: Lint = Lint {
@@ -23,13 +24,15 @@ pub(super) const LINT: Lint = Lint {
     what: "a block declared differently in two stages or files",
     why: "Both declarations read one buffer, so that one of them reads other members' bytes, or \
           the program does not link. Two declarations count as copies of one block in three cases. \
-          Stages of one program (same directory, same file name except for the stage): blocks of \
-          one name, uniform blocks of one group and binding that read a byte differently, and push \
-          constants (WGSL: immediate data) that do, whatever their names: stages share one range. \
+          Stages of one program (same directory, same file name except for the stage, also \
+           `sky.vert.wgsl` and `skyFrag.glsl`): blocks of one name, uniform blocks of one group \
+           and binding that read a byte differently, and push constants (WGSL: immediate data) that \
+           do, whatever their names: stages share one range. \
           Files that belong together (same directory and base name, or both include one file that \
           declares a block, or one includes the other): blocks of one name, slot and layout rules \
-          that share at least three members and two thirds of all members, by name and type; with \
-          fewer in common they are two blocks that happen to be called `Params`. Mirror groups of \
+          that share at least three members and two thirds of all members, by name and type, or \
+          half of them if both declare that slot; with fewer in common they are two blocks that \
+          happen to be called `Params`. Mirror groups of \
           the configuration: the blocks they name, in any file. A copy that declares only the \
           first members of another is accepted between programs, and in Vulkan, but does not link \
           in OpenGL. Blocks of one name in other files are not compared, not even in one \
@@ -140,7 +143,11 @@ fn by_program(subjects: &[Subject<'_>]) -> Vec<Finding> {
         let found = differences(&here, &there);
         let slot = |copy: &Copy<'_>| (copy.block.group.unwrap_or(0), copy.block.binding);
         // Vulkan matches blocks by slot, not by name, and a stage may declare fewer members.
-        let vulkan = may_be_vulkan(a.subject) && may_be_vulkan(b.subject);
+        // So does WebGPU.
+        let by_slot = |copy: &Copy<'_>| {
+            copy.subject.shader.language == Language::Wgsl || may_be_vulkan(copy.subject)
+        };
+        let vulkan = by_slot(a) && by_slot(b);
         let fine = is_head(&here, &there) || found.iter().all(|d| d.cosmetic);
         match vulkan {
             true if slot(a) != slot(b) => Relation::None,
@@ -207,7 +214,13 @@ fn by_family(subjects: &[Subject<'_>]) -> Vec<Finding> {
         let (here, there) = (a.view(), b.view());
         let shared = shared(&here, &there);
         let most = here.leaves.len().max(there.leaves.len());
-        if shared < 3 || shared * 3 < most * 2 {
+        // One slot of a name that is not given by chance: fewer members in common are enough.
+        let slot = a.block.binding.is_some() && a.block.binding == b.block.binding;
+        let related = match slot {
+            true => shared >= 1 && shared * 2 >= most,
+            false => shared >= 3 && shared * 3 >= most * 2,
+        };
+        if !related {
             return Relation::None;
         }
         match is_head(&here, &there) || differences(&here, &there).iter().all(|d| d.cosmetic) {

@@ -8,6 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::show::full_listing;
+use super::walk::dimensions;
 use landfall_layout::finding::{Finding, Level, Place};
 pub use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
@@ -21,8 +22,9 @@ pub(super) const LINT: Lint = Lint {
     what: "a block whose layout changes under the macros of a permutation",
     why: "One shader is compiled with several sets of macros, but one buffer is filled for all of \
           them: if an `#ifdef` adds a member or changes an array's length, every variant but one \
-          reads from the wrong byte. A block that only one variant declares is not reported: it \
-          has its own buffer.",
+          reads from the wrong byte. Variants are compared with the first that declares the block: \
+          the text without their macros, else the first permutation. A block that only one variant \
+          declares is not reported: it has its own buffer.",
     example: "\
 #version 330 core
 layout(std140) uniform Light {
@@ -54,27 +56,49 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
         }
         known => known,
     };
+    let mut others: Vec<(String, &ShaderLayout)> = Vec::new();
     for variant in variants {
         let Some(other) = &variant.layout else { continue };
-        let name = variant.name();
-        if other.has_errors() {
-            findings.push(refused(subject, other, &name));
-            continue;
+        match other.has_errors() {
+            true => findings.push(refused(subject, other, &variant.name())),
+            false => others.push((variant.name(), other)),
         }
+    }
+    // A block is compared with the first variant that declares it: the one without macros, if any.
+    for (at, (name, other)) in others.iter().enumerate() {
         // Loose uniforms are set one by one: they have no layout.
-        for block in subject.shader.blocks.iter().filter(|block| block.size.is_some()) {
-            let copy = other.blocks.iter().find(|o| o.name == block.name && o.space == block.space);
-            let known = findings.iter_mut().find(|finding| finding.about == *block.name);
-            let Some(change) = copy.and_then(|copy| change(subject, block, copy, other)) else {
-                continue;
-            };
-            match known {
-                Some(known) => known.notes.push(format!("under `{name}` too")),
-                None => findings.push(changed(subject, block, &change, &name)),
+        for copy in other.blocks.iter().filter(|block| block.size.is_some()) {
+            let variants = others[..at].iter().map(|(name, other)| (Some(name.as_str()), other));
+            let first = std::iter::once((None, subject.shader)).chain(variants).find_map(
+                |(name, shader)| Some(Variant { name, shader, block: twin(shader, copy)? }),
+            );
+            let Some(first) = first else { continue };
+            let Some(change) = change(&first, copy, other) else { continue };
+            let about = |finding: &&mut Finding| finding.about == *copy.name;
+            match findings.iter_mut().find(about) {
+                Some(known) if known.message.ends_with(&change.text) => {
+                    known.notes.push(format!("under `{name}` too"));
+                }
+                Some(known) => known.notes.push(format!("under `{name}`: {}", change.text)),
+                None => findings.push(changed(&first, &change, name)),
             }
         }
     }
     findings
+}
+
+/// The variant of a block that others are compared with.
+struct Variant<'s> {
+    /// Its macros; `None` for the text without any of a permutation.
+    name: Option<&'s str>,
+    shader: &'s ShaderLayout,
+    block: &'s BlockLayout,
+}
+
+/// Returns the block of that name in another variant.
+fn twin<'s>(shader: &'s ShaderLayout, block: &BlockLayout) -> Option<&'s BlockLayout> {
+    let same = |other: &&BlockLayout| other.name == block.name && other.space == block.space;
+    shader.blocks.iter().filter(|other| other.size.is_some()).find(same)
 }
 
 /// The first difference of two layouts of one block.
@@ -89,13 +113,9 @@ struct Change {
     listing: Option<String>,
 }
 
-fn change(
-    subject: &Subject<'_>,
-    block: &BlockLayout,
-    other: &BlockLayout,
-    shader: &ShaderLayout,
-) -> Option<Change> {
-    let (text, place) = first_difference(subject, block, other, shader)?;
+fn change(first: &Variant<'_>, other: &BlockLayout, shader: &ShaderLayout) -> Option<Change> {
+    let block = first.block;
+    let (text, place) = first_difference(first, other, shader)?;
     let known: FxHashSet<&str> = block.leaves.iter().map(|leaf| &*leaf.path).collect();
     let added = other.leaves.iter().find(|leaf| !known.contains(&*leaf.path));
     let added = added.map(|leaf| (Place::of(&shader.files, leaf.span), leaf.path.clone()));
@@ -104,13 +124,12 @@ fn change(
 }
 
 fn first_difference(
-    subject: &Subject<'_>,
-    block: &BlockLayout,
+    first: &Variant<'_>,
     other: &BlockLayout,
     shader: &ShaderLayout,
 ) -> Option<(String, Option<Place>)> {
-    let language = subject.shader.language;
-    let at = |leaf: &Leaf| Some(Place::of(&subject.shader.files, leaf.span));
+    let Variant { block, shader: own, .. } = first;
+    let at = |span| Some(Place::of(&own.files, span));
     let by_path = |block: &'_ BlockLayout| -> FxHashMap<String, usize> {
         let paths = block.leaves.iter().enumerate();
         paths.map(|(index, leaf)| (leaf.path.clone(), index)).collect()
@@ -118,10 +137,21 @@ fn first_difference(
     let there = by_path(other);
     for leaf in &block.leaves {
         let Some(there) = there.get(&leaf.path).map(|&index| &other.leaves[index]) else {
-            return Some((format!("`{}` is gone", leaf.path), at(leaf)));
+            return Some((format!("`{}` is gone", leaf.path), at(leaf.span)));
         };
-        if let Some(text) = differs(leaf, there, language) {
-            return Some((format!("`{}` {text}", leaf.path), at(leaf)));
+        if let Some(difference) = differs(leaf, there, own.language) {
+            let arrays = dimensions(&block.members, &leaf.path);
+            let outer = leaf.path.rsplit_once('.').map_or(0, |(outer, _)| outer.matches("[]").count());
+            let array = difference.dimension.filter(|dim| *dim < outer);
+            // The array around it is what changed, not what is in its elements.
+            return Some(match array.and_then(|dim| Some((arrays.get(dim)?, dim))) {
+                Some((span, dim)) => {
+                    let end = leaf.path.match_indices("[]").nth(dim).map(|(end, _)| end);
+                    let path = leaf.path[..end.unwrap_or(leaf.path.len())].trim_end_matches("[]");
+                    (format!("`{path}` {}", difference.text), at(*span))
+                }
+                None => (format!("`{}` {}", leaf.path, difference.text), at(leaf.span)),
+            });
         }
     }
     let here = by_path(block);
@@ -134,43 +164,59 @@ fn first_difference(
     (old != new).then(|| (format!("it is {new} bytes instead of {old}"), None))
 }
 
-fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<String> {
+/// How a leaf differs, and the dimension that does.
+struct LeafDifference {
+    text: String,
+    dimension: Option<usize>,
+}
+
+fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<LeafDifference> {
+    let of = |text: String, dimension| Some(LeafDifference { text, dimension });
     if let (Some(here), Some(there)) = (leaf.offset, there.offset) {
         if here != there {
-            return Some(format!("is at {there} instead of {here}"));
+            return of(format!("is at {there} instead of {here}"), None);
         }
     }
     if leaf.ty != there.ty {
         let (here, there) = (leaf.ty.spelled(language), there.ty.spelled(language));
-        return Some(format!("is a `{there}` instead of a `{here}`"));
+        return of(format!("is a `{there}` instead of a `{here}`"), None);
     }
     if leaf.strides != there.strides {
-        let pair = leaf.strides.iter().zip(&there.strides).find(|(a, b)| a != b);
-        return Some(match pair {
-            Some((here, there)) => format!("has stride {there} instead of {here}"),
-            None => "has other array dimensions".to_string(),
-        });
+        // An outer stride grows with an inner one.
+        let strides = leaf.strides.iter().zip(&there.strides).enumerate();
+        return match strides.filter(|(_, (a, b))| a != b).last() {
+            Some((dim, (here, there))) => {
+                of(format!("has stride {there} instead of {here}"), Some(dim))
+            }
+            None => of("has other array dimensions".to_string(), None),
+        };
     }
     if leaf.dims != there.dims {
-        let lengths = leaf.dims.iter().zip(&there.dims).find(|(a, b)| a != b)?;
+        let lengths = leaf.dims.iter().zip(&there.dims);
+        let Some((dim, (here, there))) = lengths.enumerate().find(|(_, (a, b))| a != b) else {
+            return of("has other array dimensions".to_string(), None);
+        };
         let count = |len| fixed(len).map_or("any number of".to_string(), |n| n.to_string());
-        return Some(format!("has {} elements instead of {}", count(lengths.1), count(lengths.0)));
+        return of(format!("has {} elements instead of {}", count(there), count(here)), Some(dim));
     }
     if leaf.row_major != there.row_major {
         let name = if there.row_major { "rows" } else { "columns" };
-        return Some(format!("is stored by {name}"));
+        return of(format!("is stored by {name}"), None);
     }
-    (leaf.matrix_stride != there.matrix_stride).then(|| "has another matrix stride".to_string())
+    match leaf.matrix_stride != there.matrix_stride {
+        true => of("has another matrix stride".to_string(), None),
+        false => None,
+    }
 }
 
-fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &str) -> Finding {
-    let files = &subject.shader.files;
+fn changed(first: &Variant<'_>, change: &Change, name: &str) -> Finding {
+    let (files, block) = (&first.shader.files, first.block);
     let message =
         format!("the layout of block `{}` changes under `{name}`: {}", block.name, change.text);
     let place = change.place.clone().unwrap_or_else(|| Place::of(files, block.span));
     let mut finding = Finding::of(LINT.code, &*block.name, place, message)
         .with_text(change.text.clone())
-        .with_note(sizes(block, name))
+        .with_note(sizes(first, name))
         .with_help(
             "declare the same members in every variant, or move those that only some have into \
              a block of their own",
@@ -186,10 +232,17 @@ fn changed(subject: &Subject<'_>, block: &BlockLayout, change: &Change, name: &s
     finding
 }
 
-fn sizes(block: &BlockLayout, name: &str) -> String {
-    match block.size {
-        Some(size) => format!("without `{name}` the block is {size} bytes; the listing is with it"),
-        None => format!("the listing is with `{name}`"),
+fn sizes(first: &Variant<'_>, name: &str) -> String {
+    let under = match first.name {
+        Some(first) => format!("under `{first}`"),
+        None => format!("without `{name}`"),
+    };
+    match (first.block.size, first.name) {
+        (Some(size), None) => format!("{under} the block is {size} bytes; the listing is with it"),
+        (Some(size), Some(_)) => {
+            format!("{under} the block is {size} bytes; the listing is with `{name}`")
+        }
+        (None, _) => format!("the listing is with `{name}`"),
     }
 }
 

@@ -9,7 +9,11 @@ mod file;
 mod fit;
 mod items;
 mod known;
+mod library;
+mod plan;
+mod reach;
 mod rust_type;
+mod suggest;
 mod syntax;
 mod target;
 mod types;
@@ -22,11 +26,13 @@ use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
 use super::settings::{RustFile, RustMirror};
 use super::show::{bytes, full_listing};
-use compare::{Against, Difference, differences, padding};
-use file::Declarations;
+use compare::{Against, Difference, compare};
+use file::{Declarations, Structure};
 use landfall_layout::error::Error;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::text::edit_distance::nearest;
+use library::Writer;
+use plan::End;
 use rust_type::{Shape, StructureLayout, Unknown};
 use target::{Target, targets};
 use types::Types;
@@ -40,7 +46,10 @@ pub(super) const LINT: Lint = Lint {
           that is misread, without any error. A structure is compared with a block when the \
           configuration names both, or a comment right above the structure does: `// landfall: \
           mirror(Light)`, `// landfall: mirror(shaders/sun.frag: Light)`. Fields are matched with \
-          members by name, regardless of case; names that begin with `_` are padding.",
+          members by name, regardless of case; names that begin with `_` are padding. A structure \
+          that derives encase's (or Bevy's) `ShaderType`, or crevice's `AsStd140` or `AsStd430`, \
+          is compared as that library writes it, also where it derives bytemuck's `Pod` beside it. \
+          The helps of one structure belong together: each assumes those above it.",
     example: "\
 // landfall: mirror(Light)
 #[repr(C)]
@@ -116,7 +125,7 @@ pub fn laid_out(file: &RustFile, structure: &str) -> Result<RustLayout, Error> {
     let refused = |cause: String| Error::new(&file.path, cause);
     let index = declarations.structures.iter().position(|s| s.name == structure);
     let index = index.ok_or_else(|| refused(format!("has no structure `{structure}`")))?;
-    let ty = Types::new(&declarations).structure(index);
+    let ty = Types::new(&declarations, Writer::Memory).structure(index);
     let ty = ty.map_err(|Unknown(cause)| refused(format!("has no known layout: {cause}")))?;
     let fields = match &ty.shape {
         Shape::Struct(laid) => laid.fields.iter().map(|f| (f.name.clone(), f.offset)).collect(),
@@ -221,49 +230,88 @@ fn of_mirror(
         let finding = Finding::of(UNKNOWN.code, &*own.name, mirror.place.clone(), message);
         return vec![finding.with_help("name the block, its variable or a structure in it")];
     }
-    let mut findings = Vec::new();
-    if let Some(finding) = unordered(declarations, index) {
-        findings.push(finding);
-    }
-    let laid = match Types::new(declarations).structure(index) {
-        Ok(ty) => ty,
-        Err(Unknown(cause)) => {
-            let message =
-                format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
-            let finding = Finding::of(UNKNOWN.code, &*own.name, own.place.clone(), message);
-            let help = "write the type as numbers and arrays, or declare it in the same file";
-            findings.push(finding.with_help(help));
-            return findings;
-        }
-    };
-    let Shape::Struct(fields) = &laid.shape else { return findings };
+    let mut findings: Vec<Finding> = Vec::new();
     for target in &targets {
-        let held = differences(
-            fields,
-            &Against {
-                members: target.members,
-                rules: target.block.rules,
-                language: target.subject.shader.language,
-                aliases: &mirror.aliases,
-            },
-        );
-        let complete = held.is_empty();
-        findings.extend(held.into_iter().map(|one| reported(declarations, target, one)));
-        for nested in nested_structures(fields) {
-            findings.extend(unordered(declarations, nested));
+        let writer = Writer::of(own, target.block);
+        if let Some(finding) = unordered(declarations, index, writer) {
+            findings.push(finding);
         }
-        // If every field is in place, only the size can be wrong.
-        if complete {
-            findings.extend(size(declarations, target, fields, laid.size));
+        let laid = match Types::new(declarations, writer).structure(index) {
+            Ok(ty) => ty,
+            Err(Unknown(cause)) => {
+                let message =
+                    format!("`{}` cannot be compared with `{}`: {cause}", own.name, mirror.block);
+                let finding = Finding::of(UNKNOWN.code, &*own.name, own.place.clone(), message);
+                findings.push(finding.with_help(unknown_help(writer)));
+                return findings;
+            }
+        };
+        let Shape::Struct(fields) = &laid.shape else { return findings };
+        findings.extend(compared(declarations, target, mirror, fields, laid.size));
+    }
+    findings
+}
+
+fn unknown_help(writer: Writer) -> &'static str {
+    match writer {
+        Writer::Memory => "write the type as numbers and arrays, or declare it in the same file",
+        Writer::Encase => {
+            "use `f32`, `i32`, `u32`, vectors and matrices of them, arrays, and structures of the \
+             same file that derive `ShaderType`"
         }
+        Writer::Std140 | Writer::Std430 => {
+            "use numbers, vectors and matrices, and structures of the same file that derive the \
+             same trait"
+        }
+    }
+}
+
+/// Returns the findings of a structure against one block or structure.
+fn compared(
+    declarations: &Declarations,
+    target: &Target<'_, '_>,
+    mirror: &RustMirror,
+    fields: &Rc<StructureLayout>,
+    laid_size: u64,
+) -> Vec<Finding> {
+    let end = match (target.stride, target.size) {
+        (Some(stride), _) => End::Exactly(stride),
+        (None, Some(size)) => End::AtLeast(size),
+        (None, None) => End::Free,
+    };
+    let against = Against {
+        members: target.members,
+        rules: target.block.rules,
+        space: target.block.space,
+        language: target.subject.shader.language,
+        aliases: &mirror.aliases,
+        end,
+    };
+    let held = compare(fields, &against);
+    let complete = held.differences.is_empty();
+    let mut findings: Vec<Finding> = Vec::new();
+    for one in held.differences {
+        let first = findings.is_empty();
+        findings.push(reported(declarations, target, fields.writer, one, first));
+    }
+    for nested in nested_structures(fields) {
+        findings.extend(unordered(declarations, nested, fields.writer));
+    }
+    // If every field is in place, only the size can be wrong.
+    if complete {
+        findings.extend(size(declarations, target, fields, laid_size, held.tail));
     }
     findings
 }
 
 /// Returns the finding of a structure without `repr(C)`, whose field order rustc chooses.
-fn unordered(declarations: &Declarations, index: usize) -> Option<Finding> {
-    let structure = &declarations.structures[index];
+fn unordered(declarations: &Declarations, index: usize, writer: Writer) -> Option<Finding> {
+    let structure: &Structure = &declarations.structures[index];
     let repr = structure.repr;
+    // A library writes field by field, whatever their order in memory.
+    if writer.library().is_some() {
+        return None;
+    }
     // `repr(transparent)` has the layout of its only field.
     if repr.c || (repr.transparent && structure.fields.len() == 1) {
         return None;
@@ -298,7 +346,14 @@ fn nested_structures(laid: &StructureLayout) -> Vec<usize> {
     found
 }
 
-fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Difference) -> Finding {
+/// `first` shows the layout, once for all findings of a structure.
+fn reported(
+    declarations: &Declarations,
+    target: &Target<'_, '_>,
+    writer: Writer,
+    one: Difference,
+    first: bool,
+) -> Finding {
     let structure = &declarations.structures[one.structure];
     let field = one.field.and_then(|field| structure.fields.get(field));
     let place = field.map_or(&structure.place, |field| &field.place).clone();
@@ -315,10 +370,22 @@ fn reported(declarations: &Declarations, target: &Target<'_, '_>, one: Differenc
         finding = finding.with_label(place, one.member_text);
     }
     finding.notes = one.notes;
-    finding.listing = full_listing(target.subject.shader, target.block);
-    finding
-        .with_note(format!("compared with `{}` of `{}`", target.name, target.subject.shader.path))
-        .with_help(one.help)
+    if first {
+        finding.listing = full_listing(target.subject.shader, target.block);
+    }
+    finding = finding.with_note(compared_with(target, writer));
+    match one.help {
+        Some(help) => finding.with_help(help),
+        None => finding,
+    }
+}
+
+fn compared_with(target: &Target<'_, '_>, writer: Writer) -> String {
+    let with = format!("compared with `{}` of `{}`", target.name, target.subject.shader.path);
+    match writer.library() {
+        Some(library) => format!("{with}, as {library} writes it"),
+        None => with,
+    }
 }
 
 /// Returns the finding of a structure with every field in place that is shorter than the bytes
@@ -328,6 +395,7 @@ fn size(
     target: &Target<'_, '_>,
     laid: &Rc<StructureLayout>,
     size: u64,
+    tail: Option<String>,
 ) -> Option<Finding> {
     let name = &laid.name;
     let (message, needed) = match (target.stride, target.size) {
@@ -342,11 +410,11 @@ fn size(
     };
     let structure = &declarations.structures[laid.index];
     let place = Place::of(&target.subject.shader.files, target.span);
-    let help = match needed.checked_sub(size) {
-        Some(more) => format!("end it with {}", padding(size, more)),
-        None => format!("make it {} shorter", bytes(size - needed)),
-    };
-    let note = format!("compared with `{}` of `{}`", target.name, target.subject.shader.path);
+    let help = tail.unwrap_or_else(|| match size.checked_sub(needed) {
+        Some(less) => format!("make it {} shorter", bytes(less)),
+        None => format!("make it {} longer", bytes(needed - size)),
+    });
+    let note = compared_with(target, laid.writer);
     let finding = Finding::of(LINT.code, name.as_str(), structure.place.clone(), message)
         .with_text(bytes(size))
         .with_label(place, bytes(needed))

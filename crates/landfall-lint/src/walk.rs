@@ -87,6 +87,18 @@ fn descend<'a>(
     }
 }
 
+/// Returns the array that each dimension of a path belongs to: `lights` for `lights[].color`.
+pub(super) fn dimensions(members: &[MemberLayout], path: &str) -> Vec<Span> {
+    let (mut found, mut members) = (Vec::new(), members);
+    for step in path.split('.') {
+        let name = step.split('[').next().unwrap_or(step);
+        let Some(member) = members.iter().find(|member| &*member.name == name) else { break };
+        found.extend(member.dims.iter().map(|_| member.span));
+        members = &member.members;
+    }
+    found
+}
+
 /// Returns a declaration: `vec4 w[16]`, `w: array<vec4<f32>, 16>`.
 pub(super) fn declared(name: &str, ty: &Type, language: Language) -> String {
     match language {

@@ -2,6 +2,8 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::walk::dimensions;
+use landfall_layout::layout::measure::fixed;
 use landfall_layout::layout::{BlockLayout, Leaf};
 use landfall_layout::shape::{ArrayLen, Type};
 use landfall_layout::source::{Language, Span};
@@ -25,6 +27,8 @@ pub(super) struct Named<'a> {
     pub dims: &'a [ArrayLen],
     pub strides: &'a [u64],
     pub leaf: &'a Leaf,
+    /// The array that each dimension belongs to.
+    pub arrays: Vec<Span>,
 }
 
 /// A way in which two copies differ.
@@ -47,6 +51,7 @@ pub(super) fn view(block: &BlockLayout, language: Language) -> View<'_> {
         dims: &leaf.dims,
         strides: &leaf.strides,
         leaf,
+        arrays: dimensions(&block.members, &leaf.path),
     });
     View { leaves: leaves.collect(), size: block.size, language }
 }
@@ -126,7 +131,12 @@ pub(super) fn differences(here: &View<'_>, there: &View<'_>) -> Vec<Difference> 
     let mut renamed: FxHashSet<&str> = FxHashSet::default();
     for leaf in &here.leaves {
         if let Some(twin) = other(&leaf.name) {
-            if let Some(text) = moved(leaf, twin, here.language, there.language) {
+            if let Some(array) = resized(leaf, twin) {
+                // Once for all members of its structure.
+                if !found.contains(&array) {
+                    found.push(array);
+                }
+            } else if let Some(text) = moved(leaf, twin, here.language, there.language) {
                 found.push(difference(text, Some(leaf), Some(twin)));
             }
             continue;
@@ -178,6 +188,39 @@ fn difference(text: String, here: Option<&Named<'_>>, there: Option<&Named<'_>>)
         there: there.map(|leaf| leaf.leaf.span),
         cosmetic: false,
     }
+}
+
+/// Returns the difference of an array of structures that a leaf is in: its length or stride.
+fn resized(here: &Named<'_>, there: &Named<'_>) -> Option<Difference> {
+    if here.dims.len() != there.dims.len() || here.offset != there.offset {
+        return None;
+    }
+    let outer = here.name.rsplit_once('.').map_or(0, |(outer, _)| outer.matches("[]").count());
+    let at = (0..outer.min(here.dims.len())).find(|&at| {
+        here.dims[at] != there.dims[at] || here.strides.get(at) != there.strides.get(at)
+    })?;
+    let end = here.name.match_indices("[]").nth(at).map(|(end, _)| end)?;
+    let name = here.name[..end].trim_end_matches("[]");
+    let count = |len: &ArrayLen| match fixed(len) {
+        Some(n) => n.to_string(),
+        None => "any number of".to_string(),
+    };
+    let mut parts = Vec::new();
+    let (a, b) = (&here.dims[at], &there.dims[at]);
+    if a != b {
+        parts.push(format!("has {} elements here and {} there", count(a), count(b)));
+    }
+    if let (Some(a), Some(b)) = (here.strides.get(at), there.strides.get(at)) {
+        if a != b {
+            parts.push(format!("has an array stride of {a} here and {b} there"));
+        }
+    }
+    Some(Difference {
+        text: format!("`{name}` {}", parts.join(", ")),
+        here: here.arrays.get(at).copied(),
+        there: there.arrays.get(at).copied(),
+        cosmetic: false,
+    })
 }
 
 /// Returns the differences of a leaf that both copies have.

@@ -7,6 +7,7 @@ use crate::glob;
 use crate::settings::Settings;
 use crate::settings::{MirrorCopy, MirrorGroup};
 use crate::show::{is_called, listing, place};
+use crate::walk::dimensions;
 use landfall_layout::finding::Finding;
 pub use landfall_layout::layout::path::{Segment, segments};
 use landfall_layout::layout::{BlockLayout, MemberLayout};
@@ -226,6 +227,7 @@ fn element<'a>(
             offset: leaf.offset.zip(base).map(|(offset, base)| offset - base),
             dims: leaf.dims.get(dims..).unwrap_or_default(),
             strides: leaf.strides.get(dims..).unwrap_or_default(),
+            arrays: dimensions(&last.members, inner),
             leaf,
         })
     });

@@ -30,7 +30,7 @@ pub(super) fn smallest(
     rules: Rules,
     matrix_layout: MatrixLayout,
 ) -> Option<Vec<usize>> {
-    if members.len() < 3 || members.iter().any(|member| member.offset.is_some()) {
+    if members.len() < 2 || members.iter().any(|member| member.offset.is_some()) {
         return None;
     }
     // Only the last member may be runtime-sized, and it stays there.

@@ -1,18 +1,18 @@
 //! Compares a Rust structure with the members of a block or structure, field by field.
 //!
-//! Fields and members are matched by name; a misplaced field shifts the following ones, so only the
-//! first of a run is reported, with the names of the rest.
+//! Fields and members are matched by name. What is then wrong is worded in [`plan`](super::plan).
 
 use std::rc::Rc;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::fit::{View, fit};
-use super::rust_type::{LaidField, StructureLayout};
-use crate::show::bytes;
-use crate::walk::first_few;
+use super::library::Writer;
+use super::plan::{self, End, Step};
+use super::rust_type::{RustType, Shape, StructureLayout};
+use super::suggest::suggested;
 use landfall_layout::layout::MemberLayout;
-use landfall_layout::shape::Rules;
+use landfall_layout::shape::{AddressSpace, Rules};
 use landfall_layout::source::{Language, Span};
 
 /// A difference, with its place on both sides.
@@ -25,44 +25,213 @@ pub(super) struct Difference {
     pub member_text: String,
     pub message: String,
     pub notes: Vec<String>,
-    pub help: String,
+    pub help: Option<String>,
 }
 
 /// The shader's side of a comparison.
 pub(super) struct Against<'a> {
     pub members: &'a [MemberLayout],
     pub rules: Rules,
+    pub space: AddressSpace,
     pub language: Language,
     /// Members whose fields have other names: the member's, and the field's.
     pub aliases: &'a [(String, String)],
+    /// The size that the structure needs.
+    pub end: End,
+}
+
+/// The differences of a structure, and how its size is mended if it alone is wrong.
+pub(super) struct Compared {
+    pub differences: Vec<Difference>,
+    pub tail: Option<String>,
 }
 
 /// Returns every difference between a structure and those members, including nested structures.
-pub(super) fn differences(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Vec<Difference> {
+/// All helps of one structure followed together, it has its fields where the shader reads them.
+pub(super) fn compare(laid: &Rc<StructureLayout>, against: &Against<'_>) -> Compared {
+    let mut comparison = Comparison { against, planned: FxHashMap::default() };
     let mut found = Vec::new();
-    let mut seen: FxHashSet<(usize, Span)> = FxHashSet::default();
-    let mut waiting = vec![(laid.clone(), against.members)];
-    while let Some((laid, members)) = waiting.pop() {
-        let mut pairs = Vec::new();
-        of_structure(&laid, members, against, &mut pairs, &mut found);
-        for (inner, member) in pairs {
-            let place = member.members.first().map_or(member.span, |first| first.span);
-            if seen.insert((inner.index, place)) {
-                waiting.push((inner, &member.members));
-            }
-        }
-    }
-    found
+    let tail = comparison.structure(laid, against.members, against.end, &mut found);
+    Compared { differences: found, tail }
 }
 
-fn of_structure<'a>(
-    laid: &Rc<StructureLayout>,
-    members: &'a [MemberLayout],
-    against: &Against<'a>,
-    pairs: &mut Vec<(Rc<StructureLayout>, &'a MemberLayout)>,
-    found: &mut Vec<Difference>,
-) {
-    let matched = matching(laid, members, against.aliases);
+struct Comparison<'c, 'a> {
+    against: &'c Against<'a>,
+    /// The structures that were compared with the members at that place.
+    planned: FxHashMap<(usize, Span), Planned>,
+}
+
+/// A structure once its helps are followed.
+#[derive(Clone)]
+struct Planned {
+    size: u64,
+    align: u64,
+    /// Whether it has findings of its own.
+    differs: bool,
+    /// How its size is mended, where only that is wrong.
+    tail: Option<String>,
+}
+
+impl<'a> Comparison<'_, 'a> {
+    /// Compares a structure, those inside first; returns how its size is mended, if that is all.
+    fn structure(
+        &mut self,
+        laid: &Rc<StructureLayout>,
+        members: &'a [MemberLayout],
+        end: End,
+        found: &mut Vec<Difference>,
+    ) -> Option<String> {
+        let (matched, renamed) = partners(laid, members, self.against.aliases);
+        let mut inner = Vec::new();
+        let mut steps = Vec::with_capacity(members.len());
+        for ((member, field), renamed) in members.iter().zip(&matched).zip(renamed) {
+            let step = match field {
+                Some(index) => self.field(laid, *index, member, renamed, &mut inner),
+                None if says_padding(&member.name) || member.size.is_none() => continue,
+                None => Step::missing(self.view(laid, member)),
+            };
+            steps.push(step);
+        }
+        let plan = plan::plan(laid, &steps, end);
+        let differs = !plan.differences.is_empty() || !inner.is_empty();
+        found.extend(plan.differences);
+        found.append(&mut inner);
+        if !differs {
+            found.extend(self.refused(laid, &steps));
+        }
+        let tail = plan.tail.clone();
+        let planned = Planned { size: plan.size, align: plan.align, differs, tail: plan.tail };
+        self.planned.insert((laid.index, place(members)), planned);
+        tail
+    }
+
+    fn view(&self, laid: &StructureLayout, member: &'a MemberLayout) -> View<'a> {
+        let Against { rules, language, .. } = *self.against;
+        View { member, rules, language, dim: 0, writer: laid.writer }
+    }
+
+    /// Compares a field with its member, and the structures in it.
+    fn field(
+        &mut self,
+        laid: &Rc<StructureLayout>,
+        index: usize,
+        member: &'a MemberLayout,
+        renamed: bool,
+        inner: &mut Vec<Difference>,
+    ) -> Step<'a> {
+        let field = &laid.fields[index];
+        let mut pairs = Vec::new();
+        let view = self.view(laid, member);
+        let mut misfit = fit(&field.ty, view, &mut pairs).err();
+        let mut becomes = None;
+        for (structure, member) in pairs {
+            let key = (structure.index, place(&member.members));
+            if !self.planned.contains_key(&key) {
+                let end = match member.strides.last() {
+                    Some(stride) => End::Exactly(*stride),
+                    None => End::Free,
+                };
+                self.structure(&structure, &member.members, end, inner);
+            }
+            let Some(planned) = self.planned.get(&key) else { continue };
+            becomes = resized(&field.ty, structure.index, planned);
+            if let Some(found) = misfit.as_mut().filter(|found| found.element.is_some()) {
+                // Its own findings say why its size is wrong.
+                match (planned.differs, &planned.tail) {
+                    (true, _) => misfit = None,
+                    (false, Some(tail)) => found.help = in_structure(&structure.name, tail),
+                    (false, None) => {}
+                }
+            }
+        }
+        if let Some(misfit) = &misfit {
+            becomes = misfit.becomes.or(becomes);
+        }
+        Step::matched(view, index, misfit, becomes, renamed)
+    }
+
+    /// Returns what encase refuses to write to a uniform buffer: WGSL §14.4.1 restricts arrays and
+    /// structures there.
+    fn refused(&self, laid: &StructureLayout, steps: &[Step<'a>]) -> Vec<Difference> {
+        if laid.writer != Writer::Encase || self.against.space != AddressSpace::Uniform {
+            return Vec::new();
+        }
+        let mut found = Vec::new();
+        for step in steps {
+            let Some(index) = step.field else { continue };
+            let field = &laid.fields[index];
+            let (name, structure) = (&field.name, &laid.name);
+            let mut refuse = |why: String, help: Option<String>| {
+                found.push(Difference {
+                    structure: laid.index,
+                    field: Some(index),
+                    member: Some(step.view.member.span),
+                    member_text: format!(
+                        "`{}`",
+                        step.view.member.ty.spelled(step.view.language)
+                    ),
+                    message: format!(
+                        "encase refuses `{name}` of `{structure}` in a uniform buffer: {why}"
+                    ),
+                    notes: Vec::new(),
+                    help,
+                });
+            };
+            if let Some(stride) = short_stride(&field.ty) {
+                let help = suggested(step.view).map(|fit| format!("make it `{}`", fit.text));
+                refuse(format!("its array stride is {stride} bytes, no multiple of 16"), help);
+            } else if field.ty.composite && !field.offset.is_multiple_of(16) {
+                refuse(format!("it is at byte {}, no multiple of 16", field.offset), None);
+            }
+        }
+        found
+    }
+}
+
+/// Returns the stride of an array in a type that is no multiple of 16.
+fn short_stride(ty: &RustType) -> Option<u64> {
+    match &ty.shape {
+        Shape::Array { element, .. } if ty.composite => match element.size.is_multiple_of(16) {
+            false => Some(element.size),
+            true => short_stride(element),
+        },
+        Shape::Array { .. } | Shape::Scalar { .. } | Shape::Struct(_) => None,
+    }
+}
+
+/// Returns the size and alignment of a type once a structure in it is mended.
+fn resized(ty: &RustType, index: usize, planned: &Planned) -> Option<(u64, u64)> {
+    match &ty.shape {
+        Shape::Scalar { .. } => None,
+        Shape::Struct(laid) if laid.index == index => Some((planned.size, planned.align)),
+        Shape::Struct(_) => None,
+        Shape::Array { element, len } => {
+            let (size, align) = resized(element, index, planned)?;
+            Some((size.checked_mul(*len)?, align))
+        }
+    }
+}
+
+/// `in `Point` make `_end` 4 bytes`, `` end `Point` with … ``.
+fn in_structure(name: &str, tail: &str) -> String {
+    match tail.strip_prefix("end it with ") {
+        Some(padding) => format!("end `{name}` with {padding}"),
+        None => format!("in `{name}` {tail}"),
+    }
+}
+
+/// What identifies the declaration of members.
+fn place(members: &[MemberLayout]) -> Span {
+    members.first().map_or(Span { file: 0, start: 0, end: 0 }, |first| first.span)
+}
+
+/// Returns the field of each member, and whether it stands there under another name.
+fn partners(
+    laid: &StructureLayout,
+    members: &[MemberLayout],
+    aliases: &[(String, String)],
+) -> (Vec<Option<usize>>, Vec<bool>) {
+    let mut matched = matching(laid, members, aliases);
     let mut free = vec![true; laid.fields.len()];
     matched.iter().flatten().for_each(|&index| free[index] = false);
     // A field at the byte of a missing member may be that member under another name.
@@ -72,56 +241,18 @@ fn of_structure<'a>(
             at_byte.entry(field.offset).or_insert(index);
         }
     }
-    let mut shift = Shift::default();
-    for (member, field) in members.iter().zip(&matched) {
-        let Some(index) = *field else {
-            if !says_padding(&member.name) && member.size.is_some() {
-                let there = at_byte.get(&member.offset.unwrap_or(0)).copied();
-                // Already reported with the member.
-                there.into_iter().for_each(|index| free[index] = false);
-                found.push(missing(laid, member, there));
-            }
+    let mut renamed = vec![false; members.len()];
+    for (at, member) in members.iter().enumerate().filter(|(_, member)| member.size.is_some()) {
+        if matched[at].is_some() || says_padding(&member.name) {
             continue;
-        };
-        let field = &laid.fields[index];
-        let offset = member.offset.unwrap_or(0);
-        shift.follow(laid, index, offset, member, members, &matched, found);
-        let view = View { member, rules: against.rules, language: against.language, dim: 0 };
-        if let Err(misfit) = fit(&field.ty, view, pairs) {
-            found.push(Difference {
-                structure: laid.index,
-                field: Some(index),
-                member: Some(member.span),
-                member_text: format!("`{}`", member.ty.spelled(against.language)),
-                message: format!("`{}` of `{}` {}", field.name, laid.name, misfit.text),
-                notes: Vec::new(),
-                help: misfit.help,
-            });
+        }
+        let there = at_byte.get(&member.offset.unwrap_or(0)).copied();
+        if let Some(index) = there.filter(|&index| free[index]) {
+            free[index] = false;
+            (matched[at], renamed[at]) = (Some(index), true);
         }
     }
-    let last = members.last();
-    for (index, field) in laid.fields.iter().enumerate() {
-        if free[index] && !says_padding(&field.name) && field.ty.size > 0 {
-            found.push(Difference {
-                structure: laid.index,
-                field: Some(index),
-                member: last.map(|member| member.span),
-                member_text: "the shader's last member".to_string(),
-                message: format!(
-                    "`{}` of `{}`, {} at {}, is not a member in the shader",
-                    field.name,
-                    laid.name,
-                    bytes(field.ty.size),
-                    field.offset,
-                ),
-                notes: Vec::new(),
-                help: format!(
-                    "remove it, or name it `_{}` if it is padding",
-                    field.name.trim_start_matches('_')
-                ),
-            });
-        }
-    }
+    (matched, renamed)
 }
 
 /// Returns the field of each member: by an alias, the same name, or one that differs only in case,
@@ -166,149 +297,4 @@ fn without_prefix(name: &str) -> &str {
 /// Returns whether the name marks padding.
 pub(super) fn says_padding(name: &str) -> bool {
     name.starts_with('_') || name.to_ascii_lowercase().starts_with("pad")
-}
-
-fn missing(laid: &StructureLayout, member: &MemberLayout, there: Option<usize>) -> Difference {
-    let offset = member.offset.unwrap_or(0);
-    let (message, help) = match there.map(|index| &laid.fields[index]) {
-        Some(field) => (
-            format!(
-                "`{}` has no field `{}`; at its byte {offset} is `{}`",
-                laid.name, member.name, field.name,
-            ),
-            format!("rename it to `{}`, or declare an alias for it", member.name),
-        ),
-        None => (
-            format!(
-                "`{}` has no field `{}`, which the shader reads at {offset}",
-                laid.name, member.name
-            ),
-            format!("add `{}` at byte {offset}", member.name),
-        ),
-    };
-    Difference {
-        structure: laid.index,
-        field: there,
-        member: Some(member.span),
-        member_text: format!("read at byte {offset}"),
-        message,
-        notes: Vec::new(),
-        help,
-    }
-}
-
-/// The current displacement of fields, and the finding that reports it.
-#[derive(Default)]
-struct Shift {
-    by: i128,
-    /// The index of the finding.
-    finding: Option<usize>,
-    followers: Vec<String>,
-}
-
-impl Shift {
-    #[allow(clippy::too_many_arguments, reason = "the state of one walk over two lists")]
-    fn follow(
-        &mut self,
-        laid: &StructureLayout,
-        index: usize,
-        offset: u64,
-        member: &MemberLayout,
-        members: &[MemberLayout],
-        matched: &[Option<usize>],
-        found: &mut Vec<Difference>,
-    ) {
-        let field = &laid.fields[index];
-        let by = i128::from(field.offset) - i128::from(offset);
-        if by == 0 || by != self.by {
-            self.finding = None;
-            self.followers.clear();
-        }
-        self.by = by;
-        if by == 0 {
-            return;
-        }
-        if let Some(finding) = self.finding.and_then(|at| found.get_mut(at)) {
-            self.followers.push(format!("`{}`", field.name));
-            let (are, land) = match self.followers.len() {
-                1 => ("is", "it"),
-                _ => ("are", "them"),
-            };
-            finding.notes = vec![format!(
-                "{} {are} shifted by the same {}: fixing this field fixes {land}",
-                first_few(&self.followers),
-                bytes(by.unsigned_abs() as u64),
-            )];
-            return;
-        }
-        self.finding = Some(found.len());
-        self.followers.clear();
-        found.push(Difference {
-            structure: laid.index,
-            field: Some(index),
-            member: Some(member.span),
-            member_text: format!("read at byte {offset}"),
-            message: format!(
-                "`{}` is at byte {} of `{}`, the shader reads it at {offset}",
-                field.name, field.offset, laid.name,
-            ),
-            notes: Vec::new(),
-            help: mend(laid, index, offset, members, matched),
-        });
-    }
-}
-
-/// Returns the smallest edit that moves a field to the byte where it is read.
-fn mend(
-    laid: &StructureLayout,
-    index: usize,
-    offset: u64,
-    members: &[MemberLayout],
-    matched: &[Option<usize>],
-) -> String {
-    let field = &laid.fields[index];
-    let Some(before) = index.checked_sub(1).map(|before| &laid.fields[before]) else {
-        return format!("put {} before `{}`", padding(0, offset), field.name);
-    };
-    let end = before.offset + before.ty.size;
-    if offset >= end && offset > field.offset {
-        return match says_padding(&before.name) {
-            true => format!("make `{}` {}", before.name, bytes(offset - before.offset)),
-            false => format!("put {} before `{}`", padding(end, offset - end), field.name),
-        };
-    }
-    // The field's offset is too large.
-    if says_padding(&before.name) {
-        return match offset.checked_sub(before.offset) {
-            Some(0) | None => format!("remove `{}`", before.name),
-            Some(left) => format!("make `{}` {}", before.name, bytes(left)),
-        };
-    }
-    let partner = members.iter().zip(matched).find(|(_, at)| **at == Some(index - 1));
-    let own = partner.and_then(|(member, _)| member.size);
-    if end > offset {
-        return match own {
-            Some(own) if own < before.ty.size => format!(
-                "make `{}` {}: `{}` follows directly in the shader",
-                before.name,
-                bytes(own),
-                field.name
-            ),
-            Some(_) | None => format!("declare `{}` in the shader's order", field.name),
-        };
-    }
-    aligned(field, offset)
-}
-
-/// Returns the help for a field that its type's alignment moves.
-fn aligned(field: &LaidField, offset: u64) -> String {
-    format!(
-        "use a type for `{}` that is not aligned to {}: {offset} is not a multiple of it",
-        field.name, field.ty.align,
-    )
-}
-
-/// `` `_pad_12: [u8; 4]` ``.
-pub(super) fn padding(at: u64, size: u64) -> String {
-    format!("`_pad_{at}: [u8; {size}]`")
 }

@@ -36,7 +36,12 @@ pub(super) struct Structure {
     from: usize,
     keyword: usize,
     pub repr: Repr,
+    /// The last names of the derived traits: `ShaderType`.
+    pub derives: Vec<String>,
+    /// Whether it has parameters other than lifetimes.
     pub generic: bool,
+    /// Whether its fields have no names.
+    pub tuple: bool,
     pub fields: Vec<Field>,
 }
 
@@ -59,6 +64,9 @@ pub(super) struct Field {
     pub written: String,
     /// Whether it depends on a `cfg`.
     pub conditional: bool,
+    /// `#[shader(align(16), size(32))]`, which encase reads.
+    pub align: Option<u64>,
+    pub size: Option<u64>,
 }
 
 /// `// landfall: mirror(…)`.
@@ -190,15 +198,19 @@ impl ItemReader<'_> {
             .map_err(|cause| self.refused(cause.span(), "invalid structure", &cause.to_string()))?;
         let syn::Data::Struct(data) = parsed.data else { return Ok(()) };
         let repr = repr(&parsed.attrs);
+        let tuple = matches!(data.fields, syn::Fields::Unnamed(_));
         let fields = data.fields.into_iter().enumerate().map(|(index, field)| {
             let span = field.ident.as_ref().map_or_else(|| field.ty.span(), |name| name.span());
             let range = field.ty.span().byte_range();
+            let (align, size) = shader_attributes(&field.attrs);
             Field {
                 name: field.ident.as_ref().map_or_else(|| index.to_string(), unraw),
                 place: self.place(span),
                 written: self.text.get(range).unwrap_or("").to_string(),
                 conditional: field.attrs.iter().any(|attr| attr.path().is_ident("cfg")),
                 ty: field.ty,
+                align,
+                size,
             }
         });
         let structure = Structure {
@@ -207,7 +219,10 @@ impl ItemReader<'_> {
             from,
             keyword: keyword.byte_range().start,
             repr,
-            generic: !parsed.generics.params.is_empty(),
+            derives: derives(&parsed.attrs),
+            generic: parsed.generics.type_params().next().is_some()
+                || parsed.generics.const_params().next().is_some(),
+            tuple,
             fields: fields.collect(),
         };
         self.declarations.structures.push(structure);
@@ -297,6 +312,53 @@ fn shader_and_block(text: &str) -> (String, String) {
         Some((shader, block)) => (shader.trim().to_string(), block.trim().to_string()),
         None => (String::new(), text.trim().to_string()),
     }
+}
+
+/// Returns the last names of the paths in `#[derive(…)]`.
+fn derives(attributes: &[syn::Attribute]) -> Vec<String> {
+    let mut found = Vec::new();
+    for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("derive")) {
+        // Syntax errors here are left to rustc.
+        let _ = attribute.parse_nested_meta(|meta| {
+            found.extend(meta.path.segments.last().map(|last| last.ident.to_string()));
+            Ok(())
+        });
+    }
+    found
+}
+
+/// Returns the numbers of `#[shader(align(16), size(32))]`, or of `#[align(16)]` and `#[size(32)]`,
+/// as encase before 0.4 has them.
+fn shader_attributes(attributes: &[syn::Attribute]) -> (Option<u64>, Option<u64>) {
+    let (mut align, mut size) = (None, None);
+    for attribute in attributes {
+        let written = |name: &str| match attribute.path().is_ident(name) {
+            true => attribute.parse_args::<syn::LitInt>().ok()?.base10_parse::<u64>().ok(),
+            false => None,
+        };
+        align = align.or_else(|| written("align"));
+        size = size.or_else(|| written("size"));
+        if attribute.path().is_ident("shader") {
+            let _ = attribute.parse_nested_meta(|meta| {
+                let inside;
+                syn::parenthesized!(inside in meta.input);
+                // `size(runtime)` is known by its type.
+                let Ok(number) = inside.parse::<syn::LitInt>() else {
+                    inside.parse::<syn::Ident>()?;
+                    return Ok(());
+                };
+                let number = number.base10_parse()?;
+                if meta.path.is_ident("align") {
+                    align = Some(number);
+                } else if meta.path.is_ident("size") {
+                    size = Some(number);
+                }
+                Ok(())
+            });
+        }
+    }
+    // encase takes powers of two.
+    (align.filter(|align| align.is_power_of_two()), size)
 }
 
 fn repr(attributes: &[syn::Attribute]) -> Repr {

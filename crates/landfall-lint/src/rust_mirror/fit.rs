@@ -5,7 +5,9 @@
 
 use std::rc::Rc;
 
+use super::library::Writer;
 use super::rust_type::{RustType, Shape, StructureLayout};
+use super::suggest::suggested;
 use crate::show;
 pub use landfall_layout::layout::measure::{element_size, fixed, matrix_vector};
 use landfall_layout::layout::{MemberLayout, occupied};
@@ -18,6 +20,10 @@ pub(super) struct FieldMismatch {
     pub text: String,
     /// The help.
     pub help: String,
+    /// The size and alignment of the field once the help is followed; `None` if unchanged.
+    pub becomes: Option<(u64, u64)>,
+    /// The structure of the elements, where its size is not the stride.
+    pub element: Option<Rc<StructureLayout>>,
 }
 
 /// A member, or its elements below some array dimension.
@@ -28,6 +34,8 @@ pub(super) struct View<'a> {
     pub language: Language,
     /// The first dimension included.
     pub dim: usize,
+    /// What places the field in the buffer.
+    pub writer: Writer,
 }
 
 /// Compares a field with a member; pairs of structures are added to `pairs`.
@@ -62,10 +70,15 @@ fn array<'a>(
     if inner.size == stride {
         if len.is_some_and(|len| len != count) {
             let len = len.unwrap_or(0);
-            return Err(FieldMismatch {
-                text: format!("has {count} elements, the shader's has {len}"),
-                help: format!("make it {len} elements long"),
-            });
+            let text = format!("has {count} elements, the shader's has {len}");
+            let (help, becomes) = match view.dim {
+                0 => {
+                    let size = stride.checked_mul(len);
+                    (format!("make it {len} elements long"), size.map(|size| (size, ty.align)))
+                }
+                _ => remade(view, || format!("make its inner arrays {len} elements long")),
+            };
+            return Err(FieldMismatch { text, help, becomes, element: None });
         }
         return fit(inner, View { dim: view.dim + 1, ..view }, pairs);
     }
@@ -87,34 +100,40 @@ fn array<'a>(
     if flat.is_some() && packed && whole == Some(ty.size) {
         return Ok(());
     }
-    let help = match (&inner.shape, len) {
-        (Shape::Struct(laid), _) if stride > inner.size => {
-            format!("end `{}` with {} bytes of padding", laid.name, stride - inner.size)
-        }
-        (_, len) => match (scalar_of(inner), len) {
-            (Some((name, width, _)), Some(len)) if stride.is_multiple_of(width) => {
-                format!("make it `[[{name}; {}]; {len}]`", stride / width)
-            }
-            (_, _) => format!("make each element {stride} bytes"),
-        },
-    };
-    Err(FieldMismatch {
-        text: format!(
-            "has elements {} bytes apart, the shader's `{spelled}`s are {stride} apart",
-            inner.size
-        ),
-        help,
-    })
+    let text = format!(
+        "has elements {} bytes apart, the shader's `{spelled}`s are {stride} apart",
+        inner.size
+    );
+    if let Shape::Struct(laid) = &inner.shape {
+        pairs.push((laid.clone(), view.member));
+        let becomes = stride.checked_mul(len.unwrap_or(count)).map(|size| (size, ty.align));
+        let help = format!("make `{}` {}", laid.name, show::bytes(stride));
+        return Err(FieldMismatch { text, help, becomes, element: Some(laid.clone()) });
+    }
+    let (help, becomes) = remade(view, || format!("make each element {stride} bytes"));
+    Err(FieldMismatch { text, help, becomes, element: None })
+}
+
+/// Returns the help that gives the whole field the type that fits, and its size and alignment then.
+fn remade(view: View<'_>, otherwise: impl Fn() -> String) -> (String, Option<(u64, u64)>) {
+    match suggested(View { dim: 0, ..view }) {
+        Some(fit) => (format!("make it `{}`", fit.text), Some((fit.size, fit.align))),
+        None => (otherwise(), None),
+    }
 }
 
 fn no_array(ty: &RustType, view: View<'_>) -> FieldMismatch {
+    let stride = || "make it an array with the stride of the shader's array".to_string();
+    let (help, becomes) = remade(view, stride);
     FieldMismatch {
         text: format!(
             "is {} bytes and not an array, the shader's is `{}`",
             ty.size,
             view.member.ty.spelled(view.language)
         ),
-        help: "make it an array with the stride of the shader's array".to_string(),
+        help,
+        becomes,
+        element: None,
     }
 }
 
@@ -137,6 +156,8 @@ fn element<'a>(
                 false => Err(FieldMismatch {
                     text: format!("is {} bytes, the shader's `{}` is {size}", ty.size, s.name),
                     help: "make it a structure with the same members".to_string(),
+                    becomes: Some((size, ty.align)),
+                    element: None,
                 }),
             }
         }
@@ -157,36 +178,27 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
     let width = u64::from(scalar.width);
     let end = offsets.last().map_or(0, |last| last + width);
     let columns = matrix_vector(view.member).zip(view.member.matrix_stride);
-    let wanted = || match columns {
-        Some((vector, stride)) => {
-            format!("make it `[[{}; {}]; {}]`", rust_name(scalar), stride / width, vector.count)
-        }
-        None if offsets.len() == 1 => format!("make it `{}`", rust_name(scalar)),
-        None => format!("make it `[{}; {}]`", rust_name(scalar), offsets.len()),
+    let misfit = |text: String| {
+        let (help, becomes) = remade(view, || format!("declare it as the shader's `{spelled}`"));
+        FieldMismatch { text, help, becomes, element: None }
     };
     if let Some((vector, stride)) = columns {
         let name = if view.member.row_major { "rows" } else { "columns" };
         if let Some(apart) = column_stride(ty, vector.count).filter(|apart| *apart != stride) {
-            return Err(FieldMismatch {
-                text: format!(
-                    "is {} bytes with {name} {apart} apart, the shader's `{spelled}` is {} with \
-                     {name} {stride} apart",
-                    ty.size,
-                    stride * vector.count,
-                ),
-                help: wanted(),
-            });
+            return Err(misfit(format!(
+                "is {} bytes with {name} {apart} apart, the shader's `{spelled}` is {} with {name} \
+                 {stride} apart",
+                ty.size,
+                stride * vector.count,
+            )));
         }
     }
     let mut found = Vec::new();
     flatten(ty, 0, &mut found);
     let bytes = found.iter().all(|(_, width, _)| *width == 1) && width > 1;
-    let too_small = || FieldMismatch {
-        text: format!("is {}, the shader's `{spelled}` is {end}", show::bytes(ty.size)),
-        help: wanted(),
-    };
     if ty.size < end {
-        return Err(too_small());
+        let size = show::bytes(ty.size);
+        return Err(misfit(format!("is {size}, the shader's `{spelled}` is {end}")));
     }
     // Flat bytes: their contents are unknown here.
     if bytes && found.len() > 1 {
@@ -194,33 +206,25 @@ fn leaf(ty: &RustType, view: View<'_>) -> Result<(), FieldMismatch> {
     }
     for offset in &offsets {
         let Some((_, own, kind)) = found.iter().find(|(at, ..)| at == offset) else {
-            return Err(FieldMismatch {
-                text: format!("has no component at byte {offset}, the shader's `{spelled}` has"),
-                help: wanted(),
-            });
+            let text = format!("has no component at byte {offset}, the shader's `{spelled}` has");
+            return Err(misfit(text));
         };
         if *own != width {
-            return Err(FieldMismatch {
-                text: format!(
-                    "has components of {}, the shader's `{spelled}` of {width}",
-                    show::bytes(*own)
-                ),
-                help: wanted(),
-            });
+            let own = show::bytes(*own);
+            let text = format!("has components of {own}, the shader's `{spelled}` of {width}");
+            return Err(misfit(text));
         }
         if kind.is_float() != scalar.kind.is_float() {
             let name = if kind.is_float() { "a float" } else { "an integer" };
-            return Err(FieldMismatch {
-                text: format!("is {name}, the shader reads its bits as `{spelled}`"),
-                help: wanted(),
-            });
+            let text = format!("is {name}, the shader reads its bits as `{spelled}`");
+            return Err(misfit(text));
         }
     }
     Ok(())
 }
 
 /// Returns a leaf's component type, and the byte offsets of its components.
-fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
+pub(super) fn components(member: &MemberLayout) -> (Scalar, Vec<u64>) {
     match *member.ty.innermost() {
         Type::Scalar(scalar) | Type::Atomic(scalar) => (scalar, vec![0]),
         Type::Vector { scalar, rows } => {
@@ -305,26 +309,4 @@ fn fits_component(scalar: &(&'static str, u64, ScalarKind), leaf: &Type) -> bool
     };
     let (_, width, kind) = *scalar;
     width == 1 || (width == u64::from(own.width) && kind.is_float() == own.kind.is_float())
-}
-
-/// Returns the Rust type of a component.
-fn rust_name(scalar: Scalar) -> &'static str {
-    match (scalar.kind, scalar.width) {
-        (ScalarKind::Float, 8) => "f64",
-        (ScalarKind::Float, 2) => "half::f16",
-        (ScalarKind::Float, _) => "f32",
-        (ScalarKind::Bfloat, _) => "half::bf16",
-        (ScalarKind::Sint, 1) => "i8",
-        (ScalarKind::Sint, 2) => "i16",
-        (ScalarKind::Sint, 8) => "i64",
-        (ScalarKind::Sint, _) => "i32",
-        (ScalarKind::Uint, 2) => "u16",
-        (ScalarKind::Uint, 8) => "u64",
-        (ScalarKind::Uint | ScalarKind::Bool, 4) => "u32",
-        // Rust has no such number type: its bits.
-        (_, 1) => "u8",
-        (_, 2) => "u16",
-        (_, 8) => "u64",
-        (_, _) => "u32",
-    }
 }

@@ -24,8 +24,8 @@ pub(super) fn named(path: &[String], globs: &[&str], arguments: &[Argument]) -> 
 
 fn of_crate(root: &str, name: &str, arguments: &[Argument]) -> Option<RustType> {
     match root {
-        "glam" | "bevy" | "bevy_math" | "macaw" | "spirv_std" => {
-            glam(name).filter(|_| arguments.is_empty())
+        "glam" | "bevy" | "bevy_math" | "bevy_color" | "macaw" | "spirv_std" => {
+            glam(name).or_else(|| bevy(root, name)).filter(|_| arguments.is_empty())
         }
         "cgmath" | "nalgebra" | "na" | "mint" => generic(name, arguments),
         "nalgebra_glm" | "glm" | "ultraviolet" => unaligned(name).filter(|_| arguments.is_empty()),
@@ -85,6 +85,14 @@ fn glam(name: &str) -> Option<RustType> {
         "Affine3A" => RustType::array(floats(3)?.aligned(16), 4),
         "Mat4" => RustType::array(floats(4)?.aligned(16), 4),
         _ => unaligned(name),
+    }
+}
+
+/// bevy_color's colours are `repr(C)` with four components.
+fn bevy(root: &str, name: &str) -> Option<RustType> {
+    match name {
+        "LinearRgba" | "Srgba" if matches!(root, "bevy" | "bevy_color") => floats(4),
+        _ => None,
     }
 }
 

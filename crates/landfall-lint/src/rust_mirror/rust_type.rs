@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::library::Writer;
 use landfall_layout::shape::ScalarKind;
 
 /// A type with its layout.
@@ -10,6 +11,8 @@ pub(super) struct RustType {
     pub size: u64,
     pub align: u64,
     pub shape: Shape,
+    /// Whether it is an array or a structure in the text, not a vector or matrix.
+    pub composite: bool,
 }
 
 #[derive(Clone)]
@@ -32,12 +35,19 @@ pub(super) struct StructureLayout {
     pub fields: Vec<LaidField>,
     /// The index in `Declarations::structures`.
     pub index: usize,
+    /// The least alignment of the whole: `repr(align(16))`, or that of a library's structures.
+    pub least_align: u64,
+    pub writer: Writer,
 }
 
 /// A field with its layout.
 pub(super) struct LaidField {
     pub name: String,
     pub offset: u64,
+    /// The alignment in this structure: of the type, unless an attribute says otherwise.
+    pub align: u64,
+    /// The bytes that it takes: of the type, or those of `#[shader(size(N))]`.
+    pub size: u64,
     pub ty: RustType,
 }
 
@@ -47,7 +57,12 @@ pub(super) struct Unknown(pub String);
 
 impl RustType {
     pub(super) fn scalar(kind: ScalarKind, name: &'static str, width: u64) -> RustType {
-        RustType { size: width, align: width, shape: Shape::Scalar { kind, name } }
+        RustType {
+            size: width,
+            align: width,
+            shape: Shape::Scalar { kind, name },
+            composite: false,
+        }
     }
 
     pub(super) fn array(element: RustType, len: u64) -> Option<RustType> {
@@ -55,6 +70,7 @@ impl RustType {
             size: element.size.checked_mul(len)?,
             align: element.align,
             shape: Shape::Array { element: Rc::new(element), len },
+            composite: false,
         })
     }
 

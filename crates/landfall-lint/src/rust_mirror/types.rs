@@ -1,4 +1,4 @@
-//! Lays out Rust types by rustc's rules: primitives, arrays, `repr(C)` structures of the same file,
+//! Lays out Rust types by rustc's rules, or by those of a library that writes them: primitives, arrays, `repr(C)` structures of the same file,
 //! and the math types of [`known`](super::known).
 //!
 //! Other types are errors that name the type.
@@ -10,6 +10,7 @@ use syn::{Expr, Lit};
 
 use super::file::{Declarations, Structure};
 use super::known;
+use super::library::{self, Wrapped, Writer};
 use super::rust_type::{Argument, LaidField, RustType, Shape, StructureLayout, Unknown};
 use super::syntax;
 
@@ -22,12 +23,14 @@ const MOST_STEPS: u32 = 100_000;
 /// Lays out the types of one file.
 pub(super) struct Types<'d> {
     declarations: &'d Declarations,
+    /// Who places the fields in the buffer.
+    writer: Writer,
     steps: Cell<u32>,
 }
 
 impl<'d> Types<'d> {
-    pub fn new(declarations: &'d Declarations) -> Types<'d> {
-        Types { declarations, steps: Cell::new(0) }
+    pub fn new(declarations: &'d Declarations, writer: Writer) -> Types<'d> {
+        Types { declarations, writer, steps: Cell::new(0) }
     }
 
     /// Returns the layout of a structure of the file; one without `repr` is laid out as `repr(C)`.
@@ -50,7 +53,11 @@ impl<'d> Types<'d> {
         if structure.generic {
             return Err(Unknown(format!("`{}` is generic", structure.name)));
         }
-        let (mut end, mut align) = (0u64, structure.repr.align.unwrap_or(1));
+        if let Some(cause) = self.writer.refuses(structure) {
+            return Err(Unknown(cause));
+        }
+        let least_align = self.writer.least_align(structure);
+        let (mut end, mut align) = (0u64, least_align);
         let mut fields = Vec::with_capacity(structure.fields.len());
         for field in &structure.fields {
             if field.conditional {
@@ -62,15 +69,17 @@ impl<'d> Types<'d> {
                     false => Unknown(format!("field `{}`: {cause}", field.name)),
                 }
             })?;
-            let own = ty.align.min(structure.repr.packed.unwrap_or(u64::MAX)).max(1);
+            let own = self.writer.field_align(structure, field, &ty);
+            let size = self.writer.field_size(field, &ty);
             let offset = end.checked_next_multiple_of(own).ok_or_else(|| too_large(structure))?;
-            end = offset.checked_add(ty.size).ok_or_else(|| too_large(structure))?;
+            end = offset.checked_add(size).ok_or_else(|| too_large(structure))?;
             align = align.max(own);
-            fields.push(LaidField { name: field.name.clone(), offset, ty });
+            fields.push(LaidField { name: field.name.clone(), offset, align: own, size, ty });
         }
         let size = end.checked_next_multiple_of(align).ok_or_else(|| too_large(structure))?;
-        let laid = StructureLayout { name: structure.name.clone(), fields, index };
-        Ok(RustType { size, align, shape: Shape::Struct(Rc::new(laid)) })
+        let name = structure.name.clone();
+        let laid = StructureLayout { name, fields, index, least_align, writer: self.writer };
+        Ok(RustType { size, align, shape: Shape::Struct(Rc::new(laid)), composite: true })
     }
 
     fn of(&self, ty: &syn::Type, depth: u32) -> Result<RustType, Unknown> {
@@ -79,8 +88,14 @@ impl<'d> Types<'d> {
             syn::Type::Array(array) => {
                 let element = self.of(&array.elem, depth + 1)?;
                 let len = self.value(&array.len, depth + 1)?;
-                RustType::array(element, len)
-                    .ok_or_else(|| Unknown("its type is too large".to_string()))
+                self.writer.array(element, len)
+            }
+            // A runtime-sized array of encase, of at least one element.
+            syn::Type::Slice(slice) if self.writer == Writer::Encase => {
+                self.writer.array(self.of(&slice.elem, depth + 1)?, 1)
+            }
+            syn::Type::Reference(inner) if self.writer == Writer::Encase => {
+                self.of(&inner.elem, depth + 1)
             }
             syn::Type::Paren(inner) => self.of(&inner.elem, depth + 1),
             syn::Type::Group(inner) => self.of(&inner.elem, depth + 1),
@@ -111,8 +126,17 @@ impl<'d> Types<'d> {
         }
         let arguments = self.arguments(&last.arguments, depth)?;
         let full = self.resolved(&segments);
-        known::named(&full, &self.globs(), &arguments)
-            .ok_or_else(|| Unknown(format!("the layout of `{}` is not known", full.join("::"))))
+        if self.writer == Writer::Encase {
+            if let Some(wrapped) = library::wrapped(&full, &arguments) {
+                return match wrapped {
+                    Wrapped::Same(ty) => Ok(ty),
+                    Wrapped::Elements(ty) => self.writer.array(ty, 1),
+                };
+            }
+        }
+        let ty = known::named(&full, &self.globs(), &arguments)
+            .ok_or_else(|| Unknown(format!("the layout of `{}` is not known", full.join("::"))))?;
+        self.writer.known(&full, ty)
     }
 
     /// `<f32>`, `<f32, 3>`.
@@ -124,6 +148,7 @@ impl<'d> Types<'d> {
         let syn::PathArguments::AngleBracketed(list) = arguments else { return Ok(Vec::new()) };
         list.args
             .iter()
+            .filter(|argument| !matches!(argument, syn::GenericArgument::Lifetime(_)))
             .map(|argument| match argument {
                 // A constant by name looks like a type.
                 syn::GenericArgument::Type(ty) => match self.of(ty, depth + 1) {

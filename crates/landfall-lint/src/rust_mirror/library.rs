@@ -1,0 +1,214 @@
+//! Who places a structure's fields in a buffer: its bytes in memory are copied, or a library writes
+//! them by rules of its own.
+//!
+//! encase (0.13, `#[derive(ShaderType)]`, also Bevy's) places fields by WGSL §14.4. crevice (0.20,
+//! `#[derive(AsStd140, AsStd430)]`) places them by std140 or std430 and has no arrays. Used by
+//! [`types`](super::types).
+
+use super::file::{Field, Structure};
+use super::rust_type::{Argument, RustType, Shape, Unknown};
+use landfall_layout::layout::BlockLayout;
+use landfall_layout::shape::{AddressSpace, Rules, ScalarKind};
+
+/// What places the fields of a structure in a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Writer {
+    /// rustc, where the bytes in memory are copied.
+    Memory,
+    Encase,
+    /// crevice's `AsStd140` and `AsStd430`.
+    Std140,
+    Std430,
+}
+
+impl Writer {
+    /// Returns what writes a structure to a block, by the traits that it derives.
+    pub fn of(structure: &Structure, block: &BlockLayout) -> Writer {
+        let derives = |name: &str| structure.derives.iter().any(|derived| derived == name);
+        if derives("ShaderType") {
+            return Writer::Encase;
+        }
+        let packed = match block.rules {
+            Rules::Std140 => false,
+            Rules::Std430 | Rules::Scalar => true,
+            Rules::Wgsl => block.space != AddressSpace::Uniform,
+        };
+        match (derives("AsStd140"), derives("AsStd430")) {
+            (true, true) if packed => Writer::Std430,
+            (true, _) => Writer::Std140,
+            (false, true) => Writer::Std430,
+            (false, false) => Writer::Memory,
+        }
+    }
+
+    /// The library's name in a message; `None` for bytes in memory.
+    pub fn library(self) -> Option<&'static str> {
+        match self {
+            Writer::Memory => None,
+            Writer::Encase => Some("encase"),
+            Writer::Std140 => Some("crevice's `AsStd140`"),
+            Writer::Std430 => Some("crevice's `AsStd430`"),
+        }
+    }
+
+    /// The trait that every structure inside has to derive.
+    fn derived(self) -> Option<&'static str> {
+        match self {
+            Writer::Memory => None,
+            Writer::Encase => Some("ShaderType"),
+            Writer::Std140 => Some("AsStd140"),
+            Writer::Std430 => Some("AsStd430"),
+        }
+    }
+
+    /// Returns why the library does not compile for a structure.
+    pub fn refuses(self, structure: &Structure) -> Option<String> {
+        let (library, derived) = (self.library()?, self.derived()?);
+        let name = &structure.name;
+        if !structure.derives.iter().any(|one| one == derived) {
+            return Some(format!("`{name}` does not derive `{derived}`"));
+        }
+        if structure.tuple || structure.fields.is_empty() {
+            return Some(format!("{library} takes structures with named fields only"));
+        }
+        None
+    }
+
+    /// The least alignment of a structure: GLSL §7.6.2.2 rule 9 in std140.
+    pub fn least_align(self, structure: &Structure) -> u64 {
+        match self {
+            Writer::Memory => structure.repr.align.unwrap_or(1),
+            Writer::Encase | Writer::Std430 => 1,
+            Writer::Std140 => 16,
+        }
+    }
+
+    pub fn field_align(self, structure: &Structure, field: &Field, ty: &RustType) -> u64 {
+        match self {
+            Writer::Memory => ty.align.min(structure.repr.packed.unwrap_or(u64::MAX)).max(1),
+            Writer::Encase => field.align.unwrap_or(ty.align),
+            Writer::Std140 | Writer::Std430 => ty.align,
+        }
+    }
+
+    pub fn field_size(self, field: &Field, ty: &RustType) -> u64 {
+        match self {
+            Writer::Encase => field.size.map_or(ty.size, |size| size.max(ty.size)),
+            Writer::Memory | Writer::Std140 | Writer::Std430 => ty.size,
+        }
+    }
+
+    /// Returns a field that pads: `` `_pad_12: [u8; 4]` ``.
+    pub fn padding(self, at: u64, size: u64) -> String {
+        match self {
+            Writer::Memory => format!("`_pad_{at}: [u8; {size}]`"),
+            Writer::Encase => format!("`#[shader(size({size}))] _pad_{at}: f32`"),
+            // crevice has neither bytes nor arrays.
+            Writer::Std140 | Writer::Std430 => {
+                let words = (0..size / 4).map(|word| format!("`_pad_{}: f32`", at + word * 4));
+                words.collect::<Vec<_>>().join(", ")
+            }
+        }
+    }
+
+    /// An array of the text.
+    pub fn array(self, element: RustType, len: u64) -> Result<RustType, Unknown> {
+        let too_large = || Unknown("its type is too large".to_string());
+        let element = match self {
+            Writer::Memory => element,
+            Writer::Encase if len == 0 => {
+                return Err(Unknown("encase has no arrays without elements".to_string()));
+            }
+            // WGSL §14.4.1: the stride is the element's size rounded up to its alignment.
+            Writer::Encase => {
+                let size = element.size.checked_next_multiple_of(element.align);
+                RustType { size: size.ok_or_else(too_large)?, ..element }
+            }
+            Writer::Std140 | Writer::Std430 => {
+                return Err(Unknown("crevice has no arrays".to_string()));
+            }
+        };
+        let array = RustType::array(element, len).ok_or_else(too_large)?;
+        Ok(RustType { composite: true, ..array })
+    }
+
+    /// Returns a scalar, vector or matrix type of a math crate as the library places it.
+    pub fn known(self, path: &[String], ty: RustType) -> Result<RustType, Unknown> {
+        let Some(library) = self.library() else { return Ok(ty) };
+        let refused = || Unknown(format!("{library} does not write `{}`", path.join("::")));
+        let name = path.last().map_or("", String::as_str);
+        // Quaternions and the types that glam aligns to 16 have no counterpart in shaders.
+        if name.contains("Quat") || name.ends_with("3A") || name.starts_with("Affine") {
+            return Err(refused());
+        }
+        if name == "Srgba" {
+            return Err(refused());
+        }
+        self.placed(ty).ok_or_else(refused)
+    }
+
+    fn placed(self, ty: RustType) -> Option<RustType> {
+        let Shape::Array { element, len } = &ty.shape else { return self.scalar(ty) };
+        let vector = |element: &RustType, len: u64| {
+            let scalar = self.scalar(element.clone())?;
+            let size = scalar.size * len;
+            // GLSL §7.6.2.2 rules 2 and 3, WGSL §14.4.1: three components are aligned as four.
+            let align = size.checked_next_power_of_two()?;
+            let array = RustType::array(scalar, len).filter(|_| (2..=4).contains(&len))?;
+            Some(RustType { align, ..array })
+        };
+        match &element.shape {
+            Shape::Scalar { .. } => vector(element, *len),
+            Shape::Array { element: component, len: rows } => {
+                let column = vector(component, *rows)?;
+                // GLSL §7.6.2.2 rule 5: a matrix is an array of its columns.
+                let align = match self {
+                    Writer::Std140 => column.align.max(16),
+                    Writer::Memory | Writer::Encase | Writer::Std430 => column.align,
+                };
+                let column = RustType { align, ..column }.aligned(align);
+                RustType::array(column, *len).filter(|_| (2..=4).contains(len))
+            }
+            Shape::Struct(_) => None,
+        }
+    }
+
+    fn scalar(self, ty: RustType) -> Option<RustType> {
+        let Shape::Scalar { kind, .. } = ty.shape else { return None };
+        match (self, kind, ty.size) {
+            (_, ScalarKind::Float | ScalarKind::Sint | ScalarKind::Uint, 4) => Some(ty),
+            (Writer::Std140 | Writer::Std430, ScalarKind::Float, 8) => Some(ty),
+            // crevice writes `bool` as 32 bits.
+            (Writer::Std140 | Writer::Std430, ScalarKind::Bool, 1) => {
+                Some(RustType::scalar(kind, "bool", 4))
+            }
+            (_, _, _) => None,
+        }
+    }
+}
+
+/// A type that encase writes as what it holds.
+pub(super) enum Wrapped {
+    Same(RustType),
+    /// A runtime-sized array of that type.
+    Elements(RustType),
+}
+
+/// Returns what encase writes for a pointer or collection; `None` for other types.
+pub(super) fn wrapped(path: &[String], arguments: &[Argument]) -> Option<Wrapped> {
+    let name = path.last()?.as_str();
+    match (name, arguments) {
+        ("ArrayLength", []) => {
+            Some(Wrapped::Same(RustType::scalar(ScalarKind::Uint, "u32", 4)))
+        }
+        ("Vec" | "VecDeque" | "LinkedList", [Argument::Type(ty)]) => {
+            Some(Wrapped::Elements(ty.clone()))
+        }
+        ("Box" | "Rc" | "Arc" | "Cow", [Argument::Type(ty)]) => Some(Wrapped::Same(ty.clone())),
+        // `Option<NonZeroU32>`: `None` is written as 0.
+        ("Option", [Argument::Type(ty)]) if ty.size == 4 && !ty.composite => {
+            Some(Wrapped::Same(ty.clone()))
+        }
+        (_, _) => None,
+    }
+}

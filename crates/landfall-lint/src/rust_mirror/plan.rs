@@ -1,0 +1,446 @@
+//! Words the differences of one structure, with helps that add up.
+//!
+//! [`Walk`] follows the fields in order and keeps the bytes that they take once the helps so far are
+//! followed. A help is what is still missing then, so that following all of them puts every field
+//! where the shader reads it. Fed by [`compare`](super::compare).
+
+use super::compare::{Difference, says_padding};
+use super::fit::{FieldMismatch, View};
+use super::reach::{Before, Padding, Reach};
+use super::rust_type::StructureLayout;
+use super::suggest::{Suggestion, suggested};
+use crate::show::bytes;
+use crate::walk::first_few;
+use landfall_layout::layout::measure::reach;
+
+/// The size that a structure needs, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// That of an element of an array.
+    Exactly(u64),
+    /// That of a block; a longer one is read in part.
+    AtLeast(u64),
+    Free,
+}
+
+/// A member, and the field that mirrors it.
+pub(super) struct Step<'a> {
+    pub view: View<'a>,
+    /// `None` if the structure lacks it.
+    pub field: Option<usize>,
+    misfit: Option<FieldMismatch>,
+    /// The field's size and alignment once its type is mended.
+    becomes: Option<(u64, u64)>,
+    /// Whether the field has another name.
+    renamed: bool,
+}
+
+impl<'a> Step<'a> {
+    pub fn missing(view: View<'a>) -> Step<'a> {
+        Step { view, field: None, misfit: None, becomes: None, renamed: false }
+    }
+
+    pub fn matched(
+        view: View<'a>,
+        field: usize,
+        misfit: Option<FieldMismatch>,
+        becomes: Option<(u64, u64)>,
+        renamed: bool,
+    ) -> Step<'a> {
+        Step { view, field: Some(field), misfit, becomes, renamed }
+    }
+
+    fn offset(&self) -> u64 {
+        self.view.member.offset.unwrap_or(0)
+    }
+
+    /// The size and alignment once the help about its type is followed.
+    fn mended(&self, laid: &StructureLayout) -> (u64, u64) {
+        let own = self.field.map(|index| (laid.fields[index].size, laid.fields[index].align));
+        self.becomes.or(own).unwrap_or((reach(self.view.member), 1))
+    }
+}
+
+/// The differences of one structure.
+pub(super) struct Plan {
+    pub differences: Vec<Difference>,
+    /// Its size and alignment once they are mended.
+    pub size: u64,
+    pub align: u64,
+    /// How its size is mended, where nothing else differs.
+    pub tail: Option<String>,
+}
+
+/// Returns the differences of a structure from the members of those steps.
+pub(super) fn plan(laid: &StructureLayout, steps: &[Step<'_>], end: End) -> Plan {
+    let fields = steps.iter().filter_map(|step| step.field);
+    let in_order = fields.clone().zip(fields.skip(1)).all(|(before, after)| before < after);
+    let mut walk = Walk {
+        laid,
+        found: Vec::new(),
+        cause: None,
+        followers: Vec::new(),
+        by: 0,
+        reach: Reach::new(laid.writer),
+        align: laid.least_align,
+    };
+    match in_order {
+        true => walk.in_order(steps),
+        false => walk.out_of_order(steps, end),
+    }
+    walk.finish(end, in_order)
+}
+
+struct Walk<'l> {
+    laid: &'l StructureLayout,
+    found: Vec<Difference>,
+    /// The last finding whose help moves what is behind it.
+    cause: Option<usize>,
+    /// The fields that are right once the cause is mended, and how far they are off.
+    followers: Vec<String>,
+    by: i128,
+    reach: Reach,
+    /// The largest alignment.
+    align: u64,
+}
+
+impl Walk<'_> {
+    fn in_order(&mut self, steps: &[Step<'_>]) {
+        let mut next = 0;
+        for step in steps {
+            match step.field {
+                Some(index) => {
+                    (next..index).for_each(|index| self.between(index, steps));
+                    next = index + 1;
+                    self.place(step, index);
+                }
+                None => self.insert(step),
+            }
+        }
+        (next..self.laid.fields.len()).for_each(|index| self.between(index, steps));
+    }
+
+    /// A field that mirrors no member.
+    fn between(&mut self, index: usize, steps: &[Step<'_>]) {
+        let field = &self.laid.fields[index];
+        let offset = self.reach.cursor().next_multiple_of(field.align);
+        self.align = self.align.max(field.align);
+        let mut finding = None;
+        if !says_padding(&field.name) && field.ty.size > 0 {
+            finding = Some(self.found.len());
+            self.found.push(Difference {
+                structure: self.laid.index,
+                field: Some(index),
+                member: steps.last().map(|step| step.view.member.span),
+                member_text: "the shader's last member".to_string(),
+                message: format!(
+                    "`{}` of `{}`, {} at {}, is not a member in the shader",
+                    field.name,
+                    self.laid.name,
+                    bytes(field.ty.size),
+                    field.offset,
+                ),
+                notes: Vec::new(),
+                help: Some(format!(
+                    "remove it, or name it `_{}` if it is padding",
+                    field.name.trim_start_matches('_')
+                )),
+            });
+        }
+        let padding = Padding { name: field.name.clone(), offset, size: field.size, finding };
+        self.reach.pads.push(padding);
+    }
+
+    fn place(&mut self, step: &Step<'_>, index: usize) {
+        let field = &self.laid.fields[index];
+        let wanted = step.offset();
+        let (size, mut align) = step.mended(self.laid);
+        let mut parts = Vec::new();
+        if !wanted.is_multiple_of(align) {
+            parts.push(aligned(step, &field.name, align));
+            align = 1;
+        }
+        let removed = self.reach.to(wanted, align, &field.name, &mut parts);
+        for finding in removed {
+            self.found[finding].help = Some("remove it".to_string());
+            self.follow_behind(Some(finding));
+        }
+        let edit = (!parts.is_empty()).then(|| parts.join(" and "));
+        let wrong = field.offset != wanted && !step.renamed;
+        match (wrong, edit) {
+            (true, None) if self.cause.is_some() => self.follow(&field.name, field.offset, wanted),
+            (true, edit) => {
+                self.follow_behind(Some(self.found.len()));
+                self.by = i128::from(field.offset) - i128::from(wanted);
+                self.found.push(misplaced(self.laid, step, index, edit));
+            }
+            // It is where it belongs, and would not stay there.
+            (false, Some(edit)) => self.also(&edit),
+            (false, None) => {}
+        }
+        self.reach.end = wanted.saturating_add(size);
+        self.reach.before = Some(Before { name: field.name.clone(), offset: wanted, size: None });
+        // A field that is larger than its member can be made smaller.
+        if let Some(fit) = suggested(step.view).filter(|fit| fit.size < size) {
+            self.reach.before.as_mut().expect("it was just set").size = Some((fit.text, fit.size));
+        }
+        self.align = self.align.max(align);
+        self.misfit(step, index);
+    }
+
+    /// Reports a field's name and type.
+    fn misfit(&mut self, step: &Step<'_>, index: usize) {
+        if let Some(difference) = misnamed(self.laid, step, index).or_else(|| {
+            let misfit = step.misfit.as_ref()?;
+            Some(Difference {
+                structure: self.laid.index,
+                field: Some(index),
+                member: Some(step.view.member.span),
+                member_text: format!("`{}`", step.view.member.ty.spelled(step.view.language)),
+                message: format!(
+                    "`{}` of `{}` {}",
+                    self.laid.fields[index].name, self.laid.name, misfit.text
+                ),
+                notes: Vec::new(),
+                help: Some(misfit.help.clone()),
+            })
+        }) {
+            let moves = step.becomes.is_some_and(|(size, _)| size != self.laid.fields[index].size);
+            if moves || self.cause.is_none() {
+                self.follow_behind(Some(self.found.len()));
+            }
+            self.found.push(difference);
+        }
+    }
+
+    /// A member that has no field.
+    fn insert(&mut self, step: &Step<'_>) {
+        let member = step.view.member;
+        let wanted = step.offset();
+        let fit = suggested(step.view);
+        let (size, align) =
+            fit.as_ref().map_or((reach(member), 1), |fit| (fit.size, fit.align));
+        let mut parts = Vec::new();
+        let after = |reach: &Reach| {
+            let last = reach.pads.last().map(|pad| &pad.name);
+            match last.or(reach.before.as_ref().map(|before| &before.name)) {
+                Some(name) => format!("after `{name}`"),
+                None => "first".to_string(),
+            }
+        };
+        let at = after(&self.reach);
+        let removed = self.reach.to(wanted, align, &member.name, &mut parts);
+        for finding in removed {
+            self.found[finding].help = Some("remove it".to_string());
+        }
+        parts.push(added(&member.name, fit, size, &at));
+        self.follow_behind(Some(self.found.len()));
+        self.by = 0;
+        self.found.push(Difference {
+            structure: self.laid.index,
+            field: None,
+            member: Some(member.span),
+            member_text: format!("read at byte {wanted}"),
+            message: format!(
+                "`{}` has no field `{}`, which the shader reads at {wanted}",
+                self.laid.name, member.name
+            ),
+            notes: Vec::new(),
+            help: Some(parts.join(" and ")),
+        });
+        self.reach.end = wanted.saturating_add(size);
+        let name = member.name.to_string();
+        self.reach.before = Some(Before { name, offset: wanted, size: None });
+        self.align = self.align.max(align);
+    }
+
+    /// Makes that finding the cause of what is shifted behind it.
+    fn follow_behind(&mut self, finding: Option<usize>) {
+        self.cause = finding;
+        self.followers.clear();
+        self.by = 0;
+    }
+
+    /// Notes that a field is right once the cause is mended.
+    fn follow(&mut self, name: &str, offset: u64, wanted: u64) {
+        let Some(finding) = self.cause.and_then(|cause| self.found.get_mut(cause)) else { return };
+        let by = i128::from(offset) - i128::from(wanted);
+        self.followers.push(format!("`{name}`"));
+        let names = first_few(&self.followers);
+        let (are, land, shift) = match self.followers.len() {
+            1 => ("is", "it", "is shifted with it"),
+            _ => ("are", "them", "are shifted with it"),
+        };
+        let note = match by == self.by {
+            true => format!(
+                "{names} {are} shifted by the same {}: fixing this field fixes {land}",
+                bytes(by.unsigned_abs() as u64),
+            ),
+            false => format!("{names} {shift}: fixing this field fixes {land}"),
+        };
+        finding.notes = vec![note];
+    }
+
+    /// Adds an edit to the help that makes it necessary.
+    fn also(&mut self, edit: &str) {
+        let Some(finding) = self.cause.and_then(|cause| self.found.get_mut(cause)) else { return };
+        match &mut finding.help {
+            Some(help) => help.push_str(&format!(", and {edit}")),
+            None => finding.help = Some(edit.to_string()),
+        }
+    }
+
+    /// The fields stand in another order than the members: one help gives the order.
+    fn out_of_order(&mut self, steps: &[Step<'_>], end: End) {
+        let mut shift = None;
+        for step in steps {
+            let Some(index) = step.field else {
+                self.insert(step);
+                continue;
+            };
+            let field = &self.laid.fields[index];
+            let by = i128::from(field.offset) - i128::from(step.offset());
+            if by != 0 && !step.renamed {
+                match shift == Some(by) {
+                    true => self.follow(&field.name, field.offset, step.offset()),
+                    false => {
+                        self.follow_behind(Some(self.found.len()));
+                        self.by = by;
+                        self.found.push(misplaced(self.laid, step, index, None));
+                    }
+                }
+            }
+            shift = Some(by);
+            self.misfit(step, index);
+        }
+        // One help places all; what is said of types stays.
+        let order = self.order(steps, end);
+        for finding in self.found.iter_mut().filter(|found| found.field.is_none()) {
+            finding.help = None;
+        }
+        if let Some(first) = self.found.iter_mut().find(|found| found.help.is_none()) {
+            first.help = Some(order);
+        }
+    }
+
+    /// The fields in the shader's order, with the padding between them.
+    fn order(&mut self, steps: &[Step<'_>], end: End) -> String {
+        let mut reach = Reach::new(self.laid.writer);
+        let mut names = Vec::new();
+        let mut most = self.laid.least_align;
+        for step in steps {
+            let (mut size, mut align) = step.mended(self.laid);
+            let mut name = match step.field {
+                Some(index) => self.laid.fields[index].name.clone(),
+                None => step.view.member.name.to_string(),
+            };
+            if let (None, Some(fit)) = (step.field, suggested(step.view)) {
+                name = format!("{name}: {}", fit.text);
+                (size, align) = (fit.size, fit.align);
+            }
+            let gap = reach.gap(step.offset(), align);
+            names.extend(gap.map(|(at, gap)| self.laid.writer.padding(at, gap)));
+            names.push(format!("`{name}`"));
+            reach.end = step.offset().saturating_add(size);
+            most = most.max(align);
+        }
+        self.reach = reach;
+        self.align = most;
+        let edit = self.reach.tail(end, self.align);
+        names.extend(edit.as_deref().and_then(|edit| edit.strip_prefix("end it with ")).map(str::to_string));
+        match names.len() <= MOST_NAMES {
+            true => {
+                format!("declare its fields in the order {}, without other padding", names.join(", "))
+            }
+            false => "declare its fields in the shader's order".to_string(),
+        }
+    }
+
+    fn finish(mut self, end: End, in_order: bool) -> Plan {
+        let tail = self.reach.tail(end, self.align);
+        let mut own = None;
+        match (&tail, self.found.is_empty()) {
+            (Some(_), true) => own = tail,
+            (Some(edit), false) if in_order => {
+                let last = self.found.len() - 1;
+                self.cause = Some(self.cause.unwrap_or(last));
+                let edit = edit.replace("end it with", "end the structure with");
+                self.also(&edit);
+            }
+            (Some(_) | None, _) => {}
+        }
+        let end = self.reach.cursor();
+        let size = end.checked_next_multiple_of(self.align).unwrap_or(end);
+        Plan { differences: self.found, size, align: self.align, tail: own }
+    }
+}
+
+/// The most names that a help lists.
+const MOST_NAMES: usize = 24;
+
+fn misplaced(
+    laid: &StructureLayout,
+    step: &Step<'_>,
+    index: usize,
+    help: Option<String>,
+) -> Difference {
+    let field = &laid.fields[index];
+    let wanted = step.offset();
+    Difference {
+        structure: laid.index,
+        field: Some(index),
+        member: Some(step.view.member.span),
+        member_text: format!("read at byte {wanted}"),
+        message: format!(
+            "`{}` is at byte {} of `{}`, the shader reads it at {wanted}",
+            field.name, field.offset, laid.name,
+        ),
+        notes: Vec::new(),
+        help,
+    }
+}
+
+/// The finding of a field that stands at a member's byte under another name.
+fn misnamed(laid: &StructureLayout, step: &Step<'_>, index: usize) -> Option<Difference> {
+    let (field, member) = (&laid.fields[index], step.view.member);
+    if !step.renamed {
+        return None;
+    }
+    let offset = step.offset();
+    let help = match (&step.misfit, suggested(step.view)) {
+        (None, _) => format!("rename it to `{}`, or declare an alias for it", member.name),
+        (Some(_), Some(fit)) => format!("make it `{}: {}`", member.name, fit.text),
+        (Some(misfit), None) => format!("rename it to `{}` and {}", member.name, misfit.help),
+    };
+    Some(Difference {
+        structure: laid.index,
+        field: Some(index),
+        member: Some(member.span),
+        member_text: format!("read at byte {offset}"),
+        message: format!(
+            "`{}` has no field `{}`; at its byte {offset} is `{}`",
+            laid.name, member.name, field.name,
+        ),
+        notes: Vec::new(),
+        help: Some(help),
+    })
+}
+
+fn added(name: &str, fit: Option<Suggestion>, size: u64, at: &str) -> String {
+    match fit {
+        Some(fit) => format!("add `{name}: {}` {at}", fit.text),
+        None => format!("add `{name}`, {} of data, {at}", bytes(size)),
+    }
+}
+
+/// Returns the help for a field that its type's alignment moves.
+fn aligned(step: &Step<'_>, name: &str, align: u64) -> String {
+    let instead = suggested(step.view).filter(|fit| step.offset().is_multiple_of(fit.align));
+    match instead {
+        Some(fit) => format!(
+            "make `{name}` `{}`, which is not aligned to {align}",
+            fit.text
+        ),
+        None => format!("use a type for `{name}` that is not aligned to {align}"),
+    }
+}
