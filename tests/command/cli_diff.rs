@@ -51,7 +51,7 @@ fn each_change_has_a_line_of_its_own_and_a_class() {
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
   breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
-  compatible grew from 80 to 96 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
      80  uniform Lights std140    |    96  uniform Lights std140
    0 64    Light all[2] stride 32    0 64    Light all[2] stride 32
@@ -143,7 +143,7 @@ new.frag: Lights: compatible
             str![[r#"
 new.frag: Lights: compatible
   compatible `more` (`vec4`) is appended at 80  [Lights::more]
-  compatible grew from 80 to 96 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
      80  uniform Lights std140    |    96  uniform Lights std140
    0 64    Light all[2] stride 32    0 64    Light all[2] stride 32
@@ -186,7 +186,7 @@ new.frag: Lights: breaking
 new.frag: Lights: breaking
   breaking   `all` grew from 2 to 3 elements, the new ones where old uploads have `gamma`  [Lights::all]
   breaking   `gamma` moved from 64 to 96  [Lights::gamma]
-  compatible grew from 80 to 112 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 112 bytes: make its buffer 112 bytes
 
        80  uniform Lights std140    |     112  uniform Lights std140
     0  64    Light all[2] stride 32 |   0  96    Light all[3] stride 32
@@ -232,7 +232,7 @@ new.frag: Lights: breaking
   breaking   `all[].b` (`float`) is inserted at 32, where old uploads have `all[1].pos`  [Light::b]
   breaking   `gamma` moved from 64 to 96  [Lights::gamma]
   compatible `all[].a` (`float`) uses former padding at 28  [Light::a]
-  compatible grew from 80 to 112 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 112 bytes: make its buffer 112 bytes
 
        80  uniform Lights std140    |     112  uniform Lights std140
     0  64    Light all[2] stride 32 |   0  96    Light all[2] stride 48
@@ -368,7 +368,7 @@ fn both_listings_stand_beside_each_other_if_there_is_room() {
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
   breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
-  compatible grew from 80 to 96 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
      80  uniform Lights std140    |    96  uniform Lights std140
    0 64    Light all[2] stride 32    0 64    Light all[2] stride 32
@@ -390,7 +390,7 @@ new.frag: Lights: breaking
 new.frag: Lights: breaking
   breaking   `gamma` moved from 64 to 80  [Lights::gamma]
   breaking   `first` (`vec4`) is inserted at 64, where old uploads have `gamma`  [Lights::first]
-  compatible grew from 80 to 96 bytes: a buffer of 80 bytes is too small
+  compatible grew from 80 to 96 bytes: make its buffer 96 bytes
 
   -    80  uniform Lights std140
   +    96  uniform Lights std140
@@ -554,7 +554,7 @@ shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
   breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
-  compatible grew from 48 to 80 bytes: a buffer of 48 bytes is too small
+  compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
      48  uniform Lights std140    |    80  uniform Lights std140
    0 32    Light all[2] stride 16 |  0 64    Light all[2] stride 32
@@ -577,7 +577,7 @@ shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
   breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
-  compatible grew from 48 to 80 bytes: a buffer of 48 bytes is too small
+  compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
      48  uniform Lights std140    |    80  uniform Lights std140
    0 32    Light all[2] stride 16 |  0 64    Light all[2] stride 32
@@ -604,7 +604,7 @@ shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
   breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
-  compatible grew from 48 to 80 bytes: a buffer of 48 bytes is too small
+  compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
      48  uniform Lights std140    |    80  uniform Lights std140
    0 32    Light all[2] stride 16 |  0 64    Light all[2] stride 32
@@ -640,7 +640,7 @@ HEAD:shaders/a.frag: Lights: breaking
   breaking   `all` changed its array stride from 16 to 32  [Lights::all]
   breaking   `all[].color` (`vec3`) is inserted at 16, where old uploads have `all[1].pos`  [Light::color]
   breaking   `gamma` moved from 32 to 64  [Lights::gamma]
-  compatible grew from 48 to 80 bytes: a buffer of 48 bytes is too small
+  compatible grew from 48 to 80 bytes: make its buffer 80 bytes
 
      48  uniform Lights std140    |    80  uniform Lights std140
    0 32    Light all[2] stride 16 |  0 64    Light all[2] stride 32
@@ -762,7 +762,7 @@ fn json_and_markdown_carry_the_same_changes() {
 |---|---|---|
 | breaking | `gamma` moved from 64 to 80 | `Lights::gamma` |
 | breaking | `first` (`vec4`) is inserted at 64, where old uploads have `gamma` | `Lights::first` |
-| compatible | grew from 80 to 96 bytes: a buffer of 80 bytes is too small | `Lights` |
+| compatible | grew from 80 to 96 bytes: make its buffer 96 bytes | `Lights` |
 
 <details><summary>old and new listing</summary>
 

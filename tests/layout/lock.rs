@@ -400,7 +400,7 @@ fn layout_drift_says_what_moved_with_both_numbers() {
 breaking: `all[].size` (`vec2`) is inserted at 16, where old uploads have `all[1].color`
 breaking: `count` moved from 64 to 128
 breaking: `turn` moved from 80 to 144
-compatible: grew from 128 to 192 bytes: a buffer of 128 bytes is too small
+compatible: grew from 128 to 192 bytes: make its buffer 192 bytes
 "#]],
     );
     let listing = drift.listing.as_deref().expect("both listings");

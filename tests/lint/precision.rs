@@ -8,9 +8,11 @@
 mod comments;
 mod copies;
 mod hazards;
+mod inferred;
 mod layouts;
 mod macros;
 mod mirrors;
+mod stages;
 
 use landfall_layout::finding::{Finding, Level};
 use landfall_layout::{Options, ShaderLayout, Source};

@@ -141,7 +141,8 @@ fn first_difference(
         };
         if let Some(difference) = differs(leaf, there, own.language) {
             let arrays = dimensions(&block.members, &leaf.path);
-            let outer = leaf.path.rsplit_once('.').map_or(0, |(outer, _)| outer.matches("[]").count());
+            let outer =
+                leaf.path.rsplit_once('.').map_or(0, |(outer, _)| outer.matches("[]").count());
             let array = difference.dimension.filter(|dim| *dim < outer);
             // The array around it is what changed, not what is in its elements.
             return Some(match array.and_then(|dim| Some((arrays.get(dim)?, dim))) {

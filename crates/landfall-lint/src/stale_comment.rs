@@ -3,7 +3,9 @@
 mod checks;
 mod claims;
 mod columns;
+mod inferred;
 mod owners;
+mod tables;
 mod tokens;
 
 use super::definition::{Check, Lint, Subject};
@@ -27,8 +29,11 @@ pub(super) const LINT: Lint = Lint {
           offset may count from the structure or from the block; a size may include the padding \
           after the member, be one element's or column's, or be the sum of the members so far; a \
           range may end at its last byte or one past it; a total may be with or without tail \
-          padding. Bare numbers are read as columns only where a line above names them, or where \
-          they fit most members. A comment in a structure that blocks of different rules use is \
+          padding. Words are read in English, German and Chinese. In any language, numbers that \
+          stand in the same place of at least three members' comments are read as columns \
+          (`16`, `+0x10`, `[16, 28)`, `16..28`, `12 + 4 = 16`, a running total, `floats 4..6`): \
+          where a line above names them, or where most of the numbers or of the steps between them \
+          fit the layout. A comment in a structure that blocks of different rules use is \
           reported when it is wrong in all of them and one number is right in all. Blocks without \
           declared rules, members behind an `#if`, and comments about other rules, padding, the host or \
           the past are skipped, and so are commented-out members and listings.",
@@ -105,7 +110,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
             found.push(finding(subject, owner, Some(member), made.comment, &made.claim, &right));
         }
     }
-    let kinds = columns::kinds(owner, read.header, &read.rows);
+    let kinds = columns::kinds(owner, read.header.clone(), &read.rows);
     for row in &read.rows {
         let member = &members[row.index];
         for (cell, kind) in row.cells.iter().zip(&kinds) {
@@ -122,6 +127,7 @@ fn in_owner(subject: &Subject<'_>, owner: &Owner<'_>, found: &mut Vec<Finding>) 
             }
         }
     }
+    inferred::in_tables(subject, owner, &read, found);
     found.extend(totals(subject, owner));
 }
 
@@ -131,6 +137,8 @@ struct Read {
     made: Vec<CommentClaim>,
     header: Option<Vec<Kind>>,
     rows: Vec<Row>,
+    /// The comments on the members' own lines.
+    lines: Vec<(usize, Span)>,
 }
 
 fn read(subject: &Subject<'_>, owner: &Owner<'_>, members: &[MemberLayout]) -> Read {
@@ -223,6 +231,7 @@ fn add(
     comment: Span,
     text: &str,
 ) {
+    read.lines.push((index, comment));
     if let Some(cells) = columns::cells(text) {
         read.rows.push(Row { index, step: 0, comment, cells });
         return;
@@ -296,6 +305,9 @@ fn totals(subject: &Subject<'_>, owner: &Owner<'_>) -> Vec<Finding> {
             if let Some(right) = checks::whole(owner, &claim) {
                 found.push(finding(subject, owner, None, span, &claim, &right));
             }
+        }
+        if !last && found.is_empty() {
+            found.extend(inferred::counted(subject, owner, span));
         }
     }
     found

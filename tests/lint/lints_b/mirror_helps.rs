@@ -112,11 +112,11 @@ fn follow(fields: &mut Vec<String>, finding: &Finding) {
         } else if edit.starts_with("end the structure with") || edit.starts_with("end it with") {
             fields.push(words[0].to_string());
         } else if edit.starts_with("add `") {
-            let field = match edit.ends_with(" first") {
-                true => 0,
-                false => at(words[1]) + 1,
+            let (new, field) = match edit.ends_with(" first") {
+                true => (&words[..], 0),
+                false => (&words[..words.len() - 1], at(words[words.len() - 1]) + 1),
             };
-            fields.insert(field, words[0].to_string());
+            new.iter().rev().for_each(|word| fields.insert(field, word.to_string()));
         } else if edit.starts_with("rename it to") {
             let field = at(&own);
             let ty = fields[field].split_once(": ").expect("a type").1.to_string();
@@ -145,7 +145,10 @@ fn all_helps_together_put_every_field_where_the_shader_reads_it() {
         let fields: Vec<String> = fields.split("; ").map(str::to_string).collect();
         // A length has a `; ` of its own.
         let fields = fields.iter().fold(Vec::new(), |mut joined: Vec<String>, part| {
-            match joined.last_mut().filter(|last| last.matches('[').count() > last.matches(']').count()) {
+            match joined
+                .last_mut()
+                .filter(|last| last.matches('[').count() > last.matches(']').count())
+            {
                 Some(last) => last.push_str(&format!("; {part}")),
                 None => joined.push(part.clone()),
             }
@@ -173,7 +176,8 @@ struct Dice(u64);
 
 impl Dice {
     fn roll(&mut self, below: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % below
     }
 }

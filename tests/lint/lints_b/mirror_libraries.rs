@@ -74,9 +74,8 @@ fn structures_of_encase_are_right_where_encase_writes_what_the_shader_reads() {
     let declarations: String =
         all.iter().map(|((name, ..), wgsl)| format!("struct {name} {{ {wgsl} }}\n")).collect();
     for ((name, _, fields, size), _) in &all {
-        let shader = format!(
-            "{declarations}@group(0) @binding(0) var<storage, read> held: {name};\n"
-        );
+        let shader =
+            format!("{declarations}@group(0) @binding(0) var<storage, read> held: {name};\n");
         // The shader is laid out as encase writes.
         let layout = landfall_layout::layout(
             &Source::new("a.wgsl", shader.as_str()),
@@ -112,7 +111,9 @@ fn what_encase_refuses_is_said_with_a_type_that_it_takes() {
     let found = held_wgsl(text, LIGHT);
     assert_eq!(
         found.iter().map(said).collect::<Vec<_>>(),
-        ["3:16 encase refuses `at` of `Light` in a uniform buffer: its array stride is 4 bytes, no multiple of 16"]
+        [
+            "3:16 encase refuses `at` of `Light` in a uniform buffer: its array stride is 4 bytes, no multiple of 16"
+        ]
     );
     assert_eq!(help(&found[0]), "make it `glam::Vec4`");
     assert_eq!(held_wgsl(&text.replace("[f32; 4]", "glam::Vec4"), LIGHT), []);
@@ -138,7 +139,10 @@ fn a_wrong_structure_of_encase_gets_advice_that_encase_takes() {
     let text = "// landfall: mirror(Light)\n#[derive(ShaderType)]\nstruct Light {\n    at: glam::Vec2,\n    color: glam::Vec3,\n    w: [f32; 3],\n}\n";
     let found = held_wgsl(text, shader);
     let helps: Vec<&str> = found.iter().map(help).collect();
-    assert_eq!(helps, ["make it `glam::Vec3`", "make it `glam::Vec4`", "make it `[glam::Vec4; 3]`"]);
+    assert_eq!(
+        helps,
+        ["make it `glam::Vec3`", "make it `glam::Vec4`", "make it `[glam::Vec4; 3]`"]
+    );
     let right = text
         .replace("glam::Vec3", "glam::Vec4")
         .replace("glam::Vec2", "glam::Vec3")

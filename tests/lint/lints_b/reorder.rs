@@ -206,3 +206,10 @@ fn blocks_that_are_as_small_as_can_be_are_not_reported() {
         assert_eq!(found("reorder-saves", "a.frag", &std140(members)), [], "{members}");
     }
 }
+
+#[test]
+fn two_members_are_enough_to_save() {
+    let finding = one("reorder-saves", "a.frag", &std140("    float a;\n    vec3 b;"));
+    assert_eq!(said(&finding), "2:24 block `B` is 32 bytes: in another order its members take 16");
+    assert_eq!(found("reorder-saves", "a.frag", &std140("    vec3 b;\n    float a;")), []);
+}

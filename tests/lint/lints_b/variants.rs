@@ -111,3 +111,35 @@ fn loose_uniforms_have_no_layout_to_change() {
     let text = "#version 330 core\nuniform vec4 color;\n#ifdef FOG\nuniform float fog;\n#endif\nvoid main() {}\n";
     assert_eq!(found_with("define-changes-layout", "a.frag", text, &settings), []);
 }
+
+#[test]
+fn variants_are_compared_with_each_other_where_the_text_without_macros_lacks_the_block() {
+    let settings = permutations(&[&[("FOG", "1")], &[("FOG", "1"), ("RAIN", "1")]]);
+    let members = "    vec4 color;\n#ifdef RAIN\n    mat4 drops;\n#endif\n    float gain;";
+    let bad = text(members)
+        .replace("layout(std140)", "#ifdef FOG\nlayout(std140)")
+        .replace("} light;", "} light;\n#endif");
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    let message =
+        "the layout of block `Light` changes under `FOG RAIN`: `gain` is at 80 instead of 16";
+    assert_eq!(found.iter().map(said).collect::<Vec<_>>(), [format!("8:11 {message}")]);
+    assert_eq!(
+        found[0].notes[0],
+        "under `FOG` the block is 32 bytes; the listing is with `FOG RAIN`"
+    );
+    let good = bad.replace("RAIN\n    mat4 drops;", "RAIN");
+    assert_eq!(found_with("define-changes-layout", "a.frag", &good, &settings), []);
+}
+
+#[test]
+fn an_array_of_structures_that_grows_is_marked_at_the_array() {
+    let settings = permutations(&[&[("LIGHTS", "8")]]);
+    let bad = text("    Lamp lamps[LIGHTS];").replace(
+        "layout(std140)",
+        "#ifndef LIGHTS\n#define LIGHTS 4\n#endif\nstruct Lamp { vec3 at; vec3 color; };\nlayout(std140)",
+    );
+    let found = found_with("define-changes-layout", "a.frag", &bad, &settings);
+    let message =
+        "the layout of block `Light` changes under `LIGHTS=8`: `lamps` has 8 elements instead of 4";
+    assert_eq!(found.iter().map(said).collect::<Vec<_>>(), [format!("7:10 {message}")]);
+}

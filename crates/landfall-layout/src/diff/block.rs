@@ -53,8 +53,7 @@ pub(super) fn changes(old: Block<'_>, new: Block<'_>, changes: &mut Vec<Change>)
     if let (Some(was), Some(is)) = (a.size, b.size) {
         let compatible = Class::Compatible;
         if is > was {
-            let message =
-                format!("grew from {was} to {is} bytes: a buffer of {was} bytes is too small");
+            let message = format!("grew from {was} to {is} bytes: make its buffer {is} bytes");
             changes.push(change((Kind::Grew, compatible), (text(was), text(is)), message));
         } else if is < was {
             let message = format!("shrank from {was} to {is} bytes");

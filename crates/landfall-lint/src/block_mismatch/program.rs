@@ -68,7 +68,11 @@ fn stem(file: &str) -> String {
             None => word.to_string(),
         })
         .collect();
-    words.join("_")
+    match words.join("_") {
+        // `mesh.wgsl` and `task.wgsl` are names of things.
+        rest if rest.is_empty() && named_stage(file).is_none() => name,
+        rest => rest,
+    }
 }
 
 /// Returns a file's name without its extensions, and without a stage before them.
@@ -124,7 +128,8 @@ fn ending(word: &str) -> Option<(&str, Stage)> {
     ENDINGS.iter().find_map(|(ending, stage)| {
         let rest = word.strip_suffix(ending).filter(|rest| rest.len() > 1)?;
         // `GLVS` is a word of capitals.
-        let clear = !ending.starts_with(char::is_uppercase) || rest.ends_with(|c: char| !c.is_ascii_uppercase());
+        let clear = !ending.starts_with(char::is_uppercase)
+            || rest.ends_with(|c: char| !c.is_ascii_uppercase());
         clear.then_some((rest, *stage))
     })
 }
@@ -159,6 +164,7 @@ mod tests {
             assert_eq!(stem(file), "lights", "{file}");
         }
         assert_eq!(stem("GLVS.glsl"), "GLVS");
+        assert_eq!(stem("mesh.wgsl"), "mesh");
         assert_eq!(stem("scene_330.vert"), "scene_330");
         assert_eq!(stem("vert.glsl"), "");
         assert_eq!(stem("5.1.light_casters.fs"), "5.1.light_casters");

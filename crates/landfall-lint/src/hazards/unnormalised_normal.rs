@@ -3,6 +3,7 @@
 use super::messages::{Message, Site};
 use super::{Check, Level, Lint};
 use landfall_ir::analysis::occurrence::Kind;
+use landfall_layout::source::Language;
 
 pub(crate) const LINT: Lint = Lint {
     code: "unnormalised-normal",
@@ -33,9 +34,14 @@ void main() {
 
 pub(super) fn message(site: &Site<'_>) -> Message {
     let path = site.path().unwrap_or_default();
+    // In GLSL a member of a block without an instance is called by its own name alone.
+    let help = match (site.language(), path.contains('.')) {
+        (Language::Glsl, true) => "wrap it in `normalize()`".to_string(),
+        (Language::Glsl, false) | (Language::Wgsl, _) => format!("use `normalize({path})`"),
+    };
     Message::new(
         format!("{} is interpolated but not normalised before it is used here", site.about()),
         "not of length 1",
-        format!("use `normalize({})`", path.rsplit('.').next().unwrap_or(path)),
+        help,
     )
 }

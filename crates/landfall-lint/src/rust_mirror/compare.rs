@@ -166,10 +166,7 @@ impl<'a> Comparison<'_, 'a> {
                     structure: laid.index,
                     field: Some(index),
                     member: Some(step.view.member.span),
-                    member_text: format!(
-                        "`{}`",
-                        step.view.member.ty.spelled(step.view.language)
-                    ),
+                    member_text: format!("`{}`", step.view.member.ty.spelled(step.view.language)),
                     message: format!(
                         "encase refuses `{name}` of `{structure}` in a uniform buffer: {why}"
                     ),

@@ -198,9 +198,7 @@ pub(super) enum Wrapped {
 pub(super) fn wrapped(path: &[String], arguments: &[Argument]) -> Option<Wrapped> {
     let name = path.last()?.as_str();
     match (name, arguments) {
-        ("ArrayLength", []) => {
-            Some(Wrapped::Same(RustType::scalar(ScalarKind::Uint, "u32", 4)))
-        }
+        ("ArrayLength", []) => Some(Wrapped::Same(RustType::scalar(ScalarKind::Uint, "u32", 4))),
         ("Vec" | "VecDeque" | "LinkedList", [Argument::Type(ty)]) => {
             Some(Wrapped::Elements(ty.clone()))
         }

@@ -218,22 +218,27 @@ impl Walk<'_> {
         let member = step.view.member;
         let wanted = step.offset();
         let fit = suggested(step.view);
-        let (size, align) =
-            fit.as_ref().map_or((reach(member), 1), |fit| (fit.size, fit.align));
+        let (size, align) = fit.as_ref().map_or((reach(member), 1), |fit| (fit.size, fit.align));
         let mut parts = Vec::new();
-        let after = |reach: &Reach| {
-            let last = reach.pads.last().map(|pad| &pad.name);
-            match last.or(reach.before.as_ref().map(|before| &before.name)) {
-                Some(name) => format!("after `{name}`"),
-                None => "first".to_string(),
-            }
-        };
-        let at = after(&self.reach);
+        let before = self.reach.before.as_ref().map(|before| before.name.clone());
         let removed = self.reach.to(wanted, align, &member.name, &mut parts);
         for finding in removed {
             self.found[finding].help = Some("remove it".to_string());
         }
-        parts.push(added(&member.name, fit, size, &at));
+        let last = self.reach.kept.take().or(before);
+        let at = last.map_or("first".to_string(), |name| format!("after `{name}`"));
+        // Padding right before it is added with it.
+        let behind = format!(" before `{}`", member.name);
+        let mut padding = None;
+        if let Some(part) =
+            parts.pop_if(|part| part.starts_with("put `_") && part.ends_with(&behind))
+        {
+            padding = part
+                .strip_prefix("put ")
+                .and_then(|part| part.strip_suffix(&behind))
+                .map(str::to_string);
+        }
+        parts.push(added(&member.name, fit, size, padding, &at));
         self.follow_behind(Some(self.found.len()));
         self.by = 0;
         self.found.push(Difference {
@@ -347,10 +352,15 @@ impl Walk<'_> {
         self.reach = reach;
         self.align = most;
         let edit = self.reach.tail(end, self.align);
-        names.extend(edit.as_deref().and_then(|edit| edit.strip_prefix("end it with ")).map(str::to_string));
+        names.extend(
+            edit.as_deref().and_then(|edit| edit.strip_prefix("end it with ")).map(str::to_string),
+        );
         match names.len() <= MOST_NAMES {
             true => {
-                format!("declare its fields in the order {}, without other padding", names.join(", "))
+                format!(
+                    "declare its fields in the order {}, without other padding",
+                    names.join(", ")
+                )
             }
             false => "declare its fields in the shader's order".to_string(),
         }
@@ -426,10 +436,17 @@ fn misnamed(laid: &StructureLayout, step: &Step<'_>, index: usize) -> Option<Dif
     })
 }
 
-fn added(name: &str, fit: Option<Suggestion>, size: u64, at: &str) -> String {
+fn added(
+    name: &str,
+    fit: Option<Suggestion>,
+    size: u64,
+    padding: Option<String>,
+    at: &str,
+) -> String {
+    let padding = padding.map_or(String::new(), |padding| format!("{padding}, "));
     match fit {
-        Some(fit) => format!("add `{name}: {}` {at}", fit.text),
-        None => format!("add `{name}`, {} of data, {at}", bytes(size)),
+        Some(fit) => format!("add {padding}`{name}: {}` {at}", fit.text),
+        None => format!("add {padding}`{name}`, {} of data, {at}", bytes(size)),
     }
 }
 
@@ -437,10 +454,7 @@ fn added(name: &str, fit: Option<Suggestion>, size: u64, at: &str) -> String {
 fn aligned(step: &Step<'_>, name: &str, align: u64) -> String {
     let instead = suggested(step.view).filter(|fit| step.offset().is_multiple_of(fit.align));
     match instead {
-        Some(fit) => format!(
-            "make `{name}` `{}`, which is not aligned to {align}",
-            fit.text
-        ),
+        Some(fit) => format!("make `{name}` `{}`, which is not aligned to {align}", fit.text),
         None => format!("use a type for `{name}` that is not aligned to {align}"),
     }
 }

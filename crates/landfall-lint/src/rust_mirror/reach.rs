@@ -30,11 +30,13 @@ pub(super) struct Reach {
     pub before: Option<Before>,
     /// The fields behind it.
     pub pads: Vec<Padding>,
+    /// The last of them that stays.
+    pub kept: Option<String>,
 }
 
 impl Reach {
     pub fn new(writer: Writer) -> Reach {
-        Reach { writer, end: 0, before: None, pads: Vec::new() }
+        Reach { writer, end: 0, before: None, pads: Vec::new(), kept: None }
     }
 
     /// The end of all fields so far.
@@ -51,7 +53,13 @@ impl Reach {
 
     /// Adds the edits that put a field of that alignment at a byte; returns the findings about
     /// fields that have to be removed for it.
-    pub fn to(&mut self, wanted: u64, align: u64, name: &str, parts: &mut Vec<String>) -> Vec<usize> {
+    pub fn to(
+        &mut self,
+        wanted: u64,
+        align: u64,
+        name: &str,
+        parts: &mut Vec<String>,
+    ) -> Vec<usize> {
         let mut removed = Vec::new();
         let natural = |reach: &Reach| reach.cursor().checked_next_multiple_of(align);
         // Fields that push it too far are removed or shortened, the last first.
@@ -84,6 +92,7 @@ impl Reach {
                 self.end = end;
             }
         }
+        self.kept = self.pads.last().map(|pad| pad.name.clone());
         if let Some((at, gap)) = self.gap(wanted, align) {
             parts.push(self.fill(at, gap, wanted, name));
         }
@@ -137,8 +146,8 @@ impl Reach {
             parts.push(match (self.writer, last, &self.before) {
                 (Writer::Memory, Some(pad), _) => resized(&pad.name, wanted - pad.offset),
                 (Writer::Encase, last, Some(before)) => {
-                    let (name, from) = last
-                        .map_or((&before.name, before.offset), |pad| (&pad.name, pad.offset));
+                    let (name, from) =
+                        last.map_or((&before.name, before.offset), |pad| (&pad.name, pad.offset));
                     format!("put `#[shader(size({}))]` before `{name}`", wanted - from)
                 }
                 (_, _, _) => {

@@ -77,7 +77,8 @@ fn leaf(view: View<'_>) -> Option<Suggestion> {
                 let text = format!("glam::Mat{rows}");
                 return Some(Suggestion { text, size: stride * rows, align: stride });
             }
-            let column = vector(scalar, stride / width).filter(|_| view.writer == Writer::Encase)?;
+            let column =
+                vector(scalar, stride / width).filter(|_| view.writer == Writer::Encase)?;
             (column.size == stride).then(|| Suggestion {
                 text: format!("[{}; {}]", column.text, columns.count),
                 size: stride * columns.count,

@@ -132,19 +132,11 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
     if is_code(comment) {
         return Vec::new();
     }
-    let tokens = tokens(comment);
-    let text = |word: &Word| comment[word.range.clone()].to_lowercase();
-    let elsewhere = tokens.iter().any(|token| match &token.sign {
-        Sign::Text => {
-            let word = text(token);
-            let other_rules = ["std140", "std430"].contains(&&*word) && word != rules;
-            other_rules || ELSEWHERE.contains(&&*word)
-        }
-        Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
-    });
-    if elsewhere {
+    if is_elsewhere(comment, rules) {
         return Vec::new();
     }
+    let tokens = tokens(comment);
+    let text = |word: &Word| comment[word.range.clone()].to_lowercase();
     let mut found = Vec::new();
     let mut at = 0;
     // Where the last claim ended: the next may follow it without a sign between.
@@ -192,6 +184,18 @@ pub(super) fn claims(comment: &str, name: &str, rules: &str) -> Vec<Claim> {
     found.into_iter().filter(|(_, anchored)| *anchored || both).map(|(claim, _)| claim).collect()
 }
 
+/// Returns whether a comment is about other rules, the host or the past.
+pub(super) fn is_elsewhere(comment: &str, rules: &str) -> bool {
+    tokens(comment).iter().any(|token| match &token.sign {
+        Sign::Text => {
+            let word = comment[token.range.clone()].to_lowercase();
+            let other_rules = ["std140", "std430"].contains(&&*word) && word != rules;
+            other_rules || ELSEWHERE.contains(&&*word)
+        }
+        Sign::Keyword(_) | Sign::Unit | Sign::Number(_) | Sign::Mark(_) | Sign::Odd => false,
+    })
+}
+
 /// `offset: 16`, `alignment 16 bytes`, `size = 12`, `offsets 16-27`, `@ 0x20`.
 fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize, bool)> {
     let mut next = at + 1;
@@ -202,8 +206,12 @@ fn keyword_claim(tokens: &[Word], at: usize, kind: Kind) -> Option<(Claim, usize
         next += 2;
     }
     let separated = match tokens.get(next)?.sign {
-        Sign::Mark(':' | '=' | '(') => {
+        Sign::Mark(mark @ (':' | '=' | '(')) => {
             next += 1;
+            // `sizeof == 48`
+            if mark == '=' && matches!(tokens.get(next)?.sign, Sign::Mark('=')) {
+                next += 1;
+            }
             true
         }
         Sign::Text if is_word(tokens, next, &["is", "of", "at", "为", "是"]) => {

@@ -117,10 +117,13 @@ pub(super) fn kinds(
         }
         // Next to a column of offsets, one of alignments or sizes.
         offset?;
-        [Kind::Align, Kind::Size].into_iter().find(|&kind| {
+        let fits = |kind: Kind| {
             let (right, all) = tally(owner, column, rows, kind);
-            right >= 3 && right * 3 >= all * 2
-        })
+            (right >= 3 && right * 3 >= all * 2).then_some((right, kind))
+        };
+        // Of two that fit, the one that more numbers do.
+        let fitting = [Kind::Size, Kind::Align].into_iter().filter_map(fits);
+        fitting.max_by_key(|(right, _)| *right).map(|(_, kind)| kind)
     };
     (0..columns).map(kind).collect()
 }

@@ -63,6 +63,7 @@ const KEYWORDS: &[(&str, Kind)] = &[
     ("sizeof", Kind::Size),
     ("size", Kind::Size),
     ("total", Kind::Total),
+    ("sum", Kind::Total),
     ("versatz", Kind::Offset),
     ("ausrichtung", Kind::Align),
     ("größe", Kind::Size),
