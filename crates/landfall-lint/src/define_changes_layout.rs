@@ -68,7 +68,7 @@ fn check(subject: &Subject<'_>, settings: &Settings) -> Vec<Finding> {
     for (at, (name, other)) in others.iter().enumerate() {
         // Loose uniforms are set one by one: they have no layout.
         for copy in other.blocks.iter().filter(|block| block.size.is_some()) {
-            let variants = others[..at].iter().map(|(name, other)| (Some(name.as_str()), other));
+            let variants = others[..at].iter().map(|(name, other)| (Some(name.as_str()), *other));
             let first = std::iter::once((None, subject.shader)).chain(variants).find_map(
                 |(name, shader)| Some(Variant { name, shader, block: twin(shader, copy)? }),
             );
