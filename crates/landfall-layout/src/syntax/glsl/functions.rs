@@ -7,6 +7,7 @@ use super::lexer::{Kind, Token};
 use super::qualifiers::is_qualifier;
 use super::report::diagnostic_at;
 use super::types::builtin;
+use crate::Severity;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::edit_distance::nearest;
 
@@ -123,7 +124,7 @@ impl<'a> DeclarationReader<'a> {
     /// others may be parts of one.
     pub(super) fn check_declared_type(&mut self, token: &Token<'a>) {
         let name = token.text;
-        if self.stage.is_none() || token.kind != Kind::Name || name == "struct" {
+        if !self.is_complete() || token.kind != Kind::Name || name == "struct" {
             return;
         }
         if self.types.contains_key(name) {
@@ -146,11 +147,18 @@ impl<'a> DeclarationReader<'a> {
         self.report(error);
     }
 
+    /// Whether a name that is not declared so far is an error of its own: in the shader of a stage,
+    /// without an error before, such as a file that was not found.
+    fn is_complete(&self) -> bool {
+        let error = |found: &Diagnostic| found.severity == Severity::Error;
+        self.stage.is_some() && !self.parser.diagnostics().iter().any(error)
+    }
+
     /// Reports `QUALIFIERS NAME;` of a name that is not declared: its type is missing.
     pub(super) fn check_requalified(&mut self, qualifiers: &Qualifiers<'a>, name: &Name<'a>) {
         let reference = qualifiers.find("buffer_reference").is_some();
         let known = name.text.starts_with("gl_") || self.globals.has(name.text);
-        if self.stage.is_none() || reference || known || builtin(name.text).is_some() {
+        if !self.is_complete() || reference || known || builtin(name.text).is_some() {
             return;
         }
         let message = format!("`{}` has no type, and is not declared before", name.text);
