@@ -74,7 +74,7 @@ fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnos
         });
         vec![Diagnostic::error(Code::CannotRun, span.unwrap_or_default(), message)]
     };
-    if let Some(excess) = naga_front::excess(text) {
+    if let Some(excess) = naga_front::excess(text, source.language) {
         return Err(refused(None, format!("the shader {excess}")));
     }
     let result = naga_front::caught(|| match source.language {

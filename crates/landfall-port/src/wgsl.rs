@@ -213,7 +213,7 @@ fn module(source: &Source) -> Result<(naga::Module, ModuleInfo), Vec<Diagnostic>
             return Err(vec![refused(reason, Span::default())]);
         }
     };
-    if let Some(excess) = excess(&source.text) {
+    if let Some(excess) = excess(&source.text, Language::Glsl) {
         return Err(vec![refused(&format!("it {excess}"), Span::default())]);
     }
     let read = || {

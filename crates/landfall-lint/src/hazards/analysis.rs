@@ -47,7 +47,9 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         return Vec::new();
     }
     let shader = subject.shader;
-    if let (Language::Wgsl, Some(excess)) = (shader.language, excess(&subject.source.text)) {
+    if let (Language::Wgsl, Some(excess)) =
+        (shader.language, excess(&subject.source.text, Language::Wgsl))
+    {
         return vec![not_analysed(shader, &format!("the shader {excess}"))];
     }
     let lights = lights_in_blocks(&shader.blocks);
