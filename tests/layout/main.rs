@@ -20,6 +20,7 @@ mod oracles;
 mod port;
 mod port_compiles;
 mod port_naga;
+mod port_reading;
 mod port_tint;
 mod properties;
 mod reading;

@@ -39,6 +39,7 @@ use landfall_layout::Options;
 use landfall_layout::diagnostic::Code;
 use landfall_layout::shape::{AddressSpace, DEFAULT_BLOCK};
 use landfall_layout::source::{Language, ReadOptions, Source, Span, Stage, Target};
+use landfall_layout::syntax;
 use landfall_layout::syntax::glsl::ast::Item;
 use landfall_layout::syntax::glsl::raw;
 use landfall_layout::{Diagnostic, Severity};
@@ -105,6 +106,9 @@ impl Default for PortOptions {
 pub fn port(source: &Source, options: &PortOptions) -> Result<Ported, Vec<Diagnostic>> {
     let mut options = options.clone();
     options.read.target = options.read.target.or_else(|| target_of(source));
+    if options.dialect != Dialect::Vulkan && has_include(source) {
+        return with_includes(source, options);
+    }
     let (ported, edits) = edit(source, &options)?;
     check::check(source, &options, &ported)?;
     match options.dialect {
@@ -169,6 +173,39 @@ fn through_naga(
     };
     ported.warnings = back(warnings);
     ported.source = made;
+    Ok(ported)
+}
+
+/// Whether a GLSL text includes files, which naga does not.
+fn has_include(source: &Source) -> bool {
+    let is_directive = |at: &[&str]| at == ["#", "include"];
+    source.language == Language::Glsl
+        && source.text.contains("include")
+        && syntax::tokens(&source.text, Language::Glsl).windows(2).any(is_directive)
+}
+
+/// Ports a shader with its includes inlined and its macros expanded. Places in that text are not those
+/// of the shader, so that problems name no line.
+fn with_includes(source: &Source, mut options: PortOptions) -> Result<Ported, Vec<Diagnostic>> {
+    let parsed = syntax::parse(source, &options.read, false);
+    let errors = parsed.diagnostics.into_iter().filter(|found| found.severity == Severity::Error);
+    let errors: Vec<Diagnostic> = errors.collect();
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let raw = raw::read(source, &options.read);
+    options.read.target = options.read.target.or(raw.target);
+    let text = raw::flattened(source, &options.read);
+    options.read.defines.clear();
+    let flat = Source { text: text.into(), ..source.clone() };
+    let placeless = |found: Diagnostic| {
+        let note = "found in the shader with its includes inlined and its macros expanded";
+        Diagnostic { path: Some(source.path.clone()), labels: Vec::new(), ..found }.with_note(note)
+    };
+    let placeless = |found: Vec<Diagnostic>| found.into_iter().map(placeless).collect::<Vec<_>>();
+    let mut ported = port(&flat, &options).map_err(placeless)?;
+    ported.warnings = placeless(ported.warnings);
+    ported.lines.clear();
     Ok(ported)
 }
 

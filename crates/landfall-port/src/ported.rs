@@ -23,7 +23,7 @@ pub struct Ported {
     /// Functions renamed because a built-in function has their name: old and new names.
     pub functions: Vec<(String, String)>,
     /// The line of the original, counted from 1, that each line of the text comes from; empty for
-    /// WGSL.
+    /// WGSL, and where includes were inlined.
     pub lines: Vec<u32>,
     /// Warnings about the result, at the lines of the original.
     pub warnings: Vec<Diagnostic>,

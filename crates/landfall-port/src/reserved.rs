@@ -131,7 +131,8 @@ pub(super) struct Renamed {
 pub(super) fn rename(shader: &Shader<'_>, edits: &mut Edits) -> Renamed {
     let defined = own_functions(shader);
     let own = own_names(shader);
-    let later = |name: &&&str| is_later(name, shader.raw.version, shader.raw.es);
+    let version = shader.language_version();
+    let later = |name: &&&str| is_later(name, version, shader.raw.es);
     let clashing: FxHashSet<&str> = defined.iter().filter(later).copied().collect();
     let redefined = Redefined::new(shader, &clashing);
     let mut renamed = Renamed::default();
@@ -245,7 +246,8 @@ fn own_functions<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
 
 /// Names of the shader itself that are keywords in the new language.
 fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
-    let old_language = shader.raw.version < if shader.raw.es { 300 } else { 130 };
+    let version = shader.language_version();
+    let old_language = version < if shader.raw.es { 300 } else { 130 };
     // Two names never follow each other: such a word is a keyword, enabled by an extension.
     let meant = |at: usize| {
         let next = shader.raw.tokens.get(at + 1);
@@ -261,7 +263,7 @@ fn own_names<'a>(shader: &Shader<'a>) -> FxHashSet<&'a str> {
             let keyword = since.is_some_and(|row| {
                 let since = if shader.raw.es { row.2 } else { row.1 };
                 let vulkan = since == NEVER && shader.raw.target == Some(Target::Vulkan);
-                shader.raw.version < since && !vulkan
+                version < since && !vulkan
             });
             // `texture2D` and the like are types of Vulkan's GLSL.
             let ty = old_language && *word == "texture";

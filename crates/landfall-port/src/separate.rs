@@ -32,6 +32,7 @@ pub(super) fn separate(
 ) -> Edits {
     let mut edits = Edits::default();
     drop_words(shader, &mut edits);
+    drop_redeclared(shader, &mut edits);
     let bools = bools(shader, &mut edits);
     let globals = globals(shader, bindings, &mut edits, problems);
     let takers: FxHashMap<&str, Vec<usize>> = shader
@@ -85,6 +86,24 @@ fn drop_words(shader: &Shader<'_>, edits: &mut Edits) {
                 edits.delete(token.start..token.end + usize::from(space));
             }
             _ => {}
+        }
+    }
+}
+
+/// Deletes `out gl_PerVertex { … };`, which names again what is predeclared (GLSL 4.60 §7.1.1).
+fn drop_redeclared(shader: &Shader<'_>, edits: &mut Edits) {
+    for (at, token) in shader.code.iter().enumerate() {
+        let qualifier = at.checked_sub(1).map(|before| shader.code[before]);
+        let Some(first) = qualifier.filter(|word| matches!(word.text, "in" | "out")) else {
+            continue;
+        };
+        let rest = &shader.code[at..];
+        let is_block = token.text == "gl_PerVertex" && rest.get(1).is_some_and(|t| t.text == "{");
+        let close = rest.iter().position(|token| token.text == "}").filter(|_| is_block);
+        // An instance, `gl_in[]`, is not predeclared by this.
+        let end = close.and_then(|close| rest.get(close + 1)).filter(|token| token.text == ";");
+        if let Some(end) = end {
+            edits.delete(first.start..end.end);
         }
     }
 }

@@ -16,6 +16,9 @@ use landfall_layout::syntax::glsl::qualifiers::is_qualifier;
 use landfall_layout::syntax::glsl::raw::{self, RawText};
 use landfall_layout::syntax::glsl::types::{Builtin, builtin};
 
+/// GLSL 4.60.
+const NEWEST: u32 = 460;
+
 /// A shader to be ported.
 pub(super) struct Shader<'a> {
     pub text: &'a str,
@@ -38,6 +41,16 @@ impl<'a> Shader<'a> {
         let names = words.map(|token| text[token.start..token.end].to_string()).collect();
         let numbers = layout_numbers(source, options);
         Shader { text, raw, code, items, numbers, names: RefCell::new(names) }
+    }
+
+    /// The version of the language that the text is written in. Without `#version` that is 1.10, which
+    /// has no `layout(…)`; a text with one is read as the newest, as `landfall layout` reads it.
+    pub fn language_version(&self) -> u32 {
+        let qualified = |at: &[Token<'_>]| at[0].text == "layout" && at[1].text == "(";
+        match self.raw.version_directive(self.text) {
+            None if self.code.windows(2).any(qualified) => NEWEST,
+            None | Some(_) => self.raw.version,
+        }
     }
 
     /// The spelling of a raw token.
