@@ -354,7 +354,9 @@ impl<R: Real> Machine<'_, '_, R> {
                         } else {
                             UndefinedKind::BornInfinite
                         };
-                        let all = || reads.iter().map(|reg| operand(reg).double()).collect();
+                        // The operands of the call that met it, of which `f64` is the reference.
+                        let of = |reg: &u32| operand(reg).followed();
+                        let all = || reads.iter().map(of).collect();
                         watch.see((pc, lane), kind, all);
                     }
                     let Some(tolerance) = watch.tolerance else { continue };
