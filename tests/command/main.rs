@@ -21,6 +21,7 @@ mod cli_render;
 mod cli_render_claims;
 mod cli_rule;
 mod cli_run;
+mod cli_run_faults;
 mod cli_stress;
 mod cli_variants;
 mod cli_verify;

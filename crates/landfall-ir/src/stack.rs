@@ -17,6 +17,9 @@ use landfall_layout::source::Span;
 /// The size of the stack in bytes; only the part that the nesting needs is touched.
 const STACK: usize = 256 << 20;
 
+/// The usual size of the stack of a process, in bytes.
+const PROCESS_STACK: usize = 8 << 20;
+
 thread_local! {
     static IS_LARGE: Cell<bool> = const { Cell::new(false) };
 }
@@ -48,7 +51,7 @@ pub fn on_a_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Result<T, St
     })
 }
 
-/// Starts a thread with a large stack if that of this one is large, else one as the library does.
+/// Starts a thread with a large stack if that of this one is large, else with that of a process.
 ///
 /// # Errors
 /// There is not enough memory for it, or there are too many threads.
@@ -56,7 +59,10 @@ pub fn spawn_alike<'scope, T: Send + 'scope>(
     scope: &'scope Scope<'scope, '_>,
     run: impl FnOnce() -> T + Send + 'scope,
 ) -> io::Result<ScopedJoinHandle<'scope, T>> {
-    if IS_LARGE.get() { spawn_large(scope, run) } else { Builder::new().spawn_scoped(scope, run) }
+    match IS_LARGE.get() {
+        true => spawn_large(scope, run),
+        false => Builder::new().stack_size(PROCESS_STACK).spawn_scoped(scope, run),
+    }
 }
 
 fn spawn_large<'scope, T: Send + 'scope>(

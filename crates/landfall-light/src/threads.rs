@@ -6,10 +6,9 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, mpsc};
-use std::thread::{self, Builder, ScopedJoinHandle};
+use std::thread::{self, ScopedJoinHandle};
 
-/// The stack of a thread: as much as that of a process.
-const STACK: usize = 8 << 20;
+use landfall_ir::stack::spawn_alike;
 
 /// The results of [`in_order`] that wait for each thread.
 const WAITING: usize = 8;
@@ -61,7 +60,7 @@ pub(crate) fn run_beside<S: Send, R: Send, O>(
     };
     let (mut done, other) = thread::scope(|scope| {
         let work = &work;
-        let spawn = |state| Builder::new().stack_size(STACK).spawn_scoped(scope, || work(state));
+        let spawn = |state| spawn_alike(scope, || work(state));
         // Where no thread can be started, the others do its work.
         let running: Vec<_> = others.iter_mut().flat_map(spawn).collect();
         let other = other();
@@ -99,7 +98,7 @@ pub(crate) fn in_order<R: Send, E>(
                 std::iter::from_fn(claim).take_while(sent).for_each(drop);
             };
             // Where no thread can be started, the others do its work.
-            let _ = Builder::new().stack_size(STACK).spawn_scoped(scope, work);
+            let _ = spawn_alike(scope, work);
         }
         drop(sender);
         let mut early = BTreeMap::new();
@@ -134,7 +133,7 @@ pub(crate) fn both<A, B: Send>(
         let other = other.lock().ok().and_then(|mut other| other.take());
         other.expect("a job is taken once")()
     };
-    thread::scope(|scope| match Builder::new().stack_size(STACK).spawn_scoped(scope, other) {
+    thread::scope(|scope| match spawn_alike(scope, other) {
         Ok(running) => (own(), running.join().expect("a job does not panic")),
         // Where no thread can be started, this one does its work.
         Err(_) => (own(), other()),

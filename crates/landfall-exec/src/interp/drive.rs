@@ -17,6 +17,7 @@ use super::real::Real;
 use super::stage::{Notes, Precision, Settings, failure, refused_for};
 use super::undefined::{Divergence, Undefined};
 use crate::backend::{Failure, FailureKind, Resource, ResourceKind};
+use landfall_ir::stack::spawn_alike;
 
 /// The batches that a thread takes at a time.
 const CLAIM: usize = 4;
@@ -191,7 +192,10 @@ impl Program {
         } else {
             std::thread::scope(|scope| {
                 let work = &work;
-                let others: Vec<_> = (1..threads).map(|t| scope.spawn(move || work(t))).collect();
+                // The machine recurses on calls.
+                let spawn = |t| spawn_alike(scope, move || work(t));
+                let others = (1..threads).map(|t| spawn(t).expect("the system starts threads"));
+                let others: Vec<_> = others.collect();
                 let own = work(0);
                 let others = others.into_iter().map(ScopedJoinHandle::join);
                 let others = others.map(|other| other.expect("the machine does not panic"));

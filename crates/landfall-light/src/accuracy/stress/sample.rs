@@ -15,6 +15,7 @@ use super::plan::Plan;
 use super::worker::Worker;
 use landfall_exec::backend::Failure;
 use landfall_exec::harness::call::pure::PureFunction;
+use landfall_ir::stack::spawn_alike;
 
 /// Receives the number of samples run.
 pub(super) type Progress<'p> = &'p (dyn Fn(u64) + Sync);
@@ -118,7 +119,9 @@ pub(super) fn run(
             let work = &work;
             let spawn = |_| {
                 let to = (!alone).then(|| to.clone());
-                scope.spawn(move || work(to))
+                // The interpreter recurses on the function's calls.
+                let running = spawn_alike(scope, move || work(to));
+                running.expect("the system starts threads")
             };
             let handles: Vec<_> = (0..threads).map(spawn).collect();
             drop(to);
