@@ -163,6 +163,7 @@ const GIVEN: &[&str] = &[
     "rust-mirror-unknown",
     "specialised-length",
     "target-changes-layout",
+    "unreached-block",
     "unused-allow",
 ];
 

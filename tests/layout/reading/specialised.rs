@@ -19,8 +19,8 @@ const TEXTS: &[(&str, &str)] = &[
         "u.b.x",
     ),
     (
-        "layout(constant_id = 3) const uint COUNT = 2u;\nconst uint TWICE = COUNT * 2u + 1u;\n\
-         layout(std140, set = 0, binding = 0) uniform B { vec3 a[TWICE]; float b; mat2 c[COUNT]; \
+        "layout(constant_id = 3) const uint COUNT = 2u;\n\
+         layout(std140, set = 0, binding = 0) uniform B { vec3 a[COUNT]; float b; mat2 c[COUNT]; \
          float d; } u;",
         "u.d",
     ),
@@ -54,5 +54,23 @@ fn a_value_for_a_specialisation_constant_moves_no_member() {
         }
         let wrong = with(&text, &[("COUNT", "many")]);
         assert!(wrong.has_errors(), "a value that is no number stays an error");
+    }
+}
+
+/// glslang 12 places what follows an array whose length is an expression of specialisation constants
+/// behind one element; the expression has a value all the same.
+#[test]
+fn a_length_that_is_an_expression_has_the_value_of_the_defaults() {
+    let declarations = "layout(constant_id = 3) const uint COUNT = 2u;\n\
+         const uint MORE = COUNT * 2u + 1u;\n\
+         layout(std140, set = 0, binding = 0) uniform B { vec3 a[MORE]; float b; } u;";
+    let text = format!(
+        "#version 450\n{declarations}\nlayout(location = 0) out vec4 o;\n\
+         void main() {{ o = vec4(u.b); }}\n"
+    );
+    assert_eq!(of_glslang(&text, Client::Vulkan), ["B.a[] 0", "B.b 16"]);
+    for given in [&[][..], &[("COUNT", "7")]] {
+        // Five elements of 16 bytes.
+        assert_eq!(leaves(&with(&text, given)), ["B.a[] 0", "B.b 80"]);
     }
 }

@@ -164,9 +164,9 @@ codes! {
     UnknownTexture = "unknown-texture";
     UnknownType = "unknown-type";
     UnmatchedDirective = "unmatched-directive";
+    UnreachedBlock = "unreached-block";
     UnreadableFile = "unreadable-file";
     UnreadableLock = "unreadable-lock";
-    UnreachedBlock = "unreached-block";
     UnsizedBlock = "unsized-block";
     UnusedOption = "unused-option";
     UpAlongFront = "up-along-front";

@@ -213,6 +213,21 @@ impl Walk<'_> {
         }
     }
 
+    /// The field of that name or, if it is to be removed, the last one in front of it that stays.
+    fn last_kept(&self, name: &str) -> Option<String> {
+        let is_removed = |at: usize| {
+            let at_field = |found: &&Difference| found.field == Some(at);
+            let found = self.found.iter().filter(at_field);
+            found.into_iter().any(|found| found.help.as_deref() == Some("remove it"))
+        };
+        let Some(at) = self.laid.fields.iter().position(|field| *field.name == *name) else {
+            // It is added by an earlier help.
+            return Some(name.to_string());
+        };
+        let kept = (0..=at).rev().find(|&at| !is_removed(at))?;
+        Some(self.laid.fields[kept].name.to_string())
+    }
+
     /// A member that has no field.
     fn insert(&mut self, step: &Step<'_>) {
         let member = step.view.member;
@@ -225,7 +240,7 @@ impl Walk<'_> {
         for finding in removed {
             self.found[finding].help = Some("remove it".to_string());
         }
-        let last = self.reach.kept.take().or(before);
+        let last = self.reach.kept.take().or_else(|| self.last_kept(&before?));
         let at = last.map_or("first".to_string(), |name| format!("after `{name}`"));
         // Padding right before it is added with it.
         let behind = format!(" before `{}`", member.name);
