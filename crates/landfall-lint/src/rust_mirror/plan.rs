@@ -218,7 +218,9 @@ impl Walk<'_> {
         let is_removed = |at: usize| {
             let at_field = |found: &&Difference| found.field == Some(at);
             let found = self.found.iter().filter(at_field);
-            found.into_iter().any(|found| found.help.as_deref() == Some("remove it"))
+            found
+                .into_iter()
+                .any(|found| found.help.as_deref().is_some_and(|it| it.starts_with("remove it")))
         };
         let Some(at) = self.laid.fields.iter().position(|field| *field.name == *name) else {
             // It is added by an earlier help.
