@@ -99,7 +99,7 @@ fn whole_name(of: &str) -> String {
         Some(_) | None => return of,
     };
     let dims = |count: &[u8]| count.iter().all(|digit| (b'2'..=b'4').contains(digit));
-    match of[..of.len() - 1].as_bytes() {
+    match &of.as_bytes()[..of.len() - 1] {
         [b'v', b'e', b'c', n] if dims(&[*n]) => format!("vec{}<{scalar}>", char::from(*n)),
         [b'm', b'a', b't', c, b'x', r] if dims(&[*c, *r]) && scalar.starts_with('f') => {
             format!("mat{}x{}<{scalar}>", char::from(*c), char::from(*r))

@@ -92,7 +92,7 @@ pub fn may_be_shader(head: &[u8]) -> bool {
     let mut has_statement = false;
     // Names that the text defines mean what it says.
     let mut defined: Vec<&str> = Vec::new();
-    while let Some(token) = tokens.next() {
+    for token in tokens.by_ref() {
         match token {
             Token::Directive("version" | "extension", _) => return true,
             Token::Directive("region" | "nullable" | "light" | "load" | "r", _) => return false,

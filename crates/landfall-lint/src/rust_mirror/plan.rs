@@ -242,7 +242,7 @@ impl Walk<'_> {
         for finding in removed {
             self.found[finding].help = Some("remove it".to_string());
         }
-        let last = self.reach.kept.take().or_else(|| self.last_kept(&before?));
+        let last = self.reach.kept.take().or(before).and_then(|name| self.last_kept(&name));
         let at = last.map_or("first".to_string(), |name| format!("after `{name}`"));
         // Padding right before it is added with it.
         let behind = format!(" before `{}`", member.name);

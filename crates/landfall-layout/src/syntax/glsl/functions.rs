@@ -107,7 +107,7 @@ impl<'a> DeclarationReader<'a> {
         if ty.text == "void" && !(alone && rest.is_empty()) {
             return syntax(ty, "a parameter has the type `void`".to_string());
         }
-        let Some(name) = rest.first() else { return None };
+        let name = rest.first()?;
         if name.kind != Kind::Name {
             return syntax(name, format!("unexpected `{}` in a parameter", name.text));
         }
