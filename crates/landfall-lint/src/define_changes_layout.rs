@@ -184,8 +184,8 @@ fn differs(leaf: &Leaf, there: &Leaf, language: Language) -> Option<LeafDifferen
     }
     if leaf.strides != there.strides {
         // An outer stride grows with an inner one.
-        let strides = leaf.strides.iter().zip(&there.strides).enumerate();
-        return match strides.filter(|(_, (a, b))| a != b).last() {
+        let mut strides = leaf.strides.iter().zip(&there.strides).enumerate();
+        return match strides.rfind(|(_, (a, b))| a != b) {
             Some((dim, (here, there))) => {
                 of(format!("has stride {there} instead of {here}"), Some(dim))
             }

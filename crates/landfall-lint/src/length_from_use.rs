@@ -52,7 +52,7 @@ fn first(subject: &Subject<'_>, block: &BlockLayout) -> Option<Finding> {
         if let (Some(array), true) = (array, there != offset) {
             return Some(finding(subject, block, array, member, there));
         }
-        let Some(size) = member.size else { return None };
+        let size = member.size?;
         end = offset + size;
         theirs = there + size;
         if by_use(member) {

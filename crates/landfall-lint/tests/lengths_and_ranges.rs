@@ -104,10 +104,8 @@ fn members_behind_an_array_without_a_length_are_elsewhere_in_glslangs_spirv() {
     );
     assert_eq!(help(&finding), "write `a[3]`");
     // One element is what glslang counts, and the last of a `buffer` has no length.
-    for uses in ["u.c = vec4(u.a[0], u.b[0]);"] {
-        let text = text.replace("u.c = vec4(u.a[2], u.b[4]);", uses);
-        assert_eq!(found(&text), [], "{uses}");
-    }
+    let first = text.replace("u.c = vec4(u.a[2], u.b[4]);", "u.c = vec4(u.a[0], u.b[0]);");
+    assert_eq!(found(&first), []);
     let last = text.replace("vec4 c;", "vec4 c[];").replace("u.c =", "u.c[7] =");
     assert_eq!(found(&last).len(), 1, "{last}");
     let sized = text.replace("a[]", "a[3]").replace("b[]", "b[5]");

@@ -12,29 +12,66 @@ use crate::lints_b::rustc::{Math, crates, run, scratch};
 /// Members of a std140 block, fields of a wrong mirror, and the bytes at which each member is, then
 /// the size of the block.
 #[rustfmt::skip]
-const CASES: &[(&str, &str, &[(&str, u64)], u64)] = &[
-    ("vec3 direction; vec3 color; float gain;", "direction: [f32; 3]; color: [f32; 3]; gain: f32",
-     &[("direction", 0), ("color", 16), ("gain", 28)], 32),
-    ("float e[5]; vec2 size; float weight[3]; int swap;",
-     "e: [f32; 5]; size: [f32; 2]; weight: [f32; 3]; swap: i32",
-     &[("e", 0), ("size", 80), ("weight", 96), ("swap", 144)], 160),
+type Case = (&'static str, &'static str, &'static [(&'static str, u64)], u64);
+
+const CASES: &[Case] = &[
+    (
+        "vec3 direction; vec3 color; float gain;",
+        "direction: [f32; 3]; color: [f32; 3]; gain: f32",
+        &[("direction", 0), ("color", 16), ("gain", 28)],
+        32,
+    ),
+    (
+        "float e[5]; vec2 size; float weight[3]; int swap;",
+        "e: [f32; 5]; size: [f32; 2]; weight: [f32; 3]; swap: i32",
+        &[("e", 0), ("size", 80), ("weight", 96), ("swap", 144)],
+        160,
+    ),
     ("vec3 color; float gain;", "color: glam::Vec3A; gain: f32", &[("color", 0), ("gain", 12)], 16),
-    ("mat3 turn; int count;", "turn: [[f32; 3]; 3]; _pad: [f32; 3]; count: i32; _end: [i32; 3]",
-     &[("turn", 0), ("count", 48)], 64),
-    ("vec3 color; vec3 place;", "color: [f32; 3]; _pad: [f32; 2]; place: [f32; 3]",
-     &[("color", 0), ("place", 16)], 32),
-    ("vec3 color; float gain; vec3 place;", "place: [f32; 3]; gain: f32; color: [f32; 3]",
-     &[("color", 0), ("gain", 12), ("place", 16)], 32),
-    ("vec4 color; float gain; int kind;", "color: [f32; 4]; kind: i32",
-     &[("color", 0), ("gain", 16), ("kind", 20)], 32),
-    ("bool on; vec2 at; bool off;", "on: bool; at: [f32; 2]; off: bool",
-     &[("on", 0), ("at", 8), ("off", 16)], 32),
+    (
+        "mat3 turn; int count;",
+        "turn: [[f32; 3]; 3]; _pad: [f32; 3]; count: i32; _end: [i32; 3]",
+        &[("turn", 0), ("count", 48)],
+        64,
+    ),
+    (
+        "vec3 color; vec3 place;",
+        "color: [f32; 3]; _pad: [f32; 2]; place: [f32; 3]",
+        &[("color", 0), ("place", 16)],
+        32,
+    ),
+    (
+        "vec3 color; float gain; vec3 place;",
+        "place: [f32; 3]; gain: f32; color: [f32; 3]",
+        &[("color", 0), ("gain", 12), ("place", 16)],
+        32,
+    ),
+    (
+        "vec4 color; float gain; int kind;",
+        "color: [f32; 4]; kind: i32",
+        &[("color", 0), ("gain", 16), ("kind", 20)],
+        32,
+    ),
+    (
+        "bool on; vec2 at; bool off;",
+        "on: bool; at: [f32; 2]; off: bool",
+        &[("on", 0), ("at", 8), ("off", 16)],
+        32,
+    ),
     ("float a; vec3 b;", "a: f32; extra: [f32; 8]; b: [f32; 3]", &[("a", 0), ("b", 16)], 32),
-    ("float a; mat2 m; vec3 s[2]; float b;", "a: f32; m: [[f32; 2]; 2]; s: [[f32; 3]; 2]; b: f32",
-     &[("a", 0), ("m", 16), ("s", 48), ("b", 80)], 96),
+    (
+        "float a; mat2 m; vec3 s[2]; float b;",
+        "a: f32; m: [[f32; 2]; 2]; s: [[f32; 3]; 2]; b: f32",
+        &[("a", 0), ("m", 16), ("s", 48), ("b", 80)],
+        96,
+    ),
     ("float w[2][3]; float b;", "w: [[f32; 3]; 2]; b: f32", &[("w", 0), ("b", 96)], 112),
-    ("vec2 a; vec4 b;", "a: [f32; 2]; _p0: f32; _p1: f32; _p2: f32; b: [f32; 4]",
-     &[("a", 0), ("b", 16)], 32),
+    (
+        "vec2 a; vec4 b;",
+        "a: [f32; 2]; _p0: f32; _p1: f32; _p2: f32; b: [f32; 4]",
+        &[("a", 0), ("b", 16)],
+        32,
+    ),
 ];
 
 fn mirror(fields: &[String]) -> String {

@@ -125,9 +125,8 @@ fn compare(here: &Copy<'_>, there: &Copy<'_>) -> Option<Finding> {
         while theirs.get(first).is_some_and(|other| other.end <= element.start) {
             first += 1;
         }
-        let overlapping = theirs[first..].iter().take_while(|other| other.start < element.end);
-        let other =
-            overlapping.filter(|other| other.end > element.start && !same(element, other)).next();
+        let mut overlapping = theirs[first..].iter().take_while(|other| other.start < element.end);
+        let other = overlapping.find(|other| other.end > element.start && !same(element, other));
         differing.extend(other.map(|other| (element, other)));
     }
     let (element, other) = differing.first()?;
