@@ -109,6 +109,7 @@ impl Walk<'_> {
         let about = format!("{}.{path}", self.block.name);
         let at = place(self.subject, member.span);
         // An explicit offset leaves room for more elements.
+        let is_last = behind.is_none();
         let close = behind.filter(|next| {
             next.offset < end.next_multiple_of(next.align.max(1)) + next.align.max(1)
                 || past.is_some_and(|(_, past)| past > next.offset)
@@ -122,14 +123,14 @@ impl Walk<'_> {
                 ),
                 format!("move `{path}` to the end of the block"),
             ),
-            (None, Some((given, past))) => (
+            (None, Some((given, past))) if is_last => (
                 format!(
                     "`{path}` ends at byte {past} with the {given} elements of `-O`, but its block \
                      is laid out for those up to byte {end}"
                 ),
                 format!("give the default of {constants} the largest value that pipelines use"),
             ),
-            (None, None) => return None,
+            (None, _) => return None,
         };
         let mut finding = Finding::of(LINT.code, about, at, message).with_note(
             "the defaults of specialisation constants lay a block out; specialisation does not lay \

@@ -141,7 +141,7 @@ fn bytes_that_two_stages_read_as_different_types_are_reported() {
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(
         said(&found[0]),
-        "2:44 push constants `Q` read bytes as `tint` (`vec4` at 0) that s/a.vert reads as `clip` \
+        "2:40 push constants `Q` read bytes as `tint` (`vec4` at 0) that s/a.vert reads as `clip` \
          (`mat4` at 0)"
     );
     assert_eq!(found[0].notes[1], "`k` (`float` at 16) and `clip` (`mat4` at 0)");
