@@ -67,6 +67,7 @@ codes! {
     InternalError = "internal-error";
     InvalidAlign = "invalid-align";
     InvalidAttribute = "invalid-attribute";
+    InvalidShader = "invalid-shader";
     InvalidSize = "invalid-size";
     JsonSyntax = "json-syntax";
     LayoutQualifier = "layout-qualifier";
@@ -150,6 +151,7 @@ codes! {
     UnexpectedToken = "unexpected-token";
     UniformConstraints = "uniform-constraints";
     UnknownAddressSpace = "unknown-address-space";
+    UnknownAttribute = "unknown-attribute";
     UnknownBlock = "unknown-block";
     UnknownDirective = "unknown-directive";
     UnknownFunction = "unknown-function";

@@ -4,6 +4,7 @@
 //! variable resolves its type, and the type its structures and constants. Declarations that no
 //! block depends on are not parsed.
 
+mod attribute_names;
 mod attributes;
 mod comments;
 mod constants;
@@ -31,6 +32,7 @@ mod outline;
 mod predeclared;
 mod reader;
 mod report;
+mod reserved;
 mod structs;
 mod types;
 mod uses;
@@ -70,7 +72,10 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     let text: &str = &source.text;
     let mut reports = Reports::default();
     let outline = outline::read(text, &mut reports);
-    if outline.incomplete {
+    if !outline.incomplete {
+        attribute_names::check(text, &outline, &mut reports);
+    }
+    if outline.incomplete || reports.saw_preprocessor {
         return Parsed { files, diagnostics: reports.finish(), ..Parsed::default() };
     }
     let mut blocks = Vec::new();
@@ -102,7 +107,12 @@ pub(crate) fn body_errors(source: &Source) -> Vec<Diagnostic> {
     let outline = outline::read(&source.text, &mut Reports::default());
     match outline.incomplete {
         true => Vec::new(),
-        false => name_errors::undeclared(&source.text, &outline),
+        false => {
+            let mut errors = reserved::errors(&source.text, &outline);
+            // A name that is refused where it is declared is not missing where it is used.
+            errors.extend(name_errors::undeclared(&source.text, &outline));
+            errors
+        }
     }
 }
 

@@ -70,6 +70,13 @@ pub(super) struct Outline<'a> {
     /// Whether the text is a template that another tool must complete, so that results are
     /// unreliable.
     pub(super) incomplete: bool,
+    /// Attributes before what can have none: from the first `@` to the end of the declaration, and
+    /// what it is.
+    pub(super) without_attributes: Vec<(u32, u32, &'static str)>,
+    /// The starts of directives that stand after a declaration.
+    pub(super) late_directives: Vec<u32>,
+    /// Whether a declaration that is not in `items` was read: an assertion or an empty one.
+    declared_other: bool,
 }
 
 const DECLARING: [&str; 7] = ["struct", "fn", "var", "const", "override", "alias", "const_assert"];
@@ -134,16 +141,34 @@ fn declaration<'a>(
         }
     }
     let token = lexer.next();
+    let what = match (token.kind, lexer.text_of(token)) {
+        (Kind::Word, "enable" | "requires" | "diagnostic") => Some("a directive"),
+        (Kind::Word, "const_assert") => Some("an assertion"),
+        (Kind::Sign(b';'), _) => Some("an empty declaration"),
+        _ => None,
+    };
+    if let Some(what) = what.filter(|_| token.start != start) {
+        outline.without_attributes.push((start, token.start, what));
+    }
     let class = match (token.kind, lexer.text_of(token)) {
-        (Kind::Sign(b';'), _) => return Ok(token.end),
+        (Kind::Sign(b';'), _) => {
+            outline.declared_other = true;
+            return Ok(token.end);
+        }
         (Kind::Sign(b'#'), _) => return Err(reports.refuse(report::preprocessor(lexer, token))),
         (Kind::Sign(b'['), _) if lexer.peek().is(b'[') => {
             return Err(reports.refuse(report::bracket_attribute(token)));
         }
         (Kind::Word, "enable" | "requires" | "diagnostic") => {
+            if outline.declared_other || !outline.items.is_empty() {
+                outline.late_directives.push(token.start);
+            }
             return directive(lexer, outline, reports, token);
         }
-        (Kind::Word, "const_assert") => return skip_to_semicolon(lexer, reports),
+        (Kind::Word, "const_assert") => {
+            outline.declared_other = true;
+            return skip_to_semicolon(lexer, reports);
+        }
         (Kind::Word, "import") => return Err(reports.refuse(report::preprocessor(lexer, token))),
         (Kind::Word, "struct") => Class::Struct,
         (Kind::Word, "alias") => Class::Alias,
