@@ -18,6 +18,7 @@ mod handles;
 mod implicit_size;
 mod include;
 pub(super) mod interface;
+mod later_keywords;
 mod layout_ids;
 mod legality;
 pub mod lexer;
@@ -164,7 +165,11 @@ pub(super) fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnos
     let mut shader = parse(source, options, &texts, false);
     match parse_bodies(&mut shader, source) {
         Err(error) => vec![error],
-        Ok(()) => name_errors::undeclared(&shader.items, &shader.parser),
+        Ok(()) => {
+            let mut errors = later_keywords::errors(&shader.items, &mut shader.parser);
+            errors.extend(name_errors::undeclared(&shader.items, &shader.parser));
+            errors
+        }
     }
 }
 

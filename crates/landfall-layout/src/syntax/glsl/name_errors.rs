@@ -3,7 +3,8 @@
 //!
 //! Scopes are not followed: a name that is declared anywhere counts as declared, a type is known
 //! only where all declarations of the name agree, and a member of unknown type need only be one of
-//! some structure. So nothing is reported that a compiler accepts. Functions are not looked at.
+//! some structure. A function is unknown only if its name is near to a known one, because extensions
+//! have many. So nothing is reported that a compiler accepts.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -30,6 +31,7 @@ struct Names<'t, 'a> {
     structures: FxHashMap<&'a str, Option<Types<'a>>>,
     members: FxHashSet<&'a str>,
     uses: Vec<&'t Expr<'a>>,
+    functions: FxHashSet<&'a str>,
 }
 
 /// Returns an error for each such name in declarations whose expressions and bodies are parsed.
@@ -40,6 +42,7 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
             Item::Variables(declaration) => names.declaration(declaration),
             Item::Block(block) | Item::Interface(block) => names.block(block),
             Item::Function(function) => {
+                names.functions.insert(function.name.text);
                 names.ty(&function.returns);
                 for parameter in &function.parameters {
                     names.ty(&parameter.ty);
@@ -128,7 +131,7 @@ impl<'t, 'a> Names<'t, 'a> {
 
     fn expression(&mut self, e: &'t Expr<'a>) {
         match &e.kind {
-            ExprKind::Name(_) | ExprKind::Member(..) => self.uses.push(e),
+            ExprKind::Name(_) | ExprKind::Member(..) | ExprKind::Call(..) => self.uses.push(e),
             ExprKind::Construct(ty, _) => self.ty(ty),
             _ => {}
         }
@@ -146,8 +149,29 @@ impl<'t, 'a> Names<'t, 'a> {
                 (!is_known).then(|| error(Code::UnknownName, e.span, message, near()))
             }
             ExprKind::Member(base, member) => self.member_error(base, member),
+            ExprKind::Call(name, _) => self.function_error(name),
             _ => None,
         }
+    }
+
+    fn function_error(&self, name: &Name<'a>) -> Option<Diagnostic> {
+        let text = name.text;
+        let is_known = self.functions.contains(text)
+            || self.structures.contains_key(text)
+            // Of `Item::Other`, or a parameter of a macro of the includer.
+            || self.variables.contains_key(text)
+            || is_predeclared(text)
+            || text.chars().all(|c| c.is_ascii_uppercase() || c == '_' || c.is_ascii_digit())
+            || FAMILIES.iter().any(|start| text.starts_with(start))
+            || EXTENSIONS.iter().any(|end| text.ends_with(end))
+            || FUNCTIONS.split(' ').any(|known| known == text);
+        if is_known {
+            return None;
+        }
+        let known = self.functions.iter().copied().chain(FUNCTIONS.split(' '));
+        let near = nearest(text, known)?;
+        let message = format!("there is no function `{text}`");
+        Some(error(Code::UnknownFunction, name.span, message, Some(near)))
     }
 
     fn member_error(&self, base: &Expr<'a>, member: &Name<'a>) -> Option<Diagnostic> {
@@ -208,3 +232,44 @@ fn error(code: Code, span: Span, message: String, near: Option<&str>) -> Diagnos
         None => error,
     }
 }
+
+/// The functions of GLSL (4.60 §8, and those of earlier versions), without the families below.
+const FUNCTIONS: &str = "radians degrees sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh pow exp log \
+     exp2 log2 sqrt inversesqrt abs sign floor trunc round roundEven ceil fract mod modf min \
+     max clamp mix step smoothstep isnan isinf floatBitsToInt floatBitsToUint intBitsToFloat \
+     uintBitsToFloat fma frexp ldexp packUnorm2x16 packSnorm2x16 packUnorm4x8 packSnorm4x8 \
+     unpackUnorm2x16 unpackSnorm2x16 unpackUnorm4x8 unpackSnorm4x8 packHalf2x16 unpackHalf2x16 \
+     packDouble2x32 unpackDouble2x32 length distance dot cross normalize ftransform faceforward \
+     reflect refract matrixCompMult outerProduct transpose determinant inverse lessThan \
+     lessThanEqual greaterThan greaterThanEqual equal notEqual any all not uaddCarry usubBorrow \
+     umulExtended imulExtended bitfieldExtract bitfieldInsert bitfieldReverse bitCount findLSB \
+     findMSB dFdx dFdy dFdxFine dFdyFine dFdxCoarse dFdyCoarse fwidth fwidthFine fwidthCoarse \
+     interpolateAtCentroid interpolateAtSample interpolateAtOffset noise1 noise2 noise3 noise4 \
+     EmitStreamVertex EndStreamPrimitive EmitVertex EndPrimitive barrier memoryBarrier \
+     memoryBarrierAtomicCounter memoryBarrierBuffer memoryBarrierShared memoryBarrierImage \
+     groupMemoryBarrier subpassLoad anyInvocation allInvocations allInvocationsEqual min3 max3 \
+     mid3 mul24 debugPrintf controlBarrier";
+
+/// The beginnings of names of functions of which versions and extensions have many.
+const FAMILIES: &[&str] = &[
+    "texture",
+    "texel",
+    "shadow",
+    "image",
+    "atomic",
+    "subgroup",
+    "sparse",
+    "coopMat",
+    "coopVec",
+    "rayQuery",
+    "hitObject",
+    "tensor",
+    "pack",
+    "unpack",
+    "bitfield",
+    "clock",
+];
+
+/// The ends of names of extensions' functions.
+const EXTENSIONS: &[&str] =
+    &["EXT", "ARB", "KHR", "NV", "AMD", "OES", "INTEL", "ATI", "QCOM", "ARM", "HUAWEI", "APPLE"];
