@@ -14,7 +14,7 @@ pub(super) use header::header;
 pub(super) use names::{Naming, free};
 
 use super::c::comments;
-use super::runtime_tail::{TailSize, tail_size};
+use super::runtime_tail::{TailSize, buffer_size, tail_size};
 use landfall_layout::diagnostic::Code;
 use landfall_layout::layout::{BlockLayout, MemberLayout, measure};
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules, Scalar, ScalarKind, Type};
@@ -232,7 +232,7 @@ impl Maker {
     }
 
     fn block(&mut self, block: &BlockLayout, shader: &ShaderLayout) -> Result<(), Refusal> {
-        let Some(size) = block.size else {
+        let Some(size) = buffer_size(block) else {
             return Err(Refusal { span: block.span, why: "it has no layout".to_string() });
         };
         for leaf in &block.leaves {

@@ -20,10 +20,21 @@ pub(super) struct TailSize {
 /// element, which is rounded up (§ minimum buffer binding size), and a multiple of 4.
 pub(super) fn tail_size(block: &BlockLayout, offset: u64, stride: u64) -> TailSize {
     match block.rules {
-        Rules::Wgsl => TailSize { least: block.size.unwrap_or(0), multiple: 4 },
+        Rules::Wgsl => TailSize { least: buffer_size(block).unwrap_or(0), multiple: 4 },
         Rules::Std140 | Rules::Std430 | Rules::Scalar => {
             TailSize { least: offset + stride, multiple: 1 }
         }
+    }
+}
+
+/// The bytes of a buffer for a block, as a program allocates and writes them.
+///
+/// WebGPU writes in multiples of 4 bytes (§ `writeBuffer`, § `mappedAtCreation`), so a lone `f16`, of
+/// 2 bytes for the shader, has 4 in the program.
+pub(super) fn buffer_size(block: &BlockLayout) -> Option<u64> {
+    match block.rules {
+        Rules::Wgsl => block.size.map(|size| size.next_multiple_of(4)),
+        Rules::Std140 | Rules::Std430 | Rules::Scalar => block.size,
     }
 }
 

@@ -114,7 +114,7 @@ fn constants(
         let name = names.claim(format!("{macros}_{name}"));
         text.push_str(&format!("#define {name} {value}\n"));
     };
-    define("SIZE", number(block.size.unwrap_or(0)));
+    define("SIZE", number(crate::runtime_tail::buffer_size(block).unwrap_or(0)));
     define("DATA_SIZE", number(block.data_size.unwrap_or(0)));
     if let Some(group) = block.group {
         define("GROUP", number(group.into()));

@@ -145,7 +145,7 @@ impl Types {
         shader: &ShaderLayout,
         names: &mut Names,
     ) -> Result<Mirror, Refusal> {
-        let size = block.size.unwrap_or(0);
+        let size = crate::runtime_tail::buffer_size(block).unwrap_or(0);
         let (last, fixed) = match block.members.split_last() {
             Some((last, before)) if last.dims.first() == Some(&ArrayLen::Runtime) => {
                 (Some(last), before)

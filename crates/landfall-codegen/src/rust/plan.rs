@@ -19,7 +19,7 @@ use super::rename::Renames;
 use super::types::{
     Field, GeneratedType, GeneratedTypeId, Mirror, Module, RuntimeTail, RustType, Sized,
 };
-use crate::runtime_tail::tail_size;
+use crate::runtime_tail::{buffer_size, tail_size};
 use crate::user_types::UserTypes;
 
 /// All types and tables of the output.
@@ -112,7 +112,7 @@ impl<'a> Plan<'a> {
         self.used.resize(self.used.len().max(module + 1), Vec::new());
         let origin = Origin { files: &shader.files, language: shader.language, input };
         self.origin = Some(origin);
-        let whole = layout.size.expect("blocks without offsets are refused");
+        let whole = buffer_size(layout).expect("blocks without offsets are refused");
         let (fixed, last) = split_tail(layout);
         let end = last.and_then(|tail| tail.offset).unwrap_or(whole);
         let align = divisor(end).min(divisor(layout.align.unwrap_or(1)));

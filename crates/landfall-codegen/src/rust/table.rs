@@ -44,7 +44,7 @@ fn table(out: &Printer<'_>, text: &mut Text, block: &PlannedBlock<'_>, name: &st
         true => "Bytes a buffer must hold, with one element in the runtime-sized tail.",
         false => "Bytes a buffer must hold.",
     };
-    constant("SIZE", "usize", layout.size.unwrap_or(0), size);
+    constant("SIZE", "usize", crate::runtime_tail::buffer_size(layout).unwrap_or(0), size);
     constant("DATA_SIZE", "usize", layout.data_size.unwrap_or(0), "End of the last member.");
     if let Some(group) = layout.group {
         constant("GROUP", "u32", group.into(), "Descriptor set or bind group.");

@@ -13,6 +13,7 @@ use super::program::{Binding, Program};
 use super::text::{Module, PUB, WIDTH, indented, lines};
 use super::wgpu_types::{Bound, bound, stages};
 use super::{BindingOptions, WgpuMajor, constants, source, vertex, wgpu_types};
+use crate::runtime_tail::buffer_size;
 
 /// Prints a program; returns errors about what wgpu cannot bind.
 pub(super) fn program(
@@ -91,6 +92,7 @@ fn bind_group(
     let mut layouts = Vec::new();
     let mut entries = Vec::new();
     let mut names = Scope::default();
+    let mut slots = String::new();
     for one in program.in_group(group) {
         let Bound { binding, ty, count, field, resource } = match bound(one, options) {
             Ok(bound) => bound,
@@ -108,6 +110,9 @@ fn bind_group(
             stages(&one.stages),
             indented(&ty, 1).trim(),
         ));
+        if one.is_named(&options.dynamic_offsets) {
+            slots.push_str(&slot(one, &name));
+        }
         let resource = resource.replace("FIELD", &format!("self.{name}"));
         let mut line = format!("resource: {resource},");
         // An entry stands 5 levels deep in its module.
@@ -147,12 +152,35 @@ fn bind_group(
              layout: &wgpu::BindGroupLayout,\n    ) -> wgpu::BindGroup {{\n        \
              device.create_bind_group(&wgpu::BindGroupDescriptor {{\n            \
              label: Some({label:?}),\n            layout,\n            \
-             entries: &{},\n        }})\n    }}\n}}",
+             entries: &{},\n        }})\n    }}\n{slots}}}",
             layouts.trim(),
             entries.trim(),
         ),
     );
 }
+
+/// The distance of slots of a buffer with a dynamic offset, and the binding of one slot: without a
+/// size a binding reaches to the end of the buffer, and no offset but 0 is valid.
+fn slot(one: &Binding<'_>, name: &str) -> String {
+    let Some(size) = one.block.filter(|_| !is_open(one)).and_then(buffer_size) else {
+        return String::new();
+    };
+    let stride = size.next_multiple_of(DYNAMIC_OFFSET_ALIGNMENT);
+    let (constant, shown) = (screaming(name), escape::name(&one.resource.name));
+    format!(
+        "\n    /// The bytes from one slot of `{shown}` to the next: dynamic offsets are multiples of \
+         {DYNAMIC_OFFSET_ALIGNMENT}.\n    \
+         {PUB} const {constant}_SLOT_STRIDE: u64 = {stride};\n\n    \
+         /// Binds one slot of `{shown}`, {size} bytes at the dynamic offset.\n    \
+         {PUB} fn {name}_slot(buffer: &wgpu::Buffer) -> wgpu::BufferBinding<'_> {{\n        \
+         let size = core::num::NonZeroU64::new({size});\n        \
+         wgpu::BufferBinding {{ buffer, offset: 0, size }}\n    }}\n"
+    )
+}
+
+/// WebGPU §3.6.2, default limits: minUniformBufferOffsetAlignment and
+/// minStorageBufferOffsetAlignment.
+const DYNAMIC_OFFSET_ALIGNMENT: u64 = 256;
 
 /// A resource in the documentation of its field.
 fn about(one: &Binding<'_>, binding: u32) -> String {
@@ -164,7 +192,10 @@ fn about(one: &Binding<'_>, binding: u32) -> String {
                 false => format!(", a `{}`", escape::name(&block.name)),
             };
             let least = if is_open(one) { "at least " } else { "" };
-            format!("Binding {binding}, `{name}`{of}: {least}{} bytes.", block.size.unwrap_or(0))
+            format!(
+                "Binding {binding}, `{name}`{of}: {least}{} bytes.",
+                buffer_size(block).unwrap_or(0)
+            )
         }
         (None, ResourceKind::Sampler { comparison: true, .. }) => {
             format!("Binding {binding}, `{name}`: a sampler that compares.")

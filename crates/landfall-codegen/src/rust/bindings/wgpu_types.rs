@@ -164,7 +164,7 @@ fn buffer(
             }
         },
     };
-    let Some(size) = one.block.and_then(|block| block.size) else {
+    let Some(size) = one.block.and_then(crate::runtime_tail::buffer_size) else {
         return Err(one.error(format!("the size of `{}` is not known", one.resource.name)));
     };
     Ok(format!(
