@@ -224,7 +224,7 @@ error[output]: `[TMP]/render-named/scene.json` has the unknown `shader.normals` 
             "\"gone.frag\"",
             2,
             str![[r#"
-error[output]: `[TMP]/render-named/gone.frag` cannot be read: no such file or directory
+error[unreadable-file]: `[TMP]/render-named/gone.frag` cannot be read: no such file or directory
 
 
 "#]],
@@ -323,7 +323,7 @@ error[output]: `a.bmp` has no known extension; use `.png`, `.exr` or `.pfm`
         (
             vec![SCENE, "--shader", SHADER, "--compare", "gone.png"],
             str![[r#"
-error[output]: `gone.png` cannot be read: no such file or directory
+error[unreadable-file]: `gone.png` cannot be read: no such file or directory
 
 
 "#]],

@@ -188,7 +188,7 @@ fn a_configuration_that_is_a_directory_and_a_shader_without_blocks_are_named() {
     fs::remove_file(place.0.join("landfall.toml")).unwrap();
     fs::create_dir(place.0.join("landfall.toml")).unwrap();
     place.run(&["check"]).code(2).stderr_eq(str![[r#"
-error[output]: `landfall.toml` is the configuration but not a file
+error[unreadable-file]: `landfall.toml` is the configuration but not a file
   |
   = help: remove it, or ignore it with `--no-config`
 

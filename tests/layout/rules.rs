@@ -45,6 +45,10 @@ fn beside(lint: &Lint) -> Beside {
             let block = "PointLightBlock".to_string();
             settings.tables = vec![Table { block, size: Some(size), ..Table::default() }];
         }
+        "unknown-block" => {
+            let block = "Lihgts".to_string();
+            settings.tables = vec![Table { block, ..Table::default() }];
+        }
         // FOG is not among them.
         "define-changes-layout" | "unreached-block" => {
             settings.permutations = vec![vec![("SHADOWS".to_string(), "1".to_string())]];
@@ -122,8 +126,8 @@ fn found_elsewhere(lint: &Lint) -> Vec<Finding> {
             let report = driver_disagrees::read("seen.json", report).expect("a report");
             report.findings(&|_| Some(&shader))
         }
-        "target-changes-layout" => {
-            let (_, shader) = laid_out("shaders/a.frag", lint.example);
+        "target-changes-layout" | "undefined-macro" | "uniform-constraints" => {
+            let (_, shader) = laid_out(path(lint.example), lint.example);
             let found = shader.diagnostics.iter().filter(|found| found.code == lint.code);
             let finding = |found: &landfall_layout::Diagnostic| {
                 let place = Place::of(&shader.files, found.labels[0].at);

@@ -11,7 +11,8 @@ use std::sync::Once;
 
 use naga::{ArraySize, Module, TypeInner};
 
-use crate::source::{ExecutableStage, Language, Stage};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::{ExecutableStage, Language, Span, Stage};
 
 /// Returns the number of elements of the named array type in a WGSL text, if naga accepts the text.
 pub fn array_length(text: &str, name: &str) -> Option<u32> {
@@ -27,6 +28,46 @@ pub fn array_length(text: &str, name: &str) -> Option<u32> {
 pub(crate) fn wgsl_module(text: &str) -> Option<Module> {
     guarded(text, Language::Wgsl, || naga::front::wgsl::parse_str(text).ok())
 }
+
+/// Returns the error for which naga refuses a WGSL text; `None` also where naga only lacks
+/// something that the language or a proposal for it has, or is not given the text.
+pub fn wgsl_error(text: &str) -> Option<Diagnostic> {
+    if excess(text, Language::Wgsl).is_some() {
+        return None;
+    }
+    let error = caught(|| naga::front::wgsl::parse_str(text).err()).flatten()?;
+    let message = error.message();
+    if LACKS.iter().any(|part| message.contains(part)) {
+        return None;
+    }
+    let (span, label) = match error.labels().next() {
+        Some((span, label)) => (span.to_range().unwrap_or(0..0), label),
+        None => (0..0, ""),
+    };
+    let span = Span { file: 0, start: span.start as u32, end: span.end as u32 };
+    let found = Diagnostic::error(Code::InvalidShader, span, message);
+    let found = if label.is_empty() { found } else { found.with_note(label) };
+    Some(found.with_note("naga, the compiler of wgpu, refuses it"))
+}
+
+/// Parts of naga's messages about what it does not implement.
+const LACKS: &[&str] = &[
+    "not yet implemented",
+    "not implemented",
+    "not supported",
+    "not yet supported",
+    "unsupported",
+    "unimplemented",
+    "enable extension",
+    "enable-extension",
+    "language extension",
+    "is not enabled",
+    "unknown attribute",
+    "unknown builtin",
+    "unknown storage format",
+    "unknown address space",
+    "internal",
+];
 
 /// Parses a GLSL text; `None` if naga rejects it.
 pub fn glsl_module(text: &str, stage: Option<Stage>) -> Option<Module> {

@@ -99,12 +99,49 @@ fn errors_that_glslang_finds_are_found() {
         ("color.rgb = scene.lights[2].colour;", "`Light` has no member `colour`"),
         ("color.rgb = scene.light[2].color;", "`Lights` has no member `light`"),
         ("color.rgb = dif;", "`dif` is not declared"),
+        ("color.rgb = normalise(diff);", "there is no function `normalise`"),
+        ("float sample = 1.0;", "`sample` is reserved in this version of GLSL, so no name"),
     ] {
         let text = source(body);
         assert!(!is_accepted(&text, path), "{body}");
         assert_eq!(errors(&text, path), Some(vec![expected.to_string()]), "{body}");
     }
     assert!(is_accepted(&source("color.rgb = light.color * diff;"), path));
+}
+
+#[test]
+fn reserved_words_are_errors_in_the_versions_that_have_them() {
+    for (word, version, is_reserved) in [
+        ("precise", "330", false),
+        ("precise", "400", true),
+        ("sample", "330", false),
+        ("sample", "450", true),
+        ("double", "330", true),
+        ("buffer", "420", false),
+        ("buffer", "430", true),
+        ("patch", "150", false),
+        ("filter", "110", true),
+        ("layout", "140", true),
+        ("layout", "120", false),
+        ("row_major", "450", false),
+        ("precise", "300 es", false),
+        ("precise", "310 es", true),
+        ("sample", "300 es", true),
+    ] {
+        let text = format!(
+            "#version {version}\nprecision mediump float;\nstruct S {{ float {word}; }};\n\
+             uniform S s;\nvoid main() {{ }}\n"
+        );
+        // Desktop GLSL has `precision` from 1.30 on.
+        let text = match version {
+            "110" | "120" => text.replace("precision mediump float;\n", ""),
+            _ => text,
+        };
+        assert_eq!(is_accepted(&text, Path::new("a.frag")), !is_reserved, "{word} {version}");
+        let found = errors(&text, Path::new("a.frag")).unwrap_or_default();
+        let expected = format!("`{word}` is reserved in this version of GLSL, so no name");
+        assert_eq!(found, if is_reserved { vec![expected] } else { Vec::new() }, "{word} {version}");
+    }
 }
 
 /// Texts with one token of a body changed.
@@ -174,10 +211,18 @@ fn mutants_that_glslang_takes_have_no_error_and_most_others_have_one() {
     assert!(refused > 80 && found * 10 >= refused * 7, "{found} of {refused}");
 }
 
+/// Whether builds with naga tell of an error.
+fn is_refused_by_naga(text: &str) -> bool {
+    #[cfg(feature = "naga")]
+    return landfall_layout::naga_front::wgsl_error(text).is_some();
+    #[cfg(not(feature = "naga"))]
+    return text.is_empty();
+}
+
 #[test]
 fn names_in_bodies_of_wgsl_are_those_that_naga_knows() {
     let mut seed = 18;
-    let (mut taken, mut refused, mut found, mut accepted) = (0, 0, 0, 0);
+    let (mut taken, mut refused, mut found, mut accepted, mut by_naga) = (0, 0, 0, 0, 0);
     for path in files(&["wgsl"]) {
         let Ok(text) = fs::read_to_string(&path) else { continue };
         if naga::front::wgsl::parse_str(&text).is_err() {
@@ -195,12 +240,16 @@ fn names_in_bodies_of_wgsl_are_those_that_naga_knows() {
                 } else {
                     refused += 1;
                     found += usize::from(!errors.is_empty());
+                    by_naga += usize::from(!errors.is_empty() || is_refused_by_naga(&mutant));
                 }
             }
         }
     }
     println!("{accepted} mutants accepted; {found} of {refused} refused ones found");
-    // Syntax and types are not looked at.
+    println!("{by_naga} of them with the feature `analysis`");
+    #[cfg(feature = "naga")]
+    assert!(by_naga * 100 >= refused * 89, "{by_naga} of {refused}");
+    // Without naga, syntax and types are not looked at.
     assert!(taken > 25 && refused > 200 && found * 10 >= refused * 2, "{found} of {refused}");
     let text = "struct Light { color: vec3f }\n@group(0) @binding(0) var<uniform> light: Light;\n\
                 @fragment fn shade() -> @location(0) vec4f { return vec4f(BODY); }\n";

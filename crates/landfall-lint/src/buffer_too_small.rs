@@ -76,7 +76,8 @@ fn unknown_block<'a>(table: &Table, files: usize, names: impl Iterator<Item = &'
             format!("no shader that matches `{}` has a block `{}`", table.file, table.block)
         }
     };
-    let finding = Finding::of(LINT.code, table.block.as_str(), table.place.clone(), message);
+    let code = super::layout_warnings::UNKNOWN_BLOCK.code;
+    let finding = Finding::of(code, table.block.as_str(), table.place.clone(), message);
     match nearest(&table.block, names) {
         Some(name) => finding.with_help(format!("did you mean `{name}`?")),
         None => finding,

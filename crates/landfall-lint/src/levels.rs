@@ -4,6 +4,7 @@ use landfall_layout::finding::{Finding, Level};
 
 use super::definition::Lint;
 use super::glob;
+use super::layout_warnings::UNIFORM_CONSTRAINTS;
 use super::naga_disagrees;
 use super::registry::lint;
 use super::settings::{Settings, Target};
@@ -14,6 +15,11 @@ impl Lint {
         // For the target `webgpu`, what wgpu misreads is certainly wrong.
         if self.code == naga_disagrees::CODE && settings.targets.contains(&Target::WebGpu) {
             return Level::Deny;
+        }
+        // A target whose compilers take such blocks, and none that refuses them.
+        let is_taken = !settings.targets.is_empty() && !settings.targets.contains(&Target::WebGpu);
+        if self.code == UNIFORM_CONSTRAINTS.code && is_taken {
+            return Level::Warn;
         }
         self.level
     }

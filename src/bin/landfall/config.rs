@@ -349,7 +349,12 @@ impl Config {
 
 /// Whether a level can be set for this code.
 pub fn is_code(code: &str) -> bool {
-    code == "warnings" || code == "all" || lint(code).is_some() || renamed(code).is_some()
+    code == "warnings"
+        || code == "all"
+        || lint(code).is_some()
+        || renamed(code).is_some()
+        // A finding that is no lint's: a warning of the layout.
+        || Code::from_name(code).is_some()
 }
 
 /// The finding for a lint that a level enables, but that this build cannot find.

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anstream::{AutoStream, ColorChoice};
-#[cfg(feature = "exec")]
 use landfall_layout::error::ErrorKind;
 use landfall_layout::format as emit;
 use landfall_layout::format::Paint;
@@ -285,7 +284,11 @@ impl Streams {
 
     /// Writes the error that ended the command.
     pub fn failure(&self, error: Error) {
-        let found = Diagnostic { code: Code::Output, ..error.into() };
+        let code = match error.kind {
+            ErrorKind::Unreadable => Code::UnreadableFile,
+            _ => Code::Output,
+        };
+        let found = Diagnostic { code, ..error.into() };
         self.report(&self.style(FindingForm::Human).text(&[found], &Files::default()));
     }
 

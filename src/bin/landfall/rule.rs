@@ -79,6 +79,10 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
         None => Rule::all(),
         Some(code) => match Rule::named(code) {
             Some(rule) => vec![rule],
+            None if Code::from_name(code).is_some() => {
+                streams.exactly(&of_code(code, args.format))?;
+                return Ok(Outcome::Clean);
+            }
             None => {
                 let style = streams.style(FindingForm::Human);
                 streams.report(&style.text(&[unknown(code)], &Files::default()));
@@ -102,6 +106,26 @@ pub fn run(args: &RuleArgs, streams: &Streams) -> Result<Outcome, Failure> {
     // Built-in texts need no escaping.
     streams.exactly(&text)?;
     Ok(Outcome::Clean)
+}
+
+/// The explanation of a code that is neither a lint's nor a hazard's.
+fn of_code(code: &str, format: RuleFormat) -> String {
+    let what = "found where a shader or another input is read";
+    let why = "As an error it is the reason why there is no result, and no level changes that. As a \
+               warning its level is `warn`, which `-A` and `-D` change.";
+    match format {
+        RuleFormat::Json => {
+            let object =
+                serde_json::json!({ "code": code, "level": "warn", "what": what, "why": why });
+            format!("{object}\n")
+        }
+        RuleFormat::Md => format!("## `{code}`\n\nLevel: warn.\n\n{what}\n\n**Why.** {why}\n"),
+        RuleFormat::Human => {
+            let mut text = format!("{code}  (warn by default; no lint)\n");
+            sections(&mut text, &[("what", what), ("why", why)], Paint::Plain);
+            text
+        }
+    }
 }
 
 fn unknown(code: &str) -> Diagnostic {

@@ -165,7 +165,7 @@ fn a_file_that_is_no_baseline_is_an_error_and_kept() {
     }
     let gone = check(&place, &["--baseline", "gone.json"]);
     gone.code(2).stderr_eq(str![[r#"
-error[output]: `gone.json` cannot be read: no such file or directory
+error[unreadable-file]: `gone.json` cannot be read: no such file or directory
   |
   = help: write it with `landfall check --write-baseline`
 

@@ -609,7 +609,7 @@ error[output]: `sub/landfall.toml` conflicts with `.landfall.toml`: only one may
 "#]]);
     let ran = place.run(&["check", "--config", "gone.toml"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `gone.toml` cannot be read: no such file or directory
+error[unreadable-file]: `gone.toml` cannot be read: no such file or directory
 
 
 "#]]);

@@ -95,6 +95,7 @@ fn rows_that_are_off_are_told_with_both_numbers() {
 #[test]
 fn names_that_lead_nowhere_are_told_with_the_nearest() {
     let finding = only(held("PointLightBlok", Some(figure(1, "", 5)), vec![]));
+    assert_eq!(finding.code, "unknown-block");
     assert_eq!(finding.message, "no shader has a block `PointLightBlok`");
     assert_eq!(finding.help.as_deref(), Some("did you mean `PointLightBlock`?"));
     assert_eq!(finding.place().line, 1);

@@ -50,7 +50,7 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
     if let (Language::Wgsl, Some(excess)) =
         (shader.language, excess(&subject.source.text, Language::Wgsl))
     {
-        return vec![not_analysed(shader, &format!("the shader {excess}"))];
+        return vec![not_analysed(shader, None, &format!("the shader {excess}"))];
     }
     let lights = lights_in_blocks(&shader.blocks);
     // Vertex shaders transform normals without declaring lights.
@@ -75,14 +75,21 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         candidates.contains(&hazard.kind) && hazard.certainty >= least
     });
     let reported = reported.map(|hazard| finding(hazard, &shader.files, shader.language));
-    let refused = analysis.unfollowed.first().map(|why| not_analysed(shader, &why.message));
+    let refused = analysis.unfollowed.first().map(|why| {
+        let at = why.labels.first().map(|label| label.at);
+        not_analysed(shader, at, &why.message)
+    });
     refused.into_iter().chain(reported).collect()
 }
 
 /// Returns the finding that the lints that follow code could not analyse a shader.
-fn not_analysed(shader: &ShaderLayout, why: &str) -> Finding {
+fn not_analysed(shader: &ShaderLayout, at: Option<Span>, why: &str) -> Finding {
     let message = format!("functions are not analysed: {why}");
-    let place = Place::of(&shader.files, Span::default());
+    // A reason without a place is one of the whole file.
+    let place = match at.filter(|at| *at != Span::default()) {
+        Some(at) => Place::of(&shader.files, at),
+        None => Place::file(&*shader.path),
+    };
     Finding::of(Code::NotAnalysed.name(), &*shader.path, place, message)
         .with_note("lints that follow code cannot find anything in this shader")
 }

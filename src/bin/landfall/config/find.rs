@@ -93,6 +93,7 @@ fn readable(path: &Path, shown: &Path) -> Result<(), Error> {
     let refuse = |what: &str| {
         Error::new(shown.display().to_string(), what)
             .with_help("remove it, or ignore it with `--no-config`")
+            .unreadable()
     };
     match path.metadata() {
         Ok(found) if found.is_file() => Ok(()),

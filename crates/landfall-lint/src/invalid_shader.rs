@@ -1,0 +1,88 @@
+//! `invalid-shader`: what no compiler takes in the functions of a shader whose blocks can be laid
+//! out.
+
+use super::definition::{Check, Lint, Subject};
+use super::settings::Settings;
+use landfall_layout::finding::{Finding, Level, Place};
+use landfall_layout::source::Language;
+use landfall_layout::syntax::{body_errors, tokens};
+use landfall_layout::{Diagnostic, Span};
+
+pub(super) const LINT: Lint = Lint {
+    code: "invalid-shader",
+    level: Level::Deny,
+    what: "a shader that no compiler takes, though its blocks can be laid out: a syntax error in a \
+           function, a name or member that is not declared, a reserved word as a name",
+    why: "The layout of its blocks does not depend on the functions, so it would be computed and \
+          locked, and the program would learn of the error when it creates the shader. The default \
+          build reads names and syntax; with the feature `analysis`, WGSL is also given to naga, \
+          which knows types and functions. A file without an entry point is not looked at: what it \
+          uses may be declared by those that include it.",
+    example: "#version 450\n\
+              layout(std140, binding = 0) uniform Light { float range; } light;\n\
+              layout(location = 0) out vec4 color;\n\
+              void main() { color = vec4(light.rnage); }\n",
+    fix: "Correct the name, or what the message names.",
+    check: Check::Shader(check),
+};
+
+fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
+    if !has_entry_point(subject) {
+        return Vec::new();
+    }
+    let mut errors = body_errors(subject.source, &subject.options.read);
+    if errors.is_empty() {
+        errors.extend(by_compiler(subject));
+    }
+    errors.into_iter().map(|error| finding(subject, error)).collect()
+}
+
+/// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.
+#[cfg(feature = "analysis")]
+fn by_compiler(subject: &Subject<'_>) -> Option<Diagnostic> {
+    match subject.shader.language {
+        Language::Wgsl => landfall_layout::naga_front::wgsl_error(&subject.source.text),
+        Language::Glsl => None,
+    }
+}
+
+#[cfg(not(feature = "analysis"))]
+fn by_compiler(_: &Subject<'_>) -> Option<Diagnostic> {
+    None
+}
+
+/// Whether a text can be compiled alone.
+fn has_entry_point(subject: &Subject<'_>) -> bool {
+    let language = subject.shader.language;
+    let files = subject.shader.files.iter();
+    let mut texts = files.filter(|file| !file.path.starts_with("-D "));
+    texts.any(|file| {
+        let tokens = || tokens(&file.text, language);
+        match language {
+            Language::Glsl => {
+                file.text.contains("main") && tokens().windows(2).any(|two| two == ["void", "main"])
+            }
+            Language::Wgsl => {
+                tokens().windows(2).any(|two| two[0] == "@" && STAGES.contains(&two[1]))
+            }
+        }
+    })
+}
+
+/// The attributes of entry points.
+const STAGES: [&str; 5] = ["vertex", "fragment", "compute", "task", "mesh"];
+
+fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
+    let files = &subject.shader.files;
+    let at = error.labels.first().map_or(Span::default(), |label| label.at);
+    let mut finding =
+        Finding::of(LINT.code, &*subject.shader.path, Place::of(files, at), error.message);
+    for label in error.labels.iter().skip(1) {
+        finding = finding.with_label(Place::of(files, label.at), label.text.clone());
+    }
+    for note in error.notes {
+        finding = finding.with_note(note);
+    }
+    let help = error.help.unwrap_or_else(|| "correct it: no compiler takes the shader".to_string());
+    finding.with_help(help)
+}
