@@ -44,3 +44,36 @@ impl TailSize {
         !offset.is_multiple_of(self.multiple) || !stride.is_multiple_of(self.multiple)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use landfall_layout::{Options, Source, layout};
+
+    use super::*;
+
+    fn block(ty: &str) -> BlockLayout {
+        let text =
+            format!("enable f16;\n@group(0) @binding(0) var<storage, read_write> b: {ty};\n");
+        let shader = layout(&Source::new("a.wgsl", text), &Options::default());
+        assert!(!shader.has_errors(), "{:?}", shader.diagnostics);
+        shader.blocks[0].clone()
+    }
+
+    /// WebGPU: `size` of `writeBuffer` and of a buffer that is mapped at creation is a multiple of 4.
+    #[test]
+    fn buffers_of_webgpu_are_written_in_multiples_of_4_bytes() {
+        for (ty, shader, program) in [
+            ("f16", 2, 4),
+            ("vec3<f16>", 8, 8),
+            ("array<f16, 3>", 6, 8),
+            ("array<f16, 4>", 8, 8),
+            ("f32", 4, 4),
+        ] {
+            let block = block(ty);
+            assert_eq!(block.size, Some(shader), "{ty}");
+            assert_eq!(buffer_size(&block), Some(program), "{ty}");
+        }
+        assert_eq!(tail_size(&block("array<f16>"), 0, 2), TailSize { least: 4, multiple: 4 });
+        assert_eq!(tail_size(&block("array<f32>"), 0, 4), TailSize { least: 4, multiple: 4 });
+    }
+}

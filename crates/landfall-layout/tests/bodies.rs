@@ -140,7 +140,11 @@ fn reserved_words_are_errors_in_the_versions_that_have_them() {
         assert_eq!(is_accepted(&text, Path::new("a.frag")), !is_reserved, "{word} {version}");
         let found = errors(&text, Path::new("a.frag")).unwrap_or_default();
         let expected = format!("`{word}` is reserved in this version of GLSL, so no name");
-        assert_eq!(found, if is_reserved { vec![expected] } else { Vec::new() }, "{word} {version}");
+        assert_eq!(
+            found,
+            if is_reserved { vec![expected] } else { Vec::new() },
+            "{word} {version}"
+        );
     }
 }
 
