@@ -66,7 +66,10 @@ pub(super) fn read<'a>(
             let message =
                 format!("an array must have at least 1 element, but this has {}", shown());
             let diagnostic = Diagnostic::error(Code::ArraySize, at, message);
-            let help = "write `array<T>` for a runtime-sized array, or a length of at least 1";
+            let help = match overridden {
+                Some(_) => "give the override another default, or pass `-O NAME=VALUE`",
+                None => "write `array<T>` for a runtime-sized array, or a length of at least 1",
+            };
             Err(reader.reports.refuse(diagnostic.with_help(help)))
         }
         Ok(count) => Ok(Length { len: ArrayLen::Fixed(count), waits_for: None, overridden }),
