@@ -124,7 +124,7 @@ fn attributes_of_every_place_and_dialect_are_known() {
             true,
         ),
         ("@coherent @group(0) @binding(0) var<storage, read_write> b: array<u32>;", true),
-        ("fn f() { @diagnostic(off, derivative_uniformity) if true { } }", true),
+        ("fn f() { @diagnostic(off, derivative_uniformity) if true { } }", false),
         (
             "enable chromium_experimental_framebuffer_fetch; @fragment fn f(@color(0) a: vec4f) {}",
             false,
@@ -291,15 +291,15 @@ fn campaign(step: usize) -> (usize, usize, usize) {
 #[test]
 fn most_changed_attributes_and_keywords_that_compilers_refuse_are_told() {
     let (refused, told, _) = campaign(61);
-    assert!(refused > 100 && told * 100 >= refused * 60, "{told} of {refused}");
+    assert!(refused > 100 && told * 100 >= refused * 90, "{told} of {refused}");
 }
 
 #[test]
 #[ignore = "at length: ./tests/run layout"]
 fn changed_attributes_and_keywords_at_length() {
     let (refused, told, told_by_any) = campaign(1);
-    assert!(told * 100 >= refused * 60, "{told} of {refused}");
+    assert!(told * 100 >= refused * 88, "{told} of {refused}");
     #[cfg(feature = "naga")]
-    assert!(told_by_any * 100 >= refused * 95, "{told_by_any} of {refused}");
+    assert!(told_by_any * 100 >= refused * 94, "{told_by_any} of {refused}");
     let _ = told_by_any;
 }
