@@ -123,6 +123,16 @@ fn other_language(lexer: &Lexer<'_>, first: &str) -> Option<&'static str> {
     other_language::of_words_in_wgsl(first, next)
 }
 
+/// What begins with a token, if no attribute may stand before it.
+fn without_attributes(lexer: &Lexer<'_>, first: Token) -> Option<&'static str> {
+    match (first.kind, lexer.text_of(first)) {
+        (Kind::Word, "enable" | "requires" | "diagnostic") => Some("a directive"),
+        (Kind::Word, "const_assert") => Some("an assertion"),
+        (Kind::Sign(b';'), _) => Some("an empty declaration"),
+        _ => None,
+    }
+}
+
 /// Reads one declaration; returns its end.
 fn declaration<'a>(
     lexer: &mut Lexer<'a>,
@@ -141,13 +151,7 @@ fn declaration<'a>(
         }
     }
     let token = lexer.next();
-    let what = match (token.kind, lexer.text_of(token)) {
-        (Kind::Word, "enable" | "requires" | "diagnostic") => Some("a directive"),
-        (Kind::Word, "const_assert") => Some("an assertion"),
-        (Kind::Sign(b';'), _) => Some("an empty declaration"),
-        _ => None,
-    };
-    if let Some(what) = what.filter(|_| token.start != start) {
+    if let Some(what) = without_attributes(lexer, token).filter(|_| token.start != start) {
         outline.without_attributes.push((start, token.start, what));
     }
     let class = match (token.kind, lexer.text_of(token)) {
@@ -160,9 +164,6 @@ fn declaration<'a>(
             return Err(reports.refuse(report::bracket_attribute(token)));
         }
         (Kind::Word, "enable" | "requires" | "diagnostic") => {
-            if outline.declared_other || !outline.items.is_empty() {
-                outline.late_directives.push(token.start);
-            }
             return directive(lexer, outline, reports, token);
         }
         (Kind::Word, "const_assert") => {
@@ -240,6 +241,9 @@ fn directive<'a>(
     reports: &mut Reports,
     first: Token,
 ) -> Result<u32, report::Refused> {
+    if outline.declared_other || !outline.items.is_empty() {
+        outline.late_directives.push(first.start);
+    }
     let mut words = lexer.clone();
     let end = skip_to_semicolon(lexer, reports)?;
     loop {
