@@ -3,6 +3,7 @@
 
 use super::definition::{Check, Lint, Subject};
 use super::settings::Settings;
+use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::Language;
 use landfall_layout::syntax::{body_errors, tokens};
@@ -16,8 +17,8 @@ pub(super) const LINT: Lint = Lint {
     why: "The layout of its blocks does not depend on the functions, so it would be computed and \
           locked, and the program would learn of the error when it creates the shader. The default \
           build reads names and syntax; with the feature `analysis`, WGSL is also given to naga, \
-          which knows types and functions. A file without an entry point is not looked at: what it \
-          uses may be declared by those that include it.",
+          which knows types and functions. In a file without an entry point only reserved words \
+          are looked for: what it uses may be declared by those that include it.",
     example: "#version 450\n\
               layout(std140, binding = 0) uniform Light { float range; } light;\n\
               layout(location = 0) out vec4 color;\n\
@@ -27,11 +28,11 @@ pub(super) const LINT: Lint = Lint {
 };
 
 fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
-    if !has_entry_point(subject) {
-        return Vec::new();
-    }
     let mut errors = body_errors(subject.source, &subject.options.read);
-    if errors.is_empty() {
+    if !has_entry_point(subject) {
+        // A reserved word is none in any file; a name may be that of who includes this one.
+        errors.retain(|error| error.code == Code::InvalidShader);
+    } else if errors.is_empty() {
         errors.extend(by_compiler(subject));
     }
     errors.into_iter().map(|error| finding(subject, error)).collect()
@@ -83,6 +84,8 @@ fn finding(subject: &Subject<'_>, error: Diagnostic) -> Finding {
     for note in error.notes {
         finding = finding.with_note(note);
     }
-    let help = error.help.unwrap_or_else(|| "correct it: no compiler takes the shader".to_string());
-    finding.with_help(help)
+    match error.help {
+        Some(help) => finding.with_help(help),
+        None => finding,
+    }
 }
