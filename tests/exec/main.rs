@@ -16,5 +16,6 @@ mod run_module;
 mod run_remote;
 mod runtime_tail;
 mod verify;
+mod verify_same_text;
 mod verify_web;
 mod verify_widths;

@@ -1,13 +1,13 @@
 //! The resources of a module for one run: blocks filled from JSON, textures of one colour.
 //!
-//! Used by [`call`](super::call) and [`coverage`](super::coverage).
+//! Used by [`call`](super::call), [`coverage`](super::coverage) and [`verify`](super::verify).
 
 use landfall_layout::diagnostic::Code;
 use serde_json::{Map, Value};
 
 use super::probe::plan::TAIL;
 use crate::backend::{Resource, ResourceKind};
-use landfall_ir::module::{HandleKind, Module, ModuleBlock};
+use landfall_ir::module::{HandleKind, Module, ModuleBlock, ModuleHandle};
 use landfall_layout::Diagnostic;
 use landfall_layout::buffer::{Buffer, Missing, encode};
 use landfall_layout::layout::BlockLayout;
@@ -105,16 +105,19 @@ pub(super) fn resources(
         binding: block.binding,
         kind: kind(&block.layout, bytes, writable(&block.layout)),
     });
-    let handles = module.handles().iter().filter_map(|handle| {
-        let kind = match handle.kind {
-            HandleKind::Texture => texture(colour(textures, &handle.path)),
-            HandleKind::Sampler => ResourceKind::Sampler,
-            HandleKind::Image => return None,
-        };
-        let name = handle.path.clone();
-        Some(Resource { name, group: handle.group, binding: handle.binding, kind })
-    });
+    let handles = module.handles().iter().filter_map(|handle| dummy(handle, textures));
     blocks.chain(handles).collect()
+}
+
+/// Returns what is bound to a texture or a sampler; images are not bound.
+pub(super) fn dummy(handle: &ModuleHandle, textures: &[(String, [f32; 4])]) -> Option<Resource> {
+    let kind = match handle.kind {
+        HandleKind::Texture => texture(colour(textures, &handle.path)),
+        HandleKind::Sampler => ResourceKind::Sampler,
+        HandleKind::Image => return None,
+    };
+    let name = handle.path.clone();
+    Some(Resource { name, group: handle.group, binding: handle.binding, kind })
 }
 
 /// Returns the resource kind of a block's buffer.

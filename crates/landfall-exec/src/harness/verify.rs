@@ -10,6 +10,7 @@ pub(super) mod partner;
 pub mod report;
 mod reported;
 pub(super) mod request;
+mod settled;
 mod user_spirv;
 mod verifier;
 mod web;
@@ -20,7 +21,7 @@ use crate::backend::{Backend, Failure};
 use crate::harness::access;
 use crate::harness::spirv;
 use landfall_layout::layout::BlockLayout;
-use landfall_layout::source::{Language, Source, Stage};
+use landfall_layout::source::{Language, ReadOptions, Source, Stage};
 use landfall_layout::syntax::glsl::sized;
 use landfall_layout::{Diagnostic, Options, ShaderLayout, layout};
 pub use report::{
@@ -65,7 +66,15 @@ impl Default for VerifyOptions {
 /// A shader to verify: its text and its layout.
 #[derive(Clone, Debug)]
 pub struct Subject {
+    shader: ShaderLayout,
+    run: ProbedText,
+}
+
+/// The text that backends run, as the layout reads the user's.
+#[derive(Clone, Debug)]
+struct ProbedText {
     source: Source,
+    read: ReadOptions,
     shader: ShaderLayout,
 }
 
@@ -80,15 +89,25 @@ impl Subject {
         options: &VerifyOptions,
     ) -> Result<Subject, (ShaderLayout, Vec<Diagnostic>)> {
         let options = options.layout.clone().with_gather(true).with_naga(true);
-        let open = source.language == Language::Glsl && source.text.contains('[');
-        let sized = open.then(|| sized(source, &options.read)).flatten();
-        let source = sized.as_ref().unwrap_or(source);
-        let shader = layout(source, &options);
+        let probed = |source: &Source, read: ReadOptions| {
+            let open = source.language == Language::Glsl && source.text.contains('[');
+            let sized = open.then(|| sized(source, &read)).flatten();
+            let source = sized.unwrap_or_else(|| source.clone());
+            let mut options = options.clone();
+            options.read = read;
+            let shader = layout(&source, &options);
+            ProbedText { source, read: options.read, shader }
+        };
+        let own = probed(source, options.read.clone());
+        let shader = own.shader.clone();
         if shader.has_errors() {
             let found = shader.diagnostics.clone();
             return Err((shader, found));
         }
-        Ok(Subject { source: source.clone(), shader })
+        let settled = settled::settled(source, &options.read);
+        let settled = settled.map(|(source, read)| probed(&source, read));
+        let run = settled.filter(|run| !run.shader.has_errors()).unwrap_or(own);
+        Ok(Subject { shader, run })
     }
 
     /// Returns the layout.
@@ -103,8 +122,12 @@ pub fn verify(
     options: &VerifyOptions,
     backends: &mut [Box<dyn Backend>],
 ) -> ShaderReport {
-    let Subject { source, shader } = subject;
-    let blocks = shader.blocks.iter().filter(|block| {
+    let Subject { shader, run } = subject;
+    let source = &run.source;
+    let mut own = options.clone();
+    own.layout.read = run.read.clone();
+    let options = &own;
+    let blocks = run.shader.blocks.iter().filter(|block| {
         let named = |name: &str| *block.name == *name || block.instance.as_deref() == Some(name);
         block.size.is_some() && options.block.as_deref().is_none_or(named)
     });
@@ -113,10 +136,10 @@ pub fn verify(
             None => Some(block),
             Some(given) => given.iter().find(|other| other.name == block.name),
         };
-        let access = access::member_accesses(block, &shader.files, source.language);
+        let access = access::member_accesses(block, &run.shader.files, source.language);
         let is_given = expected.is_some();
         let expected = expected.unwrap_or(block);
-        let blocks = &shader.blocks;
+        let blocks = &run.shader.blocks;
         Verifier { source, options, blocks, block, expected, access }.block(backends, is_given)
     });
     ShaderReport {
@@ -160,7 +183,7 @@ pub fn compare_spirv(
         };
         reported.backends.push(BackendReport {
             backend: ReadBy::Spirv,
-            stage: subject.source.stage.map_or("fragment", Stage::name),
+            stage: subject.run.source.stage.map_or("fragment", Stage::name),
             form: Form::Spirv,
             outcome,
             reason,

@@ -1,8 +1,10 @@
-//! Adds a probe to a GLSL shader: the user's text unchanged, then a `main` with the reads.
+//! Adds a probe to a GLSL shader: the user's text, then a `main` with the reads.
 //!
 //! Implements a [`Plan`]; the text goes to the OpenGL driver, and through Landfall's front end to
 //! the interpreter and wgpu.
 
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use rustc_hash::FxHashMap;
@@ -12,6 +14,7 @@ use super::sentinel::{self, Grain};
 use landfall_layout::layout::{BlockLayout, Leaf, MemberLayout};
 use landfall_layout::shape::{Scalar, ScalarKind, Type};
 use landfall_layout::source::{ExecutableStage, Language, Source};
+use landfall_layout::syntax;
 
 /// The storage block that holds the indices and receives the words.
 pub(crate) const RESULTS: &str = "LandfallWords";
@@ -49,7 +52,22 @@ pub(crate) fn with_main_renamed(source: &Source, head: &Head) -> String {
     let _ = writeln!(text, "#line {}", head.line);
     text.push_str(&source.text[head.end..]);
     text.push_str("\n#undef main\n");
+    // What follows names members and functions, never macros: one may have the name of a member.
+    for name in defined(&source.text) {
+        let _ = writeln!(text, "#undef {name}");
+    }
     text
+}
+
+/// Returns the names of the macros that a text defines. Compilers refuse `#undef` for those that
+/// begin as their own do (GLSL 4.60 §3.3).
+fn defined(text: &str) -> BTreeSet<&str> {
+    let tokens = match text.contains("define") {
+        true => syntax::tokens(text, Language::Glsl),
+        false => Vec::new(),
+    };
+    let names = tokens.windows(3).filter(|at| at[..2] == ["#", "define"]).map(|at| at[2]);
+    names.filter(|name| !name.starts_with("GL_") && !name.contains("__")).collect()
 }
 
 /// Appends the declarations before a generated `main`: the results' block, and a workgroup size if
@@ -68,7 +86,8 @@ pub(crate) fn results(text: &mut String, source: &Source, stage: ExecutableStage
 
 /// Returns whether a text declares a workgroup size in any dimension.
 pub(crate) fn is_sized(text: &str) -> bool {
-    text.contains("local_size_")
+    let is_size = |token: &str| token.starts_with("local_size_");
+    text.contains("local_size_") && syntax::tokens(text, Language::Glsl).into_iter().any(is_size)
 }
 
 /// Appends a `main` for a stage, whose body one invocation runs.
@@ -98,10 +117,11 @@ pub(crate) struct Head {
 
 impl Head {
     pub(crate) fn of(text: &str) -> Head {
-        let mut end = 0;
+        let (mut end, mut in_comment) = (0, false);
         for (number, line) in text.split_inclusive('\n').enumerate() {
             end += line.len();
-            let words = line.trim_start().strip_prefix('#').map(str::trim_start);
+            let code = without_comments(line, &mut in_comment);
+            let words = code.trim_start().strip_prefix('#').map(str::trim_start);
             let Some(words) = words.and_then(|words| words.strip_prefix("version")) else {
                 continue;
             };
@@ -111,6 +131,33 @@ impl Head {
             return Head { end, line: number + 2, version, es };
         }
         Head { end: 0, line: 1, version: 450, es: false }
+    }
+}
+
+/// Returns a line without its comments; `in_comment` is whether it begins in one, then whether the
+/// next does.
+fn without_comments<'t>(line: &'t str, in_comment: &mut bool) -> Cow<'t, str> {
+    if !*in_comment && !line.contains('/') {
+        return line.into();
+    }
+    let (mut code, mut rest) = (String::new(), line);
+    loop {
+        if *in_comment {
+            let Some(end) = rest.find("*/") else { return code.into() };
+            rest = &rest[end + 2..];
+            *in_comment = false;
+        }
+        let Some(start) = ["//", "/*"].iter().filter_map(|mark| rest.find(mark)).min() else {
+            return (code + rest).into();
+        };
+        code.push_str(&rest[..start]);
+        // A comment stands for one space (GLSL 4.60 §3.4).
+        code.push(' ');
+        if rest[start..].starts_with("//") {
+            return code.into();
+        }
+        rest = &rest[start + 2..];
+        *in_comment = true;
     }
 }
 

@@ -4,6 +4,7 @@
 
 use crate::backend::BackendKind;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::request::{
@@ -12,9 +13,10 @@ use super::request::{
 };
 use super::{Form, VerifyOptions};
 use super::{declared, partner, web};
-use crate::backend::{Failure, StageCode};
+use crate::backend::{Failure, Resource, StageCode};
+use crate::harness::bindings;
 use crate::harness::probe::{glsl, wgsl};
-use landfall_ir::Module;
+use landfall_ir::{Module, call_graph};
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::shape::{AddressSpace, ArrayLen, Rules};
 use landfall_layout::source::{ExecutableStage, Language, Source, Stage};
@@ -158,6 +160,7 @@ fn for_gl(need: &ProbeRequest<'_>, source: &Source, text: &str) -> Result<Code, 
             name: glsl::RESULTS.to_string(),
             ..BoundBuffer::default()
         }),
+        others: Vec::new(),
         writable: need.writable,
     })
 }
@@ -238,11 +241,45 @@ fn module(need: &ProbeRequest<'_>, form: Form) -> Result<Code, Failure> {
         group: results.group,
         binding: results.binding,
     };
+    let others = others(&module, &block, &results);
     let mut stages = vec![stage_code(need.stage.into(), entry, Some(Arc::new(module)), None)];
     if need.stage == ExecutableStage::Vertex {
         stages.push(fragment(need, need.source)?);
     }
-    Ok(Code { stages, block, results: Results::Buffer(results), writable: need.writable })
+    Ok(Code { stages, block, results: Results::Buffer(results), others, writable: need.writable })
+}
+
+/// Returns buffers of zeros and textures of one colour for all that a module's entry points reach but
+/// those buffers: the initialisers of its global variables run before the probe.
+fn others(module: &Module, block: &BoundBuffer, results: &BoundBuffer) -> Vec<Resource> {
+    let entries = module.ir.entry_points.iter();
+    let reached: BTreeSet<_> =
+        entries.flat_map(|entry| call_graph::variables(&module.ir, &entry.function)).collect();
+    let own = [(block.group, block.binding), (results.group, results.binding)];
+    let is_written = |variable: naga::Handle<naga::GlobalVariable>| match module.ir.global_variables
+        [variable]
+        .space
+    {
+        naga::AddressSpace::Storage { access } => access.contains(naga::StorageAccess::STORE),
+        _ => false,
+    };
+    let blocks = module.blocks().iter().filter(|block| {
+        let is_own = own.contains(&(block.group, block.binding));
+        reached.contains(&block.variable)
+            && (!is_own || block.layout.space == AddressSpace::PushConstant)
+    });
+    let blocks = blocks.filter(|other| *other.layout.name != *block.name).map(|block| Resource {
+        name: block.layout.name.to_string(),
+        group: block.group,
+        binding: block.binding,
+        kind: bindings::kind(
+            &block.layout,
+            bindings::zeros(&block.layout),
+            is_written(block.variable),
+        ),
+    });
+    let handles = module.handles().iter().filter(|handle| reached.contains(&handle.variable));
+    blocks.chain(handles.filter_map(|handle| bindings::dummy(handle, &[]))).collect()
 }
 
 /// Returns the binding of the probed block in the module.

@@ -130,7 +130,8 @@ pub struct BackendReport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Form {
-    /// The user's text with a probe instead of its `main`.
+    /// The user's text with a probe instead of its `main`; with its macros expanded and its conditions
+    /// decided where the backend could decide them in another way than the layout does.
     Original,
     /// The same, ported to GLSL 4.50 with its loose uniforms in one block; for WebGL, the
     /// declaration of that block.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::VerifyOptions;
-use crate::backend::{BackendKind, Failure, FailureKind, LooseUniform, StageCode};
+use crate::backend::{BackendKind, Failure, FailureKind, LooseUniform, Resource, StageCode};
 use crate::harness::probe::plan::Plan;
 use landfall_ir::Module;
 use landfall_layout::Diagnostic;
@@ -32,6 +32,8 @@ pub(super) struct Code {
     pub stages: Vec<StageCode>,
     pub block: BoundBuffer,
     pub results: Results,
+    /// What else the probe's module reaches: what initialisers of global variables read.
+    pub others: Vec<Resource>,
     /// Whether the shader may write the block.
     pub writable: bool,
 }

@@ -65,8 +65,9 @@ fn compare(
     words: &[u32],
     backend: &mut dyn Backend,
 ) -> Result<(usize, usize), String> {
-    let source = &subject.source;
-    let layout = options.layout.clone().with_gather(true).with_naga(false);
+    let source = &subject.run.source;
+    let mut layout = options.layout.clone().with_gather(true).with_naga(false);
+    layout.read = subject.run.read.clone();
     let module = Module::new(source, &layout).map_err(|found| found[0].message.clone())?;
     let entry = module.entry_points().into_iter().find(|entry| entry.name == "main");
     let Some(entry) = entry else {

@@ -303,6 +303,7 @@ impl Verifier<'_> {
         let block = buffer_of(self.block, bytes, code.writable);
         let mut resources = vec![bound(&code.block, block)];
         let mut grid = crate::backend::single_run(stage);
+        // The answer has the block's buffer first, then the results'.
         match &code.results {
             Results::Buffer(place) => {
                 let kind = ResourceKind::Storage { bytes: results, writable: true };
@@ -314,6 +315,7 @@ impl Verifier<'_> {
                 grid = a_word_each(grid, plan.words);
             }
         }
+        resources.extend(code.others.iter().cloned());
         if backend.device().backend == BackendKind::Gl {
             let others = self.others().into_iter();
             resources.extend(others.filter(|other| other.name != code.block.name));

@@ -43,6 +43,7 @@ pub(super) fn declared(
         stages: stages.map(stage).into(),
         block: BoundBuffer { name: gl_name(&block.name, need.element), ..BoundBuffer::default() },
         results: Results::Pixels(pixels::indices(need.plan)),
+        others: Vec::new(),
         writable: false,
     })
 }
@@ -63,6 +64,7 @@ pub(super) fn of_wgsl(
         stages: vec![stage_code(need.stage.into(), wgsl::ENTRY, None, Some(text))],
         block: BoundBuffer { name: block.name.to_string(), group, binding },
         results: Results::Buffer(results),
+        others: Vec::new(),
         writable: need.writable,
     })
 }
