@@ -112,6 +112,7 @@ fn a_light_that_is_skipped_is_not_evaluated() {
 }
 
 #[test]
+#[ignore = "measures for long: ./tests/run command"]
 fn a_shader_that_is_culled_by_a_plan_looks_at_fewer_slots() {
     let shader = "shaders/many_lights/windowed_listed.wgsl";
     let scene = "shaders/scenes/lights_1024_windowed.json";

@@ -26,6 +26,11 @@ use support::sample::{everything, sampled};
 /// Random blocks to a shader; four shaders.
 const BATCH: usize = 90;
 
+/// As many, or a third where inputs are sampled.
+fn batch() -> usize {
+    if everything() { BATCH } else { BATCH / 3 }
+}
+
 #[test]
 fn every_leaf_of_random_opengl_blocks_is_found_through_glam_mirrors() {
     random_blocks_hold(&[1, 2], &COMMON, Vectors::Glam);
@@ -49,13 +54,13 @@ fn every_leaf_of_random_vulkan_blocks_is_found_through_array_mirrors() {
 fn random_blocks_hold(seeds: &[u64], diet: &Diet, vectors: Vectors) {
     let mut held = 0;
     for &seed in sampled(seeds, 2) {
-        let (standing, mut blocks) = random(seed, BATCH, diet);
+        let (standing, mut blocks) = random(seed, batch(), diet);
         blocks.retain(glslang_is_right);
         held += blocks.len();
         let batch = Batch { name: format!("mirrors seed {seed}"), standing, blocks };
         mirrors_hold(&batch, &ask_glslang(&batch), vectors);
     }
-    assert!(held >= if everything() { 150 } else { 60 }, "{held} blocks");
+    assert!(held >= if everything() { 150 } else { 20 }, "{held} blocks");
 }
 
 /// glslang ignores `align` under a default-layout statement (`support::known`).
@@ -177,12 +182,12 @@ fn root(
 #[test]
 fn the_output_has_no_warning_in_any_edition_and_nothing_to_format() {
     let shaders = corpus();
-    for (way, options) in ways() {
+    for (way, options) in sampled(&ways(), 3) {
         let directory = scratch(&format!("corpus-{way}"));
         // Each alone, and all in one file.
         let mut texts: Vec<String> =
-            shaders.iter().map(|shader| rust(&[shader], &options).text).collect();
-        texts.push(rust(&shaders.iter().collect::<Vec<_>>(), &options).text);
+            shaders.iter().map(|shader| rust(&[shader], options).text).collect();
+        texts.push(rust(&shaders.iter().collect::<Vec<_>>(), options).text);
         let library =
             root(&directory, "library", "//! All.\n#![no_std]\n#![deny(missing_docs)]", &texts);
         let program =
@@ -215,8 +220,8 @@ fn the_shaders_of_this_repository_have_mirrors_that_compile() {
         .map(|path| layout(&Source::read(path).expect("a readable shader"), &options))
         .collect();
     let all: Vec<&ShaderLayout> = shaders.iter().collect();
-    for (way, options) in ways() {
-        let output = rust(&all, &options);
+    for (way, options) in sampled(&ways(), 3) {
+        let output = rust(&all, options);
         let path = root(&scratch(&format!("shaders-{way}")), "library", "//! All.", &[output.text]);
         let out = check("rustc", crates(Math::Simd), &path, "2024", Target::Library);
         assert!(out.status.success(), "{way}: {}", shown(&out.stderr));
@@ -231,7 +236,7 @@ fn the_shaders_of_this_repository_have_mirrors_that_compile() {
 #[test]
 fn mirrors_hold_when_glam_has_no_simd() {
     let shaders = corpus();
-    let (standing, blocks) = random(5, BATCH, &VULKAN);
+    let (standing, blocks) = random(5, batch(), &VULKAN);
     let random = laid_out("random.comp", &Batch { name: String::new(), standing, blocks }.text());
     let options = RustOptions::default();
     let all: Vec<&ShaderLayout> = shaders.iter().chain([&random]).collect();

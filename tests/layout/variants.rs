@@ -11,6 +11,8 @@ use landfall_layout::{Options, ShaderLayout, Source, layout, lock, variant_name}
 use landfall_lint::drift::drift;
 use serde_json::Value;
 
+use crate::support::sample::{everything, sample};
+
 const SHADERS: u64 = 300;
 
 const MACROS: [&str; 4] = ["SHADOWS", "FOG", "SKIN", "LIGHTS"];
@@ -290,7 +292,7 @@ fn names_set(found: &[Finding], block: &str, set: &Set) -> bool {
 #[test]
 fn every_block_of_every_variant_is_locked_once_and_guarded() {
     let (mut variants, mut blocks, mut moved, mut hidden) = (0, 0, 0, 0);
-    for seed in 0..SHADERS {
+    for seed in sample(0..SHADERS, 6) {
         let random = &mut Random(seed);
         let tree = items(random, 3, &mut 0);
         let sets = sets(random);
@@ -349,9 +351,13 @@ fn every_block_of_every_variant_is_locked_once_and_guarded() {
         }
     }
     println!(
-        "{SHADERS} shaders, {variants} variants, {blocks} blocks; {moved} moves found, {hidden} in variants only"
+        "{variants} variants, {blocks} blocks; {moved} moves found, {hidden} in variants only"
     );
-    assert!(blocks > 3000 && moved > 1000 && hidden > 200, "{blocks} {moved} {hidden}");
+    let share = if everything() { 1 } else { 12 };
+    assert!(
+        blocks * share > 3000 && moved * share > 1000 && hidden * share > 200,
+        "{blocks} {moved} {hidden}"
+    );
 }
 
 #[test]

@@ -15,7 +15,8 @@ pub struct Program {
     pub name: &'static str,
     pub sets: Vec<(u32, Vec<vk::DescriptorSetLayoutBinding<'static>>)>,
     pub push: Option<vk::PushConstantRange>,
-    pub vertex: Option<(vk::VertexInputBindingDescription, Vec<vk::VertexInputAttributeDescription>)>,
+    pub vertex:
+        Option<(vk::VertexInputBindingDescription, Vec<vk::VertexInputAttributeDescription>)>,
     /// The SPIR-V of each stage.
     pub stages: Vec<(vk::ShaderStageFlags, &'static [u8])>,
 }
@@ -76,8 +77,9 @@ unsafe fn pipeline(program: &Program) {
             })
             .collect();
         let push: Vec<_> = program.push.into_iter().collect();
-        let create =
-            vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&push);
+        let create = vk::PipelineLayoutCreateInfo::default()
+            .set_layouts(&layouts)
+            .push_constant_ranges(&push);
         let layout = device.create_pipeline_layout(&create, None).expect("a pipeline layout");
         let stages: Vec<_> = program
             .stages

@@ -9,6 +9,7 @@ use landfall_layout::{Options, Source, layout, source};
 use serde_json::Value;
 
 use crate::support::command::{landfall, with_stdin};
+use crate::support::sample::{everything, sampled};
 
 /// The shaders of this repository.
 fn shaders(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -28,8 +29,8 @@ fn every_block_of_our_shaders_comes_back_from_random_bytes() {
     shaders(Path::new("shaders"), &mut paths);
     paths.sort();
     let (mut blocks, mut nans) = (0, 0);
-    for path in paths {
-        let shader = layout(&Source::read(&path).unwrap(), &Options::default());
+    for path in sampled(&paths, 4) {
+        let shader = layout(&Source::read(path).unwrap(), &Options::default());
         let path = path.to_str().unwrap();
         for block in shader.blocks.iter().filter(|block| block.size.is_some()) {
             let named = |name: &str| shader.blocks.iter().filter(|b| *b.name == *name).count() == 1;
@@ -66,5 +67,6 @@ fn every_block_of_our_shaders_comes_back_from_random_bytes() {
             blocks += 1;
         }
     }
-    assert!(blocks > 60 && nans > 100, "{blocks} blocks, {nans} NaNs");
+    let share = if everything() { 1 } else { 8 };
+    assert!(blocks * share > 60 && nans as u64 * share > 100, "{blocks} blocks, {nans} NaNs");
 }

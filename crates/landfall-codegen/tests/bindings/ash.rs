@@ -69,19 +69,9 @@ fn ash_bindings_are_those_of_the_spir_v_and_make_pipelines() {
 
 /// Whether all pipelines were made, and what was printed.
 fn run(file: &Path) -> (bool, String) {
-    let out = Command::new(env!("CARGO"))
-        .args(["run", "--locked", "--quiet", "--manifest-path"])
-        .arg(format!("{TESTS}/ash/Cargo.toml"))
-        .arg("--target-dir")
-        .arg(scratch("target"))
-        .env("LANDFALL_GENERATED", file)
-        .env("CARGO_INCREMENTAL", "0")
-        // `tests/run` sets it for libtest.
-        .env_remove("RUSTC_BOOTSTRAP")
-        .output()
-        .expect("cargo runs this test");
-    assert!(!out.stdout.is_empty(), "{}", String::from_utf8_lossy(&out.stderr));
-    (out.status.success(), String::from_utf8_lossy(&out.stdout).into_owned())
+    let (ran, said, errors) = super::run("ash", file);
+    assert!(!said.is_empty(), "{errors}");
+    (ran, said)
 }
 
 /// The row of a program in the list that the compiled program walks.

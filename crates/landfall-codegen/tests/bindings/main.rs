@@ -118,23 +118,39 @@ fn wgpu_takes_them(major: WgpuMajor, number: u32) {
     let _ = write!(text, "pub fn programs() -> Vec<Program> {{\n    vec![\n{list}    ]\n}}\n");
     let file = folder.join("generated.rs");
     fs::write(&file, text).expect("scratch can be written to");
-    let out = Command::new(env!("CARGO"))
-        .args(["run", "--locked", "--quiet", "--manifest-path"])
-        .arg(format!("{TESTS}/wgpu{number}/Cargo.toml"))
-        .arg("--target-dir")
-        .arg(scratch("target"))
-        .env("LANDFALL_GENERATED", &file)
+    let (ran, said, errors) = run(&format!("wgpu{number}"), &file);
+    assert!(ran, "{said}\n{errors}");
+    println!("{said}");
+    // As many lines as programs, after the adapter's.
+    assert_eq!(said.lines().count(), programs.len() + 1, "{said}");
+    assert!(said.lines().skip(1).all(|line| line.contains("faults refused")), "{said}");
+}
+
+/// Compiles a program of `tests/bindings` with a generated file and runs it: whether it ended without
+/// an error, and what it printed.
+fn run(program: &str, generated: &Path) -> (bool, String, String) {
+    let mut cargo = Command::new(env!("CARGO"));
+    let alone = format!("{TESTS}/{program}/Cargo.lock");
+    if Path::new(&alone).exists() {
+        cargo.args(["run", "--manifest-path", &format!("{TESTS}/{program}/Cargo.toml")]);
+        cargo.arg("--target-dir").arg(scratch("target"));
+    } else {
+        // As all tests are built, so that wgpu is compiled once.
+        cargo.args(["test", "--workspace", "--features"]);
+        cargo.arg(format!("full,bindings-{program}/generated"));
+        cargo.args(["--bin", &format!("bindings-{program}")]);
+    }
+    let out = cargo
+        .args(["--locked", "--quiet"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("LANDFALL_GENERATED", generated)
         .env("CARGO_INCREMENTAL", "0")
         // `tests/run` sets it for libtest.
         .env_remove("RUSTC_BOOTSTRAP")
         .output()
         .expect("cargo runs this test");
-    let said = String::from_utf8_lossy(&out.stdout);
-    assert!(out.status.success(), "{said}\n{}", String::from_utf8_lossy(&out.stderr));
-    println!("{said}");
-    // As many lines as programs, after the adapter's.
-    assert_eq!(said.lines().count(), programs.len() + 1, "{said}");
-    assert!(said.lines().skip(1).all(|line| line.contains("faults refused")), "{said}");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (out.status.success(), text(&out.stdout), text(&out.stderr))
 }
 
 /// The rows of the programs of GLSL, with `PUSH` for the size of the push constants.

@@ -282,7 +282,7 @@ fn has_return(block: &[Statement]) -> bool {
 #[test]
 fn random_statements_do_what_they_do_for_one_invocation() {
     let mut inlined = [0; 2];
-    for seed in 0..150 {
+    for seed in 0..40 {
         let rng = fastrand::Rng::with_seed(seed);
         let mut random = Random { rng, functions: Vec::new() };
         let mut functions: Vec<Function> = Vec::new();
@@ -312,5 +312,5 @@ fn random_statements_do_what_they_do_for_one_invocation() {
         }
     }
     // Both are tested: functions whose code stands in place of calls, and others.
-    assert!(inlined.iter().all(|count| *count > 100), "{inlined:?}");
+    assert!(inlined.iter().all(|count| *count > 25), "{inlined:?}");
 }
