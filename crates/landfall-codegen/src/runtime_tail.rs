@@ -64,7 +64,7 @@ mod tests {
     fn buffers_of_webgpu_are_written_in_multiples_of_4_bytes() {
         for (ty, shader, program) in [
             ("f16", 2, 4),
-            ("vec3<f16>", 8, 8),
+            ("vec3<f16>", 6, 8),
             ("array<f16, 3>", 6, 8),
             ("array<f16, 4>", 8, 8),
             ("f32", 4, 4),

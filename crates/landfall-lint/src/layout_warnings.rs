@@ -15,9 +15,10 @@ pub(super) const NOT_ANALYSED: Lint = Lint {
               layout(std140, binding = 0) uniform Lights { Light light; };\n\
               subroutine float Falloff(float d);\n\
               subroutine uniform Falloff falloff;\n\
-              layout(location = 0) in vec3 at;\n\
+              layout(location = 0) in vec3 to;\n\
+              layout(location = 1) in vec3 normal;\n\
               layout(location = 0) out vec4 color;\n\
-              void main() { color = vec4(light.color / length(light.position - at), 1.0); }\n",
+              void main() { color = vec4(light.color * pow(dot(normal, to), 8.0) * falloff(2.0), 1.0); }\n",
     fix: "Write it another way, or allow the lint for the file.",
     check: Check::Elsewhere,
 };

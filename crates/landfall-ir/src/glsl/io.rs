@@ -156,24 +156,24 @@ impl Lowerer<'_> {
             self.predeclared("gl_Position", Span::default())?;
         }
         let (mut inputs, mut outputs) = (self.slots(false)?, self.slots(true)?);
-        let initialisers = std::mem::take(&mut self.initialisers);
-        if initialisers.is_empty() {
-            let reached = call_graph::variables(&self.ir, &self.ir.functions[main]);
-            let position =
-                |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
-            let all = self.ir.functions.iter();
-            let of_any: BTreeSet<_> = match self.wanted_inputs {
-                Inputs::OfMain => reached.clone(),
-                Inputs::OfAny => {
-                    all.flat_map(|(_, function)| call_graph::direct_variables(function)).collect()
-                }
-            };
-            inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
-            outputs.retain(|slot| {
-                let io = &self.io[slot.io];
-                reached.contains(&io.variable) || position(io)
-            });
-        }
+        let initialise = self.initialise_globals()?;
+        let run = || initialise.iter().chain([&main]).map(|&of| &self.ir.functions[of]);
+        let reached: BTreeSet<_> =
+            run().flat_map(|function| call_graph::variables(&self.ir, function)).collect();
+        let position =
+            |io: &Io| matches!(io.binding, Some(Binding::BuiltIn(BuiltIn::Position { .. })));
+        let of_any: BTreeSet<_> = match self.wanted_inputs {
+            Inputs::OfMain => reached.clone(),
+            Inputs::OfAny => {
+                let all = self.ir.functions.iter();
+                all.flat_map(|(_, function)| call_graph::direct_variables(function)).collect()
+            }
+        };
+        inputs.retain(|slot| of_any.contains(&self.io[slot.io].variable));
+        outputs.retain(|slot| {
+            let io = &self.io[slot.io];
+            reached.contains(&io.variable) || position(io)
+        });
         let workgroup_size = match stage {
             ShaderStage::Compute => self.workgroup_size,
             _ => [0; 3],
@@ -184,10 +184,9 @@ impl Lowerer<'_> {
         for slot in &inputs {
             body.input(slot, stage)?;
         }
-        for (global, declaration, index) in initialisers {
-            body.initialise(global, &declaration, index)?;
+        for function in initialise.into_iter().chain([main]) {
+            body.statement(Statement::Call { function, arguments: Vec::new(), result: None });
         }
-        body.statement(Statement::Call { function: main, arguments: Vec::new(), result: None });
         body.outputs(&outputs, stage)?;
         let mut function = body.finish();
         function.name = Some("main".to_string());
@@ -211,6 +210,21 @@ impl Lowerer<'_> {
             slots.map(entry).collect()
         };
         Ok((interface(&inputs, &self.io), interface(&outputs, &self.io)))
+    }
+
+    /// Creates the function that gives global variables their first values, if any needs code.
+    fn initialise_globals(&mut self) -> R<Option<Handle<naga::Function>>> {
+        let initialisers = std::mem::take(&mut self.initialisers);
+        if initialisers.is_empty() {
+            return Ok(None);
+        }
+        let mut body = Body::new(self, Ty::Void, Span::default());
+        for (global, declaration, index) in initialisers {
+            body.initialise(global, &declaration, index)?;
+        }
+        let mut function = body.finish();
+        function.name = Some("initialise_globals".to_string());
+        Ok(Some(self.ir.functions.append(function, naga::Span::UNDEFINED)))
     }
 
     /// Returns every scalar and vector of the interface, with its location.

@@ -2,6 +2,8 @@
 //! shader.
 
 use super::context::ContextKind;
+use landfall_layout::source::Language;
+use landfall_layout::syntax;
 
 /// The version of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,18 +16,14 @@ pub(super) struct Version {
 /// Returns the version of the first `#version` line; GLSL 1.10 if there is none (GLSL 4.60 §3.3).
 pub(super) fn version(text: &str) -> Version {
     let mut found = Version { number: 110, es: false, compatibility: false };
-    for line in text.lines().map(str::trim_start) {
-        let Some(rest) = line.strip_prefix('#').map(str::trim_start) else { continue };
-        let Some(rest) = rest.strip_prefix("version") else { continue };
-        let mut words = rest.split_whitespace();
-        if let Some(number) = words.next().and_then(|word| word.parse().ok()) {
-            found.number = number;
-        }
-        let profile = words.next().unwrap_or("");
-        found.es = profile == "es" || found.number == 100;
-        found.compatibility = profile == "compatibility";
-        break;
-    }
+    let tokens = syntax::tokens(text, Language::Glsl);
+    let Some(at) = tokens.windows(3).position(|three| three[..2] == ["#", "version"]) else {
+        return found;
+    };
+    found.number = tokens[at + 2].parse().unwrap_or(found.number);
+    let profile = tokens.get(at + 3).copied().unwrap_or_default();
+    found.es = profile == "es" || found.number == 100;
+    found.compatibility = profile == "compatibility";
     found
 }
 

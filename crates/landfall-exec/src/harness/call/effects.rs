@@ -77,22 +77,20 @@ pub(super) fn through_initialisers(
     caller: &Function,
     reached: &mut BTreeSet<Handle<GlobalVariable>>,
 ) {
-    let written = call_graph::statements(&caller.body).filter_map(|statement| match statement {
-        Statement::Store { pointer, .. } => call_graph::root(caller, *pointer),
-        _ => None,
-    });
-    if written.collect::<BTreeSet<_>>().is_disjoint(reached) {
-        return;
-    }
-    let read = caller.expressions.iter().filter_map(|(_, expression)| match expression {
-        Expression::Load { pointer } => call_graph::root(caller, *pointer),
-        _ => None,
-    });
-    reached.extend(read);
     let mut called: Vec<Handle<Function>> = call_graph::calls(caller).collect();
     // The last call is the call of the target.
     called.pop();
     for function in called {
-        reached.extend(call_graph::variables(ir, &ir.functions[function]));
+        let function = &ir.functions[function];
+        let mut stores = call_graph::statements(&function.body);
+        let is_needed = stores.any(|statement| match statement {
+            Statement::Store { pointer, .. } => {
+                call_graph::root(function, *pointer).is_some_and(|to| reached.contains(&to))
+            }
+            _ => false,
+        });
+        if is_needed {
+            reached.extend(call_graph::variables(ir, function));
+        }
     }
 }

@@ -4,8 +4,7 @@
 //! files and knows no `--define`; a probe needs a `#version` that the text may lack. Where a text
 //! depends on any of these, each backend gets it as the layout reads it.
 
-use std::sync::Arc;
-
+use crate::harness::probe::glsl;
 use landfall_layout::source::{Language, ReadOptions, Source};
 use landfall_layout::syntax::glsl::raw::{self, RawText};
 
@@ -16,14 +15,23 @@ pub(super) fn settled(source: &Source, read: &ReadOptions) -> Option<(Source, Re
         return None;
     }
     let raw = raw::read(source, read);
-    if !depends_on_the_reader(&source.text, &raw, read) {
+    let is_flattened = depends_on_the_reader(&source.text, &raw, read);
+    let has_version = glsl::Head::of(&source.text).end > 0;
+    if has_version && !is_flattened {
         return None;
     }
-    let text = Arc::from(raw::flattened(source, read));
     let mut settled = read.clone();
-    settled.defines.clear();
     settled.target = read.target.or(raw.target);
-    Some((Source { text, ..source.clone() }, settled))
+    let mut text = source.text.to_string();
+    if is_flattened {
+        text = raw::flattened(source, read);
+        settled.defines.clear();
+    }
+    if !has_version {
+        // The latest, in which what the oldest has is still there.
+        text = format!("#version 450 compatibility\n#line 1\n{text}");
+    }
+    Some((Source { text: text.into(), ..source.clone() }, settled))
 }
 
 /// Whether the text has an include, a name that is defined from outside, or a condition on one.
