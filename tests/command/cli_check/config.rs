@@ -576,7 +576,7 @@ fn all_faults_are_told_at_once_and_hostile_files_get_one_answer() {
     }
     let ran = place.write("landfall.toml", b"\xff\xfea").run(&["check"]);
     ran.code(2).stderr_eq(str![[r#"
-error[output]: `landfall.toml` is UTF-16, but read as UTF-8
+error[unreadable-file]: `landfall.toml` is UTF-16, but read as UTF-8
   |
   = help: save the file as UTF-8
 

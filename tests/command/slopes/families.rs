@@ -256,7 +256,10 @@ pub const WGSL: &[Family] = &[
             repeated(n, |i| { format!("x = x * {i}.5 + u.a.y;\n") })
         ))
     }),
-    family("attributes", |n| wgsl(&format!("struct S {{ {} a: f32 }}", "@size(16) ".repeat(n)))),
+    family("attributes", |n| {
+        let members = repeated(n, |i| format!("@align(16) @size(16) m{i}: f32,\n"));
+        wgsl(&format!("struct S {{ {members} }}"))
+    }),
     family("overrides", |n| wgsl(&repeated(n, |i| format!("override o{i}: f32 = {i}.0;\n")))),
     family("semicolons", |n| wgsl(&";".repeat(n))),
 ];

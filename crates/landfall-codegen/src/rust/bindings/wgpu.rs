@@ -174,7 +174,8 @@ fn slot(one: &Binding<'_>, name: &str) -> String {
          /// Binds one slot of `{shown}`, {size} bytes at the dynamic offset.\n    \
          {PUB} fn {name}_slot(buffer: &wgpu::Buffer) -> wgpu::BufferBinding<'_> {{\n        \
          let size = core::num::NonZeroU64::new({size});\n        \
-         wgpu::BufferBinding {{ buffer, offset: 0, size }}\n    }}\n"
+         wgpu::BufferBinding {{\n            buffer,\n            offset: 0,\n            size,\n        \
+         }}\n    }}\n"
     )
 }
 
