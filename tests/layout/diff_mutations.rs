@@ -211,3 +211,26 @@ fn agrees(
         Naive::Misread => class == Some(Class::Breaking),
     }
 }
+
+/// A buffer that the program binds and the shader no longer has is an error of the API; one that the
+/// shader has more is not read by what was compiled before.
+#[test]
+fn fewer_buffers_in_an_array_of_blocks_break_and_more_do_not() {
+    let of = |count: &str| {
+        let text = format!(
+            "#version 450\nlayout(std140, binding = 0) uniform Lamp {{ vec4 color; }} lamps{count};\n"
+        );
+        layout(&Source::new("a.frag", text), &Options::default())
+    };
+    for (old, new, class) in [
+        ("[4]", "[2]", Class::Breaking),
+        ("[2]", "[4]", Class::Compatible),
+        ("[2][2]", "[3]", Class::Breaking),
+    ] {
+        let (before, after) = (of(old), of(new));
+        let found = diff(Side::of(&before), Side::of(&after));
+        let classes: Vec<Class> =
+            found.iter().flat_map(|block| &block.changes).map(|change| change.class).collect();
+        assert_eq!(classes, [class], "{old} to {new}");
+    }
+}
