@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 
 /// What an attribute is written before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum AttributeTarget {
     Member,
     Variable,
     Override,
@@ -21,50 +21,57 @@ enum Place {
     Other(&'static str),
 }
 
-impl Place {
+impl AttributeTarget {
     fn described(self) -> &'static str {
         match self {
-            Place::Member => "a member of a structure",
-            Place::Variable => "a variable",
-            Place::Override => "an override",
-            Place::Function => "a function",
-            Place::Parameter => "a parameter",
-            Place::ReturnType => "a return type",
-            Place::Statement => "a statement",
-            Place::Other(what) => what,
+            AttributeTarget::Member => "a member of a structure",
+            AttributeTarget::Variable => "a variable",
+            AttributeTarget::Override => "an override",
+            AttributeTarget::Function => "a function",
+            AttributeTarget::Parameter => "a parameter",
+            AttributeTarget::ReturnType => "a return type",
+            AttributeTarget::Statement => "a statement",
+            AttributeTarget::Other(what) => what,
         }
     }
 
-    fn of(class: Class) -> Place {
+    fn of(class: Class) -> AttributeTarget {
         match class {
-            Class::Var => Place::Variable,
-            Class::Override => Place::Override,
-            Class::Fn => Place::Function,
-            Class::Struct | Class::Alias | Class::Const => Place::Other(class.described()),
+            Class::Var => AttributeTarget::Variable,
+            Class::Override => AttributeTarget::Override,
+            Class::Fn => AttributeTarget::Function,
+            Class::Struct | Class::Alias | Class::Const => {
+                AttributeTarget::Other(class.described())
+            }
         }
     }
 }
 
 /// An attribute: its name, where it may stand, and how many arguments it has.
-struct Known {
+struct KnownAttribute {
     name: &'static str,
-    places: &'static [Place],
+    places: &'static [AttributeTarget],
     arguments: (u32, u32),
 }
 
-const MEMBERS: &[Place] = &[Place::Member];
-const VARIABLES: &[Place] = &[Place::Variable];
-const OVERRIDES: &[Place] = &[Place::Override];
-const FUNCTIONS: &[Place] = &[Place::Function];
+const MEMBERS: &[AttributeTarget] = &[AttributeTarget::Member];
+const VARIABLES: &[AttributeTarget] = &[AttributeTarget::Variable];
+const OVERRIDES: &[AttributeTarget] = &[AttributeTarget::Override];
+const FUNCTIONS: &[AttributeTarget] = &[AttributeTarget::Function];
 /// Where the inputs and outputs of entry points are declared.
-const STAGE_VALUES: &[Place] = &[Place::Member, Place::Parameter, Place::ReturnType];
-const DIAGNOSED: &[Place] = &[Place::Function, Place::Statement];
+const STAGE_VALUES: &[AttributeTarget] =
+    &[AttributeTarget::Member, AttributeTarget::Parameter, AttributeTarget::ReturnType];
+const DIAGNOSED: &[AttributeTarget] = &[AttributeTarget::Function, AttributeTarget::Statement];
 
-const fn known(name: &'static str, places: &'static [Place], arguments: (u32, u32)) -> Known {
-    Known { name, places, arguments }
+const fn known(
+    name: &'static str,
+    places: &'static [AttributeTarget],
+    arguments: (u32, u32),
+) -> KnownAttribute {
+    KnownAttribute { name, places, arguments }
 }
 
-const ATTRIBUTES: &[Known] = &[
+const ATTRIBUTES: &[KnownAttribute] = &[
     // §12.
     known("align", MEMBERS, (1, 1)),
     known("size", MEMBERS, (1, 1)),
@@ -124,7 +131,7 @@ const STAGES: [&str; 9] = [
 pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
     for &(start, end, what) in &outline.without_attributes {
         let mut lexer = Lexer::new(text, start);
-        let _ = before(&mut lexer, Place::Other(what), end, reports);
+        let _ = before(&mut lexer, AttributeTarget::Other(what), end, reports);
     }
     for item in &outline.items {
         let declared = &text.as_bytes()[item.start as usize..item.end as usize];
@@ -140,12 +147,12 @@ pub(super) fn check(text: &str, outline: &Outline<'_>, reports: &mut Reports) {
 
 fn of_item(text: &str, item: &Item<'_>, reports: &mut Reports) -> Result<(), Refused> {
     let mut lexer = Lexer::new(text, item.start);
-    before(&mut lexer, Place::of(item.class), item.end, reports)?;
+    before(&mut lexer, AttributeTarget::of(item.class), item.end, reports)?;
     lexer.jump(item.rest);
     // The place of an attribute that comes next, and the nesting of `(` in a function's head.
     let (mut place, mut depth) = match item.class {
-        Class::Struct => (Place::Member, 0u32),
-        Class::Fn => (Place::Parameter, 0),
+        Class::Struct => (AttributeTarget::Member, 0u32),
+        Class::Fn => (AttributeTarget::Parameter, 0),
         Class::Alias | Class::Const | Class::Override | Class::Var => return Ok(()),
     };
     loop {
@@ -160,11 +167,13 @@ fn of_item(text: &str, item: &Item<'_>, reports: &mut Reports) -> Result<(), Ref
             Kind::Sign(b'(') => depth += 1,
             Kind::Sign(b')') => {
                 depth = depth.saturating_sub(1);
-                if depth == 0 && place == Place::Parameter {
-                    place = Place::ReturnType;
+                if depth == 0 && place == AttributeTarget::Parameter {
+                    place = AttributeTarget::ReturnType;
                 }
             }
-            Kind::Sign(b'{') if place == Place::ReturnType => place = Place::Statement,
+            Kind::Sign(b'{') if place == AttributeTarget::ReturnType => {
+                place = AttributeTarget::Statement
+            }
             Kind::Sign(_) | Kind::Word | Kind::Number => {}
         }
         lexer.next();
@@ -174,7 +183,7 @@ fn of_item(text: &str, item: &Item<'_>, reports: &mut Reports) -> Result<(), Ref
 /// Reads the attributes before what is declared.
 fn before(
     lexer: &mut Lexer<'_>,
-    place: Place,
+    place: AttributeTarget,
     end: u32,
     reports: &mut Reports,
 ) -> Result<(), Refused> {
@@ -246,7 +255,7 @@ enum Arguments {
     Unclear,
 }
 
-fn unknown(word: &str, name: Token, place: Place) -> Diagnostic {
+fn unknown(word: &str, name: Token, place: AttributeTarget) -> Diagnostic {
     let message = format!("unknown attribute `{word}`");
     let error = Diagnostic::error(Code::UnknownAttribute, report::span(name), message);
     // Attributes of WGSL before 2022.
@@ -260,7 +269,7 @@ fn unknown(word: &str, name: Token, place: Place) -> Diagnostic {
     report::misspelt(error, word, here.map(|known| known.name))
 }
 
-fn misplaced(known: &Known, name: Token, place: Place) -> Diagnostic {
+fn misplaced(known: &KnownAttribute, name: Token, place: AttributeTarget) -> Diagnostic {
     let belongs: Vec<&str> = known.places.iter().map(|place| place.described()).collect();
     let (what, here) = (belongs.join(" or "), place.described());
     let message = format!("`@{}` is not for {here}", known.name);
@@ -269,7 +278,7 @@ fn misplaced(known: &Known, name: Token, place: Place) -> Diagnostic {
         .with_help("remove it, or move it to where it belongs")
 }
 
-fn wrong_count(known: &Known, name: Token, arguments: Arguments) -> Option<Diagnostic> {
+fn wrong_count(known: &KnownAttribute, name: Token, arguments: Arguments) -> Option<Diagnostic> {
     let (least, most) = known.arguments;
     let count = match arguments {
         Arguments::None => 0,
