@@ -122,6 +122,48 @@ fn inputs_arrive_bit_for_bit_in_every_version_on_every_reader() {
     }
 }
 
+/// Coordinates at the borders of texels and next to them, where the product with the size is rounded.
+fn borders(size: u32) -> Vec<[f32; 4]> {
+    let mut all = Vec::new();
+    for k in 0..=size {
+        for whole in [0.0f32, 1.0, 7.0, -1.0, -3.0] {
+            let mut at = (f64::from(k) / f64::from(size) + f64::from(whole)) as f32;
+            at = at.next_down().next_down();
+            for _ in 0..5 {
+                // Drivers may flush subnormal numbers to zero.
+                if !at.is_subnormal() {
+                    all.push([at, 0.0, 0.0, 0.0]);
+                }
+                at = at.next_up();
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn coordinates_at_the_borders_of_texels_select_those_of_the_drivers() {
+    let text = "#version 330\nuniform sampler2D t; in float u; out vec4 c;\n\
+        void main() { c = texture(t, vec2(u, 0.5)); }";
+    let shader = shader("t.frag", text);
+    let mut backends = backends();
+    for size in [1, 2, 3, 7, 16, 20, 64, 100, 243, 1000] {
+        let texels = (0..size).map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
+        let textures = [Image { width: size, height: 1, texels }];
+        let inputs = vec![borders(size)];
+        let count = inputs[0].len();
+        let of = |backend: &mut Box<dyn Backend>| {
+            let batch =
+                Batch { blocks: &[], textures: &textures, inputs: &inputs, count, limit: LIMIT };
+            shader.run(backend.as_mut(), &batch, |_, _| {}).expect("it runs").colors
+        };
+        let [cpu, gl, gpu] = [0, 1, 2].map(|i| of(&mut backends[i]));
+        for (i, at) in inputs[0].iter().enumerate() {
+            assert_eq!([cpu[i][0]; 2], [gl[i][0], gpu[i][0]], "{:e} of {size} texels", at[0]);
+        }
+    }
+}
+
 #[test]
 fn blocks_matrices_structures_and_integers_among_inputs_arrive() {
     let text = "#version 450

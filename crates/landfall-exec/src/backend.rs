@@ -138,6 +138,24 @@ pub enum ResourceKind {
     Loose(Vec<LooseUniform>),
 }
 
+/// Returns the column or row of the texel that a coordinate selects: the nearest, repeating.
+///
+/// The fraction of the coordinate times the size, rounded down. The product is rounded to `f32`, as
+/// drivers compute it: just below a border it may be the next texel's. Where the size is a power of
+/// two, it is exact. OpenGL 4.6 §8.14.2 gives the rule, and leaves the precision to the driver.
+/// Coordinates that are not finite select the first texel.
+#[inline(always)]
+pub fn texel_index(coordinate: f64, size: u32) -> u32 {
+    let fraction = coordinate - coordinate.floor();
+    let place = if size.is_power_of_two() {
+        fraction * f64::from(size)
+    } else {
+        f64::from(fraction as f32 * size as f32)
+    };
+    // `as` converts NaN to 0; just below an integer the fraction is rounded to 1.
+    (place as u32).min(size.saturating_sub(1))
+}
+
 /// A uniform outside blocks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LooseUniform {

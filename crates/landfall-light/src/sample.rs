@@ -6,6 +6,7 @@
 use std::sync::LazyLock;
 
 use glam::DVec3;
+use landfall_exec::backend::texel_index;
 
 use super::picture::Transfer;
 use super::scene::{Material, Surface, Texture};
@@ -45,11 +46,7 @@ pub fn surface(surface: &Surface, uv: [f32; 2]) -> DVec3 {
 ///
 /// The first texel's first corner is (0, 0). Coordinates that are not finite select the first.
 pub fn index(texture: &Texture, uv: [f32; 2]) -> Option<usize> {
-    let place = |coordinate: f32, size: u32| {
-        let x = f64::from(coordinate);
-        // `as` converts NaN to 0; the product rounds to the size if x is just below an integer.
-        (((x - x.floor()) * f64::from(size)) as usize).min((size as usize).saturating_sub(1))
-    };
+    let place = |coordinate: f32, size: u32| texel_index(f64::from(coordinate), size) as usize;
     let at = place(uv[1], texture.height) * texture.width as usize + place(uv[0], texture.width);
     (at < texture.texels.len()).then_some(at)
 }

@@ -3,8 +3,10 @@
 //! An index past the end is clamped to the last element; bytes outside a buffer read as zero and
 //! are not written (WGSL §2.2 leaves the choice).
 
+use crate::backend::texel_index;
+
 use super::super::code::{Access, Change, Class, Dynamic, ElementCount, LANES, Stored};
-use super::super::lanes::{Lanes, saturated};
+use super::super::lanes::Lanes;
 use super::super::real::Real;
 use super::integer::binary;
 use super::kernel::{fill, map1, split};
@@ -321,12 +323,7 @@ impl<'j, R: Real> Machine<'_, 'j, R> {
 
     #[inline(always)]
     pub(super) fn sample(&mut self, operands: &[u32]) {
-        let wrap = |x: R, size: u32| {
-            let (x, size) = (x.double(), f64::from(size));
-            // A texture has fewer than 2^31 rows and columns.
-            let (place, last) = ((x - x.floor()) * size, (size - 1.0).max(0.0));
-            saturated(if place < last { place } else { last }) as u32
-        };
+        let wrap = |x: R, size: u32| texel_index(x.double(), size);
         let (to, from) = operands.split_at(4);
         let at = |image: Image, u: u32, v: u32| v as usize * image.width as usize + u as usize;
         let of = |image: Image<'j>, at: usize| image.texels.get(at).copied().unwrap_or_default();
