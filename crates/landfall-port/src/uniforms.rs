@@ -195,8 +195,11 @@ fn types_end(shader: &Shader<'_>, gathered: &Gathered) -> usize {
         }
     }
     for directive in shader.directives() {
+        // A macro behind all the uniforms changes none of their declarations.
+        let is_before =
+            gathered.last.is_none_or(|last| shader.raw.tokens[directive.start].start < last);
         let defines = directive.len() > 2 && shader.word(directive.start + 1) == "define";
-        if defines && uses(shader.word(directive.start + 2)) {
+        if is_before && defines && uses(shader.word(directive.start + 2)) {
             end = end.max(shader.next_line(shader.raw.tokens[directive.end - 1].end));
         }
     }
