@@ -96,11 +96,6 @@ pub(super) fn emit(source: &Source, options: &Options, lang: &str) -> Result<Out
     if shader.has_errors() {
         return Ok(Output { stderr, code: 2, ..Output::default() });
     }
-    if shader.blocks.is_empty() {
-        let found =
-            Diagnostic::without_place(Code::NoBlocks, Severity::Warning, "no blocks to mirror");
-        stderr.push_str(&text(&[found], &Files::default()));
-    }
     let code = lang.generate(&[&shader], &CodeOptions::default());
     let mut failed = false;
     for found in &code.diagnostics {

@@ -6,6 +6,8 @@ use std::fmt;
 
 use super::c::COptions;
 use super::rust::RustOptions;
+use landfall_layout::diagnostic::{Code, Severity};
+use landfall_layout::shape::AddressSpace;
 use landfall_layout::{Diagnostic, ShaderLayout};
 
 /// A language that mirrors are generated in.
@@ -42,7 +44,8 @@ pub struct CodeOptions {
 pub struct CodeOutput {
     /// The text of the file.
     pub text: String,
-    /// An error for every block that the language cannot mirror; `text` holds the others.
+    /// An error for every block that the language cannot mirror; `text` holds the others. A warning
+    /// where there are none.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -50,8 +53,29 @@ impl OutputLanguage {
     /// Writes one file for the blocks of `shaders`. Skips loose uniforms, which have no offsets; lay
     /// the shader out with `gather` to include them.
     pub fn generate(&self, shaders: &[&ShaderLayout], options: &CodeOptions) -> CodeOutput {
-        (self.write)(shaders, options)
+        let mut output = (self.write)(shaders, options);
+        if output.diagnostics.is_empty() {
+            output.diagnostics.extend(no_blocks(shaders));
+        }
+        output
     }
+}
+
+/// Returns the warning that there is nothing to mirror.
+fn no_blocks(shaders: &[&ShaderLayout]) -> Option<Diagnostic> {
+    let mut blocks = shaders.iter().flat_map(|shader| &shader.blocks).peekable();
+    let (message, help) = match blocks.peek() {
+        None => ("no blocks to mirror", None),
+        Some(_) => (
+            "no blocks to mirror: the output has none, as uniforms outside blocks have no bytes",
+            Some("lay them out as one block with `--gather`"),
+        ),
+    };
+    let found = Diagnostic::without_place(Code::NoBlocks, Severity::Warning, message);
+    blocks.all(|block| block.space == AddressSpace::Default).then(|| match help {
+        Some(help) => found.with_help(help),
+        None => found,
+    })
 }
 
 impl fmt::Debug for OutputLanguage {

@@ -9,7 +9,7 @@ use landfall_codegen::c::CVectors;
 use landfall_codegen::languages::{C, RUST};
 use landfall_codegen::rust::{Api, Modules, RustOptions, Sources, Tables, Vectors, Visibility};
 use landfall_layout::source::Files;
-use landfall_layout::{AddressSpace, Diagnostic, Error, Severity, ShaderLayout};
+use landfall_layout::{Diagnostic, Error, Severity, ShaderLayout};
 
 use crate::args::EmitArgs;
 use crate::config::Config;
@@ -51,23 +51,6 @@ pub fn run(args: &EmitArgs, streams: &Streams) -> Result<Outcome, Failure> {
     }
     if failed {
         return Ok(Outcome::CouldNot);
-    }
-    let mut blocks = shaders.iter().flat_map(|shader| &shader.blocks);
-    if blocks.all(|block| block.space == AddressSpace::Default) {
-        let is_loose = shaders.iter().any(|shader| !shader.blocks.is_empty());
-        let message = match is_loose {
-            true => {
-                "no blocks to mirror: the output has none, as uniforms outside blocks have no bytes"
-            }
-            false => "no blocks to mirror",
-        };
-        let what = Diagnostic::without_place(Code::NoBlocks, Severity::Warning, message);
-        let what = if is_loose {
-            what.with_help("lay them out as one block with `--gather`")
-        } else {
-            what
-        };
-        report(&[what], &Files::default());
     }
     let whole: Vec<&ShaderLayout> = shaders.iter().collect();
     let mut options = options(args, &config)?;

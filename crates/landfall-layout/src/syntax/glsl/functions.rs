@@ -12,7 +12,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::edit_distance::nearest;
 
 /// Ends and beginnings of the names of types that extensions declare.
-const OF_EXTENSIONS: (&[&str], &[&str]) = (
+pub(super) const OF_EXTENSIONS: (&[&str], &[&str]) = (
     &["EXT", "NV", "KHR", "ARM", "QCOM", "AMD", "ARB", "OES", "HUAWEI"],
     &["coopmat", "fcoopmat", "icoopmat", "ucoopmat", "rayQuery", "hitObject", "tensor", "spirv_"],
 );

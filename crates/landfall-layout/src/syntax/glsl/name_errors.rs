@@ -1,17 +1,22 @@
-//! Names in function bodies that no declaration of the shader has: variables, and members of
-//! structures and blocks.
+//! Names in function bodies that no declaration has: variables, types, functions, and members of
+//! structures and blocks. Numbers that are none.
 //!
-//! Scopes are not followed: a name that is declared anywhere counts as declared, a type is known
-//! only where all declarations of the name agree, and a member of unknown type need only be one of
-//! some structure. A function is unknown only if its name is near to a known one, because extensions
-//! have many. So nothing is reported that a compiler accepts.
+//! Local names follow scopes; a global name or a structure may be declared anywhere. A variable's
+//! type is known only where all declarations of its name agree, and a member of unknown type need
+//! only be one of some structure. A function is unknown only if its name is near to a known one,
+//! because extensions have many. So nothing is reported that a compiler accepts.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::ast::{
-    BlockDecl, Declaration, Expr, ExprKind, Item, Name, Statement, StructDecl, TypeBase, TypeSpec,
+    BlockDecl, Declaration, Expr, ExprKind, FunctionDecl, Item, Name, StructDecl, TypeBase,
+    TypeSpec,
 };
+use super::evaluate::{NotANumber, literal};
+use super::functions::OF_EXTENSIONS;
+use super::members::COMMON_TYPES;
 use super::parser::Parser;
+use super::types::builtin;
 use crate::Diagnostic;
 use crate::diagnostic::Code;
 use crate::source::Span;
@@ -26,12 +31,24 @@ type Types<'a> = FxHashMap<&'a str, Option<&'a str>>;
 /// What a shader declares, and the names it uses.
 #[derive(Default)]
 struct Names<'t, 'a> {
+    /// Global and local ones.
     variables: Types<'a>,
+    globals: FxHashSet<&'a str>,
+    /// The local names of each scope that is open.
+    locals: Vec<FxHashSet<&'a str>>,
     /// `None` for a name that two structures have.
     structures: FxHashMap<&'a str, Option<Types<'a>>>,
     members: FxHashSet<&'a str>,
-    uses: Vec<&'t Expr<'a>>,
+    uses: Vec<Use<'t, 'a>>,
     functions: FxHashSet<&'a str>,
+}
+
+/// What is looked up when all declarations are known.
+enum Use<'t, 'a> {
+    /// A member, a function, a number, or a variable that is not local.
+    Expression(&'t Expr<'a>),
+    /// The type of a local variable.
+    Type(&'t TypeSpec<'a>),
 }
 
 /// Returns an error for each such name in declarations whose expressions and bodies are parsed.
@@ -42,19 +59,13 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
             Item::Variables(declaration) => names.declaration(declaration),
             Item::Block(block) | Item::Interface(block) => names.block(block),
             Item::Function(function) => {
-                names.functions.insert(function.name.text);
-                names.ty(&function.returns);
-                for parameter in &function.parameters {
-                    names.ty(&parameter.ty);
-                    names.declare(parameter.name.text, &parameter.ty);
-                }
-                function.body.iter().for_each(|body| names.body(body));
+                names.function(function);
             }
-            Item::Requalified(_, name) => drop(names.variables.insert(name.text, None)),
+            Item::Requalified(_, name) => names.any(name.text),
             // Whatever it declares, it may be any name in it.
             Item::Other(tokens) => {
                 for token in &parser.tokens()[tokens.clone()] {
-                    names.variables.insert(token.text, None);
+                    names.any(token.text);
                     names.structures.insert(token.text, None);
                     names.members.insert(token.text);
                 }
@@ -62,12 +73,45 @@ pub(super) fn undeclared<'a>(items: &[Item<'a>], parser: &Parser<'a>) -> Vec<Dia
             Item::Defaults(_) | Item::Precision(_) => {}
         }
     }
-    names.uses.iter().filter_map(|e| names.error(e)).collect()
+    let error = |one: &Use<'_, 'a>| match one {
+        Use::Expression(e) => names.error(e),
+        Use::Type(ty) => names.type_error(ty),
+    };
+    names.uses.iter().filter_map(error).collect()
 }
 
 impl<'t, 'a> Names<'t, 'a> {
-    fn declare(&mut self, name: &'a str, ty: &TypeSpec<'a>) {
-        add(&mut self.variables, name, ty.base_name());
+    fn declare(&mut self, name: &'a str, ty: Option<&'a str>) {
+        add(&mut self.variables, name, ty);
+        self.locals.last_mut().unwrap_or(&mut self.globals).insert(name);
+    }
+
+    /// Declares a global variable of any type.
+    fn any(&mut self, name: &'a str) {
+        self.variables.insert(name, None);
+        self.globals.insert(name);
+    }
+
+    fn function(&mut self, function: &'t FunctionDecl<'a>) {
+        self.functions.insert(function.name.text);
+        self.ty(&function.returns);
+        self.locals.push(FxHashSet::default());
+        for parameter in &function.parameters {
+            self.ty(&parameter.ty);
+            self.declare(parameter.name.text, parameter.ty.base_name());
+        }
+        if let Some(body) = &function.body {
+            walk::scope(body, &mut |part| match part {
+                Part::Open => self.locals.push(FxHashSet::default()),
+                Part::Close => drop(self.locals.pop()),
+                Part::Declaration(declaration) => {
+                    self.uses.push(Use::Type(&declaration.ty));
+                    self.declaration(declaration);
+                }
+                Part::Expression(e) => self.expression(e),
+            });
+        }
+        self.locals.pop();
     }
 
     fn ty(&mut self, ty: &'t TypeSpec<'a>) {
@@ -103,8 +147,8 @@ impl<'t, 'a> Names<'t, 'a> {
     fn block(&mut self, block: &'t BlockDecl<'a>) {
         let members = self.members_of(&block.members);
         match &block.instance {
-            Some(instance) => add(&mut self.variables, instance.text, Some(block.name.text)),
-            None => members.iter().for_each(|(name, ty)| add(&mut self.variables, name, *ty)),
+            Some(instance) => self.declare(instance.text, Some(block.name.text)),
+            None => members.iter().for_each(|(name, ty)| self.declare(name, *ty)),
         }
         // The type of a buffer reference is its block.
         self.named(block.name.text, members);
@@ -113,25 +157,21 @@ impl<'t, 'a> Names<'t, 'a> {
     fn declaration(&mut self, declaration: &'t Declaration<'a>) {
         self.ty(&declaration.ty);
         for declarator in &declaration.names {
-            self.declare(declarator.name.text, &declaration.ty);
             if let Some(init) = &declarator.init {
                 self.expression(init);
             }
+            // A name is known from the end of its initialiser on (GLSL 4.60 §4.2.2).
+            self.declare(declarator.name.text, declaration.ty.base_name());
         }
     }
 
-    fn body(&mut self, statements: &'t [Statement<'a>]) {
-        walk::scope(statements, &mut |part| match part {
-            // Scopes are not followed.
-            Part::Open | Part::Close => {}
-            Part::Declaration(declaration) => self.declaration(declaration),
-            Part::Expression(e) => self.expression(e),
-        });
-    }
-
     fn expression(&mut self, e: &'t Expr<'a>) {
+        let is_local = |name: &str| self.locals.iter().any(|scope| scope.contains(name));
         match &e.kind {
-            ExprKind::Name(_) | ExprKind::Member(..) | ExprKind::Call(..) => self.uses.push(e),
+            ExprKind::Name(name) if is_local(name) => {}
+            ExprKind::Name(_) | ExprKind::Member(..) | ExprKind::Call(..) | ExprKind::Number(_) => {
+                self.uses.push(Use::Expression(e));
+            }
             ExprKind::Construct(ty, _) => self.ty(ty),
             _ => {}
         }
@@ -141,7 +181,7 @@ impl<'t, 'a> Names<'t, 'a> {
     fn error(&self, e: &Expr<'a>) -> Option<Diagnostic> {
         match &e.kind {
             ExprKind::Name(name) => {
-                let is_known = self.variables.contains_key(name)
+                let is_known = self.globals.contains(name)
                     || self.structures.contains_key(name)
                     || is_predeclared(name);
                 let message = format!("`{name}` is not declared");
@@ -150,8 +190,24 @@ impl<'t, 'a> Names<'t, 'a> {
             }
             ExprKind::Member(base, member) => self.member_error(base, member),
             ExprKind::Call(name, _) => self.function_error(name),
+            ExprKind::Number(text) if literal(text) == Err(NotANumber::Malformed) => {
+                Some(Diagnostic::error(Code::Syntax, e.span, format!("`{text}` is not a number")))
+            }
             _ => None,
         }
+    }
+
+    fn type_error(&self, ty: &TypeSpec<'a>) -> Option<Diagnostic> {
+        let TypeBase::Name(name) = ty.base else { return None };
+        let (ends, starts) = OF_EXTENSIONS;
+        let is_known = builtin(name).is_some()
+            || self.structures.contains_key(name)
+            || is_predeclared(name)
+            || ends.iter().any(|end| name.ends_with(end))
+            || starts.iter().any(|start| name.starts_with(start));
+        let known = self.structures.keys().chain(COMMON_TYPES).copied();
+        let message = format!("unknown type `{name}`");
+        (!is_known).then(|| error(Code::UnknownType, ty.span, message, nearest(name, known)))
     }
 
     fn function_error(&self, name: &Name<'a>) -> Option<Diagnostic> {
@@ -168,7 +224,8 @@ impl<'t, 'a> Names<'t, 'a> {
         if is_known {
             return None;
         }
-        let known = self.functions.iter().copied().chain(FUNCTIONS.split(' '));
+        let types = self.structures.keys().chain(COMMON_TYPES).copied();
+        let known = self.functions.iter().copied().chain(FUNCTIONS.split(' ')).chain(types);
         let near = nearest(text, known)?;
         let message = format!("there is no function `{text}`");
         Some(error(Code::UnknownFunction, name.span, message, Some(near)))

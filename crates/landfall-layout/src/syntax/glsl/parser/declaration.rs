@@ -13,6 +13,7 @@ use crate::syntax::glsl::ast::{
 };
 use crate::syntax::glsl::lexer::{Kind, Token};
 use crate::syntax::glsl::report::diagnostic_at;
+use crate::syntax::glsl::types::builtin;
 
 /// The limit on structures declared inside each other; the language forbids it altogether.
 const DEEPEST_STRUCTURE: u32 = 16;
@@ -389,6 +390,12 @@ impl<'a> Parser<'a> {
         let count = self.diagnostics().len();
         let ty = self.type_spec()?;
         if self.token().kind == Kind::Name && self.ahead(1).is("(") {
+            let is_type = ty
+                .base_name()
+                .is_none_or(|name| builtin(name).is_some() || self.structures.contains(name));
+            if !is_type {
+                return Err(self.unexpected(Wanted::Token(";")));
+            }
             self.skip_to_semicolon();
             return Ok(None);
         }
@@ -411,6 +418,10 @@ impl<'a> Parser<'a> {
             let (mut tokens, mut init) = (self.at..self.at, None);
             if self.eat("=") {
                 (tokens, init) = self.code(&[",", ";"]);
+                if tokens.is_empty() {
+                    let error = self.unexpected(Wanted::Expression).diagnostic();
+                    self.report(*error);
+                }
             }
             declarators.push(Declarator { name, dims, tokens, init });
             if !self.eat(",") {

@@ -263,7 +263,12 @@ impl<'a> Parser<'a> {
         }
         while !self.eat(close) {
             items.push(self.assignment()?);
-            if !self.eat(",") && !self.is(close) {
+            if self.eat(",") {
+                // Only lists in braces may end with a comma (GLSL 4.60 §9).
+                if close == ")" && self.is(close) {
+                    return Err(self.unexpected(Wanted::Expression));
+                }
+            } else if !self.is(close) {
                 return Err(self.unexpected(Wanted::CommaOr(close)));
             }
         }
