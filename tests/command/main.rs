@@ -15,6 +15,7 @@ mod cli_emit;
 mod cli_emit_languages;
 mod cli_init;
 mod cli_lock;
+mod cli_modules;
 mod cli_policy;
 mod cli_port;
 mod cli_render;

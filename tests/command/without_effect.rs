@@ -170,11 +170,11 @@ error[output]: `p.reference.flip.png` exists and is not a picture of landfall
 #[test]
 fn a_directory_of_other_languages_names_them() {
     let place = project("languages");
-    for name in ["a.slang", "b.hlsl", "c.metal", "d.wesl"] {
+    for name in ["a.slang", "b.hlsl", "c.metal"] {
         place.write(&format!("d/{name}"), "x");
     }
     place.run(&["layout", "d"]).code(2).stderr_eq(str![[r#"
-error[no-input]: `d` contains no GLSL or WGSL shader, only HLSL, Metal, Slang, WESL
+error[no-input]: `d` contains no GLSL or WGSL shader, only HLSL, Metal, Slang
   |
   = help: landfall reads GLSL and WGSL; a file that is named itself is read whatever it holds
 

@@ -234,6 +234,7 @@ fn binary_junk_is_laid_out_or_refused() {
                 stage: Some(Stage::Fragment),
                 foreign: None,
                 byte_order_mark: false,
+                linked: None,
             };
             lay_out(&source, seed);
         }

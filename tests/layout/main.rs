@@ -16,6 +16,7 @@ mod languages;
 mod lock;
 mod mirror_text;
 mod mirrors;
+mod modules;
 mod oracles;
 mod port;
 mod port_compiles;

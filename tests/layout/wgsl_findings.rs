@@ -185,12 +185,11 @@ fn what_is_left_open_is_said_once() {
 }
 
 #[test]
-fn text_for_another_tool_is_refused_as_a_whole() {
+fn lines_of_other_tools_and_late_imports_are_refused_as_a_whole() {
     for (text, at) in [
-        ("#import bevy_pbr::view\nvar<uniform> v: View;", "#import"),
-        ("struct S {\n#ifdef A\n a: f32,\n#endif\n}\nvar<uniform> s: S;", "#ifdef"),
-        ("import package::lights::Light; var<uniform> l: Light;", "import"),
-        ("@if(FANCY) struct S { a: f32 } var<uniform> s: S;", "if"),
+        ("#pragma once\nvar<uniform> v: vec4f;", "#pragma"),
+        ("struct S {\n#region\n a: f32,\n}\nvar<uniform> s: S;", "#region"),
+        ("const a = 1; import package::b::c; var<uniform> l: vec4f;", "import"),
     ] {
         assert_eq!(findings(text), [("preprocessor", at.to_string())], "{text}");
     }

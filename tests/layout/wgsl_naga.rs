@@ -105,7 +105,12 @@ fn laid_out(text: &str) -> ShaderLayout {
 }
 
 /// Members compared, all the way down.
-fn compare(module: &Module, ty: Handle<naga::Type>, ours: &[MemberLayout], text: &str) -> usize {
+pub(super) fn compare(
+    module: &Module,
+    ty: Handle<naga::Type>,
+    ours: &[MemberLayout],
+    text: &str,
+) -> usize {
     let TypeInner::Struct { members, .. } = &module.types[ty].inner else {
         panic!("a structure: {text}");
     };

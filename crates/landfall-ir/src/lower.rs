@@ -1,7 +1,7 @@
 //! Lowers a shader's text to a [`Module`] with the front end of its language.
 
 use landfall_layout::source::{Language, Source};
-use landfall_layout::{Diagnostic, Options};
+use landfall_layout::{Diagnostic, Options, linked};
 use naga::valid::ModuleInfo;
 
 use super::module::{Inputs, Locals, Module};
@@ -48,7 +48,7 @@ impl Module {
                     locals: Locals::Anything,
                 })
             }
-            Language::Wgsl => wgsl::patched(source, options),
+            Language::Wgsl => wgsl::patched(&linked(source, &options.read), options),
         }
     }
 
@@ -58,6 +58,6 @@ impl Module {
     /// # Errors
     /// The errors of naga's front end or validator.
     pub fn by_naga(source: &Source, options: &Options) -> Result<Module, Vec<Diagnostic>> {
-        over_shader(|| wgsl::by_naga(source, options)?.validated())
+        over_shader(|| wgsl::by_naga(&linked(source, &options.read), options)?.validated())
     }
 }

@@ -62,8 +62,7 @@ fn module_block(
 
 fn parse(source: &Source, options: &Options) -> Result<naga::Module, Vec<Diagnostic>> {
     let text = &*source.text;
-    let mut files = Files::default();
-    files.add(source.path.clone(), source.text.clone());
+    let files = Files::of(source);
     let bases = Bases::new(&files);
     let refused = |span: Option<naga::Span>, message: String| {
         let range = span.and_then(|span| span.to_range());

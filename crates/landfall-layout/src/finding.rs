@@ -77,6 +77,7 @@ impl Place {
 
     /// The place of a span.
     pub fn of(files: &Files, span: Span) -> Place {
+        let span = files.resolve(span);
         let from = files.locate(span);
         let to = files.locate(Span { start: span.end, ..span });
         Place {

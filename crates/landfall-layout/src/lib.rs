@@ -45,3 +45,4 @@ pub use shader::{
 };
 pub use shape::{AddressSpace, ArrayLen, Rules, Type};
 pub use source::{Files, Language, ReadOptions, Source, Span, Stage, Target};
+pub use syntax::linked;

@@ -13,7 +13,6 @@ const EXTENSIONS: &[(&str, &[&str])] = &[
     ("HLSL", &["hlsl", "hlsli", "fx", "fxh", "usf", "ush", "cginc"]),
     ("Slang", &["slang", "slangh"]),
     ("Metal", &["metal"]),
-    ("WESL", &["wesl"]),
 ];
 
 /// Returns the language of a file by its extension, if it is not GLSL or WGSL.
@@ -25,13 +24,10 @@ pub fn of_path(path: &Path) -> Option<&'static str> {
 /// Rejects a file whose extension belongs to another shading language.
 ///
 /// # Errors
-/// The extension is one of HLSL, Slang, Metal or WESL.
+/// The extension is one of HLSL, Slang or Metal.
 pub fn refuse(path: &Path) -> Result<(), Error> {
     let Some(language) = of_path(path) else { return Ok(()) };
-    let help = match language {
-        "WESL" => "link it to WGSL first; if it is WGSL, pass `--language wgsl`",
-        _ => "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`",
-    };
+    let help = "landfall reads GLSL and WGSL; if it is GLSL, pass `--language glsl`";
     let message = format!("is {language} by its extension, which landfall does not read");
     Err(Error::new(path.display().to_string(), message).with_help(help).unreadable())
 }

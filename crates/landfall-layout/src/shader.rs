@@ -147,7 +147,10 @@ impl ShaderLayout {
 
 /// Lays out every block of a shader.
 pub fn layout(source: &Source, options: &Options) -> ShaderLayout {
-    layout_parsed(crate::syntax::parse(source, &options.read, options.gather), source, options)
+    let (source, warnings) = crate::syntax::link(source, &options.read);
+    let mut parsed = crate::syntax::parse(&source, &options.read, options.gather);
+    parsed.diagnostics.splice(0..0, warnings);
+    layout_parsed(parsed, &source, options)
 }
 
 /// Lays out every block of a shader parsed before; whether loose uniforms were gathered is up to

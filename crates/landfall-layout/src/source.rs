@@ -3,6 +3,8 @@
 //!
 //! Feeds [`parse`](mod@crate::syntax); nothing here parses the text.
 
+pub(crate) mod joined;
+
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -153,6 +155,9 @@ pub struct Source {
     pub foreign: Option<Foreign>,
     /// Whether the file begins with a byte-order mark.
     pub byte_order_mark: bool,
+    /// The files that the text was put together from, if it imports others.
+    #[doc(hidden)]
+    pub linked: Option<Arc<joined::Linked>>,
 }
 
 /// Bytes of a file that are not UTF-8, which GLSL allows in comments (4.60 §3.1). Each is read as
@@ -174,7 +179,7 @@ impl Source {
         let text: Arc<str> = text.into();
         let byte_order_mark = text.starts_with('\u{feff}');
         let text = normalized(text);
-        Source { path, text, language, stage, foreign: None, byte_order_mark }
+        Source { path, text, language, stage, foreign: None, byte_order_mark, linked: None }
     }
 
     /// Creates a source from the bytes of a file.
@@ -215,7 +220,7 @@ pub(crate) fn normalized(text: Arc<str>) -> Arc<str> {
 /// Returns the language and stage implied by a path's extension; `None` if it is not a shader's.
 pub fn kind_of_path(path: &Path) -> Option<(Language, Option<Stage>)> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-    if extension == "wgsl" {
+    if matches!(extension.as_str(), "wgsl" | "wesl") {
         return Some((Language::Wgsl, None));
     }
     if let Some(stage) = stage_of_extension(&extension) {
@@ -364,6 +369,8 @@ impl File {
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     files: Vec<File>,
+    /// Where the parts of the first file's text stand in the others, if it was put together.
+    joined: Option<Arc<joined::Joined>>,
 }
 
 /// A line and column, both from 1; the column counts characters.
@@ -403,6 +410,7 @@ impl Files {
 
     /// Returns the line and column of a span's first byte.
     pub fn locate(&self, span: Span) -> Location {
+        let span = self.resolve(span);
         let Some(file) = self.get(span.file) else {
             return Location { path: String::new(), line: 0, column: 0 };
         };
@@ -441,6 +449,8 @@ pub struct ReadOptions {
     pub target: Option<Target>,
     /// The size limit of a file in bytes; [`MOST_BYTES`] unless set.
     pub max_bytes: Option<u64>,
+    /// Files whose text comes before that of a WGSL shader, in order: `--prelude FILE`.
+    pub preludes: Vec<PathBuf>,
     /// The files that `#include` may read, by path and text, instead of those of the system.
     pub files: Option<Vec<(String, String)>>,
 }

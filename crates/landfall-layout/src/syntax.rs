@@ -50,11 +50,31 @@ pub fn parse(source: &Source, options: &ReadOptions, gather: bool) -> Parsed {
     parsed
 }
 
+/// Returns a shader with what it imports in its text, its conditions applied; the shader itself where
+/// there is nothing to import, or where that fails, which [`parse`] reports.
+pub fn linked<'s>(source: &'s Source, options: &ReadOptions) -> Cow<'s, Source> {
+    link(source, options).0
+}
+
+/// As [`linked`], with the warnings about its imports, which [`parse`] no longer reports of it.
+pub(crate) fn link<'s>(
+    source: &'s Source,
+    options: &ReadOptions,
+) -> (Cow<'s, Source>, Vec<Diagnostic>) {
+    match source.language {
+        Language::Glsl => (Cow::Borrowed(source), Vec::new()),
+        Language::Wgsl => match wgsl::link::linked(source, options) {
+            Ok(Some((linked, warnings))) => (Cow::Owned(linked), warnings),
+            Ok(None) | Err(_) => (Cow::Borrowed(source), Vec::new()),
+        },
+    }
+}
+
 /// Returns what a program binds to a shader.
 pub fn interface(source: &Source, options: &ReadOptions) -> Interface {
     match source.language {
         Language::Glsl => glsl::interface::read(source, options),
-        Language::Wgsl => wgsl::interface::read(source, options),
+        Language::Wgsl => wgsl::interface::read(&linked(source, options), options),
     }
 }
 
@@ -71,7 +91,7 @@ pub fn syntax_error(source: &Source, options: &ReadOptions) -> Option<Diagnostic
 pub fn body_errors(source: &Source, options: &ReadOptions) -> Vec<Diagnostic> {
     match source.language {
         Language::Glsl => glsl::body_errors(source, options),
-        Language::Wgsl => wgsl::body_errors(source),
+        Language::Wgsl => wgsl::body_errors(&linked(source, options)),
     }
 }
 

@@ -7,7 +7,7 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::source::Language;
 use landfall_layout::syntax::{body_errors, tokens};
-use landfall_layout::{Diagnostic, Span};
+use landfall_layout::{Diagnostic, Source, Span, linked};
 
 pub(super) const LINT: Lint = Lint {
     code: "invalid-shader",
@@ -28,27 +28,32 @@ pub(super) const LINT: Lint = Lint {
 };
 
 fn check(subject: &Subject<'_>, _: &Settings) -> Vec<Finding> {
-    let mut errors = body_errors(subject.source, &subject.options.read);
+    let source = &*linked(subject.source, &subject.options.read);
+    // What its functions use is not known.
+    if source.lacks_imports() {
+        return Vec::new();
+    }
+    let mut errors = body_errors(source, &subject.options.read);
     if !has_entry_point(subject) {
         // A reserved word is none in any file; a name may be that of who includes this one.
         errors.retain(|error| error.code == Code::InvalidShader);
     } else if errors.is_empty() {
-        errors.extend(by_compiler(subject));
+        errors.extend(by_compiler(source));
     }
     errors.into_iter().map(|error| finding(subject, error)).collect()
 }
 
 /// What naga refuses; it is one compiler of WGSL, and Landfall has its own front end for GLSL.
 #[cfg(feature = "analysis")]
-fn by_compiler(subject: &Subject<'_>) -> Option<Diagnostic> {
-    match subject.shader.language {
-        Language::Wgsl => landfall_layout::naga_front::wgsl_error(&subject.source.text),
+fn by_compiler(source: &Source) -> Option<Diagnostic> {
+    match source.language {
+        Language::Wgsl => landfall_layout::naga_front::wgsl_error(&source.text),
         Language::Glsl => None,
     }
 }
 
 #[cfg(not(feature = "analysis"))]
-fn by_compiler(_: &Subject<'_>) -> Option<Diagnostic> {
+fn by_compiler(_: &Source) -> Option<Diagnostic> {
     None
 }
 

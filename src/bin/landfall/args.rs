@@ -76,7 +76,7 @@ pub use missing::{CompletionsArgs, ManArgs};
 pub use port::{PortArgs, PortTo};
 #[cfg(feature = "exec")]
 pub use prove::{ProveArgs, ProveFormat};
-pub use read::{Api, ReadArgs, TextArgs, define, setting};
+pub use read::{Api, ReadArgs, TextArgs, define, feature, setting};
 #[cfg(feature = "exec")]
 pub use render::{RenderArgs, RenderFormat, TransferName};
 pub use report::ReportArgs;

@@ -144,6 +144,8 @@ fn read(keys: &Keys<'_>, root: Root) -> Config {
         read: {
             let mut read = ReadOptions::default();
             read.defines = pairs(keys, "define", args::define);
+            read.defines.extend(pairs(keys, "features", args::feature));
+            read.preludes = list("prelude").iter().map(|text| root.path(&text.value)).collect();
             read.include_dirs = list("include").iter().map(|text| root.path(&text.value)).collect();
             read.overrides = pairs(keys, "override", args::setting);
             read.target = api.or_else(|| Api::reading(&targets));
@@ -301,7 +303,12 @@ impl Config {
         let dialect = Api::reading(&args.targets);
         let target = if self.has_api { self.read.target } else { None };
         let mut read = ReadOptions::default();
-        read.defines = over(&self.read.defines, defines);
+        let given: Vec<_> = defines.iter().chain(&args.features).cloned().collect();
+        read.defines = over(&self.read.defines, &given);
+        read.preludes = match args.preludes.is_empty() {
+            true => self.read.preludes.clone(),
+            false => args.preludes.clone(),
+        };
         read.include_dirs = dirs.cloned().collect();
         read.overrides = over(&self.read.overrides, &args.overrides);
         read.target = match args.targets.is_empty() {

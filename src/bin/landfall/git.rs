@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use landfall_layout::Error;
 use landfall_layout::file::{is_running, reason};
-use landfall_layout::source::kind_of_path;
+use landfall_layout::source::{Language, kind_of_path};
 
 use crate::child::{self, Child};
 use crate::watch;
@@ -78,7 +78,7 @@ impl Tree {
     }
 
     /// Maps a directory of the work tree to its extracted form; one outside stays unchanged.
-    pub fn directory(&self, dir: &Path) -> PathBuf {
+    pub fn at_revision(&self, dir: &Path) -> PathBuf {
         let real = fs::canonicalize(dir).unwrap_or_else(|_| {
             std::env::current_dir().map(|here| here.join(dir)).unwrap_or_else(|_| dir.to_path_buf())
         });
@@ -141,6 +141,14 @@ pub fn extract_any(revision: &Revision) -> Result<Result<Tree, bool>, Error> {
         for name in included(&bytes) {
             let named = files.iter().filter(|file| file.path.rsplit('/').next() == Some(&name));
             chosen.extend(named.filter(|file| taken.insert(file.path.as_str())));
+        }
+        // Which modules it needs is known only when it is read.
+        let is_wgsl = |path: &str| {
+            kind_of_path(Path::new(path)).is_some_and(|(language, _)| language == Language::Wgsl)
+        };
+        if is_wgsl(&file.path) && String::from_utf8_lossy(&bytes).contains("import") {
+            let modules = files.iter().filter(|file| is_wgsl(&file.path));
+            chosen.extend(modules.filter(|file| taken.insert(file.path.as_str())));
         }
     }
     Ok(Ok(tree))

@@ -13,7 +13,8 @@ use crate::args::{Api, ReadArgs};
 /// The layout options from the command line.
 pub fn options(args: &ReadArgs) -> Options {
     let mut read = ReadOptions::default();
-    read.defines = args.defines.clone();
+    read.defines = args.defines.iter().chain(&args.text.features).cloned().collect();
+    read.preludes = args.text.preludes.clone();
     read.include_dirs = args.text.include_dirs.clone();
     read.overrides = args.text.overrides.clone();
     read.target = Api::reading(&args.text.targets);

@@ -7,12 +7,8 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
     for language in [Language::Glsl, Language::Wgsl] {
-        let source = Source {
-            path: "fuzz".into(),
-            text: text.into(),
-            language,
-            stage: Some(Stage::Fragment),
-        };
+        let source =
+            Source { language, stage: Some(Stage::Fragment), ..Source::new("fuzz", text) };
         layout(&source, &Options::default().with_gather(true));
     }
 });

@@ -23,7 +23,7 @@ use crate::harness::spirv;
 use landfall_layout::layout::BlockLayout;
 use landfall_layout::source::{Language, ReadOptions, Source, Stage};
 use landfall_layout::syntax::glsl::sized;
-use landfall_layout::{Diagnostic, Options, ShaderLayout, layout};
+use landfall_layout::{Diagnostic, Options, ShaderLayout, layout, linked};
 pub use report::{
     BackendReport, BlockReport, Cause, CompiledRun, ElementReport, Form, Outcome, ReadBy,
     ShaderReport, Unprobed,
@@ -92,7 +92,7 @@ impl Subject {
         let probed = |source: &Source, read: ReadOptions| {
             let open = source.language == Language::Glsl && source.text.contains('[');
             let sized = open.then(|| sized(source, &read)).flatten();
-            let source = sized.unwrap_or_else(|| source.clone());
+            let source = sized.unwrap_or_else(|| linked(source, &read).into_owned());
             let mut options = options.clone();
             options.read = read;
             let shader = layout(&source, &options);

@@ -82,7 +82,7 @@ impl<'a> Object<'a> {
             .labels
             .iter()
             .filter(|label| files.get(label.at.file).is_some())
-            .map(|label| label_object(label, places))
+            .map(|label| label_object(label, files.resolve(label.at), places))
             .collect();
         let main = labels.first();
         let shader = files.get(0).map(|file| file.path.clone());
@@ -102,9 +102,9 @@ impl<'a> Object<'a> {
     }
 }
 
-fn label_object<'a>(label: &'a Label, places: &mut Places<'_>) -> LabelObject<'a> {
-    let start = places.locate(label.at);
-    let end = places.locate(Span { start: label.at.end, ..label.at });
+fn label_object<'a>(label: &'a Label, at: Span, places: &mut Places<'_>) -> LabelObject<'a> {
+    let start = places.locate(at);
+    let end = places.locate(Span { start: at.end, ..at });
     LabelObject {
         path: start.path,
         line: start.line,

@@ -18,6 +18,7 @@ impl<'a> Places<'a> {
 
     /// The line and column of a span's first byte, as [`Files::locate`] returns them.
     pub fn locate(&mut self, span: Span) -> Location {
+        let span = self.files.resolve(span);
         let Some(file) = self.files.get(span.file) else { return self.files.locate(span) };
         let text = file.text.as_bytes();
         let lines = self.lines[span.file as usize].get_or_insert_with(|| line_starts(text));

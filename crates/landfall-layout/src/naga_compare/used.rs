@@ -26,6 +26,7 @@ pub fn used(
     options: &ReadOptions,
     blocks: &[BlockLayout],
 ) -> Option<Vec<Option<Used>>> {
+    let source = &crate::syntax::linked(source, options);
     let module = match source.language {
         Language::Wgsl => wgsl_module(&source.text)?,
         Language::Glsl => {

@@ -26,6 +26,7 @@ mod handles;
 pub(super) mod interface;
 mod lengths;
 mod lexer;
+pub(crate) mod link;
 mod name_errors;
 mod numbers;
 mod outline;
@@ -60,8 +61,18 @@ pub(crate) fn tokens(text: &str) -> Vec<&str> {
 
 /// Parses the blocks of a WGSL text.
 pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
-    let mut files = Files::default();
-    files.add(source.path.clone(), source.text.clone());
+    let (source, warnings) = match link::linked(source, options) {
+        Ok(Some((linked, warnings))) => (&linked.clone(), warnings),
+        Ok(None) => (source, Vec::new()),
+        Err(failed) => {
+            return Parsed {
+                files: failed.files,
+                diagnostics: failed.diagnostics,
+                ..Parsed::default()
+            };
+        }
+    };
+    let files = Files::of(source);
     if let Some(foreign) = source.foreign {
         let span = Span { file: 0, start: foreign.first, end: foreign.first };
         let message = "WGSL must be UTF-8, which this byte is not";
@@ -71,6 +82,7 @@ pub(crate) fn read(source: &Source, options: &ReadOptions) -> Parsed {
     }
     let text: &str = &source.text;
     let mut reports = Reports::default();
+    warnings.into_iter().for_each(|warning| reports.push(warning));
     let outline = outline::read(text, &mut reports);
     if !outline.incomplete {
         attribute_names::check(text, &outline, &mut reports);

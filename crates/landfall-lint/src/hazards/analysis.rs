@@ -13,7 +13,7 @@ use landfall_layout::diagnostic::Code;
 use landfall_layout::finding::{Finding, Level, Place};
 use landfall_layout::layout::MemberLayout;
 use landfall_layout::naga_front::excess;
-use landfall_layout::{Diagnostic, Language, Options, ShaderLayout, Source, Span};
+use landfall_layout::{Diagnostic, Language, Options, ShaderLayout, Source, Span, linked};
 
 /// The hazards of a shader's lights.
 #[derive(Debug, Default)]
@@ -47,9 +47,10 @@ pub(crate) fn findings(subject: &Subject<'_>, kinds: &[Kind]) -> Vec<Finding> {
         return Vec::new();
     }
     let shader = subject.shader;
-    if let (Language::Wgsl, Some(excess)) =
-        (shader.language, excess(&subject.source.text, Language::Wgsl))
-    {
+    if let (Language::Wgsl, Some(excess)) = (
+        shader.language,
+        excess(&linked(subject.source, &subject.options.read).text, Language::Wgsl),
+    ) {
         return vec![not_analysed(shader, None, &format!("the shader {excess}"))];
     }
     let lights = lights_in_blocks(&shader.blocks);

@@ -24,6 +24,12 @@ pub struct TextArgs {
     /// Search DIR for #include files
     #[arg(short = 'I', long = "include", value_name = "DIR")]
     pub include_dirs: Vec<PathBuf>,
+    /// Set a feature that the conditions of WESL test
+    #[arg(long = "feature", value_name = "NAME[=BOOL]", value_parser = feature)]
+    pub features: Vec<(String, String)>,
+    /// Put the text of FILE before that of each WGSL shader
+    #[arg(long = "prelude", value_name = "FILE")]
+    pub preludes: Vec<PathBuf>,
     /// Set a specialization constant or override, by name or number
     #[arg(short = 'O', long = "override", value_name = "NAME=VALUE", value_parser = setting)]
     pub overrides: Vec<(String, String)>,
@@ -106,6 +112,15 @@ impl Text {
             Text::Glsl => Language::Glsl,
             Text::Wgsl => Language::Wgsl,
         }
+    }
+}
+
+/// Parses `NAME` or `NAME=false` as the definition of that name.
+pub fn feature(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text.split_once('=').unwrap_or((text, "true"));
+    match value {
+        "true" | "false" if !name.is_empty() => Ok((name.to_string(), value.to_string())),
+        _ => Err("write NAME, NAME=true or NAME=false".to_string()),
     }
 }
 

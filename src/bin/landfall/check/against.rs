@@ -35,7 +35,9 @@ impl Against {
         let mut options = basis.options();
         if let Some(tree) = &tree {
             let dirs = &mut options.read.include_dirs;
-            *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
+            *dirs = dirs.iter().map(|dir| tree.at_revision(dir)).collect();
+            let preludes = &mut options.read.preludes;
+            *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
         }
         // naga's answer is not part of a lock.
         let options = [options.clone(), options];

@@ -30,6 +30,8 @@ pub struct Basis {
     pub whole: bool,
     defines: Vec<(String, String)>,
     include_dirs: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    preludes: Vec<String>,
     overrides: Vec<(String, String)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     max_bytes: Option<u64>,
@@ -77,6 +79,7 @@ impl Basis {
             whole: scope.whole,
             defines: options.read.defines.clone(),
             include_dirs: dirs.map(|dir| dir.display().to_string()).collect(),
+            preludes: options.read.preludes.iter().map(|file| file.display().to_string()).collect(),
             overrides: options.read.overrides.clone(),
             max_bytes: options.read.max_bytes,
             target: options.read.target.map(|target| targets::key(target).to_string()),
@@ -134,6 +137,7 @@ impl Basis {
         let mut read = ReadOptions::default();
         read.defines = self.defines.clone();
         read.include_dirs = self.include_dirs.iter().map(PathBuf::from).collect();
+        read.preludes = self.preludes.iter().map(PathBuf::from).collect();
         read.overrides = self.overrides.clone();
         read.max_bytes = self.max_bytes;
         read.target = self.target.as_deref().map(|name| match name {

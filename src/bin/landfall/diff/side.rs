@@ -132,7 +132,9 @@ impl Reading<'_> {
         let mut options = self.options.clone();
         if let Some(tree) = tree {
             let dirs = &mut options.read.include_dirs;
-            *dirs = dirs.iter().map(|dir| tree.directory(dir)).collect();
+            *dirs = dirs.iter().map(|dir| tree.at_revision(dir)).collect();
+            let preludes = &mut options.read.preludes;
+            *preludes = preludes.iter().map(|file| tree.at_revision(file)).collect();
         }
         let sets = &self.config.settings.permutations;
         let layout =

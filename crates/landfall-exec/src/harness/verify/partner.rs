@@ -31,6 +31,7 @@ pub(crate) fn fragment(of: &Source, options: &ReadOptions) -> Source {
         stage: Some(Stage::Fragment),
         foreign: None,
         byte_order_mark: false,
+        linked: None,
     }
 }
 

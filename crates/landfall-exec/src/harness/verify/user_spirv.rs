@@ -177,6 +177,7 @@ fn partner(module: &Module, entry: &EntryPoint) -> Result<Option<StageCode>, Str
         stage: None,
         foreign: None,
         byte_order_mark: false,
+        linked: None,
     };
     let module = Module::new(&source, &Options::default());
     let module =

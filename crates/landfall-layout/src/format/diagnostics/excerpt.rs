@@ -61,6 +61,8 @@ pub(super) fn excerpts(
     files: &Files,
     places: &mut Places<'_>,
 ) -> Vec<Excerpt> {
+    let resolved = |label: &Label| Label { at: files.resolve(label.at), text: label.text.clone() };
+    let labels: Vec<Label> = labels.iter().map(resolved).collect();
     let mut groups: Vec<Vec<Placed<'_>>> = Vec::new();
     for (i, label) in labels.iter().enumerate() {
         if files.get(label.at.file).is_none() {

@@ -191,9 +191,6 @@ fn before(
     while lexer.peek().start < end && lexer.take(b'@') {
         let name = lexer.next();
         let word = lexer.text_of(name);
-        if matches!(word, "if" | "else" | "elif") {
-            return Err(reports.refuse(report::preprocessor(lexer, name)));
-        }
         // What is no name is reported where the declaration is parsed.
         if name.kind != Kind::Word {
             return Ok(());

@@ -142,10 +142,7 @@ fn declaration<'a>(
 ) -> Result<u32, report::Refused> {
     let start = lexer.peek().start;
     while lexer.take(b'@') {
-        let name = lexer.next();
-        if matches!(lexer.text_of(name), "if" | "else" | "elif") {
-            return Err(reports.refuse(report::preprocessor(lexer, name)));
-        }
+        lexer.next();
         if lexer.take(b'(') {
             skip_round(lexer, reports)?;
         }
@@ -280,7 +277,12 @@ fn skip_struct(
             // Continue at the first word that begins a declaration.
             lexer.jump(open.end);
             let inside = lexer.text_of(name);
-            Err(reports.refuse(report::unclosed_brace(inside, report::span(open))))
+            let found = report::unclosed_brace(inside, report::span(open));
+            let is_template = lexer.text()[close.start as usize..].starts_with("{{");
+            Err(reports.refuse(match is_template {
+                true => found.with_note("`{{` is a template's: fill it in first"),
+                false => found,
+            }))
         }
     }
 }

@@ -143,28 +143,27 @@ pub(super) fn other_language(lexer: &Lexer<'_>, token: Token, language: &str) ->
     Diagnostic::error(Code::OtherLanguage, span(token), message).with_help(help)
 }
 
-/// Returns the diagnostic for preprocessor lines of naga_oil and WESL: the declarations are known
-/// only after composition.
+/// Returns the diagnostic for lines that begin with `#` and for imports out of place.
 pub(super) fn preprocessor(lexer: &Lexer<'_>, token: Token) -> Diagnostic {
     let rest = &lexer.text()[token.start as usize..];
     let word_end = rest[1..].find(|c: char| !c.is_alphanumeric() && c != '_');
     let word = &rest[..word_end.map_or(rest.len(), |end| end + 1)];
     let end = token.start + word.len() as u32;
-    if matches!(word, "#version" | "#extension") {
-        let span = Span { file: 0, start: token.start, end };
-        let message = format!("`{word}` is a line of GLSL, not WGSL");
-        return Diagnostic::error(Code::OtherLanguage, span, message)
-            .with_help("name the file `.frag`, `.vert` or `.comp`, or pass `--language glsl`");
-    }
-    let (shown, tool) = match token.kind {
-        Kind::Sign(_) => (word.to_string(), "naga_oil"),
-        Kind::Word | Kind::Number | Kind::End if word == "import" => (word.to_string(), "WESL"),
-        Kind::Word | Kind::Number | Kind::End => (format!("@{word}"), "WESL"),
-    };
     let span = Span { file: 0, start: token.start, end };
-    Diagnostic::error(Code::Preprocessor, span, format!("`{shown}` is not WGSL but {tool}"))
-        .with_note("the declarations are known only after composition")
-        .with_help(format!("compose the shader with {tool} first, and lay out the result"))
+    match word {
+        "#version" | "#extension" => {
+            let message = format!("`{word}` is a line of GLSL, not WGSL");
+            Diagnostic::error(Code::OtherLanguage, span, message)
+                .with_help("name the file `.frag`, `.vert` or `.comp`, or pass `--language glsl`")
+        }
+        "import" => {
+            let message = "an import stands before all declarations";
+            Diagnostic::error(Code::Preprocessor, span, message)
+        }
+        _ => Diagnostic::error(Code::Preprocessor, span, format!("`{word}` is not WGSL"))
+            .with_note("of lines with `#`, those of naga_oil and `#include` are read")
+            .with_help("put the shader together first, and lay out the result"),
+    }
 }
 
 pub(super) fn duplicate(name: &str, again: Span, first: Span) -> Diagnostic {

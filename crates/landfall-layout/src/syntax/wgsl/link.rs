@@ -1,0 +1,462 @@
+//! Puts a shader together from the modules and files it imports: WESL, naga_oil, and files that are
+//! included as text.
+//!
+//! The shader's own text comes first and keeps its names; what it uses of other modules follows, each
+//! declaration once. Where two have one name, the later one gets another. Imports that nothing uses
+//! need not resolve.
+
+mod conditions;
+mod imports;
+mod lines;
+mod packages;
+mod references;
+mod resolve;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::lexer::Lexer;
+use super::outline::{self, Class};
+use super::report::Reports;
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::source::joined::{Joined, Linked};
+use crate::source::{Files, ReadOptions, Source, Span, decode_shader, normalized, read_bytes};
+use packages::Packages;
+use references::references;
+
+/// The limit on modules and included files of one shader.
+const MOST_FILES: usize = 1 << 14;
+
+/// The limit on nested inclusions.
+const DEEPEST_INCLUSION: u32 = 200;
+
+/// The limit on the bytes of all files.
+const MOST_BYTES: usize = 64 << 20;
+
+/// A shader whose imports cannot be resolved.
+pub(crate) struct Unlinked {
+    pub(crate) files: Files,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// Returns the shader with all that it imports, its conditions applied, and the warnings about that;
+/// `None` where it imports nothing and has no conditions.
+///
+/// # Errors
+/// What is wrong with an import, a condition, or a file that is included.
+pub(crate) fn linked(
+    source: &Source,
+    options: &ReadOptions,
+) -> Result<Option<(Source, Vec<Diagnostic>)>, Box<Unlinked>> {
+    if source.linked.is_some() || !may_import(&source.text) && options.preludes.is_empty() {
+        return Ok(None);
+    }
+    let mut linker = Linker::new(source, options);
+    let linked = linker.link();
+    let mut files = linker.files;
+    let mut diagnostics = linker.warnings;
+    match linked {
+        _ if !linker.errors.is_empty() => {
+            diagnostics.extend(linker.errors);
+            Err(Box::new(Unlinked { files, diagnostics }))
+        }
+        Ok(joined) if joined.text == *source.text => Ok(None),
+        Ok(joined) => {
+            let text: Arc<str> = joined.text.as_str().into();
+            files.join(joined);
+            let linked = Arc::new(Linked { files, is_complete: diagnostics.is_empty() });
+            Ok(Some((Source { text, linked: Some(linked), ..source.clone() }, diagnostics)))
+        }
+        Err(found) => {
+            diagnostics.push(found);
+            Err(Box::new(Unlinked { files, diagnostics }))
+        }
+    }
+}
+
+/// Whether a text may have imports or conditions; comments and strings may look so too.
+fn may_import(text: &str) -> bool {
+    let has = |what: &str| memchr::memmem::find(text.as_bytes(), what.as_bytes()).is_some();
+    has("#") || has("import") || has("::") || has("@if") || has("@el")
+}
+
+/// Consumes `::`.
+fn take_path_separator(lexer: &mut Lexer<'_>) -> bool {
+    let mut ahead = lexer.clone();
+    let is_there = ahead.take(b':') && ahead.take(b':');
+    if is_there {
+        *lexer = ahead;
+    }
+    is_there
+}
+
+/// A module: a file with what it includes as text.
+struct Module {
+    /// The path as it was found, for `super` and `package`.
+    file: PathBuf,
+    text: Arc<Joined>,
+    /// What its imports stand for.
+    aliases: FxHashMap<String, imports::Import>,
+    /// The ranges of its directives.
+    directives: Vec<(u32, u32)>,
+    /// The names of its declarations, in their order.
+    declarations: Vec<String>,
+    names: FxHashMap<String, usize>,
+}
+
+/// A declaration by its module and its index there.
+type Target = (usize, usize);
+
+/// What a path stands for.
+enum Meaning {
+    Declaration(Target),
+    /// A number that the program gives: `constants::NAME`.
+    Value(String),
+}
+
+/// The state of putting a shader together.
+struct Linker<'o> {
+    options: &'o ReadOptions,
+    files: Files,
+    loaded: FxHashMap<PathBuf, u32>,
+    bytes: usize,
+    depth: u32,
+    packages: Packages<'o>,
+    /// The definitions of naga_oil and flags of WESL.
+    defines: FxHashMap<String, String>,
+    /// The files that are included as text already.
+    included: FxHashSet<u32>,
+    modules: Vec<Module>,
+    by_file: FxHashMap<u32, usize>,
+    /// The names of what is used.
+    given: FxHashMap<Target, String>,
+    taken: FxHashSet<String>,
+    /// Whether a file has lines of naga_oil, whose modules are found by the path they state.
+    is_naga_oil: bool,
+    /// What is used and not written yet.
+    open: Vec<Target>,
+    warnings: Vec<Diagnostic>,
+    errors: Vec<Diagnostic>,
+}
+
+impl<'o> Linker<'o> {
+    fn new(source: &Source, options: &'o ReadOptions) -> Linker<'o> {
+        let mut linker = Linker {
+            options,
+            files: Files::default(),
+            loaded: FxHashMap::default(),
+            bytes: 0,
+            depth: 0,
+            packages: Packages::new(options),
+            defines: options.defines.iter().cloned().collect(),
+            included: FxHashSet::default(),
+            modules: Vec::new(),
+            by_file: FxHashMap::default(),
+            given: FxHashMap::default(),
+            taken: FxHashSet::default(),
+            is_naga_oil: false,
+            open: Vec::new(),
+            warnings: Vec::new(),
+            errors: Vec::new(),
+        };
+        // The first is the text of all, once it is known.
+        linker.files.add(source.path.clone(), source.text.clone());
+        let own = linker.files.add(source.path.clone(), source.text.clone());
+        linker.loaded.insert(PathBuf::from(&source.path), own);
+        linker
+    }
+
+    /// Returns the text of the shader and of what it uses.
+    fn link(&mut self) -> Result<Joined, Diagnostic> {
+        let own = 1;
+        let root = self.add_module(own, true)?;
+        let names: Vec<String> = self.modules[root].names.keys().cloned().collect();
+        self.taken.extend(names);
+        for (index, name) in self.modules[root].declarations.clone().into_iter().enumerate() {
+            self.given.insert((root, index), name);
+        }
+        let mut texts = vec![self.part(root, None)?];
+        while let Some((module, index)) = self.open.pop() {
+            texts.push(self.part(module, Some(index))?);
+        }
+        let mut joined = Joined::default();
+        // Directives come before all declarations.
+        for module in self.modules.iter().skip(1) {
+            for &(start, end) in &module.directives {
+                joined.push_part(&module.text, start, end);
+                joined.push("\n", Span::default());
+            }
+        }
+        for (number, text) in texts.iter().enumerate() {
+            if number > 0 {
+                joined.push("\n", Span::default());
+            }
+            joined.push_part(text, 0, text.text.len() as u32);
+        }
+        Ok(joined)
+    }
+
+    // --- Files ---
+
+    fn text(&self, file: u32) -> Arc<str> {
+        self.files.get(file).map_or_else(|| "".into(), |file| file.text.clone())
+    }
+
+    fn path(&self, file: u32) -> PathBuf {
+        self.files.get(file).map_or_else(PathBuf::new, |file| PathBuf::from(&file.path))
+    }
+
+    /// Reads a file once.
+    fn load(&mut self, path: &Path, at: Span) -> Result<u32, Diagnostic> {
+        if let Some(&file) = self.loaded.get(path) {
+            return Ok(file);
+        }
+        let shown = path.display().to_string();
+        let failed = |error: crate::Error| {
+            Diagnostic::error(Code::Include, at, format!("`{shown}` {}", error.message))
+        };
+        let bytes = match &self.options.files {
+            Some(files) => {
+                let given = files.iter().find(|(given, _)| Path::new(given) == path);
+                given.map(|(_, text)| text.clone().into_bytes()).unwrap_or_default()
+            }
+            None => read_bytes(path, self.options.max_bytes).map_err(failed)?,
+        };
+        let (text, _) = decode_shader(&shown, bytes).map_err(failed)?;
+        self.bytes += text.len();
+        if self.loaded.len() >= MOST_FILES || self.bytes > MOST_BYTES {
+            let message =
+                format!("imports read more than {MOST_FILES} files or {MOST_BYTES} bytes");
+            return Err(Diagnostic::error(Code::IncludeBomb, at, message));
+        }
+        let file = self.files.add(shown, normalized(text.into()));
+        self.loaded.insert(path.to_path_buf(), file);
+        Ok(file)
+    }
+
+    /// Reads something nested, unless it is too deep.
+    fn enter<T>(
+        &mut self,
+        at: Span,
+        read: impl FnOnce(&mut Self) -> Result<T, Diagnostic>,
+    ) -> Result<T, Diagnostic> {
+        if self.depth >= DEEPEST_INCLUSION {
+            let message = format!("files are included more than {DEEPEST_INCLUSION} deep");
+            return Err(Diagnostic::error(Code::IncludeBomb, at, message));
+        }
+        self.depth += 1;
+        let result = read(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// Returns the file that is included as text by a name.
+    fn find_text(&self, from: u32, name: &str) -> Option<PathBuf> {
+        self.packages.text(&self.path(from), name.trim_matches(['"', '<', '>'])).1
+    }
+
+    /// Whether a module of naga_oil has a path.
+    fn is_module(&mut self, from: u32, path: &str) -> bool {
+        let from = self.path(from);
+        self.packages.named(&from, path).is_some()
+    }
+
+    fn no_text(&self, from: u32, name: &str, at: Span) -> Diagnostic {
+        let (places, _) = self.packages.text(&self.path(from), name);
+        not_found(format!("`{name}` not found"), &places, at)
+            .with_help("pass its directory with `-I DIR`")
+    }
+
+    /// Returns the value of a definition; 0 where the number of a binding needs one that is missing.
+    fn value(&mut self, name: &str, at: Span, before: &str) -> Result<Option<String>, Diagnostic> {
+        if let Some(value) = self.defines.get(name) {
+            return Ok(Some(value.clone()));
+        }
+        let text = self.text(at.file);
+        let written = &text[at.start as usize..at.end as usize];
+        if !written.contains(['{', ':']) {
+            return Ok(None);
+        }
+        let message = format!("`{name}` has no value");
+        let help = format!("pass `-D {name}=VALUE`");
+        let before = before.trim_end();
+        if before.ends_with("@group(") || before.ends_with("@binding(") {
+            let warning = Diagnostic::warning(Code::UndefinedMacro, at, message);
+            let warning = warning.with_note("0 stands for it; offsets do not depend on it");
+            self.warnings.push(warning.with_help(help));
+            return Ok(Some("0".to_string()));
+        }
+        Err(Diagnostic::error(Code::UndefinedMacro, at, message).with_help(help))
+    }
+
+    // --- Modules ---
+
+    /// Reads a file as a module; returns its index.
+    fn add_module(&mut self, file: u32, is_root: bool) -> Result<usize, Diagnostic> {
+        if let Some(&known) = self.by_file.get(&file) {
+            return Ok(known);
+        }
+        let mut lines = lines::Lines::default();
+        if is_root {
+            for prelude in self.options.preludes.clone() {
+                let prelude = self.load(&prelude, Span::default())?;
+                lines::read(self, prelude, &mut lines)?;
+                lines.text.push("\n", Span::default());
+            }
+        }
+        lines::read(self, file, &mut lines)?;
+        let joined = lines.text;
+        let placed = |mut error: Diagnostic, joined: &Joined| {
+            error.labels.iter_mut().for_each(|label| label.at = joined.place(label.at));
+            error
+        };
+        let defines = &self.defines;
+        let is_set = |flag: &str| defines.get(flag).is_some_and(|value| value != "false");
+        let text = conditions::applied(&joined.text, &is_set).map_err(|e| placed(e, &joined))?;
+        let joined = joined.with_text(text);
+        let head = imports::head(&joined.text).map_err(|e| placed(e, &joined))?;
+        let mut all = head.imports;
+        for import in &mut all {
+            import.at = joined.place(import.at);
+        }
+        all.extend(lines.imports);
+        let joined = joined.with_text(head.text);
+        let mut reports = Reports::default();
+        let outline = outline::read(&joined.text, &mut reports);
+        // Those of the shader itself are found again when its text is read.
+        if !is_root {
+            let found = reports.finish().into_iter();
+            for found in found.filter(|found| found.severity == Severity::Error) {
+                self.fail(placed(found, &joined));
+            }
+        }
+        let declarations: Vec<String> =
+            outline.items.iter().map(|item| item.name.to_string()).collect();
+        let names = declarations.iter().cloned().zip(0..).collect();
+        drop(outline);
+        let module = Module {
+            file: self.path(file),
+            text: Arc::new(joined),
+            aliases: all.into_iter().map(|import| (import.alias.clone(), import)).collect(),
+            directives: head.directives,
+            declarations,
+            names,
+        };
+        self.modules.push(module);
+        self.by_file.insert(file, self.modules.len() - 1);
+        Ok(self.modules.len() - 1)
+    }
+
+    /// Returns the text of a module, or of one of its declarations, with the names of what it uses.
+    fn part(&mut self, module: usize, index: Option<usize>) -> Result<Joined, Diagnostic> {
+        let joined = self.modules[module].text.clone();
+        let outline = outline::read(&joined.text, &mut Reports::default());
+        let (start, end) = match index {
+            Some(index) => (outline.items[index].start, outline.items[index].end),
+            None => (0, joined.text.len() as u32),
+        };
+        let mut edits: Vec<(u32, u32, String)> = Vec::new();
+        for (number, item) in outline.items.iter().enumerate() {
+            if index.is_some_and(|index| index != number) {
+                continue;
+            }
+            let own = self.given.get(&(module, number)).filter(|given| *given != item.name);
+            if let Some(given) = own {
+                edits.push((item.name_span.start, item.name_span.end, given.clone()));
+            }
+            for (from, to, path) in references(&joined.text, &outline, item) {
+                let at = joined.place(Span { file: 0, start: from, end: to });
+                let before = &joined.text[..from as usize];
+                let name = match self.meaning(module, &path, at, before) {
+                    Ok(None) => continue,
+                    Ok(Some(Meaning::Value(value))) => value,
+                    Ok(Some(Meaning::Declaration(target))) => self.name(target),
+                    // Blocks do not depend on what functions need.
+                    Err(error) if item.class == Class::Fn => {
+                        self.warn(error);
+                        path.last().cloned().unwrap_or_default()
+                    }
+                    Err(error) => {
+                        self.fail(error);
+                        continue;
+                    }
+                };
+                if name != joined.text[from as usize..to as usize] {
+                    edits.push((from, to, name));
+                }
+            }
+        }
+        edits.sort();
+        let mut part = Joined::default();
+        let mut last = start;
+        for (from, to, name) in edits {
+            part.push_part(&joined, last, from);
+            part.push(&name, joined.place(Span { file: 0, start: from, end: to }));
+            last = to;
+        }
+        part.push_part(&joined, last, end);
+        Ok(part)
+    }
+
+    /// Reports that the name of a comparison has no definition.
+    fn undefined_condition(&mut self, name: &str, at: Span) {
+        let message = format!("`{name}` is not defined, so this condition does not hold");
+        if self.warnings.iter().all(|known| known.message != message) {
+            let found = Diagnostic::warning(Code::UndefinedMacro, at, message);
+            self.warnings.push(found.with_help(format!("pass `-D {name}=VALUE`")));
+        }
+    }
+
+    /// Reports an error once by its message, and goes on: there may be more of its kind.
+    fn fail(&mut self, error: Diagnostic) {
+        if self.errors.iter().all(|known| known.message != error.message) {
+            self.errors.push(error);
+        }
+    }
+
+    /// Reports an error in a function as a warning, once by its message.
+    fn warn(&mut self, mut error: Diagnostic) {
+        error.severity = Severity::Warning;
+        if self.warnings.iter().all(|known| known.message != error.message) {
+            self.warnings.push(error.with_note("a function needs it; offsets do not depend on it"));
+        }
+    }
+
+    /// Returns the name of a declaration in the text of all, which will contain it.
+    fn name(&mut self, target: Target) -> String {
+        if let Some(given) = self.given.get(&target) {
+            return given.clone();
+        }
+        let own = &self.modules[target.0].declarations[target.1];
+        let mut name = own.clone();
+        let mut number = 1;
+        while !self.taken.insert(name.clone()) {
+            number += 1;
+            name = format!("{own}_{number}");
+        }
+        self.given.insert(target, name.clone());
+        self.open.push(target);
+        name
+    }
+}
+
+fn not_found(message: String, places: &[PathBuf], at: Span) -> Diagnostic {
+    let mut error = Diagnostic::error(Code::MissingInclude, at, message);
+    let mut seen = FxHashSet::default();
+    for place in places.iter().filter(|place| seen.insert(*place)).take(8) {
+        error = error.with_note(format!("looked for `{}`", place.display()));
+    }
+    error
+}
+
+/// Returns a text of the same length with blanks in some ranges, whose ends of lines stay.
+fn blanked(text: &str, ranges: &[(u32, u32)]) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for &(start, end) in ranges {
+        let part = &mut bytes[start as usize..end as usize];
+        part.iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
+    }
+    String::from_utf8(bytes).expect("the ranges hold whole characters")
+}

@@ -1,0 +1,150 @@
+//! Import declarations: `import a::{b, c::d as e};` of WESL and `#import` of naga_oil, which differ
+//! in their ends only.
+
+use super::super::lexer::{Kind, Lexer};
+use super::super::report;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+/// A name that a module takes from another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Import {
+    /// The name in this module.
+    pub(super) alias: String,
+    /// The path as it is written, its braces resolved. The first part may be a file in quotes.
+    pub(super) path: Vec<String>,
+    /// Where the path's last name stands.
+    pub(super) at: Span,
+}
+
+/// What stands before the declarations of a module of WESL.
+pub(super) struct Head {
+    /// The text with blanks for the imports.
+    pub(super) text: String,
+    pub(super) imports: Vec<Import>,
+    /// The ranges of `enable`, `requires` and `diagnostic`.
+    pub(super) directives: Vec<(u32, u32)>,
+}
+
+/// Reads what stands before the declarations.
+///
+/// # Errors
+/// An import that is none.
+pub(super) fn head(text: &str) -> Result<Head, Diagnostic> {
+    let (mut imports, mut directives, mut cuts) = (Vec::new(), Vec::new(), Vec::new());
+    let mut lexer = Lexer::new(text, 0);
+    loop {
+        let token = lexer.peek();
+        match lexer.text_of(token) {
+            "import" if token.kind == Kind::Word => {
+                lexer.next();
+                imports.extend(read(&mut lexer)?);
+                let end = lexer.next();
+                if !end.is(b';') {
+                    return Err(report::unexpected(&lexer, end, "`;`"));
+                }
+                cuts.push((token.start, end.end));
+            }
+            "enable" | "requires" | "diagnostic" => {
+                let mut end = token.end;
+                while !matches!(lexer.peek().kind, Kind::End | Kind::Sign(b';' | b'{')) {
+                    end = lexer.next().end;
+                }
+                end = if lexer.peek().is(b';') { lexer.next().end } else { end };
+                directives.push((token.start, end));
+            }
+            ";" => drop(lexer.next()),
+            _ => break,
+        }
+    }
+    Ok(Head { text: super::blanked(text, &cuts), imports, directives })
+}
+
+/// Reads imports that are divided by commas, to the first token that does not belong to them.
+///
+/// # Errors
+/// A token that no import has.
+pub(super) fn read(lexer: &mut Lexer<'_>) -> Result<Vec<Import>, Diagnostic> {
+    let mut imports = Vec::new();
+    tree(lexer, &[], &mut imports)?;
+    while lexer.take(b',') {
+        tree(lexer, &[], &mut imports)?;
+    }
+    Ok(imports)
+}
+
+/// Reads a path after `prefix`, which may end with a list in braces.
+fn tree(
+    lexer: &mut Lexer<'_>,
+    prefix: &[String],
+    imports: &mut Vec<Import>,
+) -> Result<(), Diagnostic> {
+    let mut path = prefix.to_vec();
+    loop {
+        let token = lexer.next();
+        let at = match token.kind {
+            Kind::Word => {
+                path.push(lexer.text_of(token).to_string());
+                report::span(token)
+            }
+            Kind::Sign(b'"') => {
+                let rest = &lexer.text()[token.end as usize..];
+                let Some(length) = rest.find(['"', '\n']) else {
+                    return Err(report::unexpected(lexer, token, "a file in quotes"));
+                };
+                path.push(rest[..length].to_string());
+                let end = token.end + length as u32;
+                lexer.jump(end + 1);
+                Span { file: 0, start: token.end, end }
+            }
+            Kind::Sign(b'{') if !path.is_empty() => loop {
+                if lexer.take(b'}') {
+                    return Ok(());
+                }
+                tree(lexer, &path, imports)?;
+                if !lexer.take(b',') && !lexer.peek().is(b'}') {
+                    let token = lexer.next();
+                    return Err(report::unexpected(lexer, token, "`,` or `}`"));
+                }
+            },
+            Kind::Number | Kind::Sign(_) | Kind::End => {
+                return Err(report::unexpected(lexer, token, "a name"));
+            }
+        };
+        if super::take_path_separator(lexer) {
+            continue;
+        }
+        let mut alias = path.last().cloned().unwrap_or_default();
+        if lexer.peek().kind == Kind::Word && lexer.text_of(lexer.clone().next()) == "as" {
+            lexer.next();
+            let name = lexer.next();
+            if name.kind != Kind::Word {
+                return Err(report::unexpected(lexer, name, "a name"));
+            }
+            alias = lexer.text_of(name).to_string();
+        }
+        imports.push(Import { alias, path, at });
+        return Ok(());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nested_lists_files_and_other_names_are_read() {
+        let text = "a::{b, c::{d as e, f,}}, \"x/y.wgsl\"::{g}, h as i ; rest";
+        let mut lexer = Lexer::new(text, 0);
+        let read = read(&mut lexer).expect("it is right");
+        let read: Vec<(String, String)> =
+            read.into_iter().map(|import| (import.alias, import.path.join("::"))).collect();
+        let expected =
+            [("b", "a::b"), ("e", "a::c::d"), ("f", "a::c::f"), ("g", "x/y.wgsl::g"), ("i", "h")];
+        assert_eq!(read, expected.map(|(a, b)| (a.to_string(), b.to_string())));
+        assert!(lexer.take(b';'));
+        for wrong in ["a::", "a::{b", "a::{b c}", "1", "a as 2", "\"open"] {
+            assert!(super::read(&mut Lexer::new(wrong, 0)).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Where the file of a module stands: beside the importing file, in its package, in another package
+//! of the tree, or in a dependency of Cargo.
+
+use std::path::{Path, PathBuf};
+
+use rustc_hash::FxHashMap;
+
+use crate::source::ReadOptions;
+
+/// The limit on folders above a file that are searched.
+const MOST_FOLDERS: usize = 16;
+
+/// The limit on files that are searched for the paths of naga_oil.
+const MOST_INDEXED: usize = 20_000;
+
+/// The extensions of modules.
+const EXTENSIONS: [&str; 2] = ["wesl", "wgsl"];
+
+/// The files that imports may name.
+pub(super) struct Packages<'o> {
+    options: &'o ReadOptions,
+    /// The files of a folder and those below by their `#define_import_path`.
+    indexed: FxHashMap<PathBuf, FxHashMap<String, PathBuf>>,
+}
+
+impl<'o> Packages<'o> {
+    pub(super) fn new(options: &'o ReadOptions) -> Packages<'o> {
+        Packages { options, indexed: FxHashMap::default() }
+    }
+
+    /// Whether a path is that of a file that may be read.
+    pub(super) fn is_file(&self, path: &Path) -> bool {
+        match &self.options.files {
+            Some(files) => files.iter().any(|(given, _)| Path::new(given) == path),
+            None => path.is_file(),
+        }
+    }
+
+    /// Returns the file that is included as text by a name, and where it was looked for.
+    pub(super) fn text(&self, from: &Path, name: &str) -> (Vec<PathBuf>, Option<PathBuf>) {
+        let beside = from.parent().unwrap_or(Path::new("")).to_path_buf();
+        let relative = name.trim_start_matches('/');
+        let mut folders = vec![beside.clone()];
+        folders.extend(self.options.include_dirs.iter().cloned());
+        let mut places: Vec<PathBuf> = Vec::new();
+        let with_extension = |folder: &Path| {
+            let place = folder.join(relative);
+            match place.extension() {
+                Some(_) => place,
+                None => folder.join(format!("{relative}.wgsl")),
+            }
+        };
+        places.extend(folders.iter().map(|folder| with_extension(folder)));
+        // A name without a folder may be in one beside, as `shared/config.wgsl`; a path may start at
+        // any folder above.
+        if relative.contains('/') {
+            places.extend(above(&beside).skip(1).map(|folder| with_extension(&folder)));
+        } else if self.options.files.is_none() {
+            let parent = beside.parent().map(Path::to_path_buf);
+            for folder in std::iter::once(beside).chain(parent) {
+                places.extend(folders_in(&folder).iter().map(|folder| with_extension(folder)));
+            }
+        }
+        let found = places.iter().find(|place| self.is_file(place)).cloned();
+        (places, found)
+    }
+
+    /// Returns the file of a module of WESL in the first of these folders that has it, and where it
+    /// was looked for.
+    pub(super) fn module(
+        &self,
+        roots: &[PathBuf],
+        path: &[String],
+    ) -> (Vec<PathBuf>, Option<PathBuf>) {
+        let files = roots.iter().flat_map(|root| {
+            let stem = path.iter().fold(root.clone(), |folder, part| folder.join(part));
+            EXTENSIONS.map(|extension| stem.with_extension(extension))
+        });
+        let places: Vec<PathBuf> = files.collect();
+        let found = places.iter().find(|place| self.is_file(place)).cloned();
+        (places, found)
+    }
+
+    /// Returns the file of a module of naga_oil by its path.
+    pub(super) fn named(&mut self, from: &Path, path: &str) -> Option<PathBuf> {
+        let package = path.split("::").next().unwrap_or("").to_string();
+        let mut roots = vec![project(from)];
+        roots.extend(self.options.include_dirs.iter().cloned());
+        roots.extend(self.packages(from, &package));
+        roots.iter().find_map(|root| self.index(root).get(path).cloned())
+    }
+
+    fn index(&mut self, root: &Path) -> &FxHashMap<String, PathBuf> {
+        let options = self.options;
+        self.indexed.entry(root.to_path_buf()).or_insert_with(|| {
+            let mut found = FxHashMap::default();
+            let mut add = |path: PathBuf, text: &str| {
+                let define = |line: &str| {
+                    let name = line.trim_start().strip_prefix("#define_import_path")?;
+                    Some(name.trim().trim_end_matches(';').to_string())
+                };
+                if let Some(name) = text.lines().find_map(define) {
+                    found.entry(name).or_insert(path);
+                }
+            };
+            match &options.files {
+                Some(files) => {
+                    files.iter().for_each(|(path, text)| add(PathBuf::from(path), text));
+                }
+                None => {
+                    for path in wgsl_files(root) {
+                        if let Ok(text) = std::fs::read_to_string(&path) {
+                            add(path, &text);
+                        }
+                    }
+                }
+            }
+            found
+        })
+    }
+
+    /// Returns the folders that `package::` of a file may stand for, the likeliest first.
+    pub(super) fn own(&self, from: &Path) -> Vec<PathBuf> {
+        let mut roots = Vec::new();
+        for folder in above(from.parent().unwrap_or(Path::new(""))) {
+            if let Some(root) = root_of_wesl(&folder) {
+                roots.insert(0, root);
+            }
+            let sources = folder.join("src");
+            if from.starts_with(&sources) && folder.join("Cargo.toml").is_file() {
+                roots.insert(0, sources);
+            }
+        }
+        // Where nothing says so, any folder above the file.
+        roots.extend(above(from.parent().unwrap_or(Path::new(""))));
+        roots
+    }
+
+    /// Returns the folders that another package's modules may be in.
+    pub(super) fn packages(&self, from: &Path, name: &str) -> Vec<PathBuf> {
+        let names = [name.to_string(), name.replace('_', "-")];
+        let mut roots = Vec::new();
+        let in_memory = self.options.files.is_some();
+        let mut add = |folder: PathBuf| {
+            for root in [root_of_wesl(&folder), Some(folder.join("src")), Some(folder)] {
+                roots.extend(root.filter(|root| in_memory || root.is_dir()));
+            }
+        };
+        let folders = self.options.include_dirs.iter().cloned();
+        let folders: Vec<PathBuf> = folders.chain(above(from)).collect();
+        for name in &names {
+            for folder in &folders {
+                add(folder.join(name));
+                add(folder.join("crates").join(name));
+                add(folder.join("node_modules").join(name));
+            }
+        }
+        for folder in &folders {
+            for name in &names {
+                // A crate of the registry beside those that depend on it.
+                let package = folder.file_name().and_then(|name| name.to_str());
+                if package.is_some_and(|package| version_of(package).is_some()) {
+                    let beside = folder.parent().map(folders_in).unwrap_or_default();
+                    newest(beside, name).into_iter().for_each(&mut add);
+                }
+                if let Some(version) = locked(&folder.join("Cargo.lock"), name) {
+                    for registry in folders_in(&cargo_home().join("registry/src")) {
+                        add(registry.join(format!("{name}-{version}")));
+                    }
+                }
+            }
+        }
+        roots
+    }
+}
+
+/// A path and the folders above it, up to that of the repository.
+pub(super) fn above(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let mut paths: Vec<PathBuf> = path.ancestors().map(Path::to_path_buf).collect();
+    if path.is_relative() {
+        // Those above the working directory.
+        let up = std::iter::successors(Some(PathBuf::from("..")), |up| Some(up.join("..")));
+        paths.extend(up.take(MOST_FOLDERS));
+    }
+    let mut is_done = false;
+    paths.into_iter().take(MOST_FOLDERS).take_while(move |folder| {
+        let goes_on = !is_done;
+        is_done = folder.join(".git").exists();
+        goes_on
+    })
+}
+
+/// The folder whose modules are searched by name: the package's, or the file's own.
+fn project(from: &Path) -> PathBuf {
+    let folder = from.parent().unwrap_or(Path::new("")).to_path_buf();
+    let is_project =
+        |folder: &PathBuf| folder.join("Cargo.toml").is_file() || folder.join(".git").exists();
+    above(&folder).filter(is_project).last().unwrap_or(folder)
+}
+
+/// The folders in a folder, in the order of their names.
+fn folders_in(folder: &Path) -> Vec<PathBuf> {
+    let entries =
+        std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let mut folders: Vec<PathBuf> = entries
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| folder.join(entry.file_name()))
+        .filter(|path| path.is_dir())
+        .collect();
+    folders.sort();
+    folders
+}
+
+/// The WGSL files in a folder and below, without those that tools write.
+fn wgsl_files(root: &Path) -> Vec<PathBuf> {
+    let (mut files, mut open) = (Vec::new(), vec![root.to_path_buf()]);
+    while let Some(folder) = open.pop() {
+        let here = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+        let entries = std::fs::read_dir(here).into_iter().flatten().flatten();
+        for entry in entries {
+            let (name, path) = (entry.file_name(), folder.join(entry.file_name()));
+            let is_hidden = name.to_str().is_none_or(|name| name.starts_with('.'));
+            let Ok(kind) = entry.file_type() else { continue };
+            if kind.is_dir() && !is_hidden && name != "target" && name != "node_modules" {
+                open.push(path);
+            } else if kind.is_file() && path.extension().is_some_and(|e| e == "wgsl") {
+                files.push(path);
+            }
+        }
+        if files.len() + open.len() > MOST_INDEXED {
+            break;
+        }
+    }
+    files.sort();
+    files
+}
+
+/// The folder of a package's modules by its `wesl.toml`.
+fn root_of_wesl(folder: &Path) -> Option<PathBuf> {
+    let text = std::fs::read_to_string(folder.join("wesl.toml")).ok()?;
+    let root = text.lines().find_map(|line| {
+        let (key, value) = line.split_once('=')?;
+        (key.trim() == "root").then(|| value.trim().trim_matches(['"', '\'']).to_string())
+    });
+    Some(folder.join(root.as_deref().unwrap_or("shaders").trim_start_matches("./")))
+}
+
+/// The version in the name of a crate's folder: `name-1.2.3`.
+fn version_of(folder: &str) -> Option<&str> {
+    let (_, version) = folder.rsplit_once('-')?;
+    version.starts_with(|c: char| c.is_ascii_digit()).then_some(version)
+}
+
+/// The crate of the highest version among folders.
+fn newest(folders: Vec<PathBuf>, name: &str) -> Option<PathBuf> {
+    let version = |path: &PathBuf| {
+        let folder = path.file_name()?.to_str()?;
+        let version = folder.strip_prefix(name)?.strip_prefix('-')?;
+        let parts: Vec<u64> =
+            version.split(['.', '-']).map_while(|part| part.parse().ok()).collect();
+        version.starts_with(|c: char| c.is_ascii_digit()).then_some(parts)
+    };
+    folders.into_iter().filter_map(|path| Some((version(&path)?, path))).max().map(|(_, path)| path)
+}
+
+/// The version of a package that Cargo has locked.
+fn locked(lock: &Path, name: &str) -> Option<String> {
+    let text = std::fs::read_to_string(lock).ok()?;
+    let quoted = |line: &str, key: &str| -> Option<String> {
+        let value = line.strip_prefix(key)?.trim_start().strip_prefix('=')?;
+        Some(value.trim().trim_matches('"').to_string())
+    };
+    let mut lines = text.lines();
+    lines.find(|line| quoted(line, "name").as_deref() == Some(name))?;
+    quoted(lines.next()?, "version")
+}
+
+fn cargo_home() -> PathBuf {
+    let home = || std::env::var_os("HOME").map(|home| Path::new(&home).join(".cargo"));
+    std::env::var_os("CARGO_HOME").map(PathBuf::from).or_else(home).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_are_compared_by_their_numbers() {
+        let folders = ["bevy_pbr-0.9.1", "bevy_pbr-0.19.0", "bevy_pbr_macros-1.0.0", "bevy_pbr"];
+        let folders = folders.map(PathBuf::from).to_vec();
+        assert_eq!(newest(folders, "bevy_pbr"), Some(PathBuf::from("bevy_pbr-0.19.0")));
+    }
+}
