@@ -5,7 +5,6 @@
 //! a plan requires. [`truth`] renders with the reference; [`tally`] adds up the interpreter's
 //! counts.
 
-mod border;
 pub mod choose;
 mod ignored;
 pub(crate) mod limits;

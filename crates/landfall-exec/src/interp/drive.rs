@@ -147,11 +147,13 @@ impl Program {
         other: &Other,
         each: impl Fn(&mut Machine<R>, usize) -> Result<T, Stopped> + Sync,
     ) -> Result<Outcome<T>, Failure> {
-        let wanted = match settings.threads {
-            0 => std::thread::available_parallelism().map_or(1, |n| n.get()),
-            given => given,
+        let useful = if bound.writes { 1 } else { batches.div_ceil(CLAIM).max(1) };
+        let threads = match settings.threads {
+            // The system takes longer to say than a batch.
+            _ if useful == 1 => 1,
+            0 => std::thread::available_parallelism().map_or(1, |n| n.get()).min(useful),
+            given => given.min(useful),
         };
-        let threads = if bound.writes { 1 } else { wanted.min(batches.div_ceil(4)).max(1) };
         let share = batches.div_ceil(threads);
         let next = AtomicUsize::new(0);
         let work = |thread: usize| {
